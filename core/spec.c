@@ -1,5 +1,6 @@
 #include "core/spec.h"
 
+#include "core/base/nearest.h"
 #include "core/base/quote.h"
 #include "core/spec/decimal.h"
 #include "core/spec/kinds.h"
@@ -152,30 +153,57 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
                               struct vor_error *err)
 {
     char quoted[PARAMETER_SIZE], names[NAMES_SIZE] = "none";
+    struct vor_nearest nearest;
     size_t at = 0;
+    int count = 0;
 
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-        if (vor_process_takes(process, (enum vor_parameter)i))
-            at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
-                                   vor_parameter_info((enum vor_parameter)i)->name);
+    vor_nearest_init_any(&nearest, name, strlen(name));
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
+        const char *taken = vor_parameter_info((enum vor_parameter)i)->name;
+
+        if (!vor_process_takes(process, (enum vor_parameter)i))
+            continue;
+        vor_nearest_try(&nearest, taken, strlen(taken));
+        count++;
+    }
+    for (unsigned i = 0; i < nearest.count; i++)
+        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
+                               nearest.found[i].word);
     vor_quote(quoted, sizeof quoted, name, strlen(name));
-    return vor_fail_param(err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s", quoted,
-                          process->id, names);
+    return vor_fail_param(err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s%s", quoted,
+                          process->id, names,
+                          count > VOR_NEAREST_MAX ? " and others less alike" : "");
 }
 
 static vor_status refuse_as(vor_status status, const struct vor_parameter_info *info,
-                            const char *what, struct vor_error *err)
+                            const char *what, const char *meant, struct vor_error *err)
 {
     char want[VOR_KIND_WORDS_SIZE];
 
     vor_kind_want(info, want);
-    return vor_fail_param(err, status, info->name, "%s is %s, want %s", info->name, what, want);
+    return vor_fail_param(err, status, info->name, "%s is %s, want %s%s", info->name, what, want,
+                          meant);
 }
 
 static vor_status refuse_value(const struct vor_parameter_info *info, const char *what,
                                struct vor_error *err)
 {
-    return refuse_as(VOR_E_PARAM, info, what, err);
+    return refuse_as(VOR_E_PARAM, info, what, "", err);
+}
+
+/* The words of the parameter that are like a text; see vor_nearest_text. */
+static const char *find_nearest(const struct vor_parameter_info *info, const char *text,
+                                char out[VOR_NEAREST_TEXT_SIZE])
+{
+    struct vor_nearest nearest;
+    const char *word;
+    size_t length;
+
+    vor_nearest_init(&nearest, text, strlen(text));
+    for (unsigned i = 0; (length = vor_parameter_choice(info, i, &word)) > 0; i++)
+        if ((info->allowed >> i & 1) != 0)
+            vor_nearest_try(&nearest, word, length);
+    return vor_nearest_text(&nearest, "", out);
 }
 
 /* A text that is no number stands in quotes; of a count with k or M, what it comes to stands beside
@@ -185,6 +213,7 @@ static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_sh
                               const char *text, struct vor_error *err)
 {
     char quoted[SHOWN_SIZE - 2], what[SHOWN_SIZE + MEANT_SIZE], meant[VOR_KIND_NUMBER_SIZE];
+    char nearest[VOR_NEAREST_TEXT_SIZE];
     int is_number = vor_kind_has_shape(info->kind, VOR_SHAPE_NUMBER);
 
     if (text[0] == '\0')
@@ -195,7 +224,7 @@ static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_sh
     else
         (void)snprintf(what, sizeof what, is_number ? "%s" : "\"%s\"", quoted);
     return refuse_as(vor_kind_has_unknown_word(info, shape, text) ? VOR_E_WORD : VOR_E_PARAM, info,
-                     what, err);
+                     what, find_nearest(info, text, nearest), err);
 }
 
 /* The parameter of that name as the process has it; false when it takes none. */

@@ -34,12 +34,12 @@ int vor_decimal_read_count(double *out, const char *text)
     size_t length = strlen(text);
     char last = length > 0 ? text[length - 1] : '\0';
 
-    if (last != 'k' && last != 'M')
+    if (last != 'k' && last != 'K' && last != 'M')
         return vor_decimal_read(out, text, length);
     if (length + 1 > LENGTH_MAX || strpbrk(text, "eE") != NULL)
         return 0;
     (void)snprintf(expanded, sizeof expanded, "%.*se%d", (int)length - 1, text,
-                   last == 'k' ? 3 : 6);
+                   last == 'M' ? 6 : 3);
     return vor_decimal_read(out, expanded, length + 1);
 }
 

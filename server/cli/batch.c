@@ -4,6 +4,7 @@
 #include "proto/json/json.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
+#include "server/cli/overwrite.h"
 #include "server/cli/say.h"
 
 #include <assert.h>
@@ -15,7 +16,13 @@
 struct result {
     const char *input;
     char *output;
+    int replace; /* a file that has its name */
 };
+
+static int is_interrupted(void)
+{
+    return vor_interrupt_seen() || vor_interrupt_stops();
+}
 
 /* Calls one for each operand until a signal comes; the first exit code of a failure. */
 static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index), const void *ctx)
@@ -23,14 +30,14 @@ static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index
     int failed = 0, done = 0, first = VOR_EXIT_OK;
     char line[64];
 
-    for (; done < cli->operand_count && !vor_interrupt_seen(); done++) {
+    for (; done < cli->operand_count && !is_interrupted(); done++) {
         int code = one(ctx, done);
 
         failed += code != VOR_EXIT_OK;
         if (first == VOR_EXIT_OK)
             first = code;
     }
-    if (vor_interrupt_seen() && (failed > 0 || done < cli->operand_count))
+    if (is_interrupted() && (failed > 0 || done < cli->operand_count))
         return vor_cli_interrupted();
     if (failed > 0 && cli->operand_count > 1) {
         (void)snprintf(line, sizeof line, "%d of %d failed", failed, cli->operand_count);
@@ -181,6 +188,8 @@ static int run_one(const void *ctx, int index)
     one.operand_count = 1;
     one.input[0] = result->input;
     one.option[VOR_OPTION_OUTPUT] = result->output;
+    if (result->replace)
+        one.option[VOR_OPTION_FORCE] = "";
     if (one.option[VOR_OPTION_JSON] != NULL)
         print_names(result);
     code = batch->run(&one);
@@ -189,7 +198,21 @@ static int run_one(const void *ctx, int index)
     return code;
 }
 
-static int run_all(const struct batch *batch)
+/* What may not be written is told before any work; what may is not asked about again. */
+static vor_status check_overwrites(struct batch *batch, struct vor_error *err)
+{
+    struct vor_error why;
+
+    for (int i = 0; i < batch->cli->operand_count; i++) {
+        struct result *result = &batch->results[i];
+
+        if (vor_overwrite_check(batch->cli, result->output, &result->replace, &why) != VOR_OK)
+            return vor_fail(err, why.status, "%.300s: %.300s", result->output, why.message);
+    }
+    return VOR_OK;
+}
+
+static int run_all(struct batch *batch)
 {
     const struct vor_cli *cli = batch->cli;
     struct vor_error err;
@@ -197,6 +220,8 @@ static int run_all(const struct batch *batch)
 
     if (status == VOR_OK)
         status = check_names(batch->results, cli->operand_count, &err);
+    if (status == VOR_OK)
+        status = check_overwrites(batch, &err);
     if (status == VOR_OK)
         status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
     return status == VOR_OK ? each(cli, run_one, batch) : vor_cli_fail(cli->command->name, &err);

@@ -1,5 +1,6 @@
 #include "server/cli/cli.h"
 
+#include "core/base/nearest.h"
 #include "server/cli/batch.h"
 #include "server/cli/fetch.h"
 #include "server/cli/health.h"
@@ -36,6 +37,8 @@ static const struct vor_command others[] = {
      ASKS_JOBS | VOR_COMMAND_FETCHES, " JOB...", 1, INT_MAX, NULL, vor_cli_fetch},
     {"cancel", "Cancel jobs", "Dismisses jobs that have not ended", ASKS_JOBS, " JOB...", 1,
      INT_MAX, NULL, vor_cli_cancel},
+    {"stop", "Stop jobs, keep the best", "Ends running jobs with the best clouds so far as results",
+     ASKS_JOBS, " JOB...", 1, INT_MAX, NULL, vor_cli_stop},
     {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
      VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
     {"key", "Make a key for a daemon",
@@ -98,6 +101,26 @@ static void choose_submit(struct chosen *out, const struct vor_process_info *pro
     out->words = 2;
 }
 
+static void refuse_name(const char *name)
+{
+    static const char *const more[] = {"serve", "help", "version"};
+    char meant[VOR_NEAREST_TEXT_SIZE], line[sizeof meant + 64];
+    const struct vor_process_info *process;
+    struct vor_nearest nearest;
+
+    vor_nearest_init(&nearest, name, strlen(name));
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
+        vor_nearest_try(&nearest, process->id, strlen(process->id));
+    for (int i = 0; i < OTHERS; i++)
+        vor_nearest_try(&nearest, others[i].name, strlen(others[i].name));
+    for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
+        vor_nearest_try(&nearest, more[i], strlen(more[i]));
+    (void)snprintf(line, sizeof line, "no such command%s",
+                   nearest.count > 0 ? vor_nearest_text(&nearest, "", meant)
+                                     : "; see voronoid --help");
+    vor_cli_say(name, line);
+}
+
 /* The command of that name, and of the next word where that belongs to it; false after it was said
  * that there is none. */
 static int find(struct chosen *out, const char *name, const char *next)
@@ -119,7 +142,7 @@ static int find(struct chosen *out, const char *name, const char *next)
             out->command = others[i];
             return 1;
         }
-    vor_cli_say(name, "no such command; see voronoid --help");
+    refuse_name(name);
     return 0;
 }
 

@@ -128,7 +128,7 @@ static const char bash_body[] =
     "_voronoid_operand()\n"
     "{\n"
     "    case $1 in\n"
-    "    wait | fetch | cancel | jobs)\n"
+    "    wait | fetch | cancel | stop | jobs)\n"
     "        _voronoid_reply -W \"$(timeout 2 \"${COMP_WORDS[0]}\" jobs -q 2>/dev/null)\" -- "
     "\"$2\" ;;\n"
     "    health | serve | submit) ;;\n"

@@ -5,6 +5,7 @@
 #include "server/cli/batch.h"
 #include "server/cli/files.h"
 #include "server/cli/follow.h"
+#include "server/cli/overwrite.h"
 #include "server/cli/say.h"
 
 #include <limits.h>
@@ -110,13 +111,14 @@ static int receive(struct vor_follow *follow, struct result *result)
 static int fetch_result(struct vor_follow *follow, const struct vor_json *member)
 {
     struct result result = {.name = vor_json_name(member), .type = vor_follow_text(member, "type")};
-    int code;
+    int code, replace;
 
     if (!is_plain(result.name) || !name_file(follow, &result)) {
         vor_cli_say(follow->subject, "the name of a result cannot be a file name");
         return VOR_EXIT_FAILED;
     }
-    if (vor_output_open(&result.output, result.path, &follow->err) != VOR_OK)
+    if (vor_overwrite_check(follow->cli, result.path, &replace, &follow->err) != VOR_OK ||
+        vor_output_open(&result.output, result.path, replace, &follow->err) != VOR_OK)
         return vor_cli_fail(result.path, &follow->err);
     vor_progress_note(&follow->progress, "receiving");
     code = receive(follow, &result);

@@ -140,12 +140,14 @@ static int resolve(struct vor_output *out, const char *path)
     return 0;
 }
 
-vor_status vor_output_open(struct vor_output *out, const char *path, struct vor_error *err)
+vor_status vor_output_open(struct vor_output *out, const char *path, int replace,
+                           struct vor_error *err)
 {
     struct stat info;
     int fd = -1;
 
     memset(out, 0, sizeof *out);
+    out->may_replace = replace;
     if (strcmp(path, "-") == 0)
         fd = dup(STDOUT_FILENO);
     else if (resolve(out, path) != 0)
@@ -185,6 +187,20 @@ vor_status vor_output_fail(const struct vor_output *output, struct vor_error *er
     return cannot(err, "written", output->error != 0 ? output->error : EIO);
 }
 
+/* A link takes no name that a file got meanwhile. Not every file system has links. */
+static int take_name(const struct vor_output *output)
+{
+    if (!output->may_replace) {
+        if (link(output->temporary, output->path) == 0) {
+            (void)unlink(output->temporary);
+            return 0;
+        }
+        if (errno == EEXIST)
+            return -1;
+    }
+    return rename(output->temporary, output->path);
+}
+
 /* Syncs the bytes before the file takes its name: a crash in between leaves the old file. */
 static int complete(struct vor_output *output)
 {
@@ -194,7 +210,7 @@ static int complete(struct vor_output *output)
         return -1;
     if (vor_interrupt_seen())
         return -1;
-    return output->is_temporary ? rename(output->temporary, output->path) : 0;
+    return output->is_temporary ? take_name(output) : 0;
 }
 
 vor_status vor_output_commit(struct vor_output *output, struct vor_error *err)

@@ -32,13 +32,14 @@ void vor_input_free(struct vor_input *input);
  *  as it comes. A signal makes writing fail. */
 struct vor_output {
     FILE *file;
-    int is_temporary;
+    int is_temporary, may_replace;
     int error; /**< errno of the first failure */
     char path[PATH_MAX], temporary[PATH_MAX];
 };
 
-/** @retval VOR_E_IO it cannot be created (the message says why) */
-VOR_NODISCARD vor_status vor_output_open(struct vor_output *out, const char *path,
+/** @param[in] replace  whether a file may be replaced that has that name when this one is complete
+ *  @retval VOR_E_IO it cannot be created (the message says why) */
+VOR_NODISCARD vor_status vor_output_open(struct vor_output *out, const char *path, int replace,
                                          struct vor_error *err);
 
 /** The sink's function (proto/codec.h); ctx is the output. */

@@ -115,7 +115,7 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
     *json = NULL;
     if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK) {
         code = vor_follow_no_answer(follow);
-    } else if (call.http != 200) {
+    } else if (call.http != 200 && call.http != 202) {
         code = vor_follow_refused(follow, &call);
     } else {
         *json = vor_remote_json(&call);
@@ -185,6 +185,7 @@ static vor_status listen(struct vor_follow *follow)
                                    .headers = headers,
                                    .take = on_stream,
                                    .ctx = follow,
+                                   .ends_to_stop = !follow->told_to_stop,
                                    .stall_seconds = VOR_FOLLOW_STALL_SECONDS};
     vor_status status;
 
@@ -229,6 +230,32 @@ int vor_follow_ask(struct vor_follow *follow, struct vor_json **json)
     return status != VOR_OK ? vor_follow_no_answer(follow) : code;
 }
 
+int vor_follow_stop(struct vor_follow *follow)
+{
+    char url[VOR_REMOTE_URL_MAX + 16];
+    struct vor_remote_call call = {
+        .method = "POST", .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
+    struct vor_json *job = NULL;
+    int code = VOR_EXIT_OK;
+
+    follow->told_to_stop = 1;
+    (void)snprintf(url, sizeof url, "%s/stop", follow->job);
+    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
+        code = vor_follow_no_answer(follow);
+    else if (call.http != 202 && call.http != 409)
+        code = vor_follow_refused(follow, &call);
+    if (code == VOR_EXIT_OK && call.http == 409)
+        code = vor_follow_ask(follow, &job);
+    if (job != NULL && !vor_follow_is_over(follow)) {
+        vor_progress_clear(&follow->progress);
+        vor_cli_say(follow->subject, "cancelled before it began");
+        code = VOR_EXIT_INTERRUPTED;
+    }
+    vor_json_free(job);
+    vor_text_free(&call.text);
+    return code;
+}
+
 /* Waits as long as the server asks to, or until a signal comes. */
 static void pause_before_retry(const struct vor_follow *follow)
 {
@@ -251,6 +278,12 @@ static int listen_to_end(struct vor_follow *follow)
     for (int tries = 0; !vor_follow_is_over(follow);) {
         if (listen(follow) == VOR_E_CANCELLED && vor_interrupt_seen())
             return vor_follow_no_answer(follow);
+        if (vor_interrupt_stops() && !follow->told_to_stop) {
+            code = vor_follow_stop(follow);
+            if (code != VOR_EXIT_OK)
+                return code;
+            continue;
+        }
         if (vor_follow_is_over(follow))
             break;
         code = ask(follow, &json, &status);

@@ -23,6 +23,7 @@ struct vor_follow {
     char server[VOR_REMOTE_URL_MAX];
     char job[VOR_REMOTE_URL_MAX]; /**< URL of the job; "" before there is one */
     char status[32];              /**< of the job, as far as known */
+    int told_to_stop;             /**< the daemon, by us */
     struct vor_error err;
 };
 
@@ -39,14 +40,20 @@ int vor_follow_no_answer(struct vor_follow *follow);
 /** Says an answer that is a refusal. Never returns VOR_EXIT_OK. */
 int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *call);
 
-/** Makes a call and reads its answer, 200 and JSON. *json is to be freed; NULL unless VOR_EXIT_OK
- * is returned. */
+/** Makes a call and reads its answer, 200 or 202 and JSON. *json is to be freed; NULL unless
+ * VOR_EXIT_OK is returned. */
 int vor_follow_call(struct vor_follow *follow, const char *method, const char *url,
                     struct vor_json **json);
 
 /** Asks how the job is doing. *json is its statusInfo, to be freed; NULL unless VOR_EXIT_OK is
  *  returned. */
 int vor_follow_ask(struct vor_follow *follow, struct vor_json **json);
+
+/** Asks for the job to end with the best so far.
+ *
+ *  @return VOR_EXIT_OK, also where it is over already; VOR_EXIT_INTERRUPTED, after it was said,
+ * where it has not begun */
+int vor_follow_stop(struct vor_follow *follow);
 
 /** True when the job is known to be over. */
 int vor_follow_is_over(const struct vor_follow *follow);

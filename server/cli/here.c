@@ -3,7 +3,9 @@
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/cli/files.h"
+#include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
+#include "server/cli/overwrite.h"
 #include "server/cli/say.h"
 #include "server/cli/work.h"
 
@@ -21,6 +23,7 @@ struct here {
     const struct vor_format *format; /* of the main input, then of the result */
     struct vor_result_facts facts;
     struct vor_output output;
+    int replace;               /* a file that has the output's name */
     struct vor_report *report; /* among the outputs; NULL where the process has none */
     double seconds_read, seconds_write;
 };
@@ -65,6 +68,8 @@ static vor_status run(struct here *r, struct vor_error *err)
     r->progress.pace.work =
         vor_pace_work_of(&r->cli->spec, cloud->n, vor_pool_threads(r->work.run.pool));
     vor_progress_note(&r->progress, "preparing");
+    if (r->spec.process->methods != 0)
+        vor_interrupt_keep_best();
     status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
     if (status == VOR_OK)
         r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
@@ -161,8 +166,12 @@ static vor_status check(struct here *r, struct vor_error *err)
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
 static vor_status work(struct here *r, struct vor_error *err)
 {
-    vor_status status = load(r, err);
+    vor_status status;
 
+    r->subject = r->cli->option[VOR_OPTION_OUTPUT];
+    status = vor_overwrite_check(r->cli, r->subject, &r->replace, err);
+    if (status == VOR_OK)
+        status = load(r, err);
     if (status != VOR_OK)
         return status;
     r->format = format_of_result(r->cli, r->format);
@@ -173,7 +182,7 @@ static vor_status work(struct here *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
-    status = vor_output_open(&r->output, r->subject, err);
+    status = vor_output_open(&r->output, r->subject, r->replace, err);
     if (status != VOR_OK)
         return status;
     r->subject = r->cli->input[0];
@@ -206,5 +215,7 @@ int vor_cli_process_here(const struct vor_cli *cli)
     vor_artefacts_free(&r.in);
     vor_artefacts_free(&r.out);
     vor_work_end(&r.work);
-    return status == VOR_OK ? VOR_EXIT_OK : vor_cli_fail(r.subject, &err);
+    if (status != VOR_OK)
+        return vor_cli_fail(r.subject, &err);
+    return vor_interrupt_stops() ? VOR_EXIT_INTERRUPTED : VOR_EXIT_OK;
 }

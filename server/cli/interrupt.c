@@ -1,15 +1,28 @@
 #include "server/cli/interrupt.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <string.h>
+#include <unistd.h>
 
-static atomic_int caught; /* the first signal; lock-free, so that a handler may set it */
+/* Lock-free, so that a handler may set them. */
+static atomic_int caught; /* the first signal that cancels */
+static atomic_int keeps, stops;
 
 static void on_signal(int signal)
 {
+    static const char said[] = "voronoid: stopping, the best so far is kept; ^C again cancels\n";
     int none = 0;
 
+    if (signal == SIGINT && atomic_load(&keeps) && !atomic_exchange(&stops, 1)) {
+        int error = errno;
+
+        if (write(STDERR_FILENO, said, sizeof said - 1) < 0)
+            errno = 0; /* nobody listens */
+        errno = error;
+        return;
+    }
     (void)atomic_compare_exchange_strong(&caught, &none, signal);
 }
 
@@ -22,6 +35,16 @@ void vor_interrupt_catch(void)
     action.sa_handler = on_signal;
     (void)sigaction(SIGINT, &action, NULL);
     (void)sigaction(SIGTERM, &action, NULL);
+}
+
+void vor_interrupt_keep_best(void)
+{
+    atomic_store(&keeps, 1);
+}
+
+int vor_interrupt_stops(void)
+{
+    return atomic_load_explicit(&stops, memory_order_relaxed);
 }
 
 int vor_interrupt_seen(void)

@@ -250,24 +250,25 @@ int vor_cli_wait(const struct vor_cli *cli)
     return vor_cli_each(cli, wait_one);
 }
 
-/* Dismisses a job that was not over when it was asked; the daemon removes one that ends in between,
- * as it does for anybody who deletes it. */
-static int dismiss(struct vor_follow *follow)
+/* Ends a job that was not over when it was asked. */
+static int end_job(struct vor_follow *follow, const char *method, const char *url, const char *said)
 {
     const struct vor_cli *cli = follow->cli;
     struct vor_json *job;
-    int code = vor_follow_call(follow, "DELETE", follow->job, &job);
+    int code = vor_follow_call(follow, method, url, &job);
 
     if (code == VOR_EXIT_OK && cli->option[VOR_OPTION_JSON] != NULL)
         print_json(job);
     else if (code == VOR_EXIT_OK && cli->option[VOR_OPTION_QUIET] == NULL)
-        vor_cli_say(follow->subject, "dismissed");
+        vor_cli_say(follow->subject, said);
     vor_json_free(job);
     return code;
 }
 
-static int cancel_one(const struct vor_cli *cli, const char *id)
+/* The daemon removes a job that ends before its DELETE arrives, as it does for anybody. */
+static int end_one(const struct vor_cli *cli, const char *id, int keeps_best)
 {
+    char url[VOR_REMOTE_URL_MAX + 16];
     struct vor_follow follow;
     struct vor_json *job;
     int code = ask_about(&follow, cli, id, &job);
@@ -280,15 +281,39 @@ static int cancel_one(const struct vor_cli *cli, const char *id)
         vor_cli_say(id, line);
         code = VOR_EXIT_FAILED;
     } else if (code == VOR_EXIT_OK) {
-        code = dismiss(&follow);
+        (void)snprintf(url, sizeof url, "%s/stop", follow.job);
+        code = keeps_best
+                   ? end_job(&follow, "POST", url, "stopping, the best so far becomes its result")
+                   : end_job(&follow, "DELETE", follow.job, "dismissed");
     }
     vor_follow_close(&follow);
     return code;
 }
 
-int vor_cli_cancel(const struct vor_cli *cli)
+static int cancel_one(const struct vor_cli *cli, const char *id)
 {
-    int code = vor_cli_each(cli, cancel_one);
+    return end_one(cli, id, 0);
+}
+
+static int stop_one(const struct vor_cli *cli, const char *id)
+{
+    return end_one(cli, id, 1);
+}
+
+static int end_each(const struct vor_cli *cli,
+                    int (*one)(const struct vor_cli *cli, const char *id))
+{
+    int code = vor_cli_each(cli, one);
 
     return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
+}
+
+int vor_cli_cancel(const struct vor_cli *cli)
+{
+    return end_each(cli, cancel_one);
+}
+
+int vor_cli_stop(const struct vor_cli *cli)
+{
+    return end_each(cli, stop_one);
 }

@@ -1,4 +1,4 @@
-/** The jobs of a daemon: voronoid jobs, wait and cancel. */
+/** The jobs of a daemon: voronoid jobs, wait, cancel and stop. */
 #ifndef VOR_CLI_JOBS_H
 #define VOR_CLI_JOBS_H
 
@@ -14,5 +14,9 @@ int vor_cli_wait(const struct vor_cli *cli);
 /** Dismisses each job. One that is over keeps its results, and counts as a failure. Returns the
  * exit code. */
 int vor_cli_cancel(const struct vor_cli *cli);
+
+/** Stops each running job with the best so far as its result. One that is over counts as a failure.
+ *  Returns the exit code. */
+int vor_cli_stop(const struct vor_cli *cli);
 
 #endif

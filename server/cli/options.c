@@ -1,17 +1,21 @@
 #include "server/cli/options.h"
 
+#include "core/base/nearest.h"
 #include "core/base/parallel.h"
 #include "core/base/quote.h"
+#include "core/spec/decimal.h"
 #include "proto/codec.h"
 #include "proto/text.h"
 #include "server/base/machine.h"
 #include "server/base/uuid.h"
+#include "server/cli/menu.h"
 
 #include <assert.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const struct vor_option_info options[VOR_OPTION_COUNT] = {
 #define OPTION_ROW(id, name, letter, value, variable, commands, sentence)                          \
@@ -20,26 +24,10 @@ static const struct vor_option_info options[VOR_OPTION_COUNT] = {
 #undef OPTION_ROW
 };
 
-/* What getopt_long returns for a long option is its row behind one of these, above every letter. */
 enum {
-    LONG_OPTION = 256,
-    LONG_INPUT = LONG_OPTION + VOR_OPTION_COUNT,
-    LONG_PARAMETER = LONG_INPUT + VOR_INPUTS_MAX,
-    LONGS_MAX = VOR_OPTION_COUNT + VOR_INPUTS_MAX + VOR_PARAMETER_COUNT
-};
-
-enum {
-    OPERAND = 1,         /* what it returns for an operand, and for letters */
-    POINTS_LETTER = 'n', /* stands for the parameter points */
-    SHOWN_SIZE = 48,     /* of what a caller wrote, in a message */
-    NAMES_SIZE = 256     /* of the names that an ambiguous one may stand for */
-};
-
-/* What a command takes, as getopt_long wants it. */
-struct menu {
-    struct option longs[LONGS_MAX + 1]; /* the last one is zero */
-    int count;
-    char letters[2 * VOR_OPTION_COUNT + 8];
+    OPERAND = 1,     /* what it returns for an operand, and for letters */
+    SHOWN_SIZE = 48, /* of what a caller wrote, in a message */
+    NAMES_SIZE = 256 /* of the names that an ambiguous one may stand for */
 };
 
 /* The word that is being read, and where it goes. */
@@ -47,7 +35,7 @@ struct reader {
     struct vor_cli *cli;
     char **argv;
     int argc;
-    struct menu menu;
+    struct vor_menu menu;
     struct vor_error *err;
 };
 
@@ -75,60 +63,6 @@ int vor_cli_into_folder(const struct vor_cli *cli)
     return length > 0 && output[length - 1] == '/';
 }
 
-/* The menu. */
-
-static void add_long(struct menu *menu, const char *name, int argument, int value)
-{
-    menu->longs[menu->count++] = (struct option){name, argument, NULL, value};
-}
-
-static void add_letter(struct menu *menu, char letter, int has_value)
-{
-    size_t at = strlen(menu->letters);
-
-    menu->letters[at++] = letter;
-    if (has_value)
-        menu->letters[at++] = ':';
-    menu->letters[at] = '\0';
-}
-
-static void add_parameters(struct menu *menu, const struct vor_process_info *process)
-{
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
-        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
-        int is_flag = info->kind == VOR_KIND_FLAG;
-
-        if (vor_process_takes(process, (enum vor_parameter)i))
-            add_long(menu, info->name, is_flag ? optional_argument : required_argument,
-                     LONG_PARAMETER + i);
-    }
-    if (vor_process_takes(process, VOR_PARAM_POINTS))
-        add_letter(menu, POINTS_LETTER, 1);
-}
-
-/* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
- * from an unknown option, and prints nothing. */
-static void make_menu(struct menu *menu, const struct vor_command *command)
-{
-    memset(menu, 0, sizeof *menu);
-    memcpy(menu->letters, "-:", sizeof "-:");
-    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        int has_value = options[i].value[0] != '\0';
-
-        if (!vor_command_takes(command, (enum vor_option)i))
-            continue;
-        add_long(menu, options[i].name, has_value ? required_argument : no_argument,
-                 LONG_OPTION + i);
-        if (options[i].letter != 0)
-            add_letter(menu, options[i].letter, has_value);
-    }
-    if (command->process == NULL)
-        return;
-    for (int i = 1; command->process->inputs[i].name != NULL; i++)
-        add_long(menu, command->process->inputs[i].name, required_argument, LONG_INPUT + i);
-    add_parameters(menu, command->process);
-}
-
 /* Refusals. */
 
 static vor_status no_option(const struct reader *r, const char *shown)
@@ -137,15 +71,32 @@ static vor_status no_option(const struct reader *r, const char *shown)
                     r->cli->command->name);
 }
 
+static vor_status no_long(const struct reader *r, const char *shown, const char *name,
+                          size_t length)
+{
+    char meant[VOR_NEAREST_TEXT_SIZE];
+    struct vor_nearest nearest;
+
+    vor_nearest_init(&nearest, name, length);
+    for (int i = 0; i < r->menu.count; i++)
+        if (i == 0 || r->menu.longs[i].val != r->menu.longs[i - 1].val)
+            vor_nearest_try(&nearest, r->menu.longs[i].name, strlen(r->menu.longs[i].name));
+    if (nearest.count == 0)
+        return no_option(r, shown);
+    return vor_fail(r->err, VOR_E_PARAM, "no option %s%s", shown,
+                    vor_nearest_text(&nearest, "--", meant));
+}
+
 /* The names that begin like this, with "or" between; how many there are. */
-static int candidates(const struct menu *menu, const char *begin, size_t length,
+static int candidates(const struct vor_menu *menu, const char *begin, size_t length,
                       char out[NAMES_SIZE])
 {
     size_t at = 0;
     int found = 0;
 
     for (int i = 0; i < menu->count; i++) {
-        if (strncmp(menu->longs[i].name, begin, length) != 0)
+        if (strncmp(menu->longs[i].name, begin, length) != 0 ||
+            (i > 0 && menu->longs[i].val == menu->longs[i - 1].val && found > 0))
             continue;
         if (at < NAMES_SIZE)
             at += (size_t)snprintf(out + at, NAMES_SIZE - at, "%s--%s", found > 0 ? " or " : "",
@@ -167,13 +118,14 @@ static vor_status refuse_long(const struct reader *r, const char *word)
 
     vor_quote(shown, sizeof shown, word, length + 2);
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), name);
-    parameter = vor_parameter_find(exact);
+    parameter = vor_menu_parameter(exact);
     if (process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter))
-        return vor_spec_set(&r->cli->spec, exact, "", r->err); /* refuses the name */
+        return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, "",
+                            r->err); /* refuses the name */
     if (length > 0 && candidates(&r->menu, name, length, names) > 1)
         return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
-    return no_option(r, shown);
+    return no_long(r, shown, name, length);
 }
 
 static vor_status refuse_letter(const struct reader *r, int letter, const char *what)
@@ -204,19 +156,24 @@ static vor_status refuse(const struct reader *r, int got)
 
     if (optopt == 0)
         return refuse_long(r, r->argv[optind - 1]);
-    if (optopt >= LONG_OPTION)
+    if (optopt >= VOR_LONG_OPTION)
         return refuse_use(r, missing != NULL ? missing : "takes no value");
     return refuse_letter(r, optopt, missing);
 }
 
 /* Reading. */
 
-/* A flag that stands alone is true; what follows it is not its value. */
+/* A flag that stands alone is true; what follows it is not its value. A ratio may be in percent. */
 static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *value)
 {
     const struct vor_parameter_info *info = vor_parameter_info(parameter);
+    size_t length = value != NULL ? strlen(value) : 0;
+    double percent;
 
     r->cli->given[parameter] = 1;
+    if (parameter == VOR_PARAM_RATIO && length > 1 && value[length - 1] == '%' &&
+        vor_decimal_read(&percent, value, length - 1))
+        return vor_spec_set_number(&r->cli->spec, info->name, percent / 100, r->err);
     return vor_spec_set(&r->cli->spec, info->name, value != NULL ? value : "true", r->err);
 }
 
@@ -246,17 +203,18 @@ static int option_of_letter(const struct vor_command *command, int letter)
 /* Takes what getopt_long returned. */
 static vor_status take(struct reader *r, int got)
 {
-    int option = LONG_OPTION <= got && got < LONG_INPUT ? got - LONG_OPTION
-                                                        : option_of_letter(r->cli->command, got);
+    int option = VOR_LONG_OPTION <= got && got < VOR_LONG_INPUT
+                     ? got - VOR_LONG_OPTION
+                     : option_of_letter(r->cli->command, got);
 
     if (got == '?' || got == ':')
         return refuse(r, got);
     if (got == OPERAND)
         return add_operand(r, optarg);
-    if (got >= LONG_PARAMETER)
-        return set_parameter(r, (enum vor_parameter)(got - LONG_PARAMETER), optarg);
-    if (got >= LONG_INPUT)
-        r->cli->input[got - LONG_INPUT] = optarg;
+    if (got >= VOR_LONG_PARAMETER)
+        return set_parameter(r, (enum vor_parameter)(got - VOR_LONG_PARAMETER), optarg);
+    if (got >= VOR_LONG_INPUT)
+        r->cli->input[got - VOR_LONG_INPUT] = optarg;
     else if (option == VOR_OPTION_COUNT)
         return set_parameter(r, VOR_PARAM_POINTS, optarg);
     else
@@ -269,7 +227,7 @@ static vor_status read_words(struct reader *r)
     vor_status status = VOR_OK;
     int got;
 
-    make_menu(&r->menu, r->cli->command);
+    vor_menu_make(&r->menu, r->cli->command);
     r->cli->operands = r->argv + 1;
     optind = 0; /* glibc's word for a new command line */
     while (status == VOR_OK &&
@@ -340,6 +298,18 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
     return status;
 }
 
+/* An output that is a folder gets a slash at its end. */
+static void mark_folder(struct vor_cli *cli, const char **output)
+{
+    struct stat info;
+
+    if (*output == NULL || vor_cli_into_folder(cli) || stat(*output, &info) != 0 ||
+        !S_ISDIR(info.st_mode))
+        return;
+    if (snprintf(cli->folder, sizeof cli->folder, "%s/", *output) < (int)sizeof cli->folder)
+        *output = cli->folder;
+}
+
 /* A cloud needs a place to go to; a document is printed when it has none. Several results need a
  * folder. */
 static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
@@ -351,6 +321,7 @@ static vor_status resolve_output(struct vor_cli *cli, struct vor_error *err)
         *output = "-";
     if (*output == NULL || (*output)[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, or -o - for stdout");
+    mark_folder(cli, output);
     if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
         return vor_fail(err, VOR_E_PARAM, "%d inputs need a folder for their results: give -o DIR/",
                         cli->operand_count);
@@ -425,14 +396,20 @@ static vor_status refuse_preset(const struct vor_cli *cli, struct vor_error *err
 {
     const char *name = cli->option[VOR_OPTION_PRESET], *process = cli->command->process->id;
     const struct vor_named_preset *preset;
-    char quoted[SHOWN_SIZE], names[NAMES_SIZE];
+    char quoted[SHOWN_SIZE], names[NAMES_SIZE], meant[VOR_NEAREST_TEXT_SIZE];
+    struct vor_nearest nearest;
     size_t at = 0;
 
-    for (unsigned i = 0; (preset = vor_named_preset(process, i)) != NULL && at < sizeof names; i++)
+    vor_nearest_init(&nearest, name, strlen(name));
+    for (unsigned i = 0; (preset = vor_named_preset(process, i)) != NULL && at < sizeof names;
+         i++) {
         at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", i > 0 ? ", " : "",
                                preset->name);
-    return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s",
-                    vor_quote(quoted, sizeof quoted, name, strlen(name)), names);
+        vor_nearest_try(&nearest, preset->name, strlen(preset->name));
+    }
+    return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s%s",
+                    vor_quote(quoted, sizeof quoted, name, strlen(name)), names,
+                    vor_nearest_text(&nearest, "", meant));
 }
 
 /* Sets what a preset says of parameters that were not named; they count as named from then on. */
@@ -479,6 +456,7 @@ static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
         *into = "./";
     if ((*into)[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "no output: give -o FILE, -o DIR/, or -o - for stdout");
+    mark_folder(cli, into);
     if (cli->operand_count > 1 && !vor_cli_into_folder(cli))
         return vor_fail(err, VOR_E_PARAM, "%d jobs need a folder for their results: give -o DIR/",
                         cli->operand_count);

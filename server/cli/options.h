@@ -6,6 +6,8 @@
 #include "core/base/status.h"
 #include "core/spec.h"
 
+#include <limits.h>
+
 /** What a command does, as far as its options and operands follow from it. */
 enum {
     VOR_COMMAND_RUNS = 1,     /**< runs a process on files and writes what comes of it */
@@ -30,6 +32,8 @@ enum {
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
       "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, as "    \
       "JOB-RESULT.SUFFIX. Default: ./")                                                            \
+    X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
+      "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
       "The result to fetch, such as cloud or report. Default: the main one into a file, all into " \
       "a folder")                                                                                  \
@@ -102,9 +106,10 @@ struct vor_cli {
     const char *input[VOR_INPUTS_MAX];    /**< files, in the order of the process's inputs, or NULL;
                                                the first is the first operand */
     const char *option[VOR_OPTION_COUNT]; /**< text, "" for a flag that is there, or NULL */
-    unsigned threads;                     /**< resolved: 1 .. VOR_THREADS_MAX */
-    struct vor_spec spec;                 /**< of a process; checked, with its inputs */
-    int given[VOR_PARAMETER_COUNT];       /**< the parameters of spec that were named */
+    char folder[PATH_MAX]; /**< the output, if it is a folder's name without a slash at its end */
+    unsigned threads;      /**< resolved: 1 .. VOR_THREADS_MAX */
+    struct vor_spec spec;  /**< of a process; checked, with its inputs */
+    int given[VOR_PARAMETER_COUNT]; /**< the parameters of spec that were named */
 };
 
 /** Reads argv[1 .. argc - 1] and the environment; argv[0] is the command's name. Moves operands to
@@ -117,7 +122,8 @@ struct vor_cli {
 VOR_NODISCARD vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command,
                                       int argc, char **argv, struct vor_error *err);
 
-/** True when the results go into a folder: the output's name ends with a slash. */
+/** True when the results go into a folder: the output's name ends with a slash, which that of an
+ *  existing folder has got. */
 int vor_cli_into_folder(const struct vor_cli *cli);
 
 /** Refuses a cloud in a file whose name promises a format that is not written, unless the request

@@ -186,7 +186,8 @@ static int on_tick(void *ctx, curl_off_t down, curl_off_t downloaded, curl_off_t
     struct exchange *exchange = ctx;
 
     (void)down, (void)downloaded, (void)up, (void)uploaded;
-    return !exchange->call->is_last_word && vor_interrupt_seen();
+    return (!exchange->call->is_last_word && vor_interrupt_seen()) ||
+           (exchange->call->ends_to_stop && vor_interrupt_stops());
 }
 
 static void set_up(CURL *curl, struct exchange *exchange)
@@ -261,7 +262,7 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
 
     if (code == CURLE_OK || call->was_stopped)
         return VOR_OK;
-    if (code == CURLE_ABORTED_BY_CALLBACK && vor_interrupt_seen())
+    if (code == CURLE_ABORTED_BY_CALLBACK)
         return vor_interrupt_fail(err);
     if (code == CURLE_OUT_OF_MEMORY)
         return vor_fail(err, VOR_E_NOMEM, "the headers or files of a request");

@@ -36,6 +36,7 @@ struct vor_remote_call {
     unsigned timeout_seconds; /**< for the whole call; 0 for none */
     unsigned stall_seconds;   /**< without a byte; 0 for none */
     int is_last_word;         /**< a signal does not end the call */
+    int ends_to_stop;         /**< a ^C that asks for the best result ends it too */
 
     int http;                          /**< status */
     int was_stopped;                   /**< take ended the call */

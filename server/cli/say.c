@@ -23,14 +23,19 @@ static void print_line(const char *text)
     }
 }
 
-void vor_cli_say(const char *subject, const char *message)
+void vor_cli_ask(const char *subject, const char *question)
 {
     fputs("voronoid: ", stderr);
     if (subject != NULL) {
         print_line(subject);
         fputs(": ", stderr);
     }
-    print_line(message);
+    print_line(question);
+}
+
+void vor_cli_say(const char *subject, const char *message)
+{
+    vor_cli_ask(subject, message);
     fputc('\n', stderr);
 }
 
@@ -73,7 +78,8 @@ int vor_cli_exit_code(int http, const char *type)
 
 int vor_cli_interrupted(void)
 {
-    return vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED : VOR_EXIT_CANCELLED;
+    return vor_interrupt_stops() || vor_interrupt_seen() == SIGINT ? VOR_EXIT_INTERRUPTED
+                                                                   : VOR_EXIT_CANCELLED;
 }
 
 int vor_cli_fail(const char *subject, const struct vor_error *err)

@@ -16,7 +16,7 @@
     X(CANCELLED, 4, "cancelled on the daemon, or by SIGTERM", "")                                  \
     X(UNREACHABLE, 5, "the server is unreachable or busy", "")                                     \
     X(IN_USE, 75, "", "another daemon uses the store")                                             \
-    X(INTERRUPTED, 130, "cancelled by ^C", "")
+    X(INTERRUPTED, 130, "ended by ^C; the best result so far is written if there is one", "")
 
 enum {
 #define VOR_EXIT_ENUM(id, code, command, serve) VOR_EXIT_##id = (code),
@@ -31,6 +31,9 @@ size_t vor_cli_control(const char *text);
 /** Prints "voronoid: subject: message" on stderr, in one line whatever they hold; subject may be
  *  NULL. */
 void vor_cli_say(const char *subject, const char *message);
+
+/** The same on a line that an answer ends. */
+void vor_cli_ask(const char *subject, const char *question);
 
 /** Says err and returns its exit code. */
 int vor_cli_fail(const char *subject, const struct vor_error *err);

@@ -9,6 +9,7 @@
 #include "server/cli/follow.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
+#include "server/cli/overwrite.h"
 #include "server/cli/say.h"
 
 #include <string.h>
@@ -243,13 +244,18 @@ static int work(struct there *t)
     int code = submit(t, &info);
 
     vor_json_free(info);
+    if (follow->cli->spec.process->methods != 0)
+        vor_interrupt_keep_best();
     if (code == VOR_EXIT_OK)
         code = vor_follow_end(follow);
     if (code == VOR_EXIT_OK)
         code = fetch_main(t);
     if (code == VOR_EXIT_OK)
         code = vor_follow_report(follow);
-    if (vor_interrupt_seen() && follow->job[0] != '\0' && !vor_follow_is_over(follow))
+    if (code == VOR_EXIT_OK && vor_interrupt_stops())
+        code = VOR_EXIT_INTERRUPTED;
+    if ((vor_interrupt_seen() || code == VOR_EXIT_INTERRUPTED) && follow->job[0] != '\0' &&
+        !vor_follow_is_over(follow))
         dismiss(follow);
     return code;
 }
@@ -258,11 +264,13 @@ int vor_cli_process_there(const struct vor_cli *cli)
 {
     const char *output = cli->option[VOR_OPTION_OUTPUT];
     struct there t;
-    int code;
+    int code, replace;
 
     memset(&t, 0, sizeof t);
     code = vor_follow_open(&t.follow, cli, cli->input[0]);
-    if (code == VOR_EXIT_OK && vor_output_open(&t.output, output, &t.follow.err) != VOR_OK)
+    if (code == VOR_EXIT_OK &&
+        (vor_overwrite_check(cli, output, &replace, &t.follow.err) != VOR_OK ||
+         vor_output_open(&t.output, output, replace, &t.follow.err) != VOR_OK))
         code = vor_cli_fail(output, &t.follow.err);
     else if (code == VOR_EXIT_OK)
         code = work(&t);

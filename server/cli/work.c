@@ -9,7 +9,9 @@
 static enum vor_answer on_poll(void *ctx)
 {
     (void)ctx;
-    return vor_interrupt_seen() ? VOR_CANCEL : VOR_CONTINUE;
+    if (vor_interrupt_seen())
+        return VOR_CANCEL;
+    return vor_interrupt_stops() ? VOR_STOP : VOR_CONTINUE;
 }
 
 static enum vor_answer on_progress(void *ctx, const struct vor_record *record)

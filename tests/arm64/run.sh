@@ -36,8 +36,8 @@ same()
         return 0
     fi
     for suffix in ply drc; do
-        if ! "$amd64/voronoid" "$@" -o "$out/$name-amd64.$suffix" >"$out/log" 2>&1 ||
-            ! $qemu "$arm64/voronoid" "$@" -o "$out/$name-arm64.$suffix" >>"$out/log" 2>&1; then
+        if ! "$amd64/voronoid" "$@" -f -o "$out/$name-amd64.$suffix" >"$out/log" 2>&1 ||
+            ! $qemu "$arm64/voronoid" "$@" -f -o "$out/$name-arm64.$suffix" >>"$out/log" 2>&1; then
             echo "$name to $suffix: FAILED"
             cat "$out/log"
             fail=1

@@ -16,7 +16,7 @@ my $binary = $ENV{VORONOID} // 'build/release/voronoid';
 
 sub seen {
     my ($columns, @options) = @_;
-    my $command = "stty cols $columns; '$binary' resample $in -n 300 --iterations 40 -o $folder/out.ply @options";
+    my $command = "stty cols $columns; '$binary' resample $in -n 300 --iterations 40 -fo $folder/out.ply @options";
     return scalar `script -qec "$command" /dev/null </dev/null`;
 }
 
@@ -33,4 +33,7 @@ is scalar(grep { length >= 40 } @drawn), 0, 'and fits into the line there';
 
 unlike seen(80, '--quiet'), qr/\S/, '--quiet draws nothing' ;
 unlike seen(80, '--json'), qr/\e/, '--json draws no bar';
+
+my $asked = "printf '%s\\n' no yes | script -qec 'for _ in 1 2; do $binary resample $in -n 300 -qo $folder/out.ply; echo =\$?; done' /dev/null";
+like scalar `$asked`, qr/exists\. Overwrite it\? \[y\/N\].*=2.*exists\. Overwrite it.*=0/s, 'a terminal is asked before a file is overwritten';
 done_testing;

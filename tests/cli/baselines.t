@@ -13,7 +13,7 @@ my $folder = scratch();
 my $in = spew("$folder/in.ply", sphere(600));
 my $out = "$folder/out.ply";
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
-my @request = ('resample', $in, '-n', 100, '-o', $out);
+my @request = ('resample', $in, '-n', 100, '-fo', $out);
 
 my ($code, $stdout, $stderr) = run([@request]);
 my $plain = slurp($out);

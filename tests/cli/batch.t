@@ -24,13 +24,13 @@ sub files { return leftovers($out) }
 # The bytes of a run of its own.
 sub alone {
     my ($in, $name, @more) = @_;
-    run(['resample', $in, @request, @more, '-q', '-o', "$folder/$name"]);
+    run(['resample', $in, @request, @more, '-q', '-fo', "$folder/$name"]);
     my $bytes = slurp("$folder/$name");
     unlink "$folder/$name";
     return $bytes;
 }
 
-my ($code, $stdout, $stderr) = run(['resample', '--iterations', 2, $a, '--polish=2', '-n20', '-o', "$out/", '--', $b]);
+my ($code, $stdout, $stderr) = run(['resample', '--iterations', 2, $a, '--polish=2', '-n20', '-fo', "$out/", '--', $b]);
 is "$code|$stdout", '0|', 'two inputs, among options, into a folder that is made';
 like $stderr, qr{\Avoronoid: \Q$out\E/a\.ply: 20 points, [^\n]+\nvoronoid: \Q$out\E/b\.ply: 20 points, [^\n]+\n\z}, 'a summary line each';
 is files(), 'a.ply b.ply', 'results have the names of their inputs';
@@ -38,18 +38,18 @@ ok slurp("$out/a.ply") eq alone($a, 'x.ply'), 'and the bytes of a run of its own
 ok slurp("$out/b.ply") eq alone($b, 'x.ply'), 'the second as well';
 clear();
 
-($code, $stdout, $stderr) = run(['resample', $a, @request, '--format', 'drc', '-q', '-o', "$out/"]);
+($code, $stdout, $stderr) = run(['resample', $a, @request, '--format', 'drc', '-q', '-fo', "$out/"]);
 is "$code|$stdout|$stderr", '0||', 'one input into a folder, quietly';
 is files(), 'a.drc', 'a format that is asked for changes the suffix';
 ok slurp("$out/a.drc") eq alone($a, 'x.drc'), 'and the bytes';
 clear();
 
 my $odd = spew("$folder/a.scan.1", slurp($a));
-run(['resample', $odd, @request, '-q', '--format=drc', '-o', "$out/"]);
+run(['resample', $odd, @request, '-q', '--format=drc', '-fo', "$out/"]);
 is files(), 'a.scan.1.drc', 'a suffix of no format is kept, and another is put behind it';
 clear();
 
-($code, $stdout, $stderr) = run(['resample', $a, $bad, "$folder/no.ply", $b, @request, '-o', "$out/"]);
+($code, $stdout, $stderr) = run(['resample', $a, $bad, "$folder/no.ply", $b, @request, '-fo', "$out/"]);
 is "$code|$stdout", '3|', 'the exit code is that of the first failure';
 my @said = split /\n/, $stderr;
 is scalar(@said), 5, 'a line for each, and one for all';
@@ -57,11 +57,11 @@ like $said[1], qr{\Avoronoid: \Q$bad\E: }, 'the first failure names its input';
 like $said[2], qr{\Avoronoid: \Q$folder\E/no\.ply: cannot be read}, 'so does the second';
 is $said[4], 'voronoid: resample: 2 of 4 failed', 'the last line counts';
 is files(), 'a.ply b.ply', 'what is right is there, and nothing else';
-($code) = run(['resample', "$folder/no.ply", $bad, @request, '-q', '-o', "$out/"]);
+($code) = run(['resample', "$folder/no.ply", $bad, @request, '-q', '-fo', "$out/"]);
 is $code, 1, 'whichever it was';
 clear();
 
-($code, $stdout) = run(['resample', $a, $b, @request, '--json', '-o', "$out/"]);
+($code, $stdout) = run(['resample', $a, $b, @request, '--json', '-fo', "$out/"]);
 my @lines = map { decode_json($_) } split /\n/, $stdout;
 is_deeply [grep { exists $_->{input} } @lines], [map { { input => "$folder/$_.ply", output => "$out/$_.ply" } } qw(a b)],
     'with --json a line names input and output';
@@ -69,41 +69,43 @@ is_deeply $lines[0], { input => $a, output => "$out/a.ply" }, 'before the lines 
 is scalar(grep { exists $_->{stopped} } @lines), 2, 'each run ends with its report';
 clear();
 
-($code, $stdout, $stderr) = run(['inspect', $a, $b, '-o', "$out/"]);
+($code, $stdout, $stderr) = run(['inspect', $a, $b, '-fo', "$out/"]);
 is "$code|$stdout|$stderr", "0||voronoid: $out/a.json: written\nvoronoid: $out/b.json: written\n", 'documents have a line each';
 is files(), 'a.json b.json', 'and are JSON';
 is decode_json(slurp("$out/a.json"))->{points}{all}, 60, 'each of its cloud';
 clear();
 
 sub refused {
-    my ($name, $arguments, $wanted, $line) = @_;
+    my ($name, $arguments, $wanted, $line, $there) = @_;
     my ($got, $printed, $errors) = run($arguments);
     is "$got|$printed|$errors", "$wanted||voronoid: resample: $line\n", $name;
-    ok !-e $out, "$name: nothing is made";
+    is -e $out ? files() : '', $there // '', "$name: nothing is made";
 }
-refused 'equal names', ['resample', $a, $b, $twin, @request, '-o', "$out/"], 2,
+refused 'equal names', ['resample', $a, $b, $twin, @request, '-fo', "$out/"], 2,
     "the results of $a and $twin would both be $out/a.ply";
 my $drc = spew("$folder/b.drc", 'x');
-refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-o', "$out/"], 2,
+refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-fo', "$out/"], 2,
     "the results of $b and $drc would both be $out/b.ply";
-refused 'an input without a name', ['resample', $a, '-', @request, '-o', "$out/"], 2, "- has no name for a result in $out/";
-refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-o', "$out/"], 2,
+refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- has no name for a result in $out/";
+refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-fo', "$out/"], 2,
     "the result of $odd: the output's suffix is .1, want one of .ply, .drc; or say --format";
-refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-o', "$out/"], 2,
+refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-fo', "$out/"], 2,
     "$folder/sub/ has no name for a result in $out/";
-refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-o', "$out/x/"], 1,
+refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-fo', "$out/x/"], 1,
     "$out/x/ cannot be made: No such file or directory";
 
-my $process = start(['resample', $a, $b, '-n', 60, '--iterations', 10000, '--seconds', 60, '--polish', 0, '--delta', 0, '--json', '-o', "$out/"]);
+my $process = start(['resample', $a, $b, '-n', 60, '--iterations', 10000, '--seconds', 60, '--polish', 0, '--delta', 0, '--json', '-fo', "$out/"]);
 await { shown($process) =~ /"iteration":[1-9]/ };
 kill 'INT', $process->{pid};
 ($code, undef, $stderr) = finish($process);
-is "$code|$stderr", "130|voronoid: $a: cancelled\n", '^C ends them all';
-is files(), '', 'and leaves nothing';
+like "$code|$stderr", qr/^130\|voronoid: stopping, the best so far is kept/, '^C ends them all';
+is files(), 'a.ply', 'and keeps the best of the one that was running';
+spew("$out/a.ply", 'old');
+refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: it exists: --force (-f) would overwrite it", 'a.ply';
 clear();
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
-($code, $stdout, $stderr) = run(['resample', $a, $bad, $b, @request, '-o', "$out/", '--server', $daemon->{url}]);
+($code, $stdout, $stderr) = run(['resample', $a, $bad, $b, @request, '-fo', "$out/", '--server', $daemon->{url}]);
 is "$code|$stdout", '3|', 'a daemon does it as well, and refuses as well';
 is files(), 'a.ply b.ply', 'what is right is there';
 ok slurp("$out/b.ply") eq alone($b, 'x.ply'), 'with the same bytes';

@@ -20,35 +20,35 @@ my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
 
 for my $where ([], ['--server', $daemon->{url}]) {
     my $by = @$where ? 'by a daemon' : 'here';
-    my ($code, $stdout, $stderr) = run(['convert', $mesh, '-o', "$folder/out.ply", @$where]);
+    my ($code, $stdout, $stderr) = run(['convert', $mesh, '-fo', "$folder/out.ply", @$where]);
     is "$code$stdout", '0', "PLY to PLY, $by" or diag($stderr);
     is slurp("$folder/out.ply"), $wanted, "with its attributes and comments, $by";
     like $stderr, qr/\Avoronoid: \S+out\.ply: 3 points, [\d.]+ s\nvoronoid: \S+out\.ply: dropped: face \(1\)\n\z/,
         "what is left out is said in one line, $by";
-    ($code, $stdout, $stderr) = run(['convert', $mesh, '-o', "$folder/out.drc", '--quantization', 0, @$where]);
+    ($code, $stdout, $stderr) = run(['convert', $mesh, '-fo', "$folder/out.drc", '--quantization', 0, @$where]);
     is $code, 0, "PLY to Draco, $by";
     is substr(slurp("$folder/out.drc"), 0, 5), 'DRACO', "by the suffix, $by";
     like $stderr, qr/: dropped: face \(1\), comment \(1\)\n\z/, "which has no comments, $by";
-    ($code, $stdout, $stderr) = run(['convert', "$folder/out.drc", '-o', "$folder/back.ply", '--json', @$where]);
+    ($code, $stdout, $stderr) = run(['convert', "$folder/out.drc", '-fo', "$folder/back.ply", '--json', @$where]);
     is "$code$stderr", '0', "and back, $by";
     is slurp("$folder/back.ply"), $wanted =~ s/comment a scan\n//r, "bit for bit, $by";
     my $report = decode_json((split /\n/, $stdout)[-1]);
     is_deeply $report->{dropped}, [], "without loss, $by";
     is $report->{parameters}{format}, 'ply', "the report says the format, $by";
-    is +(run(['convert', $mesh, '-o', "$folder/out.ply", '-q', @$where]))[2], '', "--quiet says nothing, $by";
+    is +(run(['convert', $mesh, '-fo', "$folder/out.ply", '-q', @$where]))[2], '', "--quiet says nothing, $by";
 }
-is +(run(['convert', $mesh, '-o', '-', '--quiet']))[1], $wanted, 'stdout has the format of the input';
-my ($code, $stdout, $stderr) = run(['convert', $mesh, '-o', "$folder/out.xyz"]);
+is +(run(['convert', $mesh, '-fo', '-', '--quiet']))[1], $wanted, 'stdout has the format of the input';
+my ($code, $stdout, $stderr) = run(['convert', $mesh, '-fo', "$folder/out.xyz"]);
 is "$code$stdout$stderr", "2voronoid: convert: the output's suffix is .xyz, want one of .ply, .drc; or say --format\n",
     'a format that is not served is refused';
 
 # Points that are not finite.
 my $sick = spew("$folder/sick.ply", slurp($mesh) =~ s/element vertex 3/element vertex 4/r =~ s/3 0 1 2/nan 0 0 1 1 1\n3 0 1 2/r);
-($code, $stdout, $stderr) = run(['convert', $sick, '-o', "$folder/no.ply"]);
+($code, $stdout, $stderr) = run(['convert', $sick, '-fo', "$folder/no.ply"]);
 is "$code$stdout$stderr", "3voronoid: $sick: 1 of 4 points are not finite, the first is point 3: its x is nan; "
     . "invalid=drop leaves them out\n", 'such a point is refused';
 for my $where ([], ['--server', $daemon->{url}]) {
-    ($code, $stdout, $stderr) = run(['convert', $sick, '-o', "$folder/well.ply", '--invalid=drop', @$where]);
+    ($code, $stdout, $stderr) = run(['convert', $sick, '-fo', "$folder/well.ply", '--invalid=drop', @$where]);
     is $code, 0, 'unless it is to be dropped';
     is slurp("$folder/well.ply"), $wanted, 'then the others are converted';
     like $stderr, qr/: dropped: invalid point \(1\), face \(1\)\n\z/, 'which is said';

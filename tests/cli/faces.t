@@ -22,34 +22,34 @@ my %result;
 for my $where ([], ['--server', $daemon->{url}]) {
     my $by = @$where ? 'by a daemon' : 'here';
     my $out = "$folder/out.ply";
-    my ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 500, '--sample', 'faces', '-o', $out, @quick, '--json', @$where]);
+    my ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 500, '--sample', 'faces', '-fo', $out, @quick, '--json', @$where]);
     is "$code$stderr", '0', "a cube is resampled, $by";
     push @{ $result{cube} }, slurp($out);
     my $report = decode_json((split /\n/, $stdout)[-1]);
     is_deeply [@$report{qw(faces samples dropped)}], [6, 10000, []], "the report counts faces and samples, $by";
     is_deeply $report->{points}, { in => 8, out => 500 }, "and points, $by";
     is $report->{parameters}{sample}, 'faces', "and says what was asked for, $by";
-    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 500, '--sample=faces', '-o', $out, @quick, @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 500, '--sample=faces', '-fo', $out, @quick, @$where]);
     unlike $stderr, qr/face/, "nobody is told to ask for what he has asked for, $by";
 
-    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-o', $out, @quick, @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, @quick, @$where]);
     is $code, 0, "its vertices are resampled, $by" or diag($stderr);
     like $stderr, qr/: dropped: face \(6\)\nvoronoid: \S+cube\.ply: the file has 6 faces: --sample faces resamples their surface\n\z/,
         "and what else there is, is said in one line, $by";
-    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-o', $out, @quick, '--sample', 'vertices', @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, @quick, '--sample', 'vertices', @$where]);
     is $code, 0, "so they are where they are asked for, $by";
     like $stderr, qr/: dropped: face \(6\)\n\z/, "without that line, $by";
-    is +(run(['resample', $cube, '-n', 8, '-o', $out, @quick, '--quiet', @$where]))[2], '', "--quiet says nothing, $by";
+    is +(run(['resample', $cube, '-n', 8, '-fo', $out, @quick, '--quiet', @$where]))[2], '', "--quiet says nothing, $by";
 
-    ($code, $stdout, $stderr) = run(['resample', $bare, '-n', 8, '-o', $out, '--sample', 'faces', @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $bare, '-n', 8, '-fo', $out, '--sample', 'faces', @$where]);
     is $code, 2, "a cloud without faces is refused, $by";
     like $stderr, qr/\Avoronoid: \S*bare\.ply: (?:The faces of the cloud cannot be used: )?sample is faces, but the input has 8 points and no faces, want faces with three corners, or sample=vertices\n\z/,
         "in one line that names the parameter, $by";
-    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-o', $out, '--sample', 'edges', @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, '--sample', 'edges', @$where]);
     is $code, 2, "a word that there is not is refused, $by";
     like $stderr, qr/sample is "edges", want one of vertices, faces/, "with those that there are, $by";
 
-    ($code, $stdout, $stderr) = run(['resample', $draco, '-n', 300, '--sample', 'faces', '-o', $out, @quick, '--json', @$where]);
+    ($code, $stdout, $stderr) = run(['resample', $draco, '-n', 300, '--sample', 'faces', '-fo', $out, @quick, '--json', @$where]);
     is "$code$stderr", '0', "a Draco mesh is resampled, $by";
     push @{ $result{draco} }, slurp($out);
     $report = decode_json((split /\n/, $stdout)[-1]);
@@ -58,7 +58,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
 is $result{$_}[0], $result{$_}[1], "the $_ is the same from both" for sort keys %result;
 
 # Without a number of points a filter makes the result of all points drawn.
-my ($code, $stdout, $stderr) = run(['resample', $cube, '--filters', 'outliers', '--sample', 'faces', '-o', "$folder/all.ply", '--json']);
+my ($code, $stdout, $stderr) = run(['resample', $cube, '--filters', 'outliers', '--sample', 'faces', '-fo', "$folder/all.ply", '--json']);
 is "$code$stderr", '0', 'filters alone take faces too';
 is decode_json((split /\n/, $stdout)[-1])->{samples}, 10000, 'of which ten thousand points are drawn';
 stop($daemon);

@@ -22,7 +22,7 @@ sub count_of { return slurp($_[0]) =~ /^element vertex (\d+)$/m ? $1 : -1 }
 sub runs {
     my ($name, @arguments) = @_;
     unlink $out;
-    my ($code, $stdout, $stderr) = run([@arguments, '-o', $out, '--json']);
+    my ($code, $stdout, $stderr) = run([@arguments, '-fo', $out, '--json']);
     is "$code$stderr", '0', "$name: all is well";
     return (slurp($out), decode_json((split /\n/, $stdout)[-1]));
 }
@@ -42,7 +42,7 @@ for my $case (['denoise', 'mls', $points], ['resample', 'mls', $points], ['simpl
     is_deeply $theirs->{parameters}, $report->{parameters}, "$command: with the same parameters";
 }
 
-my ($code, $stdout, $stderr) = run(['denoise', $in, '--filters', 'mls', '-o', $out]);
+my ($code, $stdout, $stderr) = run(['denoise', $in, '--filters', 'mls', '-fo', $out]);
 like $stderr, qr/: 600 points, delta [\d.]+ after no steps /, 'the summary says that nothing was spread';
 
 my $job = $http->post("$daemon->{url}/v1/denoise?filters=mls,outliers&outliers=pull&format=ply", { content => slurp($in) });
@@ -50,13 +50,13 @@ is $job->{status}, 200, 'a request over HTTP works';
 is $job->{content} =~ /^element vertex (\d+)$/m ? $1 : -1, $points, 'and gives as many points as it got';
 
 # An unknown word, and thin, which says nothing of a number of points.
-($code, $stdout, $stderr) = run(['denoise', $in, '--filters', 'mls,blur', '-o', $out]);
+($code, $stdout, $stderr) = run(['denoise', $in, '--filters', 'mls,blur', '-fo', $out]);
 is $code, 2, 'an unknown filter is refused as a wrong parameter';
 like $stderr, qr/filters is "mls,blur", want words separated by commas, each at most once: mls, outliers, thin, or none/, 'with the list';
 my $refused = $http->post("$daemon->{url}/v1/denoise?filters=blur", { content => slurp($in) });
 is $refused->{status}, 422, 'over HTTP as a request that can be read but not followed';
 like decode_json($refused->{content})->{detail}, qr/^filters is "blur", want words separated by commas, each at most once: mls, outliers, thin, or none/, 'with the list';
-($code, $stdout, $stderr) = run(['resample', $in, '--filters', 'thin', '-o', $out]);
+($code, $stdout, $stderr) = run(['resample', $in, '--filters', 'thin', '-fo', $out]);
 like $stderr, qr/0 of points, ratio and spacing are given/, 'thin alone says nothing of a number of points';
 
 stop($daemon);

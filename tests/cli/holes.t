@@ -15,7 +15,7 @@ my @kept = grep { my $z = (split)[2]; $z < 0.96 && $z > -0.94 } split /\n/, $poi
 $head =~ s/vertex \d+/"vertex " . @kept/e;
 my $in = spew("$folder/in.ply", $head . join("\n", @kept) . "\n");
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
-my @fill = ('resample', $in, '-o', "$folder/out.ply", '-n', 1000, '--iterations=2', '--polish=0', '--boundary=fill', '--json');
+my @fill = ('resample', $in, '-fo', "$folder/out.ply", '-n', 1000, '--iterations=2', '--polish=0', '--boundary=fill', '--json');
 
 my $told = decode_json((run(['inspect', $in, '--json']))[1]);
 is_deeply [map { $_->{kind} } @{ $told->{loops} }], [qw(hole hole)], 'inspect tells two holes';

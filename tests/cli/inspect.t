@@ -33,7 +33,7 @@ cmp_ok $told->{spacing}{p50}, '<', $told->{spacing}{p99}, 'all of them';
 
 is +(run(['inspect', '-', '--json'], stdin => $in))[1], $stdout, 'stdin is the same';
 is +(run(['inspect', $in, '--json', '--threads=3']))[1], $stdout, 'so are three threads';
-is +(run(['inspect', $in, '--json', '--quiet', '-o', '-']))[1], $stdout, 'and stdout by name';
+is +(run(['inspect', $in, '--json', '--quiet', '-fo', '-']))[1], $stdout, 'and stdout by name';
 is +(run(['inspect', $in, '--json', '--server', $daemon->{url}]))[1] =~ s/\n*\z/\n/r, $stdout, 'and a daemon';
 my ($job) = @{ decode_json($http->get("$daemon->{url}/v1/jobs")->{content})->{jobs} };
 is $job->{processID}, 'inspect', 'as a job of that process';
@@ -53,12 +53,12 @@ is $line{'spacing.mean'}, sprintf('%.6g unit of the cloud', $told->{spacing}{mea
 is $line{lattice}, '0 0 0 unit of the cloud', 'a vector its three parts';
 is $line{'lattice.matters'}, 'no', 'beside what is told of it';
 is $line{loops}, 'none', 'no loop, no line of one';
-is +(run(['inspect', $in, '--quiet', '-o', '-']))[1], $lines, 'stdout by name is the same';
+is +(run(['inspect', $in, '--quiet', '-fo', '-']))[1], $lines, 'stdout by name is the same';
 is +(run(['inspect', $in, '--server', $daemon->{url}]))[1], $lines, 'so is a daemon';
-my ($to_file, $printed) = run(['inspect', $in, '-o', "$folder/told.json"]);
+my ($to_file, $printed) = run(['inspect', $in, '-fo', "$folder/told.json"]);
 is "$to_file$printed", '0', 'nothing is printed where the document goes to a file';
 is slurp("$folder/told.json"), $stdout, 'and the file has it as JSON';
-my ($there_code, $there) = run(['inspect', $in, '-o', "$folder/there.json", '--server', $daemon->{url}]);
+my ($there_code, $there) = run(['inspect', $in, '-fo', "$folder/there.json", '--server', $daemon->{url}]);
 is "$there_code$there", '0', 'nor where a daemon makes it';
 is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
 like +(run(['inspect', '--help']))[1], qr/--json\n(?: {6}\S.*\n)*?.*inspect\s+prints\s+one\s+document$/m, '--help says so';
@@ -76,7 +76,7 @@ like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, cent
 
 for my $case (
     ['a parameter that it does not take', ['--points', 5], 'inspect: no parameter points; inspect takes outliers, intrinsic, invalid'],
-    ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none'],
+    ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none; did you mean local?'],
 ) {
     my ($name, $arguments, $line) = @$case;
     my ($got, $printed, $errors) = run(['inspect', $in, @$arguments]);

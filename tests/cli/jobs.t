@@ -95,6 +95,11 @@ subtest 'wait' => sub {
     await { shown($waiting) =~ /"iteration":[1-9]/ };
     ($code, $stdout, $stderr) = run(['cancel', $id, @there]);
     is "$code|$stdout|$stderr", "0||voronoid: $id: dismissed\n", 'cancel dismisses it';
+    my $stopped = submitted(@long, '--seed', 2);
+    await { (info($stopped)->{voronoid} // {})->{metrics} };
+    ($code, undef, $stderr) = run(['stop', $stopped, @there]);
+    is "$code|$stderr", "0|voronoid: $stopped: stopping, the best so far becomes its result\n", 'stop keeps the best';
+    is((run(['wait', $stopped, '-q', @there]))[0], 0, 'and the job is successful');
     ($code, undef, $stderr) = finish($waiting);
     is "$code|$stderr", "4|voronoid: $id: the job was dismissed\n", 'which ends the waiting as it should';
     my $line = spew("$folder/line.ply", "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
@@ -148,16 +153,16 @@ subtest 'pages' => sub {
 
 subtest 'fetch' => sub {
     my $out = "$folder/out";
-    my ($code, $stdout, $stderr) = run(['fetch', $done, '-o', "$folder/x.ply", @there]);
+    my ($code, $stdout, $stderr) = run(['fetch', $done, '-fo', "$folder/x.ply", @there]);
     is "$code|$stdout", '0|', 'into a file';
     like $stderr, qr{\Avoronoid: \Q$folder\E/x\.ply: \d+ bytes\n\z}, 'which is told';
-    run(['resample', $in, @request, '-q', '-o', "$folder/here.ply"]);
+    run(['resample', $in, @request, '-q', '-fo', "$folder/here.ply"]);
     ok slurp("$folder/x.ply") eq slurp("$folder/here.ply"), 'the main result, as it is made here';
-    ($code, $stdout, $stderr) = run(['fetch', $done, '--result', 'report', '-o', '-', '-q', @there]);
+    ($code, $stdout, $stderr) = run(['fetch', $done, '--result', 'report', '-fo', '-', '-q', @there]);
     is decode_json($stdout)->{points}{out}, 300, 'another result to stdout';
     is "$code|$stderr", '0|', 'and nothing else';
     my ($inspected) = split /\n/, (run(['jobs', '-q', '--status', 'successful', @there]))[1];
-    ($code, $stdout, $stderr) = run(['fetch', $done, $inspected, '--json', '-o', "$out/", @there]);
+    ($code, $stdout, $stderr) = run(['fetch', $done, $inspected, '--json', '-fo', "$out/", @there]);
     is "$code|$stderr", '0|', 'all results of several into a folder';
     my @told = map { decode_json($_) } split /\n/, $stdout;
     is_deeply [map { $_->{file} } grep { $_->{jobID} eq $done } @told], ["$out/$done-cloud.ply", "$out/$done-report.json"],
@@ -165,9 +170,9 @@ subtest 'fetch' => sub {
     is_deeply [map { $_->{bytes} } @told], [map { -s $_->{file} } @told], 'and size';
     is_deeply [sort split / /, leftovers($out)], [sort map { $_->{file} =~ s{.*/}{}r } @told], 'no others';
     for my $case (
-        [[$done, $inspected, '-o', 'x'], 2, qr/2 jobs need a folder for their results: give -o DIR/],
-        [[$done, '--result', 'mesh', '-o', '-'], 2, qr/$done: no result mesh, want cloud or report/],
-        [[$none, '-o', '-'], 1, qr/There is no such job/i], [[], 2, qr/no job: give its ID; see voronoid jobs/],
+        [[$done, $inspected, '-fo', 'x'], 2, qr/2 jobs need a folder for their results: give -o DIR/],
+        [[$done, '--result', 'mesh', '-fo', '-'], 2, qr/$done: no result mesh, want cloud or report/],
+        [[$none, '-fo', '-'], 1, qr/There is no such job/i], [[], 2, qr/no job: give its ID; see voronoid jobs/],
     ) {
         my ($arguments, $wanted, $why) = @$case;
         ($code, $stdout, $stderr) = run(['fetch', @$arguments, @there]);
@@ -182,8 +187,8 @@ subtest 'cancel' => sub {
     is $code, 1, 'one that is over counts as a failure';
     like $stderr, qr/\Avoronoid: $done: over already: successful\nvoronoid: cancel: 1 of 3 failed\n\z/, 'and is told';
     is_deeply [map { decode_json($_)->{status} } split /\n/, $stdout], ['dismissed', 'dismissed'], 'the others are dismissed';
-    is((run(['fetch', $done, '-q', '-o', '/dev/null', @there]))[0], 0, 'it keeps its results');
-    ($code, undef, $stderr) = run(['fetch', $first, '-o', '-', @there]);
+    is((run(['fetch', $done, '-q', '-fo', '/dev/null', @there]))[0], 0, 'it keeps its results');
+    ($code, undef, $stderr) = run(['fetch', $first, '-fo', '-', @there]);
     is $code, 1, 'what was dismissed has none';
 };
 

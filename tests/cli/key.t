@@ -39,10 +39,10 @@ chmod 0600, "$folder/keys";
 spew("$folder/key", "$key\n");
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--api-keys', "$folder/keys");
 my @server = ('--server', $daemon->{url});
-my ($status, $stdout, $stderr) = run(['resample', $in, @quick, '-o', "$folder/none.ply", @server]);
+my ($status, $stdout, $stderr) = run(['resample', $in, @quick, '-fo', "$folder/none.ply", @server]);
 is $status, 1, 'without a key nothing is done';
 like $stderr, qr/The request needs a key: the request has no key; send one as/, 'and the answer is told';
-($status, undef, $stderr) = run(['resample', $in, @quick, '-o', "$folder/out.ply", @server, '--api-key-file', "$folder/key"]);
+($status, undef, $stderr) = run(['resample', $in, @quick, '-fo', "$folder/out.ply", @server, '--api-key-file', "$folder/key"]);
 is "$status|$stderr", '0|', 'with that of a file it is';
 ($status, $stdout) = run(['jobs', '-q', @server], env => { VORONOID_KEY => $key });
 is $status, 0, 'or of VORONOID_KEY';
@@ -65,7 +65,7 @@ my @ports = map { IO::Socket::INET->new(LocalAddr => '127.0.0.1', Listen => 5) o
 my $elsewhere = 'http://127.0.0.1:' . $ports[1]->sockport . '/v1/jobs/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11';
 my $client = fork // die "fork: $!";
 if ($client == 0) {
-    run(['resample', $in, @quick, '-o', "$folder/x.ply", '--server', 'http://127.0.0.1:' . $ports[0]->sockport],
+    run(['resample', $in, @quick, '-fo', "$folder/x.ply", '--server', 'http://127.0.0.1:' . $ports[0]->sockport],
         env => { VORONOID_KEY => $key });
     POSIX::_exit(0);
 }

@@ -20,7 +20,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
     my $out = "$folder/out.ply";
     my $ask = sub {
         my ($name, @options) = @_;
-        my ($code, $stdout, $stderr) = run(['resample', $tube, '-n', 100, '-o', $out, '--json', @options, @$where]);
+        my ($code, $stdout, $stderr) = run(['resample', $tube, '-n', 100, '-fo', $out, '--json', @options, @$where]);
         is "$code$stderr", '0', "a tube is resampled with @options, $by";
         push @{ $result{$name} }, slurp($out);
         return decode_json((split /\n/, $stdout)[-1]);
@@ -38,7 +38,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
     $report = $ask->('still', '--moveStop', 1, '--polish', 2);
     is_deeply [@$report{qw(iterations polish_steps stopped)}], [1, 2, 'moveStop'], "a move ends the iterations, not the polish, $by";
     ok !exists $report->{descent}, "without an energy there is nothing to say of one, $by";
-    my ($code, $stdout, $stderr) = run(['resample', $tube, '-n', 100, '-o', $out, '--metric', 'lp', '--p', 7, @$where]);
+    my ($code, $stdout, $stderr) = run(['resample', $tube, '-n', 100, '-fo', $out, '--metric', 'lp', '--p', 7, @$where]);
     is $code, 2, "an odd power is refused, $by";
     like $stderr, qr/\Avoronoid: .*p is 7, want an even number from 2 to 8\n\z/, "with the range, $by";
 }

@@ -114,11 +114,11 @@ subtest 'a peak that is none' => sub {
 subtest 'a document goes where it is sent' => sub {
     my ($code, $stdout) = run(['measure', "$folder/grid.ply"]);
     is slurp("$folder/grid.ply") =~ /^element vertex (\d+)$/m ? $1 : 0, decode_json($stdout)->{n}, 'it is printed';
-    is +(run(['measure', "$folder/grid.ply", '-o', '-']))[1], $stdout, 'or printed on request';
-    my ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-o', "$folder/measure.json"]);
+    is +(run(['measure', "$folder/grid.ply", '-fo', '-']))[1], $stdout, 'or printed on request';
+    my ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-fo', "$folder/measure.json"]);
     is "$got$printed$errors", '0', 'or written, without a word';
     is slurp("$folder/measure.json"), $stdout, 'the same bytes';
-    ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-o', "$folder/no/measure.json"]);
+    ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '-fo', "$folder/no/measure.json"]);
     is "$got$printed$errors", "1voronoid: $folder/no/measure.json: cannot be written: No such file or directory\n",
         'or refused before it is made';
     ($got, $printed, $errors) = run(['measure', "$folder/grid.ply", '--json', '--quiet']);
@@ -160,7 +160,7 @@ SKIP: {
         if !$ENV{CI} && system('/usr/bin/python3 -c "import numpy, scipy" 2>/dev/null') != 0;
     my $a = spew("$folder/a.ply", sphere(3000, 1));
     my $b = spew("$folder/b.ply", sphere(4000, 2));
-    run(['resample', $b, '-n', 1000, '--iterations', 5, '-q', '-o', "$folder/c.ply"]);
+    run(['resample', $b, '-n', 1000, '--iterations', 5, '-q', '-fo', "$folder/c.ply"]);
     my $far = cloud('far.ply', map { [500000.25 + $_ * $_ % 97 / 10, 4000000.5 + $_ * 31 % 89 / 10, $_ % 7] } 1 .. 500);
     for my $case (['scattered', $a, $b], ['resampled', "$folder/c.ply", $b], ['far away', $far, $far]) {
         my ($name, $cloud, $reference) = @$case;

@@ -65,14 +65,14 @@ my @brief = ('--polish', 0, '--iterations', 2);
 my %made;
 for my $case (['preset', '--preset', 'quarter'], ['values', '--ratio', 0.25], ['mine', '--points', 30, '--preset', 'quarter']) {
     my ($name, @arguments) = @$case;
-    is +(run(['simplify', $cloud, '-o', "$folder/$name.ply", @brief, @arguments]))[0], 0, "simplify @arguments";
+    is +(run(['simplify', $cloud, '-fo', "$folder/$name.ply", @brief, @arguments]))[0], 0, "simplify @arguments";
     $made{$name} = slurp("$folder/$name.ply");
 }
 is $made{preset}, $made{values}, 'a preset is its values';
 like $made{mine}, qr/element vertex 30\n/, 'what is given besides wins, wherever it stands';
 unlink $cloud, map { "$folder/$_.ply" } keys %made;
-refused 'a preset that is none', ['resample', $in, '-o', $out, '--preset', 'evn'], 2, 'resample: --preset is evn, want one of even, edges';
-refused 'a preset of another process', ['resample', $in, '-o', $out, '--preset', 'mesh'], 2,
+refused 'a preset that is none', ['resample', $in, '-fo', $out, '--preset', 'evn'], 2, 'resample: --preset is evn, want one of even, edges; did you mean even?';
+refused 'a preset of another process', ['resample', $in, '-fo', $out, '--preset', 'mesh'], 2,
     'resample: --preset is mesh, want one of even, edges';
 refused 'a preset where there is none', ['measure', $in, '--preset', 'even'], 2,
     'measure: no option --preset; see voronoid measure --help';
@@ -83,27 +83,27 @@ is $help, "voronoid $version\n", 'the version is one line, that of the Makefile'
 is((run(['version']))[1], $help, 'voronoid version is the same');
 
 refused 'no command', [], 2, 'no command; see voronoid --help';
-refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; see voronoid --help';
+refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; did you mean resample?';
 refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
-refused 'an unknown option', ['resample', $in, @points, '-o', $out, '--pionts', 3], 2,
-    'resample: no option --pionts; see voronoid resample --help';
+refused 'an unknown option', ['resample', $in, @points, '-fo', $out, '--pionts', 3], 2,
+    'resample: no option --pionts; did you mean --points?';
 refused 'an unknown option with a value', ['resample', '--nope=1'], 2,
     'resample: no option --nope; see voronoid resample --help';
 refused 'an unknown letter', ['resample', '-x'], 2,
     'resample: no option -x; see voronoid resample --help';
 refused 'a letter that is not ASCII', ['resample', "-\xe9"], 2,
     'resample: no option -\\xe9; see voronoid resample --help';
-refused 'a name cut too short', ['resample', $in, @points, '-o', $out, '--po', 3], 2, 'resample: --po may be --points or --polish';
+refused 'a name cut too short', ['resample', $in, @points, '-fo', $out, '--po', 3], 2, 'resample: --po may be --points or --polish';
 refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se may be --server or --seconds or --seed';
 refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
-refused 'a name cut short of a wrong value', ['resample', $in, @points, '-o', $out, '--bound=open'], 2,
+refused 'a name cut short of a wrong value', ['resample', $in, @points, '-fo', $out, '--bound=open'], 2,
     'resample: boundary is "open", want one of keep, free, sites, fill';
 refused 'an option of another command', ['measure', $in, '--listen', '127.0.0.1:1'], 2,
     'measure: no option --listen; see voronoid measure --help';
-refused 'an input of another command', ['resample', $in, @points, '-o', $out, '--reference', $in], 2,
+refused 'an input of another command', ['resample', $in, @points, '-fo', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
-    'measure: no parameter points; measure takes invalid, peak';
+    'measure: no parameter points; measure takes peak, invalid';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';
@@ -111,74 +111,74 @@ refused 'an option with a newline', ['resample', "--a\nb"], 2,
     'resample: no option --a\\x0ab; see voronoid resample --help';
 my $bare = spew("$folder/zero.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" . join('', map { "property float $_\n" } qw(x y z nx ny nz))
     . "end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 0\n1 1 0 0 0 1\n2 1 0 0 nan 1\n");
-refused 'normals that cannot be used', ['resample', $bare, '-n', 5, '-o', $out, '--inputNormals', 'use'], 3,
+refused 'normals that cannot be used', ['resample', $bare, '-n', 5, '-fo', $out, '--inputNormals', 'use'], 3,
     "$bare: inputNormals is use, but 2 of 5 normals are zero or not finite, the first at point 2";
 unlink $bare;
-refused 'no value', ['resample', $in, '-o', $out, '-n'], 2, 'resample: -n needs a value';
-refused 'no value behind other letters', ['resample', $in, '-o', $out, '-qn'], 2, 'resample: -n needs a value';
-refused 'no value of a long option', ['resample', $in, '-o', $out, '--seed'], 2,
+refused 'no value', ['resample', $in, '-fo', $out, '-n'], 2, 'resample: -n needs a value';
+refused 'no value behind other letters', ['resample', $in, '-fo', $out, '-qn'], 2, 'resample: -n needs a value';
+refused 'no value of a long option', ['resample', $in, '-fo', $out, '--seed'], 2,
     'resample: --seed needs a value';
-refused 'a value for a flag', ['resample', $in, @points, '-o', $out, '--json=1'], 2,
+refused 'a value for a flag', ['resample', $in, @points, '-fo', $out, '--json=1'], 2,
     'resample: --json takes no value';
-refused 'no input', ['resample', @points, '-o', $out], 2,
+refused 'no input', ['resample', @points, '-fo', $out], 2,
     'resample: no input: give a file, or - for stdin';
-refused 'two inputs and one file', ['resample', $in, $in, @points, '-o', $out], 2,
+refused 'two inputs and one file', ['resample', $in, $in, @points, '-fo', $out], 2,
     'resample: 2 inputs need a folder for their results: give -o DIR/';
 refused 'two inputs and stdout', ['inspect', $in, $in], 2,
     'inspect: 2 inputs need a folder for their results: give -o DIR/';
 refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many: x';
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
-refused 'no number of points', ['resample', $in, '-o', $out], 2,
+refused 'no number of points', ['resample', $in, '-fo', $out], 2,
     'resample: 0 of points, ratio and spacing are given, want exactly one';
-refused 'no number of points to simplify to', ['simplify', $in, '-o', $out], 2,
+refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
     'simplify: 0 of points, ratio and spacing are given, want exactly one';
-refused 'a ratio that makes fewer points', ['upsample', $in, '-o', $out, '--ratio', '0.9'], 2,
+refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
-refused 'fewer points to upsample to', ['upsample', $in, '-o', $out, '-n', 49], 3,
+refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,
     "$in: points is 49, want 50 to 800: upsample gives 1 to 16 for each of the input's 50";
-refused 'more points to simplify to', ['simplify', $in, '-o', $out, '-n', 51], 3,
+refused 'more points to simplify to', ['simplify', $in, '-fo', $out, '-n', 51], 3,
     "$in: points is 51, want 1 to 50: simplify gives up to 1 for each of the input's 50";
-refused 'too many points to denoise to', ['denoise', $in, '-o', $out, '-n', 801], 3,
+refused 'too many points to denoise to', ['denoise', $in, '-fo', $out, '-n', 801], 3,
     "$in: points is 801, want 1 to 800: denoise gives up to 16 for each of the input's 50";
-refused 'points and ratio', ['resample', $in, '-o', $out, @points, '--ratio', 2], 2,
+refused 'points and ratio', ['resample', $in, '-fo', $out, @points, '--ratio', 2], 2,
     'resample: 2 of points, ratio and spacing are given, want exactly one';
-refused 'a number of points out of range', ['resample', $in, '-o', $out, '-n', 0], 2,
+refused 'a number of points out of range', ['resample', $in, '-fo', $out, '-n', 0], 2,
     'resample: points is 0, want a whole number from 1 to 10000000';
-refused 'half a point in thousands', ['resample', $in, '-o', $out, '-n', '1.2345k'], 2,
+refused 'half a point in thousands', ['resample', $in, '-fo', $out, '-n', '1.2345k'], 2,
     'resample: points is 1.2345k, which is 1234.5, want a whole number from 1 to 10000000';
-refused 'more millions than there may be', ['resample', $in, '-o', $out, '--points=10.000001M'], 2,
+refused 'more millions than there may be', ['resample', $in, '-fo', $out, '--points=10.000001M'], 2,
     'resample: points is 10.000001M, which is 10000001, want a whole number from 1 to 10000000';
-refused 'a number with a newline', ['resample', $in, '-o', $out, '-n', "1\n"], 2,
+refused 'a number with a newline', ['resample', $in, '-fo', $out, '-n', "1\n"], 2,
     'resample: points is 1\\x0a, want a whole number from 1 to 10000000';
-refused 'a wrong word', ['resample', $in, '-o', $out, @points, '--boundary', 'open'], 2,
+refused 'a wrong word', ['resample', $in, '-fo', $out, @points, '--boundary', 'open'], 2,
     'resample: boundary is "open", want one of keep, free, sites, fill';
-refused 'a method of another process', ['upsample', $in, '-o', $out, '--method', 'kmeans'], 2,
+refused 'a method of another process', ['upsample', $in, '-fo', $out, '--method', 'kmeans'], 2,
     'upsample: method is "kmeans", want one of cvt, wlop, ear';
-refused 'too many threads', ['resample', $in, '-o', $out, @points, '--threads', 257], 2,
+refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads', 257], 2,
     'resample: threads is 257, want a whole number from 0 to 256';
-refused 'threads by the environment', ['resample', $in, '-o', $out, @points], 2,
+refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,
     'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
     'measure: both clouds are -, but there is only one stdin';
 
-refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-o', $out], 1,
+refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-fo', $out], 1,
     "$folder/no.ply: cannot be read: No such file or directory";
-refused 'a folder', ['resample', $folder, @points, '-o', $out], 1,
+refused 'a folder', ['resample', $folder, @points, '-fo', $out], 1,
     "$folder: cannot be read: Is a directory";
 refused 'a folder to write into that is not there',
-    ['resample', $in, @points, '-o', "$folder/no/out.ply"], 1,
+    ['resample', $in, @points, '-fo', "$folder/no/out.ply"], 1,
     "$folder/no/out.ply: cannot be written: No such file or directory";
-refused 'a folder as output', ['resample', $in, @points, '-o', $folder], 1,
-    "$folder: cannot be written: Is a directory";
+refused 'a folder as output', ['resample', $in, @points, '-fo', $folder], 2,
+    "resample: $in: this is the input $in itself: give another output";
 
 # getopt_long's ways of writing options.
-my $plain = do { run(['resample', $in, @points, '--seed', 7, '-q', '-o', $out]); slurp($out) };
+my $plain = do { run(['resample', $in, @points, '--seed', 7, '-q', '-fo', $out]); slurp($out) };
 for my $case (
-    ['a value behind a letter', "-n10", '--seed=7', '-qo', $out, $in], ['a value behind letters', '-qn10', "-o$out", '--seed', 7, $in],
+    ['a value behind a letter', "-n10", '--seed=7', '-qfo', $out, $in], ['a value behind letters', '-qn10', "-fo$out", '--seed', 7, $in],
     ['names cut short', '--point', 10, '--see=7', '--qui', '--outp', $out, $in],
-    ['operands last', '-q', '-n', 10, '--seed', 7, '-o', $out, '--', $in],
-    ['thousands', '-n', '0.01k', '--seed', '0.007k', '-q', '-o', $out, $in], ['millions', '-n.00001M', '--seed=7', '-q', '-o', $out, $in],
+    ['operands last', '-q', '-n', 10, '--seed', 7, '-fo', $out, '--', $in],
+    ['thousands', '-n', '0.01k', '--seed', '0.007k', '-q', '-fo', $out, $in], ['millions', '-n.00001M', '--seed=7', '-q', '-fo', $out, $in],
 ) {
     my ($name, @words) = @$case;
     unlink $out;
@@ -187,7 +187,7 @@ for my $case (
     ok slurp($out) eq $plain, "$name: the same bytes";
 }
 spew("$folder/-n.ply", slurp($in));
-is((run(['resample', '--', "$folder/../" . ($folder =~ m{([^/]+)\z})[0] . '/-n.ply', '-n', 10, '-o', $out]))[0], 2,
+is((run(['resample', '--', "$folder/../" . ($folder =~ m{([^/]+)\z})[0] . '/-n.ply', '-n', 10, '-fo', $out]))[0], 2,
     'behind -- options are operands');
 unlink $out, "$folder/-n.ply";
 
@@ -203,7 +203,7 @@ for my $case (
 ) {
     my ($name, $bytes, $why) = @$case;
     my $bad = spew("$folder/bad.ply", $bytes);
-    my ($got, $stdout, $stderr) = run(['resample', $bad, @points, '-o', $out]);
+    my ($got, $stdout, $stderr) = run(['resample', $bad, @points, '-fo', $out]);
     is $got, 3, "$name is an input that is rejected";
     like $stderr, qr/\Avoronoid: \Q$bad\E: [^\n]+\n\z/, "$name is told in one line";
     like $stderr, $why, "$name is told by what it is";

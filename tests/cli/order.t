@@ -24,7 +24,7 @@ sub rows {
 
 sub resampled {
     my ($name, @with) = @_;
-    my ($code, undef, $stderr) = run(['resample', $in, @request, '-q', '-o', "$folder/$name", @with]);
+    my ($code, undef, $stderr) = run(['resample', $in, @request, '-q', '-fo', "$folder/$name", @with]);
     is "$code|$stderr", '0|', "$name is there";
     return slurp("$folder/$name");
 }
@@ -58,7 +58,7 @@ cmp_ok first($spatial, $points / 20)->{mean_nn}, '<', 2 * $whole->{mean_nn}, 'wh
 is ord(substr resampled('spatial.drc'), 8), 1, 'Draco packs the spatial order into a kd-tree';
 is ord(substr resampled('progressive.drc', '--order', 'progressive'), 8), 0, 'the progressive one is kept';
 
-my ($code, undef, $stderr) = run(['resample', $in, @request, '-o', "$folder/no.ply", '--order', 'random']);
+my ($code, undef, $stderr) = run(['resample', $in, @request, '-fo', "$folder/no.ply", '--order', 'random']);
 is "$code|$stderr", "2|voronoid: resample: order is \"random\", want one of spatial, progressive\n", 'there is no other';
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);

@@ -33,12 +33,12 @@ my @sheet = map { [100 * random(), 100 * random(), random()] } 1 .. 4000;
 spew("$dir/sheet.ply", ply(['double x', 'double y', 'double z'], map { [$_->[0] + 566000, $_->[1] + 5933000, $_->[2]] } @sheet));
 my @quick = ('--iterations', 1, '--polish', 0);
 
-my ($code, $out, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-o', "$dir/a.drc"]);
+my ($code, $out, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-fo', "$dir/a.drc"]);
 is $code, 0, 'a sheet is resampled';
 like $err, qr{^voronoid: \S+/a\.drc: positions in the file are relative to the origin 566050,5933050,0$}m,
     'a line tells where its zero is';
 is scalar(() = $err =~ /origin/g), 1, 'one line';
-(undef, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-o', "$dir/a.ply"]);
+(undef, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '-fo', "$dir/a.ply"]);
 unlike $err, qr/origin/, 'PLY has the coordinates of the input';
 
 # The origin of a Draco file is applied when it is read.
@@ -48,14 +48,14 @@ cmp_ok $measured->{input}{hausdorff_relative}, '<', 1e-4, 'the Draco file holds 
 # points never moves the frame.
 my %frames;
 for my $n (50, 3000) {
-    my (undef, $json) = run(['resample', "$dir/sheet.ply", '-n', $n, @quick, '--json', '-o', "$dir/b.drc"]);
+    my (undef, $json) = run(['resample', "$dir/sheet.ply", '-n', $n, @quick, '--json', '-fo', "$dir/b.drc"]);
     $frames{ origin_of(decode_json((split /\n/, $json)[-1])) } = 1;
 }
 is join(' ', keys %frames), '566050,5933050,0', 'few and many points lie in one frame';
 
 for my $case (['566000.5,5933000,-3', '566000.5,5933000,-3'], ['relative', '566050,5933050,0']) {
     my ($asked, $want) = @$case;
-    my (undef, $json) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', $asked, '--json', '-o', "$dir/b.drc"]);
+    my (undef, $json) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', $asked, '--json', '-fo', "$dir/b.drc"]);
     my $report = decode_json((split /\n/, $json)[-1]);
     is origin_of($report), $want, "--origin $asked";
     is $report->{parameters}{origin}, $asked, "--origin $asked is in the report";
@@ -63,31 +63,31 @@ for my $case (['566000.5,5933000,-3', '566000.5,5933000,-3'], ['relative', '5660
 
 # At 5933100 float32 has steps of 0.5: 300 points are 6 apart, so steps of 0.3 at most.
 spew("$dir/c.drc", 'as it was');
-($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 3000, @quick, '--origin', 'absolute', '-o', "$dir/c.drc"]);
+($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 3000, @quick, '--origin', 'absolute', '-fo', "$dir/c.drc"]);
 is $code, 3, 'absolute is refused where float32 is too coarse';
 like $err, qr/^voronoid: \S+sheet\.ply: origin is absolute, where float32 has steps of 0\.5 /, 'with the step, before the work';
-($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', 'absolute', '-o', "$dir/c.drc"]);
+($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', 'absolute', '-fo', "$dir/c.drc"]);
 is $code, 3, 'also after it, where the estimate was not sure';
 like $err, qr/^voronoid: \S+c\.drc: origin is absolute, where float32 has steps of 0\.5 .* want at most 0\.[23]\d+, the spacing/,
     'with the step';
 is slurp("$dir/c.drc"), 'as it was', 'and what lay there still does';
-($code) = run(['resample', "$dir/sheet.ply", '-n', 60, @quick, '--origin', 'absolute', '--quiet', '-o', "$dir/c.drc"]);
+($code) = run(['resample', "$dir/sheet.ply", '-n', 60, @quick, '--origin', 'absolute', '--quiet', '-fo', "$dir/c.drc"]);
 is $code, 0, 'where it is fine enough, absolute is what is written';
-($code) = run(['resample', "$dir/sheet.ply", '-n', 3000, @quick, '--origin', 'absolute', '--quiet', '-o', "$dir/c.ply"]);
+($code) = run(['resample', "$dir/sheet.ply", '-n', 3000, @quick, '--origin', 'absolute', '--quiet', '-fo', "$dir/c.ply"]);
 is $code, 0, 'PLY takes no offence';
-($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 60, '--origin', '1,2', '-o', "$dir/c.drc"]);
+($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 60, '--origin', '1,2', '-fo', "$dir/c.drc"]);
 is $code, 2, 'an origin of two numbers is a mistake';
 like $err, qr/origin is "1,2", want one of auto, absolute, relative or X,Y,Z of numbers from -1e\+30 to 1e\+30/, 'that is named';
 
 # A daemon does and says the same.
 my $daemon = daemon(scratch() . '/data', '127.0.0.1:0', '--threads', 2);
 my @there = ('resample', "$dir/sheet.ply", @quick, '--server', $daemon->{url});
-($code, undef, $err) = run([@there, '-n', 300, '-o', "$dir/there.drc"]);
+($code, undef, $err) = run([@there, '-n', 300, '-fo', "$dir/there.drc"]);
 is $code, 0, 'a daemon resamples the sheet';
 like $err, qr{there\.drc: positions in the file are relative to the origin 566050,5933050,0$}m, 'and its origin is told';
 ok slurp("$dir/there.drc") eq slurp("$dir/a.drc"), 'the file is the one that is made here';
 for my $n (3000, 300) {
-    ($code, undef, $err) = run([@there, '-n', $n, '--origin', 'absolute', '-o', "$dir/there.drc"]);
+    ($code, undef, $err) = run([@there, '-n', $n, '--origin', 'absolute', '-fo', "$dir/there.drc"]);
     is $code, 3, "$n points, absolute, are refused";
     like $err, qr/float32 has steps of 0\.5 /, "$n points: with the step";
 }

@@ -14,7 +14,7 @@ my $http = HTTP::Tiny->new(timeout => 120);
 my $points = 600;
 my $in = spew("$folder/in.ply", sphere($points));
 my $out = "$folder/out.ply";
-my @brief = ('--iterations', 2, '--polish', 0, '-o', $out);
+my @brief = ('--iterations', 2, '--polish', 0, '-fo', $out);
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
 
 sub count_of { return slurp($_[0]) =~ /^element vertex (\d+)$/m ? $1 : -1 }

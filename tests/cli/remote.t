@@ -18,7 +18,7 @@ my @long = ('-n', 4000, '--iterations', 10000);
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2, '--log-level', 'info');
 my $url = $daemon->{url};
 
-run(['resample', $in, @request, '-q', '-o', "$folder/here.ply"]);
+run(['resample', $in, @request, '-q', '-fo', "$folder/here.ply"]);
 my $wanted = slurp("$folder/here.ply");
 
 sub jobs { return decode_json($http->get("$_[0]/v1/jobs?limit=100")->{content})->{jobs} }
@@ -47,24 +47,24 @@ subtest 'health' => sub {
 };
 
 subtest 'the same job far away' => sub {
-    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', $url]);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out, '--server', $url]);
     is $code, 0, 'all is well';
     is $stdout, '', 'stdout stays empty';
     like $stderr, qr/\Avoronoid: \Q$out\E: 500 points, delta 0\.\d{4} after 6 iterations(?: and \d+ polish steps)? \(iterations\), /,
         'one sentence says how it went';
     ok slurp($out) eq $wanted, 'the bytes are those of a run here';
-    ($code, $stdout) = run(['resample', '-', @request, '-o', '-', '-q', '--server', "$url/"], stdin => $in);
+    ($code, $stdout) = run(['resample', '-', @request, '-fo', '-', '-q', '--server', "$url/"], stdin => $in);
     ok $code == 0 && $stdout eq $wanted, 'also from stdin to stdout';
-    ($code) = run(['resample', $in, @request, '-o', $out, '-q'], env => { VORONOID_SERVER => $url });
+    ($code) = run(['resample', $in, @request, '-fo', $out, '-q'], env => { VORONOID_SERVER => $url });
     is scalar @{ jobs($url) }, 3, 'also by the environment';
-    ($code) = run(['resample', $in, @request, '-o', $out, '-q', '--server='], env => { VORONOID_SERVER => $url });
+    ($code) = run(['resample', $in, @request, '-fo', $out, '-q', '--server='], env => { VORONOID_SERVER => $url });
     is scalar @{ jobs($url) }, 3, 'an empty URL means here';
     is((stat $out)[7], length $wanted, 'and writes as much');
 };
 
 subtest 'the same lines of JSON' => sub {
-    my (undef, $here) = run(['resample', $in, @request, '--json', '-o', "$folder/here.drc"]);
-    my ($code, $there, $stderr) = run(['resample', $in, @request, '--json', '-o', "$folder/there.drc", '--server', $url]);
+    my (undef, $here) = run(['resample', $in, @request, '--json', '-fo', "$folder/here.drc"]);
+    my ($code, $there, $stderr) = run(['resample', $in, @request, '--json', '-fo', "$folder/there.drc", '--server', $url]);
     is "$code$stderr", '0', 'all is well';
     ok slurp("$folder/here.drc") eq slurp("$folder/there.drc"), 'the suffix says the format there too';
     my ($ours, $theirs) = map { [map { decode_json($_) } split /\n/] } $here, $there;
@@ -113,18 +113,18 @@ subtest 'refusals' => sub {
         ["$folder/no.ply", 1, qr/cannot be read: No such file or directory/],
     ) {
         my ($path, $wanted, $why) = @$case;
-        my ($code, $stdout, $stderr) = run(['resample', $path, '-n', 5, '-o', $out, '--server', $url]);
+        my ($code, $stdout, $stderr) = run(['resample', $path, '-n', 5, '-fo', $out, '--server', $url]);
         is $code, $wanted, "$path is refused with $wanted";
         like $stderr, qr/\Avoronoid: \Q$path\E: $why\n\z/, 'one line says why';
         is $stdout, '', 'nothing is printed';
     }
-    my ($code, undef, $stderr) = run(['resample', $in, '-n', 100000, '-o', $out, '--server', $url]);
+    my ($code, undef, $stderr) = run(['resample', $in, '-n', 100000, '-fo', $out, '--server', $url]);
     is $code, 3, 'more points than the cloud is good for are refused';
     like $stderr, qr/points is 100000, want 1 to 64000/, 'with the range';
-    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', 'http://127.0.0.1:1']);
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-fo', $out, '--server', 'http://127.0.0.1:1']);
     is $code, 5, 'a server that is not there is unreachable';
     like $stderr, qr{\Avoronoid: http://127.0.0.1:1: [^\n]+\n\z}, 'one line says so';
-    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', "$url/elsewhere"]);
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-fo', $out, '--server', "$url/elsewhere"]);
     is $code, 1, 'a path that is not there is a failure';
     like $stderr, qr/\Avoronoid: \Q$in\E: There is nothing at this path[^\n]*\n\z/, 'one line says so';
     ok !-e $out, 'nothing is written';
@@ -134,26 +134,31 @@ subtest 'refusals' => sub {
 subtest 'a signal' => sub {
     for my $case (['INT', 130], ['TERM', 4]) {
         my ($signal, $wanted) = @$case;
-        my $process = start(['resample', $in, @long, '--json', '-o', $out, '--server', $url]);
+        my $process = start(['resample', $in, @long, '--json', '-fo', $out, '--server', $url]);
         my $job = running($url);
         ok $job, 'the job runs';
         kill $signal, $process->{pid};
         my ($code, undef, $stderr) = finish($process);
         is $code, $wanted, "SIG$signal ends it with $wanted";
-        is $stderr, "voronoid: $in: cancelled\n", 'it says so';
         my $after = decode_json($http->get("$url/v1/jobs/$job->{jobID}")->{content});
+        if ($signal eq 'INT') {
+            like $stderr, qr/^voronoid: stopping, the best so far is kept/, 'it says so';
+            ok $after->{status} eq 'successful' && unlink($out), 'the job is stopped, its best cloud is fetched';
+            next;
+        }
+        is $stderr, "voronoid: $in: cancelled\n", 'it says so';
         is $after->{status}, 'dismissed', 'the job is dismissed';
         ok !-e $out, 'nothing is written';
     }
 };
 
 subtest 'somebody else' => sub {
-    my $process = start(['resample', $in, @long, '-o', $out, '--server', $url]);
+    my $process = start(['resample', $in, @long, '-fo', $out, '--server', $url]);
     $http->delete("$url/v1/jobs/" . running($url)->{jobID});
     my ($code, undef, $stderr) = finish($process);
     is $code, 4, 'dismissed by somebody else is cancelled';
     is $stderr, "voronoid: $in: the job was dismissed\n", 'it says so';
-    $process = start(['resample', $in, @long, '--json', '-o', $out, '--server', $url]);
+    $process = start(['resample', $in, @long, '--json', '-fo', $out, '--server', $url]);
     $http->post("$url/v1/jobs/" . running($url)->{jobID} . '/stop');
     ($code, my $stdout) = finish($process);
     is $code, 0, 'stopped by somebody else is a result';
@@ -164,8 +169,8 @@ subtest 'somebody else' => sub {
 subtest 'a stream that breaks off' => sub {
     my $cutter = cutter($daemon->{address}, 2, 2500);
     my @some = ('-n', 4000, '--iterations', 60);
-    run(['resample', $in, @some, '-q', '-o', "$folder/some.ply"]);
-    my ($code, $stdout, $stderr) = run(['resample', $in, @some, '--json', '-o', $out, '--server', $cutter->{url}]);
+    run(['resample', $in, @some, '-q', '-fo', "$folder/some.ply"]);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @some, '--json', '-fo', $out, '--server', $cutter->{url}]);
     kill 'TERM', $cutter->{pid};
     waitpid $cutter->{pid}, 0;
     Cli::forget($cutter->{pid});
@@ -183,11 +188,11 @@ subtest 'a stream that breaks off' => sub {
 
 subtest 'a daemon that is busy' => sub {
     my $small = daemon("$folder/small", '127.0.0.1:0', '--threads', 1, '--jobs', 1, '--queue', 1);
-    my @others = map { start(['resample', $in, @long, '-q', '-o', "$folder/o$_.ply", '--server', $small->{url}]) } 1;
+    my @others = map { start(['resample', $in, @long, '-q', '-fo', "$folder/o$_.ply", '--server', $small->{url}]) } 1;
     running($small->{url});
-    push @others, start(['resample', $in, @long, '-q', '-o', "$folder/o2.ply", '--server', $small->{url}]);
+    push @others, start(['resample', $in, @long, '-q', '-fo', "$folder/o2.ply", '--server', $small->{url}]);
     await { @{ jobs($small->{url}) } == 2 };
-    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--server', $small->{url}]);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out, '--server', $small->{url}]);
     is "$code|$stdout", '5|', 'is not waited for';
     like $stderr, qr/\Avoronoid: \Q$in\E: The queue is full[^\n]*\n\z/, 'one line says so';
     kill 'INT', $_->{pid} for @others;
@@ -197,16 +202,16 @@ subtest 'a daemon that is busy' => sub {
 
 subtest 'a daemon that dies and comes back' => sub {
     my $mortal = daemon("$folder/mortal", '127.0.0.1:0', '--threads', 2);
-    my $process = start(['resample', $in, '-n', 2000, '--iterations', 150, '--json', '-o', $out, '--server', $mortal->{url}]);
+    my $process = start(['resample', $in, '-n', 2000, '--iterations', 150, '--json', '-fo', $out, '--server', $mortal->{url}]);
     running($mortal->{url});
     stop($mortal, 'KILL');
     $mortal = daemon("$folder/mortal", $mortal->{address}, '--threads', 2);
     my ($code, $stdout, $stderr) = finish($process);
     is "$code$stderr", '0', 'does not lose the job';
-    run(['resample', $in, '-n', 2000, '--iterations', 150, '-q', '-o', "$folder/alone.ply"]);
+    run(['resample', $in, '-n', 2000, '--iterations', 150, '-q', '-fo', "$folder/alone.ply"]);
     ok slurp($out) eq slurp("$folder/alone.ply"), 'the bytes are those of a run here';
     unlink $out;
-    $process = start(['resample', $in, @long, '-o', $out, '--server', $mortal->{url}]);
+    $process = start(['resample', $in, @long, '-fo', $out, '--server', $mortal->{url}]);
     my $job = running($mortal->{url});
     stop($mortal, 'KILL');
     ($code, undef, $stderr) = finish($process);
@@ -216,13 +221,13 @@ subtest 'a daemon that dies and comes back' => sub {
 };
 
 subtest 'a name' => sub {
-    my ($code) = run(['resample', $in, @request, '-o', $out, '-q', '--name', 'five & six', '--server', $url]);
+    my ($code) = run(['resample', $in, @request, '-fo', $out, '-q', '--name', 'five & six', '--server', $url]);
     is $code, 0, 'all is well';
     is jobs($url)->[0]{voronoid}{name}, 'five & six', 'the daemon knows the job by it';
-    ($code, undef, my $stderr) = run(['resample', $in, @request, '-o', $out, '-q', '--name', 'x' x 201, '--server', $url]);
+    ($code, undef, my $stderr) = run(['resample', $in, @request, '-fo', $out, '-q', '--name', 'x' x 201, '--server', $url]);
     is $code, 2, 'one that is too long is refused';
     like $stderr, qr/name is "x+\.\.\.", want 1 to 200 characters/, 'with what one is';
-    ($code, undef, $stderr) = run(['resample', $in, @request, '-o', $out, '--name', 'a']);
+    ($code, undef, $stderr) = run(['resample', $in, @request, '-fo', $out, '--name', 'a']);
     is "$code $stderr", "2 voronoid: resample: --name names the job on a daemon: give --server too\n", 'here there is none';
 };
 

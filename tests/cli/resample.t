@@ -16,7 +16,7 @@ my @request = ('-n', 500, '--iterations', 6, '--polish', 0);
 
 sub count_of { return slurp($_[0]) =~ /^element vertex (\d+)$/m ? $1 : -1 }
 
-my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out]);
+my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out]);
 is $code, 0, 'a cloud is resampled';
 is $stdout, '', 'stdout stays empty';
 like $stderr, qr/\Avoronoid: \Q$out\E: 500 points, delta 0\.\d{4} after 6 iterations \(iterations\), \d+\.\d s\n\z/,
@@ -26,15 +26,15 @@ is leftovers($folder, 'in.ply', 'out.ply'), '', 'no temporary file is left behin
 is sprintf('%o', (stat $out)[2] & 0777), sprintf('%o', 0666 & ~umask), 'it has the rights of a new file';
 my $wanted = slurp($out);
 
-($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--quiet']);
+($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out, '--quiet']);
 is "$code|$stdout|$stderr", '0||', '--quiet is quiet';
 
 subtest 'stdin and stdout' => sub {
-    my ($code, $stdout, $stderr) = run(['resample', '-', @request, '-o', '-'], stdin => $in);
+    my ($code, $stdout, $stderr) = run(['resample', '-', @request, '-fo', '-'], stdin => $in);
     is $code, 0, '- is stdin and stdout';
     ok $stdout eq $wanted, 'the bytes are those of the file';
     like $stderr, qr/\Avoronoid: -: 500 points/, 'the summary is not among them';
-    ($code, $stdout, $stderr) = run(['resample', '-', @request, '-o', '-', '--json'], stdin => $in);
+    ($code, $stdout, $stderr) = run(['resample', '-', @request, '-fo', '-', '--json'], stdin => $in);
     is $code, 0, '--json does not stop it';
     ok $stdout eq $wanted, 'the bytes are still alone on stdout';
     is scalar(split /\n/, $stderr), 8, 'the lines are on stderr';
@@ -42,11 +42,11 @@ subtest 'stdin and stdout' => sub {
 };
 
 subtest 'what never ends and is no cloud' => sub {
-    my ($code, undef, $stderr) = finish(start(['resample', '/dev/zero', @request, '-o', $out]));
+    my ($code, undef, $stderr) = finish(start(['resample', '/dev/zero', @request, '-fo', $out]));
     is $code, 3, '/dev/zero is refused';
     like $stderr, qr{\Avoronoid: /dev/zero: the input begins with "\\x00}, 'by its first bytes';
     POSIX::mkfifo("$folder/pipe", 0600) or die "mkfifo: $!";
-    my $reader = start(['resample', '-', @request, '-o', $out], stdin => "$folder/pipe");
+    my $reader = start(['resample', '-', @request, '-fo', $out], stdin => "$folder/pipe");
     open my $pipe, '>', "$folder/pipe" or die "$folder/pipe: $!";
     local $SIG{PIPE} = 'IGNORE';
     my $taken = 0;
@@ -59,7 +59,7 @@ subtest 'what never ends and is no cloud' => sub {
 };
 
 subtest 'lines of JSON' => sub {
-    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-o', $out, '--json']);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out, '--json']);
     my @lines = split /\n/, $stdout;
     my @records = map { decode_json($_) } @lines;
     my $report = pop @records;
@@ -95,7 +95,7 @@ subtest 'lines of JSON' => sub {
 
 subtest 'the polish' => sub {
     my @polished = ('-n', 500, '--iterations', 6, '--polish', 40);
-    my ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-o', "$folder/p.ply", '--json']);
+    my ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-fo', "$folder/p.ply", '--json']);
     my @records = map { decode_json($_) } split /\n/, $stdout;
     my $report = pop @records;
     is "$code$stderr", '0', 'all is well';
@@ -113,11 +113,11 @@ subtest 'the polish' => sub {
     is "$records[6]{run_stage} $records[6]{step} $records[6]{of} $records[6]{ahead}", 'iterate 6 6 40',
         'the last iteration knows what comes';
     is "$first->{run_stage} $first->{step} $first->{of} $first->{ahead}", 'polish 10 40 0', 'so does the polish';
-    ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-o', "$folder/p.ply"]);
+    ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-fo', "$folder/p.ply"]);
     my $counted = $report->{polish_steps} > 0 ? " and $report->{polish_steps} polish steps" : '';
     like $stderr, qr/ after 6 iterations$counted \(\w+\), \d+\.\d s\n\z/, 'the summary tells both';
     unlink "$folder/p.ply";
-    my (undef, $all) = run(['resample', $in, '-n', 60, '--iterations', 2, '--json', '-o', '/dev/null']);
+    my (undef, $all) = run(['resample', $in, '-n', 60, '--iterations', 2, '--json', '-fo', '/dev/null']);
     my (undef, $help) = run(['resample', '--help']);
     my ($default) = $help =~ /--polish VALUE\n[^\n]*\n[^\n]*default (\d+)\n/;
     is decode_json((split /\n/, $all)[-1])->{parameters}{polish}, $default, 'the default is that of the help';
@@ -125,16 +125,16 @@ subtest 'the polish' => sub {
 
 subtest 'the same bytes' => sub {
     for my $threads (1, 2, 3, 8) {
-        run(['resample', $in, @request, '-o', "$folder/t.ply", '--threads', $threads, '-q']);
+        run(['resample', $in, @request, '-fo', "$folder/t.ply", '--threads', $threads, '-q']);
         ok slurp("$folder/t.ply") eq $wanted, "$threads threads make no difference";
     }
-    run(['resample', $in, @request, '-o', "$folder/t.ply", '-q'], env => { VORONOID_THREADS => 2 });
+    run(['resample', $in, @request, '-fo', "$folder/t.ply", '-q'], env => { VORONOID_THREADS => 2 });
     ok slurp("$folder/t.ply") eq $wanted, 'nor does VORONOID_THREADS';
     run(['resample', $in, '--points=500', '--iterations=6', '--polish=0', "--output=$folder/t.ply", '-q']);
     ok slurp("$folder/t.ply") eq $wanted, 'nor does the way a value is written';
-    run(['resample', '-n500', '--iterations', 6, '--polish', 0, "-o$folder/t.ply", '-q', '--', $in]);
+    run(['resample', '-n500', '--iterations', 6, '--polish', 0, "-fo$folder/t.ply", '-q', '--', $in]);
     ok slurp("$folder/t.ply") eq $wanted, 'nor does the order';
-    run(['resample', $in, @request, '-o', "$folder/t.ply", '-q', '--seed', 2]);
+    run(['resample', $in, @request, '-fo', "$folder/t.ply", '-q', '--seed', 2]);
     ok slurp("$folder/t.ply") ne $wanted, 'another seed does';
     unlink "$folder/t.ply";
 };
@@ -145,12 +145,12 @@ subtest 'the format' => sub {
         ['a.bin', ['--format', 'ply'], 'ply'], ['b.ply', ['--format', 'drc'], 'drc'], ['b.drc', ['--format=ply'], 'ply']) {
         my ($name, $option, $format) = @$case;
         my ($magic) = map { $_->[1] } grep { $_->[0] eq $format } @magic;
-        my ($code, $stdout) = run(['resample', $in, @request, '-o', "$folder/$name", '--json', @$option]);
+        my ($code, $stdout) = run(['resample', $in, @request, '-fo', "$folder/$name", '--json', @$option]);
         is $code, 0, "$name @$option is written";
         is substr(slurp("$folder/$name"), 0, length $magic), $magic, "$name @$option is $format";
         is decode_json((split /\n/, $stdout)[-1])->{parameters}{format}, $format, 'the report says so';
     }
-    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-o', "$folder/c", '-q']);
+    my ($code) = run(['resample', "$folder/a.DRC", '-n', 100, '-fo', "$folder/c", '-q']);
     is $code, 0, 'what was written is read';
     is substr(slurp("$folder/c"), 0, 5), 'DRACO', 'without a hint, the format is the input\'s';
     unlink "$folder/a", "$folder/c", glob "$folder/{a,b}.*";
@@ -158,7 +158,7 @@ subtest 'the format' => sub {
     # A name that promises what is not written is refused before the input is looked at.
     for my $case (['a.las', '.las'], ['a.ply.gz', '.gz'], ['a.PLYX', '.PLYX']) {
         my ($name, $suffix) = @$case;
-        my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-o', "$folder/$name"]);
+        my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-fo', "$folder/$name"]);
         is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or say "
             . "--format\n", "$name is refused";
         ok !-e "$folder/$name", 'and nothing is written';
@@ -168,20 +168,31 @@ subtest 'the format' => sub {
 subtest 'what stands where the output goes' => sub {
     spew($out, 'old');
     my $bad = spew("$folder/bad.ply", 'x');
-    run(['resample', $bad, '-n', 5, '-o', $out]);
+    my ($twin, $alias) = map { "$folder/$_.ply" } qw(twin alias);
+    link $in, $twin and symlink $in, $alias or die;
+    my $input = slurp($in);
+    for my $case ([$in, $out, 'it exists: --force (-f) would overwrite it'], (map { [$in, $_, "this is the input $in itself: give another output", '-f'] }
+        $in, $twin, $alias), ['-', $twin, 'this is the input on stdin itself: give another output', '-f']) {
+        my ($from, $to, $line, @force) = @$case;
+        my ($code, undef, $stderr) = run(['resample', $from, @request, @force, '-o', $to], stdin => $in);
+        is "$code|$stderr", "2|voronoid: $to: $line\n", "$to is not written";
+    }
+    ok $input eq slurp($in) && slurp($out) eq 'old', 'and all is as it was';
+    unlink $twin, $alias;
+    run(['resample', $bad, '-n', 5, '-fo', $out]);
     is slurp($out), 'old', 'a failure leaves it alone';
-    run(['resample', $in, @request, '-o', $out, '-q']);
+    run(['resample', $in, @request, '-fo', $out, '-q']);
     ok slurp($out) eq $wanted, 'a success replaces it';
     spew("$folder/target.ply", 'old');
     symlink 'target.ply', "$folder/link.ply" or die;
-    run(['resample', $in, @request, '-o', "$folder/link.ply", '-q']);
+    run(['resample', $in, @request, '-fo', "$folder/link.ply", '-q']);
     ok -l "$folder/link.ply" && slurp("$folder/target.ply") eq $wanted, 'a link is followed';
-    my ($code) = run(['resample', $in, @request, '-o', '/dev/null', '-q']);
+    my ($code) = run(['resample', $in, @request, '-fo', '/dev/null', '-q']);
     ok $code == 0 && -c '/dev/null', '/dev/null is written to, not replaced';
-    my ($full, undef, $why) = run(['resample', $in, @request, '-o', '/dev/full', '-q']);
+    my ($full, undef, $why) = run(['resample', $in, @request, '-fo', '/dev/full', '-q']);
     is "$full $why", "1 voronoid: /dev/full: cannot be written: No space left on device\n",
         'a full disk is told';
-    ($full, undef, $why) = run(['resample', $in, @request, '-o', '-', '-q'], stdout => '/dev/full');
+    ($full, undef, $why) = run(['resample', $in, @request, '-fo', '-', '-q'], stdout => '/dev/full');
     is "$full $why", "1 voronoid: -: cannot be written: No space left on device\n",
         'so is a full stdout';
     unlink map {"$folder/$_"} qw(bad.ply target.ply link.ply);
@@ -191,22 +202,24 @@ subtest 'a signal' => sub {
     my $big = spew("$folder/big.ply", sphere(20000));
     for my $case (['INT', 130], ['TERM', 4]) {
         my ($signal, $wanted) = @$case;
-        my $process = start(['resample', $big, '-n', 20000, '--iterations', 10000, '--json', '-o', "$folder/never.ply"]);
+        my $process = start(['resample', $big, '-n', 20000, '--iterations', 10000, '--json', '-fo', "$folder/never.ply"]);
         ok((await { -s "$process->{folder}/out" }), 'it iterates');
         kill $signal, $process->{pid};
         my ($code, $stdout, $stderr) = finish($process);
         is $code, $wanted, "SIG$signal ends it with $wanted";
-        is $stderr, "voronoid: $big: cancelled\n", 'it says so';
-        unlike $stdout, qr/"points"/, 'there is no report';
+        my $kept = $signal eq 'INT' ? qr/^voronoid: stopping, the best so far is kept/ : qr/^voronoid: \Q$big\E: cancelled$/;
+        like $stderr, $kept, 'it says so';
+        is !!($stdout =~ /"points".*"stopped":"stopped"/), $signal eq 'INT', 'a report comes of ^C alone';
+        is !!-e "$folder/never.ply", $signal eq 'INT', 'and so does a cloud';
     }
-    unlink $big;
+    unlink $big, "$folder/never.ply";
 };
 is leftovers($folder, 'in.ply', 'out.ply'), '', 'nothing is left behind';
 
 subtest 'ratio and spacing' => sub {
-    my ($code, $stdout) = run(['resample', $in, '--ratio', '0.1', '--iterations', 2, '--json', '-o', $out]);
+    my ($code, $stdout) = run(['resample', $in, '--ratio', '0.1', '--iterations', 2, '--json', '-fo', $out]);
     is decode_json((split /\n/, $stdout)[-1])->{points}{out}, 400, 'ratio counts from the input';
-    ($code, $stdout) = run(['resample', $in, '--spacing', '0.2', '--iterations', 20, '--json', '-o', $out]);
+    ($code, $stdout) = run(['resample', $in, '--spacing', '0.2', '--iterations', 20, '--json', '-fo', $out]);
     my $report = decode_json((split /\n/, $stdout)[-1]);
     cmp_ok abs($report->{points}{out} - 363), '<', 15, 'spacing counts from the area';
     cmp_ok abs($report->{spacing} / 0.2 - 1), '<', 0.1, 'and is what comes out';

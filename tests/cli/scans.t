@@ -47,7 +47,7 @@ for my $name (sort keys %scan) {
     SKIP: {
         skip "$name: its Debian package cannot be fetched here", 5 if $? != 0;
         my ($points, $keep) = @{ $scan{$name} }{qw(points keep)};
-        is(system("$binary resample $path -n $points --iterations 10 --polish 40 -o $dir/$name --quiet"), 0, "$name is resampled");
+        is(system("$binary resample $path -n $points --iterations 10 --polish 40 -fo $dir/$name --quiet"), 0, "$name is resampled");
         my $even = measure("$dir/$name", $path);
         is($even->{n}, $points, "$name: the number of points asked for");
         is($even->{coincident}, 0, "$name: none share a place");
@@ -66,7 +66,7 @@ for my $scan (['office1.ply', half(20000)], ['autzen.ply', half(8000)], ['kitti_
     SKIP: {
         skip "$name: no ../shared/data/$name", 3 unless $path;
         my $steps = @method ? '--steps 12' : '--iterations 4';
-        is(system("$binary resample $path -n $points @method $steps --polish 30 -o $dir/$name --quiet"), 0, "$name @method is resampled");
+        is(system("$binary resample $path -n $points @method $steps --polish 30 -fo $dir/$name --quiet"), 0, "$name @method is resampled");
         my $even = measure("$dir/$name", $path);
         is($even->{n}, $points, "$name @method: the number of points asked for");
         is($even->{coincident}, 0, "$name @method: none share a place");
@@ -79,7 +79,7 @@ for my $name ('cow_mesh.ply', 'scannet.ply') {
     my $path = shared("data/$name");
     SKIP: {
         skip "$name: no ../shared/data/$name", 1 unless $path;
-        like(scalar(`$binary resample $path -n 2000 --iterations 1 --polish 0 --intrinsic none -o $dir/$name --json --quiet`),
+        like(scalar(`$binary resample $path -n 2000 --iterations 1 --polish 0 --intrinsic none -fo $dir/$name --json --quiet`),
             qr/"neighbors":20\b/, "$name: fitted closely");
     }
 }

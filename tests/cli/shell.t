@@ -126,7 +126,7 @@ subtest 'bash' => sub {
     is offered('fetch', '--result', 're'), 'report', 'a result';
     is offered('serve', '--log-level', 'd'), 'debug', 'a setting';
     is offered('resample', 'in'), 'in.ply', 'an operand is a file';
-    is offered('resample', '-o', 'in'), 'in.ply', 'so is an output';
+    is offered('resample', '-fo', 'in'), 'in.ply', 'so is an output';
     is offered('measure', '--reference', 'in'), 'in.ply', 'and another input';
     is offered('resample', '--quiet', 'in'), 'in.ply', 'a flag is followed by an operand';
     my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 1);

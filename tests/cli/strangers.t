@@ -30,22 +30,22 @@ sub points_of {
 
 for my $where ([], ['--server', $daemon->{url}]) {
     my ($by, $out) = (@$where ? 'by a daemon' : 'here', "$folder/out.ply");
-    my ($code, $stdout, $stderr) = run(['convert', $cloud, '-o', $out, @$where]);
+    my ($code, $stdout, $stderr) = run(['convert', $cloud, '-fo', $out, @$where]);
     is $code, 0, "doubles are converted, $by" or diag($stderr);
     unlike $stderr, qr/dropped/, "without loss, $by";
     is_deeply [points_of($out)], \@points, "and are the same, $by";
 
-    ($code, $stdout, $stderr) = run(['denoise', $cloud, '--filters', 'outliers', '--order', 'progressive', '-o', $out, @$where]);
+    ($code, $stdout, $stderr) = run(['denoise', $cloud, '--filters', 'outliers', '--order', 'progressive', '-fo', $out, @$where]);
     is $code, 0, "outliers are left out, $by" or diag($stderr);
     my @left = points_of($out);
     is scalar(grep { $known{$_} } @left), scalar @left, "the others stay bit for bit in another order, $by";
     cmp_ok scalar @left, '>', $n / 2, "most of them, $by";
 
-    ($code, $stdout, $stderr) = run(['denoise', $cloud, '--filters', 'mls', '-o', $out, @$where]);
+    ($code, $stdout, $stderr) = run(['denoise', $cloud, '--filters', 'mls', '-fo', $out, @$where]);
     is $code, 0, "points are moved, $by" or diag($stderr);
     is scalar(grep { $known{$_} } points_of($out)), 0, "then none stays, $by";
 
-    ($code, $stdout, $stderr) = run(['convert', $cloud, '--quantization', 0, '-o', "$folder/out.drc", @$where]);
+    ($code, $stdout, $stderr) = run(['convert', $cloud, '--quantization', 0, '-fo', "$folder/out.drc", @$where]);
     is $code, 0, "float32 is written, $by" or diag($stderr);
     like $stderr, qr/: dropped: digits of positions \($n\)\n/, "and the loss is said, $by";
 }

@@ -40,7 +40,7 @@ for my $threads ($binary =~ /tsan/ ? 3 : (1, 2, 3, 8)) {
     for my $name (sort keys %requests) {
         my $out = "$folder/out";
         my @options = map { my ($key, $value) = split /=/; ("--$key", $value) } split /&/, $requests{$name};
-        is system($binary, 'resample', "$folder/in.ply", '-o', $out, '--quiet', '--threads', $threads, @options), 0,
+        is system($binary, 'resample', "$folder/in.ply", '-f', '-o', $out, '--quiet', '--threads', $threads, @options), 0,
             "$name: the command line with $threads threads ends well";
         my $bytes = Vt::slurp($out);
         $wanted{$name} //= $bytes;
@@ -58,7 +58,7 @@ for my $threads ($binary =~ /tsan/ ? 3 : (1, 2, 3, 8)) {
             "$name: a synchronous call, $threads threads";
     }
     my $out = "$folder/remote.drc";
-    is system($binary, 'resample', "$folder/in.ply", '-o', $out, '--quiet', '--server', $daemon->{url}, '--ratio', 0.3,
+    is system($binary, 'resample', "$folder/in.ply", '-f', '-o', $out, '--quiet', '--server', $daemon->{url}, '--ratio', 0.3,
         '--iterations', 12, '--seed', 7), 0, 'the command line with a server ends well';
     is sha256_hex(Vt::slurp($out)), sha256_hex($wanted{Draco}), "the command line with a server, $threads threads";
     is $daemon->stop, 0, 'the daemon ends with 0';

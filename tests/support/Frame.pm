@@ -116,11 +116,11 @@ sub compare {
     my ($name, $input, $origin) = @$cloud;
     my @request = ('resample', $input, '-n', 600, '--iterations', 1, '--polish', 2, '--order', $order, '--intrinsic', 'none');
     $name .= ", $order";
-    my ($code, $out, $err) = run([@request, '--quantization', $bits, '--json', '-o', "$dir/out.drc"]);
+    my ($code, $out, $err) = run([@request, '--quantization', $bits, '--json', '-f', '-o', "$dir/out.drc"]);
     is $code, 0, "$name: there is a Draco file" or diag $err;
     my $report = decode_json((split /\n/, $out)[-1]);
     is origin_of($report), $origin, "$name: its origin is $origin";
-    is +(run([@request, '--quiet', '-o', "$dir/out.ply"]))[0], 0, "$name: there is a PLY file";
+    is +(run([@request, '--quiet', '-f', '-o', "$dir/out.ply"]))[0], 0, "$name: there is a PLY file";
     $decode->("$dir/out.drc", "$dir/theirs.ply", $name, $origin);
     my @ours = points_of("$dir/out.ply");
     my @theirs = points_of("$dir/theirs.ply");

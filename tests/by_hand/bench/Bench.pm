@@ -70,7 +70,7 @@ sub resample { return process('resample', @_) }
 
 sub process {
     my ($process, $input, $result, @arguments) = @_;
-    my $run = timed($binary, $process, $input, @arguments, '--json', '-o', $result);
+    my $run = timed($binary, $process, $input, @arguments, '--json', '-f', '-o', $result);
     my @objects = map { decode_json($_) } @{ $run->{lines} };
     my $report = pop @objects;
     my $seconds = $report->{seconds};

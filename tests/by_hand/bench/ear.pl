@@ -97,8 +97,8 @@ my @ear = qw(--method ear);
 # Wedges of two squares, over seeds.
 sub wedges {
     my @runners = (
-        { who => 'cvt', command => [$ARGV[0], qw(resample IN -n 1000 --threads 1 -q -o OUT), @cvt] },
-        { who => 'ear', command => [$ARGV[0], qw(resample IN -n 1000 --threads 1 -q -o OUT), @ear], asked => 1 },
+        { who => 'cvt', command => [$ARGV[0], qw(resample IN -n 1000 --threads 1 -q -f -o OUT), @cvt] },
+        { who => 'ear', command => [$ARGV[0], qw(resample IN -n 1000 --threads 1 -q -f -o OUT), @ear], asked => 1 },
         { who => 'bilateral twice, then EAR', command => [program('ear'), qw(IN 24 2 0 0 2000 OUT)] },
     );
     my @figure = qw(n near off p99 normal normal_p90 smeared reach cpu);

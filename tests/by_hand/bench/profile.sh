@@ -16,7 +16,7 @@ page=$out/profile.md
     elif ! command -v perf >/dev/null; then
         echo "profile: not measured, perf is not here"
     elif ! perf record -q -F 999 -o "$out/perf.data" -- "$voronoid" resample "$input" --points 20000 --threads 1 -q \
-        -o "$out/profile.ply" >"$out/perf.log" 2>&1; then
+        -f -o "$out/profile.ply" >"$out/perf.log" 2>&1; then
         echo "profile: not measured, perf cannot record here"
     else
         echo "igea → 20000 at default quality, one thread."

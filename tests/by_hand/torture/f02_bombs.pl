@@ -28,7 +28,7 @@ sub kd_bomb {
         map { "$places[$_ % 4]\n" } 1 .. 1000;
     close $ply;
     my $binary = $ENV{VORONOID} // 'build/release/voronoid';
-    system("$binary convert -q $dir/in.ply -o $dir/out.drc --quantization 8 2>/dev/null") == 0 or die 'no Draco file';
+    system("$binary convert -qf $dir/in.ply -o $dir/out.drc --quantization 8 2>/dev/null") == 0 or die 'no Draco file';
     my $bytes = Vt::slurp("$dir/out.drc");
     my $count = pack 'V', 1000;
     $bytes =~ s/\Q$count\E/pack 'V', 49_900_000/ge;

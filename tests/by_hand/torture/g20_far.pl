@@ -45,7 +45,7 @@ sub points_of {
 
 sub resample {
     my ($name) = @_;
-    system($binary, 'resample', "$dir/$name.ply", '-n', $n / 4, '--quiet', '-o', "$dir/$name-out.ply") == 0 or die "$name\n";
+    system($binary, 'resample', "$dir/$name.ply", '-n', $n / 4, '--quiet', '-f', '-o', "$dir/$name-out.ply") == 0 or die "$name\n";
     return points_of("$dir/$name-out.ply"), decode_json(qx{$binary measure $dir/$name-out.ply});
 }
 

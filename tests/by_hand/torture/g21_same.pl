@@ -24,7 +24,7 @@ close $out or die $!;
 sub here {
     my ($threads) = @_;
     my @options = map { my ($name, $value) = split /=/; ("--$name", $value) } split /&/, $query;
-    system($ENV{VORONOID}, 'resample', "$dir/in.ply", @options, '--threads', $threads, '--quiet', '-o', "$dir/out.ply") == 0
+    system($ENV{VORONOID}, 'resample', "$dir/in.ply", @options, '--threads', $threads, '--quiet', '-f', '-o', "$dir/out.ply") == 0
         or die "a run at $threads threads\n";
     return sha256_hex(Vt::slurp("$dir/out.ply"));
 }
