@@ -119,7 +119,7 @@ subtest 'the polish' => sub {
     unlink "$folder/p.ply";
     my (undef, $all) = run(['resample', $in, '-n', 60, '--iterations', 2, '--json', '-fo', '/dev/null']);
     my (undef, $help) = run(['resample', '--help']);
-    my ($default) = $help =~ /--polish VALUE\n[^\n]*\n[^\n]*default (\d+)\n/;
+    my ($default) = $help =~ /--polish VALUE\n(?: {6}.*\n)*? {6}.*default (\d+)\n/;
     is decode_json((split /\n/, $all)[-1])->{parameters}{polish}, $default, 'the default is that of the help';
 };
 
