@@ -172,7 +172,7 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
     vor_quote(quoted, sizeof quoted, name, strlen(name));
     return vor_fail_param(err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s%s", quoted,
                           process->id, names,
-                          count > VOR_NEAREST_MAX ? " and others less alike" : "");
+                          count > VOR_NEAREST_MAX ? " and less similar ones" : "");
 }
 
 static vor_status refuse_as(vor_status status, const struct vor_parameter_info *info,

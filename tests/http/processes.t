@@ -144,7 +144,7 @@ is_deeply [sort keys %{ $measure->{inputs} }], [qw(cloud invalid peak reference)
 is $measure->{inputs}{reference}{minOccurs}, 0, 'of which the reference need not come';
 is json($daemon->post('/v1/processes/measure/execution', $cloud))->{n}, $points, 'a body alone is its cloud';
 ok !exists json($daemon->get("/v1/processes/$_"))->{inputs}{peak}, "$_ does not describe peak" for sort keys %as;
-my $names = qr/(?:\w+, ){2}\w+ and others less alike/;
+my $names = qr/(?:\w+, ){2}\w+ and less similar ones/;
 
 # Refusals that the head decides, and those that the cloud does: both ways to run a process.
 for my $case (
