@@ -360,15 +360,20 @@ PREFIX ?= /usr/local
 SHARE := $(B)/share
 PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh)
 root := $(DESTDIR)$(PREFIX)
-INSTALLED := bin/voronoid share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
+# Where a debugger looks for the symbols of a binary that is stripped.
+SYMBOLS := .debug/voronoid.debug
+INSTALLED := bin/voronoid bin/$(SYMBOLS) share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
     share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid share/doc/voronoid/LICENSE
 
 $(SHARE)/voronoid.%: $(BIN)
 	@mkdir -p $(@D)
 	@$(BIN) $(if $(filter 1 8,$*),--man,--completion) $* >$@
 
-install: all $(PAGES) ## copy binary, manual, completions and license to DESTDIR/PREFIX (/usr/local)
-	install -D -m 0755 $(BIN) $(root)/bin/voronoid
+install: all $(PAGES) ## copy binary (stripped, its symbols beside it), manual, completions and license to DESTDIR/PREFIX (/usr/local)
+	install -d $(root)/bin/.debug
+	objcopy --only-keep-debug $(BIN) $(root)/bin/$(SYMBOLS)
+	objcopy --strip-unneeded --add-gnu-debuglink=$(root)/bin/$(SYMBOLS) $(BIN) $(root)/bin/voronoid
+	chmod 0644 $(root)/bin/$(SYMBOLS)
 	install -D -m 0644 $(SHARE)/voronoid.1 $(root)/share/man/man1/voronoid.1
 	install -D -m 0644 $(SHARE)/voronoid.8 $(root)/share/man/man8/voronoid.8
 	install -D -m 0644 $(SHARE)/voronoid.bash $(root)/share/bash-completion/completions/voronoid
@@ -379,7 +384,7 @@ install: all $(PAGES) ## copy binary, manual, completions and license to DESTDIR
 
 uninstall: ## remove what install has copied
 	rm -f $(addprefix $(root)/,$(INSTALLED))
-	rmdir $(root)/share/doc/voronoid 2>/dev/null || true
+	rmdir $(root)/share/doc/voronoid $(root)/bin/.debug 2>/dev/null || true
 
 clean: ## remove build/
 	rm -rf build

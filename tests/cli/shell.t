@@ -158,13 +158,15 @@ subtest 'make install' => sub {
     is $make->('install'), 0, 'ends well' or diag slurp("$folder/make.log");
     my %same = ('share/man/man1/voronoid.1' => "$folder/voronoid.1", 'share/man/man8/voronoid.8' => "$folder/voronoid.8",
         'share/bash-completion/completions/voronoid' => $bash, 'share/zsh/site-functions/_voronoid' => $zsh,
-        'share/doc/voronoid/LICENSE' => 'LICENSE', 'bin/voronoid' => $binary);
+        'share/doc/voronoid/LICENSE' => 'LICENSE');
     for my $path (sort keys %same) {
         ok slurp("$root/opt/v/$path") eq slurp($same{$path}), "$path is there";
     }
     my $unit = 'lib/systemd/system/voronoid.service';
     is slurp("$root/opt/v/$unit"), slurp('docker/voronoid.service') =~ s{/usr/local/bin/}{/opt/v/bin/}r, "$unit starts what is installed";
-    $same{$unit} = 'docker/voronoid.service';
+    @same{$unit, 'bin/voronoid', 'bin/.debug/voronoid.debug'} = ();
+    cmp_ok -s "$root/opt/v/bin/voronoid", '<', -s $binary, 'the binary is stripped';
+    like scalar `readelf --string-dump=.gnu_debuglink '$root/opt/v/bin/voronoid'`, qr/voronoid\.debug/, 'and names its symbols';
     my @files = split /\n/, `cd '$root/opt/v' && find . -type f`;
     is scalar(@files), scalar(keys %same), 'and nothing else';
     ok -x "$root/opt/v/bin/voronoid", 'the binary can be run';
