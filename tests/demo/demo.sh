@@ -31,6 +31,12 @@ show_progress()
         }'
 }
 
+# A member a line.
+in_lines()
+{
+    sed 's/,"/,\n"/g' "$1"
+}
+
 report()
 {
     {
@@ -41,11 +47,12 @@ report()
         echo "| sent | $(basename "$cloud"), $(stat -c %s "$cloud") bytes |"
         echo "| received | result.drc, $(stat -c %s "$out/result.drc") bytes |"
         echo
-        echo "The daemon's report:"; echo; echo '```json'; cat "$out/report.json"; echo; echo '```'; echo
+        echo "![before and after](picture.png)"; echo
+        echo "The daemon's report:"; echo; echo '```json'; in_lines "$out/report.json"; echo; echo '```'; echo
         echo "The result measured against what was sent:"; echo; echo '```json'
-        cat "$out/measure.json"; echo; echo '```'; echo
+        in_lines "$out/measure.json"; echo; echo '```'; echo
         echo "The result sent back in and resampled to half as many points:"; echo; echo '```json'
-        cat "$out/again.json"; echo; echo '```'
+        in_lines "$out/again.json"; echo; echo '```'
     } >"$out/report.md"
 }
 
@@ -64,8 +71,13 @@ curl -sSf -o "$out/report.json" "$url/v1/jobs/$job/results/report"
 curl -sSf -T "$out/result.drc" -X POST -H 'Expect:' -o "$out/again.ply" \
     "$url/v1/resample?points=$((points / 2))&format=ply"
 "$voronoid" measure "$out/again.ply" --reference "$out/result.drc" >"$out/again.json"
+"$voronoid" convert "$cloud" -q -f -o "$out/before.ply"
+"$voronoid" convert "$out/result.drc" -q -f -o "$out/after.ply"
+perl tests/demo/picture.pl "$out/before.ply" "$out/after.ply" "$out/picture.png"
 report
 echo "Wrote $out/result.drc ($(stat -c %s "$out/result.drc") bytes for $points points; sent: $(stat -c %s "$cloud"))"
 echo "  measured: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/measure.json" | tr '\n' ' ')"
 echo "  and sent back in: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/again.json" | tr '\n' ' ')"
-echo "Report: $out/report.md"
+echo "Report:  $out/report.md"
+echo "Picture: $out/picture.png, before and after"
+echo "Page:    run $voronoid serve, open http://127.0.0.1:8080 and drop $cloud there"
