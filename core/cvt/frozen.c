@@ -121,7 +121,7 @@ static void evaluate_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Adds up values and gradients, in the order of the seeds. */
+/* Adds up values and gradients, in the order of the seeds. Fixed ones have none. */
 static double add_up(const struct evaluation *evaluation)
 {
     const struct vor_frozen *f = evaluation->frozen;
@@ -136,6 +136,8 @@ static double add_up(const struct evaluation *evaluation)
             evaluation->gradient[2 * j + 1] += f->by[k][1];
         }
     }
+    for (size_t d = 2 * vor_seeds_moving(f->seeds); d < 2 * f->seeds->n; d++)
+        evaluation->gradient[d] = 0;
     return sum;
 }
 
@@ -258,7 +260,8 @@ static void take_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         sum_cell(take, &sums, i);
-        take_seed(take, &f->seeds->scratch[worker], &sums, i);
+        if (i < vor_seeds_moving(f->seeds))
+            take_seed(take, &f->seeds->scratch[worker], &sums, i);
         sums.held += take->held[i] & VOR_FROZEN_HELD;
     }
     f->sums[begin / VOR_SEEDS_BLOCK] = sums;
