@@ -9,6 +9,7 @@
 #include "core/lop/power.h"
 #include "core/seeds/tell.h"
 
+#include <math.h>
 #include <string.h>
 
 enum {
@@ -71,9 +72,11 @@ static struct vor_lop_base base_of(const struct insertion *insertion, uint32_t i
 static float priority(const struct insertion *insertion, const struct vor_lop_base *base,
                       double clearance2)
 {
-    double turned = 2 - cosine(base->end[0], base->end[1]);
+    double turned = 2 - cosine(base->end[0], base->end[1]), least = 0;
 
-    if (clearance2 < VOR_LOP_CLEARANCE_MIN * VOR_LOP_CLEARANCE_MIN)
+    for (int c = 0; c < 3; c++)
+        least = fmax(least, VOR_LOP_CLEARANCE_MIN * fabs((double)base->xyz[c]));
+    if (!(clearance2 > least * least))
         return 0;
     return (float)(vor_lop_power(turned, insertion->how->rho) * sqrt(clearance2));
 }

@@ -73,9 +73,13 @@ static float to_line2(const struct twin *twin, size_t i, size_t j, size_t k)
 
 static float key_of(const struct twin *twin, size_t i, size_t j, float clearance2)
 {
-    double turned = 2 - cosine(normal(twin, i), normal(twin, j));
+    double turned = 2 - cosine(normal(twin, i), normal(twin, j)), least = 0;
+    float m[3];
 
-    if ((double)clearance2 < VOR_LOP_CLEARANCE_MIN * VOR_LOP_CLEARANCE_MIN)
+    middle(twin, i, j, m);
+    for (int c = 0; c < 3; c++)
+        least = fmax(least, VOR_LOP_CLEARANCE_MIN * fabs((double)m[c]));
+    if (!((double)clearance2 > least * least))
         return 0;
     return (float)(vor_lop_power(turned, twin->rho) * sqrt((double)clearance2));
 }

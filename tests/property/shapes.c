@@ -44,6 +44,14 @@ static void nearest_of_sphere(struct place *at, const double x[3], double gap)
     set(at, sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) - 1, 0, x[0], x[1], x[2]);
 }
 
+/* A sphere beside one point, 1e5 radii away. */
+static void make_far(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    (void)gap;
+    vt_cloud_sphere(cloud, seed, n);
+    cloud->xyz[0] = 1e5F;
+}
+
 /* One sphere in another, half as large. */
 static void make_nested(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
 {
@@ -180,7 +188,7 @@ static int inside_wedge(const double x[3])
     return x[1] > 0.1 && x[1] < 0.9 && x[0] + x[2] > -0.9;
 }
 
-enum shape { SPHERE, TORUS, NESTED, SPHERES, SHEETS, FOLD, CROSSING, WAVES, WEDGE };
+enum shape { SPHERE, FAR, TORUS, NESTED, SPHERES, SHEETS, FOLD, CROSSING, WAVES, WEDGE };
 
 static const struct {
     const char *name;
@@ -191,6 +199,7 @@ static const struct {
     double area;
 } shapes[] = {
     [SPHERE] = {"sphere", NULL, nearest_of_sphere, anywhere, 1, 4 * M_PI},
+    [FAR] = {"sphere and a far point", make_far, nearest_of_sphere, anywhere, 1, 4 * M_PI},
     [TORUS] = {"torus", make_torus, nearest_of_torus, anywhere, 1, 0.8 * 2 * M_PI *M_PI},
     [NESTED] = {"nested spheres", make_nested, nearest_of_nested, anywhere, 1, 5 * M_PI},
     [SPHERES] = {"two spheres", NULL, nearest_of_spheres, anywhere, 1, 8 * M_PI},
@@ -276,6 +285,7 @@ static const struct {
     size_t between, inward;
 } rows[] = {
     {SPHERE, 8000, 0, 0.5, "points=800 polish=8", 0.036, 0, 0},
+    {FAR, 4000, 0, 0, "points=3500 method=ear polish=8", 0.001, 0, 0},
     {TORUS, 5000, 0, 0, "points=800 polish=8", 0.001, 0, 0},
     {NESTED, 5000, 0, 0, "points=800 polish=8", 4e-4, 0, 0},
     {SPHERES, 8000, 3, 0, "points=800 polish=8", 1e-4, 0, 0},
