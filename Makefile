@@ -5,7 +5,7 @@ B := build/$(config)
 CC ?= gcc
 CXX ?= g++
 PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib libseccomp
-VERSION := 1.0.0
+VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
 CWARN := $(WARN) -Wstrict-prototypes -Wmissing-prototypes -Wvla
