@@ -2,7 +2,7 @@
 #ifndef VOR_CLI_MENU_H
 #define VOR_CLI_MENU_H
 
-#include "server/cli/options.h"
+#include "server/cli/command.h"
 
 #include <getopt.h>
 

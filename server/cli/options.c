@@ -10,19 +10,11 @@
 #include "server/base/uuid.h"
 #include "server/cli/menu.h"
 
-#include <assert.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-static const struct vor_option_info options[VOR_OPTION_COUNT] = {
-#define OPTION_ROW(id, name, letter, value, variable, commands, sentence)                          \
-    {name, value, variable, sentence, commands, letter},
-    VOR_OPTION_TABLE(OPTION_ROW)
-#undef OPTION_ROW
-};
 
 enum {
     OPERAND = 1,     /* what it returns for an operand, and for letters */
@@ -38,20 +30,6 @@ struct reader {
     struct vor_menu menu;
     struct vor_error *err;
 };
-
-const struct vor_option_info *vor_option_info(enum vor_option option)
-{
-    assert((unsigned)option < VOR_OPTION_COUNT);
-    return &options[option];
-}
-
-int vor_command_takes(const struct vor_command *command, enum vor_option option)
-{
-    if (option == VOR_OPTION_PRESET &&
-        (command->process == NULL || vor_named_preset(command->process->id, 0) == NULL))
-        return 0;
-    return (vor_option_info(option)->commands & command->does) != 0;
-}
 
 int vor_cli_into_folder(const struct vor_cli *cli)
 {
@@ -194,8 +172,8 @@ static int option_of_letter(const struct vor_command *command, int letter)
 {
     int i = 0;
 
-    while (i < VOR_OPTION_COUNT &&
-           !(options[i].letter == letter && vor_command_takes(command, (enum vor_option)i)))
+    while (i < VOR_OPTION_COUNT && !(vor_option_info((enum vor_option)i)->letter == letter &&
+                                     vor_command_takes(command, (enum vor_option)i)))
         i++;
     return i;
 }
@@ -242,8 +220,8 @@ static void read_environment(struct vor_cli *cli)
 {
     for (int i = 0; i < VOR_OPTION_COUNT; i++)
         if (cli->option[i] == NULL && vor_command_takes(cli->command, (enum vor_option)i) &&
-            options[i].variable[0] != '\0')
-            cli->option[i] = getenv(options[i].variable);
+            vor_option_info((enum vor_option)i)->variable[0] != '\0')
+            cli->option[i] = getenv(vor_option_info((enum vor_option)i)->variable);
     /* An empty URL is none, so that the variable can be overridden. */
     if (cli->option[VOR_OPTION_SERVER] != NULL && cli->option[VOR_OPTION_SERVER][0] == '\0')
         cli->option[VOR_OPTION_SERVER] = NULL;

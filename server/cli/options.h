@@ -5,98 +5,9 @@
 
 #include "core/base/status.h"
 #include "core/spec.h"
+#include "server/cli/command.h"
 
 #include <limits.h>
-
-/** What a command does, as far as its options and operands follow from it. */
-enum {
-    VOR_COMMAND_RUNS = 1,     /**< runs a process on files and writes what comes of it */
-    VOR_COMMAND_REMOTE = 2,   /**< that a daemon can run too */
-    VOR_COMMAND_ASKS = 4,     /**< asks a daemon something */
-    VOR_COMMAND_SUBMITS = 8,  /**< hands files to a daemon */
-    VOR_COMMAND_JOBS = 16,    /**< its operands are jobs */
-    VOR_COMMAND_LISTS = 32,   /**< lists jobs */
-    VOR_COMMAND_FETCHES = 64, /**< writes results of jobs */
-    VOR_COMMAND_KEYS = 128    /**< makes keys */
-};
-
-#define VOR_COMMAND_TELLS (VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS | VOR_COMMAND_JOBS)
-
-/** Options besides inputs and parameters: identifier, name, letter (0: none), what follows ("" for
- *  nothing), environment variable, commands that take it (any of what they do), sentence. An option
- *  wins over its variable. No command takes two of the same name or letter. */
-#define VOR_OPTION_TABLE(X)                                                                        \
-    X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "File for the result; DIR/ is a folder, where each result gets its input's name; - is "      \
-      "stdout, the default for a document")                                                        \
-    X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, as "    \
-      "JOB-RESULT.SUFFIX. Default: ./")                                                            \
-    X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
-      "Overwrite existing files, but never an input")                                              \
-    X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
-      "The result to fetch, such as cloud or report. Default: the main one into a file, all into " \
-      "a folder")                                                                                  \
-    X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS,                                               \
-      "Number of jobs to list, 1 to 10000, default 20")                                            \
-    X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
-      "Only jobs with these statuses, separated by commas: accepted, running, successful, "        \
-      "failed, dismissed")                                                                         \
-    X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "The daemon to use. Default: processes run here, and other commands ask the daemon that "    \
-      "VORONOID_LISTEN names, or http://127.0.0.1:8080")                                           \
-    X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
-      VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
-      "File with the key for the daemon on its first line. Default: the key in VORONOID_KEY")      \
-    X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Scopes of the key, separated by commas: read, submit, admin; default submit,read")          \
-    X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Quotas of the key, separated by commas: jobs=N that wait or run (16), rate=N job requests " \
-      "per second (10), bytes=N stored, points=N per input")                                       \
-    X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
-      "Name of the job in the daemon's lists, with --server")                                      \
-    X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
-      "Use the values of one of the presets below; other options override them")                   \
-    X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
-      "Threads for work that is done here, 0 to 256; 0, the default, is one per core")             \
-    X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "Print one JSON object per line on stdout (on stderr if the result goes to stdout): jobs, "  \
-      "files, or records and then the report. inspect prints one document")                        \
-    X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "No progress and no summary; jobs lists only IDs")                                           \
-    X(HELP, "help", 'h', "", "", ~0u, "Print this")
-
-enum vor_option {
-#define VOR_OPTION_ENUM(id, name, letter, value, variable, commands, sentence) VOR_OPTION_##id,
-    VOR_OPTION_TABLE(VOR_OPTION_ENUM)
-#undef VOR_OPTION_ENUM
-        VOR_OPTION_COUNT
-};
-
-/** One row of the table of options. */
-struct vor_option_info {
-    const char *name, *value, *variable, *sentence;
-    unsigned commands;
-    char letter;
-};
-
-const struct vor_option_info *vor_option_info(enum vor_option option);
-
-struct vor_cli;
-
-/** A command. One that runs or submits a process takes files for operands, the process's first
- *  input; each further input is an option --INPUT FILE, its parameters are options. */
-struct vor_command {
-    const char *name, *title, *sentence;
-    unsigned does;                          /**< VOR_COMMAND_... */
-    const char *operands;                   /**< as the help shows them: " IN..."; "" for none */
-    int least, most;                        /**< operands */
-    const struct vor_process_info *process; /**< NULL when it has none */
-    int (*run)(const struct vor_cli *cli);  /**< returns an exit code */
-};
-
-/** True when the command takes the option. */
-int vor_command_takes(const struct vor_command *command, enum vor_option option);
 
 /** A command with its options. Strings are argv's or the environment's. */
 struct vor_cli {
