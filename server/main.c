@@ -50,7 +50,7 @@ int main(int argc, char **argv)
     }
     if (is(word, "--help", "-h") || strcmp(word, "help") == 0)
         return help(argc > 2 ? argv[2] : NULL);
-    if (is(word, "--version", "version")) {
+    if (is(word, "--version", "version") || strcmp(word, "-V") == 0) {
         printf("voronoid %s\n", VOR_VERSION);
         return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
     }

@@ -115,6 +115,8 @@ static int list_page(struct vor_follow *follow, unsigned *left, char cursor[CURS
                    *left < PAGE_JOBS ? *left : PAGE_JOBS, statuses != NULL ? "&status=" : "",
                    statuses != NULL ? statuses : "", cursor[0] != '\0' ? "&cursor=" : "", cursor);
     code = vor_follow_call(follow, "GET", url, &list);
+    if (code == VOR_EXIT_OK && cursor[0] == '\0')
+        print_head(follow->cli);
     jobs = vor_json_get(list, "jobs");
     for (const struct vor_json *j = vor_json_first(jobs); j != NULL && *left > 0;
          j = vor_json_next(j), --*left)
@@ -130,8 +132,6 @@ static int list_all(const struct vor_cli *cli, unsigned limit)
     char cursor[CURSOR_SIZE] = "";
     int code = vor_follow_open(&follow, cli, cli->command->name);
 
-    if (code == VOR_EXIT_OK)
-        print_head(cli);
     while (code == VOR_EXIT_OK) {
         code = list_page(&follow, &limit, cursor);
         if (limit == 0 || cursor[0] == '\0')

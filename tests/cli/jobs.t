@@ -206,8 +206,8 @@ subtest 'which daemon is asked' => sub {
         like $stderr, qr/\Avoronoid: health: VORONOID_LISTEN is "\Q$listen\E", want HOST:PORT/, 'and named';
     }
     for my $command (['submit', 'inspect', $in], ['jobs'], ['wait', $none], ['fetch', $none], ['cancel', $none]) {
-        my ($code, undef, $stderr) = run([@$command, '--server', 'http://127.0.0.1:1']);
-        is $code, 5, "$command->[0]: one that is not there is unreachable";
+        my ($code, $stdout, $stderr) = run([@$command, '--server', 'http://127.0.0.1:1']);
+        is "$code|$stdout", '5|', "$command->[0]: one that is not there is unreachable";
         like $stderr, qr{\Avoronoid: http://127\.0\.0\.1:1\S*: [^\n]+\n\z}, 'and one line says so';
     }
 };

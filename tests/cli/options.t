@@ -77,7 +77,7 @@ refused 'a preset of another process', ['resample', $in, '-fo', $out, '--preset'
 refused 'a preset where there is none', ['measure', $in, '--preset', 'even'], 2,
     'measure: no option --preset; see voronoid measure --help';
 
-($code, $help) = run(['--version']);
+($code, $help) = run(['-V']);
 my ($version) = slurp("$FindBin::Bin/../../Makefile") =~ /^VERSION := (\S+)$/m;
 is $help, "voronoid $version\n", 'the version is one line, that of the Makefile';
 is((run(['version']))[1], $help, 'voronoid version is the same');
