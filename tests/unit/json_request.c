@@ -59,7 +59,7 @@ static const struct refused refused[] = {
     {"{\"boundary\":1}", "/boundary", "boundary",
      "boundary is a number, want one of keep, free, sites, fill"},
     {"{\"boundary\":\"kee\\np\"}", "/boundary", "boundary",
-     "boundary is \"kee\\x0ap\", want one of keep, free, sites, fill"},
+     "boundary is \"kee\\x0ap\", want one of keep, free, sites, fill; did you mean keep?"},
     {"{\"a/b~c\":1}", "/a~1b~0c", "a/b~c", NULL},
     {"{\"new\\nline\":1}", "/new\nline", "new\\x0aline", NULL},
     {"{\"Points\":1}", "/Points", "Points", NULL},

@@ -114,7 +114,6 @@ static const struct {
     {VOR_KIND_COUNT, "k"},
     {VOR_KIND_COUNT, "+k"},
     {VOR_KIND_COUNT, ".M"},
-    {VOR_KIND_COUNT, "1K"},
     {VOR_KIND_COUNT, "1m"},
     {VOR_KIND_COUNT, "1kk"},
     {VOR_KIND_COUNT, "1 k"},

@@ -399,6 +399,7 @@ START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
                                ? strangers[k]
                                : vor_parameter_info((enum vor_parameter)(k - STRANGERS))->name;
         struct vor_spec spec, before;
+        int some = 0, named = 0;
 
         if (k >= STRANGERS && vor_process_takes(process, (enum vor_parameter)(k - STRANGERS)))
             continue;
@@ -409,10 +410,16 @@ START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
         vt_assert_fails(VOR_E_PARAM, vor_spec_refuse(&spec, name, "a thing", &vt_err));
         ck_assert_int_eq(strncmp(vt_err.message, "no parameter ", 13), 0);
         ck_assert_ptr_nonnull(strstr(vt_err.message, process->id));
-        for (int i = 0; i < ALL; i++)
-            ck_assert_msg(names(vt_err.message, vor_parameter_info((enum vor_parameter)i)->name) ==
-                              vor_process_takes(process, (enum vor_parameter)i),
-                          "parameter %d in: %s", i, vt_err.message);
+        for (int i = 0; i < ALL; i++) {
+            int is_taken = vor_process_takes(process, (enum vor_parameter)i);
+            int is_named = names(vt_err.message, vor_parameter_info((enum vor_parameter)i)->name);
+
+            ck_assert_msg(is_taken || !is_named, "parameter %d in: %s", i, vt_err.message);
+            some |= is_taken;
+            named += is_named;
+        }
+        ck_assert_msg(!some || named > 0 || name[0] == '\0', "no name in: %s", vt_err.message);
+        ck_assert_int_le(named, 3);
         ck_assert_ptr_null(strchr(vt_err.message, '\n'));
         ck_assert_mem_eq(&spec, &before, sizeof spec);
     }
