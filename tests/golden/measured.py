@@ -66,7 +66,7 @@ def input_of(cloud, folder):
 
 def run(command, row, folder, name, threads, *more):
     """Runs a case; (path of the result, report, None) or (None, None, what the product says)."""
-    out = os.path.join(folder, name + ".ply")
+    out = os.path.join(folder, name + ".out.ply")
     asked = [*command, row[1], input_of(row[0], folder), *row[2:], *more, "--threads", str(threads), "--json", "-f", "-o", out]
     done = subprocess.run(asked, capture_output=True, text=True)
     if done.returncode != 0:
