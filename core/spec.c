@@ -170,9 +170,11 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
         at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
                                nearest.found[i].word);
     vor_quote(quoted, sizeof quoted, name, strlen(name));
-    return vor_fail_param(err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s%s", quoted,
-                          process->id, names,
-                          count > VOR_NEAREST_MAX ? " and less similar ones" : "");
+    return vor_fail_param(
+        err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s%s", quoted, process->id, names,
+        nearest.count > 0 ? (count > VOR_NEAREST_MAX ? " and less similar ones" : "")
+        : count > 0       ? " like it"
+                          : "");
 }
 
 static vor_status refuse_as(vor_status status, const struct vor_parameter_info *info,
