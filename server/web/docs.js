@@ -1,5 +1,7 @@
 // The contract as people read it: openapi.json, an operation a fold. What it refers to is looked up; schemas are named, and
 // shown once at the end.
+export {}; // a module: its names are its own
+
 function element(name, text, ...children) {
   const made = document.createElement(name);
   if (text) made.textContent = text;

@@ -168,7 +168,7 @@ export function makeForm(description) {
         files: () => Object.fromEntries(fields.map((one) => [one.name, one.file?.()]).filter(([, chosen]) => chosen)),
         set(values) {
             fields.forEach((one) => one.write(values[one.name] ?? ''));
-            ways.choose(fields.findLast((one) => one.group === ONE_OF && values[one.name] !== undefined)?.name || ways.usual);
+            ways.choose([...fields].reverse().find((one) => one.group === ONE_OF && values[one.name] !== undefined)?.name || ways.usual);
             refresh();
         },
         /* Shows what the daemon finds wrong with a parameter beside it. */

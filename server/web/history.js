@@ -24,7 +24,7 @@ const load = async (path) => {
 /** Shows the newest ones; older ones that were asked for stay. A row that is the same is left alone: it may have the focus. */
 export async function showHistory() {
     const { jobs, more } = await load(`v1/jobs?limit=${PAGE}`), fresh = jobs.map(row), ids = new Set(jobs.map((job) => job.jobID));
-    const before = /** @type {HTMLElement[]} */ ([...$('history').children]), last = before.findLastIndex((one) => ids.has(one.dataset.job || ''));
+    const before = /** @type {HTMLElement[]} */ ([...$('history').children]), last = before.map((one) => ids.has(one.dataset.job || '')).lastIndexOf(true);
     const older = last < 0 ? [] : before.slice(last + 1), same = (one) => before.find((old) => old.isEqualNode(one)) || one;
     if (!older.length) next = more;
     show($('history-more'), Boolean(next));

@@ -84,7 +84,7 @@ function drawTold() {
 
 /* Colours what is shown; figures that take long are waited for, and given up when something else was asked meanwhile. */
 async function recolour() {
-    const mode = $('mode').value, turn = ++drawing, found = {};
+    const mode = $('mode').value, turn = ++drawing, found = { input: undefined, result: undefined };
     view.set({ mode, style: $('style').value });
     for (const name of ['input', 'result']) {
         if (!clouds[name]) continue;
