@@ -27,8 +27,8 @@ struct vor_compare_apart {
 
 /** What a comparison finds. */
 struct vor_comparison {
-    struct vor_compare_apart ref_to_out;    /**< from the domain's points, or VOR_COMPARE_POINTS of
-                                               them    at equal steps along their order */
+    /** From the domain's points, or VOR_COMPARE_POINTS of them at equal steps along their order. */
+    struct vor_compare_apart ref_to_out;
     struct vor_compare_apart out_to_ref;    /**< from all seeds */
     uint64_t border;                        /**< seeds at the border of the input */
     uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< fitted[k]: seeds whose surface is fitted to k */

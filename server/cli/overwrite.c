@@ -37,7 +37,7 @@ static int reads_stdin(const struct vor_cli *cli)
     return 0;
 }
 
-/* Asks whoever sits at the terminal. */
+/* Whether --force is not needed: the user says yes at the terminal. */
 static int is_allowed(const struct vor_cli *cli, const char *path)
 {
     char answer[16];

@@ -383,7 +383,9 @@ static int names(const char *message, const char *name)
     return 0;
 }
 
-/* Unknown names, and those of parameters that other processes take: _i is the process. */
+/* Unknown names, and those of parameters that other processes take: _i is the process. At most
+ * three that it takes are named, the nearest; none where the name is empty, or too long to be
+ * compared. */
 START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
 {
     static const char *const strangers[] = {

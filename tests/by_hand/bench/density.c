@@ -8,7 +8,7 @@
 #include "core/base/stat.h"
 #include "core/input/input.h"
 #include "core/metrics/uniformity.h"
-#include "proto/codec.h"
+#include "tests/support/read_cloud.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,27 +20,6 @@ enum { BINS = 20 };
 struct followed {
     double rho, apart;
 };
-
-static vor_status read_cloud(struct vor_cloud *cloud, const char *path, struct vor_error *err)
-{
-    struct vor_limits limits = VOR_LIMITS_DEFAULT;
-    FILE *in = fopen(path, "rb");
-    uint8_t *bytes = NULL;
-    long size = -1;
-    vor_status status;
-
-    if (in != NULL && fseek(in, 0, SEEK_END) == 0 && (size = ftell(in)) > 0)
-        bytes = vor_malloc(cloud->memory, (size_t)size, 1);
-    if (bytes == NULL || fseek(in, 0, SEEK_SET) != 0 ||
-        fread(bytes, 1, (size_t)size, in) != (size_t)size)
-        status = vor_fail(err, VOR_E_IO, "%s cannot be read", path);
-    else
-        status = vor_codec_read(cloud, NULL, bytes, (size_t)size, &limits, err);
-    vor_free(cloud->memory, bytes);
-    if (in != NULL)
-        (void)fclose(in);
-    return status;
-}
 
 static int by_density(const void *a, const void *b)
 {
