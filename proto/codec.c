@@ -3,6 +3,7 @@
 #include "core/base/quote.h"
 #include "core/cloud/faces.h"
 #include "proto/draco/draco.h"
+#include "proto/foreign.h"
 #include "proto/origin.h"
 #include "proto/ply/ply.h"
 #include "proto/ply/ply_header.h"
@@ -81,14 +82,14 @@ const struct vor_format *vor_format_by_media_type(const char *media_type)
 
 static vor_status unknown_format(const uint8_t *bytes, size_t size, struct vor_error *err)
 {
+    const struct vor_foreign *foreign = size > 0 ? vor_foreign_sniff(bytes, size) : NULL;
     char shown[80];
 
     if (size == 0)
         vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
-    else if (size >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0))
-        vor_fail(err, VOR_E_UNSUPPORTED,
-                 "the input begins with the byte order mark of UTF-16, want a PLY file in ASCII or "
-                 "UTF-8, or a Draco file");
+    else if (foreign != NULL)
+        vor_fail(err, VOR_E_UNSUPPORTED, "the input is %s, want PLY or Draco: %s", foreign->name,
+                 foreign->hint);
     else
         vor_fail(err, VOR_E_UNSUPPORTED,
                  "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { BEGINNING = 64 /* bytes; the longest magic of a format has 5 */ };
+enum { BEGINNING = 4096 /* bytes, by which a format is recognised (proto/foreign.c) */ };
 
 static vor_status cannot(struct vor_error *err, const char *what, int error)
 {

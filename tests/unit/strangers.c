@@ -517,12 +517,6 @@ static const struct {
     REFUSED(ASCII ONE END "1 -nan(ind) 3\n",
             "1 of 1 points are not finite, the first is point 0: its y is nan; invalid=drop "
             "leaves them out"),
-    REFUSED("plyx\nformat ascii 1.0\n",
-            "the input begins with \"plyx\\x0aformat asci\", want \"ply\" and a line end, or "
-            "\"DRACO\""),
-    REFUSED("\xff\xfep\0l\0y\0\n\0",
-            "the input begins with the byte order mark of UTF-16, want a PLY file in ASCII or "
-            "UTF-8, or a Draco file"),
 };
 
 START_TEST(what_is_refused_is_named)
