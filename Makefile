@@ -71,11 +71,14 @@ TEST_SRC := $(sort $(foreach room,$(TEST_ROOMS),$(wildcard tests/$(room)/*.c)))
 KINDS_OBJ := $(addprefix $(B)/kinds/,$(addsuffix .o,core/spec core/spec/tables core/spec/kinds core/spec/shown proto/json/json_spec \
     proto/json/json_process))
 KINDS_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/kinds/*.c)))
+# Those in tests/counted have core compiled once more, to count what it does.
+COUNTED_OBJ := $(addprefix $(B)/counted/,$(addsuffix .o,$(basename $(filter-out core/base/parallel.c,$(filter core/%,$(SRC))))))
+COUNTED_BIN := $(addprefix $(B)/,$(basename $(wildcard tests/counted/*.c)))
 # And tests/poison drives a binary with processes that crash: these files alone list processes.
 POISON_OBJ := $(addprefix $(B)/poison/,$(addsuffix .o,core/spec/tables core/engine server/api/routes tests/poison/poison))
 POISON_SCRIPTS := $(if $(filter release,$(config)),tests/poison/poison.t)
 POISON_BIN := $(if $(POISON_SCRIPTS),$(B)/tests/poison/voronoid)
-TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN)
+TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN) $(COUNTED_BIN)
 # Of the laws these are read off the build; the others read the sources and are `make quick`.
 BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
@@ -114,7 +117,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
-.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c tests/by_hand/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
+.SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c tests/by_hand/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(COUNTED_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
 GOALS := all help demo test check gate gate-long soak golden same torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
@@ -225,6 +228,15 @@ $(foreach room,kinds poison,$(eval $(call with_rows,$(room))))
 
 $(B)/tests/kinds/%: $(B)/kinds/tests/kinds/%.o $(KINDS_OBJ) $(SUPPORT) $(LIB)
 	@mkdir -p $(@D)
+	@echo "  LINK $@"
+	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
+
+$(B)/counted/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  CC   $<"
+	@$(CCACHE) $(CC) $(ALL_CFLAGS) -O1 -fsanitize-coverage=trace-pc -c $< -o $@
+
+$(B)/tests/counted/%: $(B)/tests/counted/%.o $(COUNTED_OBJ) $(SUPPORT) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
 

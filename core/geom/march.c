@@ -36,10 +36,6 @@ enum { STEPS = 4096 };
  * 0.35 / 0.7 / 0.9: 2.7 %. Without it two waves that meet on a cylinder come out 4.5 % short. */
 #define AGREE 0.7
 
-/* place[] of a point that is not in the heap. */
-#define WAITS UINT32_MAX
-#define DONE (UINT32_MAX - 1)
-
 /* Counts the neighbours of each point in first[i + 1], then makes them the places where those of
  * each begin. A pair that has each other in its lists is two edges, else one each way. */
 static void count_edges(struct vor_march *march, const struct vor_graph *graph)
@@ -58,7 +54,7 @@ static void count_edges(struct vor_march *march, const struct vor_graph *graph)
 /* Writes the edges; place[i] is how many of point i are written. */
 static void fill_edges(struct vor_march *march, const struct vor_graph *graph)
 {
-    uint32_t *filled = march->place;
+    uint32_t *filled = march->front.place;
 
     memset(filled, 0, graph->n * sizeof *filled);
     for (size_t i = 0; i < graph->n; i++)
@@ -77,14 +73,15 @@ vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph, 
     struct vor_march march = {.memory = graph->memory, .xyz = xyz, .n = graph->n};
 
     march.first = vor_calloc(march.memory, march.n + 1, sizeof *march.first);
-    march.heap = vor_malloc(march.memory, march.n, sizeof *march.heap);
-    march.place = vor_malloc(march.memory, march.n, sizeof *march.place);
+    march.front.item = vor_malloc(march.memory, march.n, sizeof *march.front.item);
+    march.front.place = vor_malloc(march.memory, march.n, sizeof *march.front.place);
     march.cost = vor_malloc(march.memory, march.n, sizeof *march.cost);
     march.heading = vor_malloc(march.memory, march.n, 3 * sizeof *march.heading);
-    if (march.first != NULL && march.heap != NULL && march.place != NULL && march.cost != NULL &&
-        march.heading != NULL) {
+    march.front.key = march.cost;
+    if (march.first != NULL && march.front.item != NULL && march.front.place != NULL &&
+        march.cost != NULL && march.heading != NULL) {
         count_edges(&march, graph);
-        march.edge = vor_malloc(march.memory, (size_t)march.first[march.n] + 1, sizeof *march.edge);
+        march.edge = vor_malloc(march.memory, march.first[march.n] + 1, sizeof *march.edge);
     }
     if (march.edge == NULL) {
         vor_march_free(&march);
@@ -102,53 +99,10 @@ void vor_march_free(struct vor_march *march)
     vor_free(march->memory, march->edge);
     vor_free(march->memory, march->heading);
     vor_free(march->memory, march->cost);
-    vor_free(march->memory, march->place);
-    vor_free(march->memory, march->heap);
+    vor_free(march->memory, march->front.place);
+    vor_free(march->memory, march->front.item);
     vor_free(march->memory, march->first);
     memset(march, 0, sizeof *march);
-}
-
-/* Whether a comes before b. Indices part equal distances. */
-static int nearer(const struct vor_march *march, uint32_t a, uint32_t b)
-{
-    float first = march->cost[a], second = march->cost[b];
-
-    return first < second || (first <= second && a < b);
-}
-
-static void put(struct vor_march *march, size_t at, uint32_t i)
-{
-    march->heap[at] = i;
-    march->place[i] = (uint32_t)at;
-}
-
-/* Moves point i up from a place that it may take. */
-static void rise(struct vor_march *march, size_t at, uint32_t i)
-{
-    while (at > 0 && nearer(march, i, march->heap[(at - 1) / 2])) {
-        put(march, at, march->heap[(at - 1) / 2]);
-        at = (at - 1) / 2;
-    }
-    put(march, at, i);
-}
-
-/* Takes the nearest point of the front. */
-static uint32_t take(struct vor_march *march)
-{
-    uint32_t first = march->heap[0], last = march->heap[--march->front];
-    size_t at = 0, child;
-
-    while ((child = 2 * at + 1) < march->front) {
-        if (child + 1 < march->front && nearer(march, march->heap[child + 1], march->heap[child]))
-            child++;
-        if (!nearer(march, march->heap[child], last))
-            break;
-        put(march, at, march->heap[child]);
-        at = child;
-    }
-    put(march, at, last);
-    march->place[first] = DONE;
-    return first;
 }
 
 static void between(double out[3], const float *from, const float *to)
@@ -165,13 +119,11 @@ struct way {
 /* Takes a way to point i, whose cost is less than that of the one known. */
 static void set(struct vor_march *march, uint32_t i, const struct way *way)
 {
-    size_t at = march->place[i] == WAITS ? march->front++ : march->place[i];
-
     march->far[i] = (float)way->far;
     march->cost[i] = (float)way->cost;
     for (int c = 0; c < 3; c++)
         march->heading[3 * (size_t)i + c] = (float)way->heading[c];
-    rise(march, at, i);
+    vor_heap_rise(&march->front, i);
 }
 
 /* A heading along a direction: the cosine, times the length of d. */
@@ -351,10 +303,10 @@ static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 
     between(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
     along_edge(&best, uv, (double)march->far[u]);
-    for (uint32_t e = march->first[v]; e < march->first[v + 1]; e++) {
+    for (size_t e = march->first[v]; e < march->first[v + 1]; e++) {
         uint32_t w = march->edge[e];
 
-        if (march->place[w] == DONE && w != u && through(&way, march, u, w, v) &&
+        if (march->front.place[w] == VOR_HEAP_DONE && w != u && through(&way, march, u, w, v) &&
             way.cost < best.cost)
             best = way;
     }
@@ -369,11 +321,11 @@ static void march_on(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)begin;
     (void)end;
     (void)worker;
-    for (int step = 0; step < STEPS && march->front > 0; step++) {
-        uint32_t u = take(march);
+    for (int step = 0; step < STEPS && march->front.count > 0; step++) {
+        uint32_t u = vor_heap_take(&march->front);
 
-        for (uint32_t e = march->first[u]; e < march->first[u + 1]; e++)
-            if (march->place[march->edge[e]] != DONE)
+        for (size_t e = march->first[u]; e < march->first[u + 1]; e++)
+            if (march->front.place[march->edge[e]] != VOR_HEAP_DONE)
                 reach(march, u, march->edge[e]);
     }
 }
@@ -385,15 +337,15 @@ vor_status vor_march_from(struct vor_march *march, float *far, const uint32_t *s
     vor_status status = VOR_OK;
 
     march->far = far;
-    march->front = 0;
+    march->front.count = 0;
     for (size_t i = 0; i < march->n; i++) {
         far[i] = march->cost[i] = INFINITY;
-        march->place[i] = WAITS;
+        march->front.place[i] = VOR_HEAP_WAITS;
     }
     for (size_t s = 0; s < sources; s++)
         if (far[source[s]] > 0)
             set(march, source[s], &none);
-    while (status == VOR_OK && march->front > 0)
+    while (status == VOR_OK && march->front.count > 0)
         status = vor_run_for(run, 1, 1, march_on, march, err);
     march->far = NULL;
     return status;

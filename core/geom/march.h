@@ -10,6 +10,7 @@
 #ifndef VOR_GEOM_MARCH_H
 #define VOR_GEOM_MARCH_H
 
+#include "core/base/heap.h"
 #include "core/geom/graph.h"
 
 /** The edges of a graph in both directions, and the front of a march. */
@@ -17,13 +18,12 @@ struct vor_march {
     struct vor_memory *memory;
     const float *xyz; /**< n x 3; borrowed */
     size_t n;
-    uint32_t *first; /**< n + 1: edges of point i are edge[first[i]] .. edge[first[i + 1] - 1] */
+    size_t *first; /**< n + 1: edges of point i are edge[first[i]] .. edge[first[i + 1] - 1] */
     uint32_t *edge;
-    uint32_t *heap, *place; /**< n: points of the front, the nearest first; where each is */
-    size_t front;           /**< points in the heap */
-    float *cost;            /**< n: what the front is ordered by */
-    float *heading;         /**< n x 3: where the wave goes at each point, unit length */
-    float *far;             /**< of the march that goes on; borrowed */
+    struct vor_heap front; /**< points that were reached, but not gone on from */
+    float *cost;           /**< n: what the front is ordered by */
+    float *heading;        /**< n x 3: where the wave goes at each point, unit length */
+    float *far;            /**< of the march that goes on; borrowed */
 };
 
 /** Makes ready to march over a graph. Two points are neighbours if either has the other in its
@@ -32,7 +32,7 @@ struct vor_march {
  *  @param[out] out  free with vor_march_free; untouched on failure
  *  @param[in]  xyz  n x 3; must stay as it is while *out lives
  *
- *  @retval VOR_E_NOMEM 28 bytes a point and up to 8 an entry of a list do not fit
+ *  @retval VOR_E_NOMEM 32 bytes a point and up to 8 an entry of a list do not fit
  *
  *  O(n most), one thread. */
 VOR_NODISCARD vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph,

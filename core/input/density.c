@@ -5,6 +5,7 @@
 #include "core/geom/curvature.h"
 #include "core/input/curved.h"
 #include "core/input/edges.h"
+#include "core/input/grading.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -157,8 +158,7 @@ struct work {
     struct vor_graph graph; /* the nearest points of each */
     double *rho, *next;     /* n: density; the same after a round */
     float *area;            /* n: share of the surface, in any unit */
-    float *given, *limited; /* n: values before grading; the next ones */
-    unsigned char *changed; /* of each block */
+    float *given;           /* n: values before grading */
 };
 
 static void free_work(struct work *work, struct vor_memory *memory)
@@ -166,8 +166,6 @@ static void free_work(struct work *work, struct vor_memory *memory)
     vor_free(memory, work->on_edge);
     vor_edges_free(&work->edges);
     vor_graph_free(&work->graph);
-    vor_free(memory, work->changed);
-    vor_free(memory, work->limited);
     vor_free(memory, work->given);
     vor_free(memory, work->area);
     vor_free(memory, work->next);
@@ -186,10 +184,8 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     work->next = vor_malloc(memory, n, sizeof *work->next);
     work->area = vor_malloc(memory, n, sizeof *work->area);
     work->given = vor_malloc(memory, n, sizeof *work->given);
-    work->limited = vor_malloc(memory, n, sizeof *work->limited);
-    work->changed = vor_malloc(memory, vor_blocks_of(n, BLOCK), sizeof *work->changed);
     if (field->xyz == NULL || field->value == NULL || work->rho == NULL || work->next == NULL ||
-        work->area == NULL || work->given == NULL || work->limited == NULL || work->changed == NULL)
+        work->area == NULL || work->given == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the density at %zu points", n);
     memcpy(field->xyz, work->curved->domain->xyz, 3 * n * sizeof *field->xyz);
     return vor_graph_init(&work->graph, n, n > LISTED ? LISTED : (unsigned)n - 1, memory, err);
@@ -323,55 +319,6 @@ static void take_contrast(struct work *work, double contrast)
     }
 }
 
-/* One round of grading: no value exceeds that of a neighbour by more than the steepest slope
- * allows. */
-static void limit_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct work *work = ctx;
-    const struct vor_graph *graph = &work->graph;
-    const float *value = work->field->value;
-    unsigned char changed = 0;
-
-    (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        float least = value[i];
-
-        for (unsigned j = 0; j < graph->count[i]; j++) {
-            size_t other = graph->list[i * graph->most + j];
-            float most;
-
-            if (!(value[other] < least))
-                continue;
-            most = (float)((double)value[other] + work->steepest * distance(work, i, other));
-            least = most < least ? most : least;
-        }
-        changed |= least < value[i];
-        work->limited[i] = least;
-    }
-    work->changed[begin / BLOCK] = changed;
-}
-
-/* Grades the values until nothing changes: they only fall, and each is one of finitely many sums
- * along a way. */
-static vor_status grade(struct work *work, const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_field *field = work->field;
-    size_t blocks = vor_blocks_of(field->n, BLOCK);
-    int changed = 1;
-
-    while (changed) {
-        float *before = field->value;
-        vor_status status = vor_run_for(run, field->n, BLOCK, limit_block, work, err);
-
-        if (status != VOR_OK)
-            return status;
-        field->value = work->limited;
-        work->limited = before;
-        changed = memchr(work->changed, 1, blocks) != NULL;
-    }
-    return VOR_OK;
-}
-
 /* How many points the values ask for over how many there are: the mean of their power -2 over the
  * area. */
 static double asked(const struct work *work)
@@ -388,7 +335,8 @@ static double asked(const struct work *work)
 }
 
 /* Sets the values so that they are graded and ask for as many points as there are. */
-static vor_status fit_values(struct work *work, const struct vor_run *run, struct vor_error *err)
+static vor_status fit_values(struct work *work, const struct vor_grading *grading,
+                             const struct vor_run *run, struct vor_error *err)
 {
     struct vor_field *field = work->field;
     double scale;
@@ -401,29 +349,48 @@ static vor_status fit_values(struct work *work, const struct vor_run *run, struc
 
         for (size_t i = 0; i < field->n; i++)
             field->value[i] = (float)(scale * (double)work->given[i]);
-        status = grade(work, run, err);
+        status = vor_grading_apply(grading, field->value, work->steepest, run, err);
         if (status != VOR_OK)
             return status;
         over = asked(work);
-        if (fabs(over - 1) <= FITS)
+        if (fabs(over - 1) <= FITS || vor_run_is_late(run))
             break;
         scale *= sqrt(over);
     }
     return VOR_OK;
 }
 
-/* Notes the range of the values, and the span of the densities they stand for. */
+/* Grades the field. Lists and densities have served, and make room. */
+static vor_status grade(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_grading grading;
+    vor_status status;
+
+    vor_free(run->memory, work->next);
+    vor_free(run->memory, work->rho);
+    work->next = work->rho = NULL;
+    status = vor_grading_init(&grading, &work->graph, work->field->xyz, err);
+    vor_graph_free(&work->graph);
+    if (status != VOR_OK)
+        return status;
+    status = fit_values(work, &grading, run, err);
+    vor_grading_free(&grading);
+    return status;
+}
+
+/* Notes the range of the values, and the span of the densities they stand for. They take the room
+ * of those given. */
 static void note_range(struct work *work)
 {
     struct vor_field *field = work->field;
     double low, high;
 
-    memcpy(work->limited, field->value, field->n * sizeof *field->value);
-    vor_sort_floats(work->limited, field->n);
-    field->least = (double)work->limited[0];
-    field->most = (double)work->limited[field->n - 1];
-    low = vor_quantile(work->limited, field->n, 0.05);
-    high = vor_quantile(work->limited, field->n, 0.95);
+    memcpy(work->given, field->value, field->n * sizeof *field->value);
+    vor_sort_floats(work->given, field->n);
+    field->least = (double)work->given[0];
+    field->most = (double)work->given[field->n - 1];
+    low = vor_quantile(work->given, field->n, 0.05);
+    high = vor_quantile(work->given, field->n, 0.95);
     field->span = high / low * (high / low) * (high / low) * (high / low);
 }
 
@@ -472,7 +439,7 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
     if (status != VOR_OK)
         return status;
     take_contrast(work, spec->value[VOR_PARAM_CONTRAST]);
-    status = fit_values(work, run, err);
+    status = grade(work, run, err);
     if (status == VOR_OK)
         note_range(work);
     return status;

@@ -38,10 +38,12 @@ VOR_NODISCARD vor_status vor_density_check(const struct vor_cloud *in, const str
  *  @param[in] run   a stop must not interrupt this: pass vor_run_unstoppable
  *
  *  @retval VOR_E_DENSITY  that of edges is asked for, and the input has none
- *  @retval VOR_E_NOMEM 170 bytes for each point of the field do not fit
+ *  @retval VOR_E_NOMEM 190 bytes for each point of the field do not fit
  *  @retval VOR_E_CANCELLED
  *
- *  O(n log n), on the run's pool. The same field for any number of threads. */
+ *  O(n log n), on the run's pool but for grading, which is one thread's. Once the run is late, the
+ *  field asks for about n points and is not fitted again. The same field for any number of threads.
+ */
 VOR_NODISCARD vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *in,
                                           size_t n, const struct vor_spec *spec,
                                           const struct vor_run *run, struct vor_error *err);
