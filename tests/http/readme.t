@@ -64,6 +64,7 @@ SKIP: {
     mkdir "$dir/bin";
     symlink $binary, "$dir/bin/voronoid";
     sphere("$dir/cloud.ply", 4000);
+    spew("$dir/in.xyz", "1 2 3 255\n\n4e-3 5 6 0\n");
     spew("$dir/readme.sh", "set -e -m\ntrap 'kill \$(jobs -p) 2>/dev/null || :' EXIT\n" . join '', map { $run{ $_->{language} } ? $run{ $_->{language} }->($_->{text}) : '' } @blocks);
     my $out = `cd $dir && XDG_STATE_HOME=$dir/state PATH=$dir/bin:\$PATH timeout 900 bash readme.sh 2>$dir/err`;
     is $?, 0, 'README.md runs from top to bottom' or diag `tail -n 20 $dir/err`;
@@ -71,7 +72,7 @@ SKIP: {
     my $head = sub { -e $_[0] ? substr Vt::slurp($_[0]), 0, 400 : '' };
     is substr($head->("$dir/$_"), 0, 5), 'DRACO', "$_ is a Draco cloud" for qw(curl.drc even.drc coarse.drc cloud.drc far.drc);
     my %points = ('from-js' => 5000, 'from-python' => 5000, form => 5000, zipped => 5000, few => 400, dense => 16000, sharp => 6000,
-        piped => 2000, fetched => 1000, job => 1000, 'out/cloud' => 1000, 'out/dense' => 1000);
+        piped => 2000, fetched => 1000, out => 2, job => 1000, 'out/cloud' => 1000, 'out/dense' => 1000);
     like $head->("$dir/$_.ply"), qr/^element vertex $points{$_}$/m, "$_.ply has $points{$_} points" for sort keys %points;
     like $head->("$dir/sharp.ply"), qr/^property float nx$/m, 'ear gives normals';
     like $out, qr/^event: progress$/m, 'progress is streamed';

@@ -15,7 +15,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 BINARY = os.environ.get("VORONOID", "build/release/voronoid")
-PATIENCE = 120  # seconds that a condition is waited for, on a machine that does other things too
+PATIENCE = 600  # seconds that a condition is waited for: a machine may do ten other things beside it
 
 DROP = """
 const [bytes, name] = arguments, file = new File([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))], name);
@@ -73,6 +73,8 @@ class Browser:
         options.add_experimental_option("perfLoggingPrefs", {"enableNetwork": True, "enablePage": False})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        self.driver.set_script_timeout(PATIENCE)
+        self.driver.command_executor.set_timeout(PATIENCE)
         if size[0] < 500:
             self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                         {"width": size[0], "height": size[1], "deviceScaleFactor": 2, "mobile": True})

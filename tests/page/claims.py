@@ -2,6 +2,7 @@
 import base64
 import contextlib
 import re
+import sys
 import traceback
 
 from browser import By, wait
@@ -13,7 +14,7 @@ def ok(is_true, sentence, why=""):
     ok.count += 1
     print(f"{'ok' if is_true else 'not ok'} {ok.count} - {sentence}", flush=True)
     if not is_true:
-        print("\n".join(f"# {row}" for row in str(why).splitlines()), flush=True)
+        print("\n".join(f"# {row}" for row in str(why).splitlines()), file=sys.stderr, flush=True)
         ok.failed = True
 
 
