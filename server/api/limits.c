@@ -1,5 +1,6 @@
 #include "server/api/limits.h"
 
+#include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/rates.h"
@@ -53,43 +54,22 @@ static bool has_job(struct vor_app *app, const struct vor_job_key *key)
            vor_worker_find_key(app->worker, key, &view, NULL) == VOR_CONFLICT;
 }
 
-static bool check_stored(struct vor_app *app, struct vor_request *request,
-                         const struct vor_principal *caller)
-{
-    int64_t length = vor_request_length(request);
-    double comes = length > 0 ? (double)length : 0;
-    struct vor_error err;
-    uint64_t held;
-
-    if (vor_store_held(app->store, caller->name, &held, &err) != VOR_OK)
-        vor_problem_error(app, request, &err, NULL);
-    else if ((double)held + comes > caller->quota.bytes)
-        vor_problem_say(
-            app, request, "too-much-stored",
-            "the key %s has %llu bytes of inputs and results here, and this request adds %.0f, "
-            "want at most %.0f in all: dismiss jobs, or wait until they expire",
-            caller->name, (unsigned long long)held, comes, caller->quota.bytes);
-    else
-        return true;
-    return false;
-}
-
 bool vor_limits_room(struct vor_app *app, struct vor_request *request,
                      const struct vor_job_key *key)
 {
     const struct vor_principal *caller = vor_request_principal(request);
-    bool is_crowded = caller->quota.jobs > 0 &&
-                      (double)vor_worker_jobs_of(app->worker, caller->name) >= caller->quota.jobs;
+    struct vor_ledger ledger = {.jobs_max = (uint64_t)caller->quota.jobs,
+                                .bytes_max = (uint64_t)caller->quota.bytes};
+    int64_t length = vor_request_length(request);
+    enum vor_job_outcome outcome = VOR_DONE;
+    struct vor_error err;
 
-    if (!is_crowded && caller->quota.bytes <= 0)
+    if (ledger.jobs_max > 0 || ledger.bytes_max > 0)
+        outcome = vor_worker_quota(app->worker, caller->name, &ledger,
+                                   length > 0 ? (uint64_t)length : 0, &err);
+    if (outcome == VOR_DONE || (outcome != VOR_FAILED && has_job(app, key)))
         return true;
-    if (has_job(app, key))
-        return true;
-    if (!is_crowded)
-        return check_stored(app, request, caller);
-    vor_problem_say(app, request, "too-many-jobs",
-                    "%.0f jobs of the key %s wait or run, the most that are allowed",
-                    caller->quota.jobs, caller->name);
+    vor_outcome_reply(app, request, outcome, &err, NULL);
     return false;
 }
 

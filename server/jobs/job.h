@@ -14,12 +14,13 @@
 /** How the operations on jobs end. */
 enum vor_job_outcome {
     VOR_DONE,
-    VOR_UNKNOWN,  /**< no such job */
-    VOR_CONFLICT, /**< the job is not in a state that allows it */
-    VOR_FULL,     /**< the queue is full: 429 */
-    VOR_CROWDED,  /**< the caller has as many jobs as he may: 429 */
-    VOR_DRAINING, /**< the daemon is going down: 503 */
-    VOR_FAILED    /**< err says why */
+    VOR_UNKNOWN,    /**< no such job */
+    VOR_CONFLICT,   /**< the job is not in a state that allows it */
+    VOR_FULL,       /**< the queue is full: 429 */
+    VOR_CROWDED,    /**< the caller has as many jobs as he may: 429 */
+    VOR_OVER_BYTES, /**< the caller has as many bytes stored as he may: 429 */
+    VOR_DRAINING,   /**< the daemon is going down: 503 */
+    VOR_FAILED      /**< err says why */
 };
 
 /** A job that waits or runs. Counted references; thread-safe. */

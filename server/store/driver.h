@@ -43,11 +43,38 @@ struct vor_job_filter {
     size_t limit;                       /**< 1 .. 10000 */
 };
 
-/** A job that has just expired, or whose uploads are kept no longer: its blobs, or those, are to be
+/** What a principal may have, and has: jobs that wait or run, bytes of kept uploads and of results.
+ */
+struct vor_ledger {
+    uint64_t jobs_max, bytes_max; /**< the caller's; 0 for any */
+    uint64_t jobs, bytes;         /**< the store's: there are so many */
+    int is_over;                  /**< the store's: with one job more there would be too many */
+};
+
+/** Would one job more, with so many bytes, be within it? */
+static inline int vor_ledger_fits(const struct vor_ledger *ledger, uint64_t bytes)
+{
+    if (ledger->jobs_max > 0 && ledger->jobs >= ledger->jobs_max)
+        return 0;
+    return ledger->bytes_max == 0 ||
+           (ledger->bytes <= ledger->bytes_max && bytes <= ledger->bytes_max - ledger->bytes);
+}
+
+/** Why jobs lose what they keep, and the limit above which they do. */
+enum vor_evict {
+    VOR_EVICT_EXPIRED, /**< their time is over: the time now; they expire */
+    VOR_EVICT_UPLOADS, /**< bytes of all kept uploads; they give up theirs */
+    VOR_EVICT_RESULTS  /**< bytes of all results; they expire */
+};
+
+/** The jobs that were evicted, in any order: their blobs, or those of their uploads, are to be
  *  dropped. */
-struct vor_expired {
-    struct vor_uuid id;
-    char process[32]; /**< as in the view */
+struct vor_evictions {
+    struct vor_evicted {
+        struct vor_uuid id;
+        char process[32]; /**< as in the view */
+    } * job;              /**< the caller's room for so many */
+    size_t max, count;
 };
 
 /** That the process of a run has ended without a word, and not the daemon. */
@@ -68,7 +95,8 @@ struct vor_store_driver {
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
     vor_status (*check)(struct vor_store *store, struct vor_error *err);
-    vor_status (*insert)(struct vor_store *store, struct vor_job_view *row, struct vor_error *err);
+    vor_status (*insert)(struct vor_store *store, struct vor_job_view *row,
+                         struct vor_ledger *ledger, struct vor_error *err);
     vor_status (*claim)(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
                         uint32_t *attempt, int *changed, struct vor_error *err);
     vor_status (*beat)(struct vor_store *store, const struct vor_job_view *row,
@@ -83,12 +111,10 @@ struct vor_store_driver {
                          struct vor_error *err);
     vor_status (*remove)(struct vor_store *store, const struct vor_uuid *id, int *changed,
                          struct vor_error *err);
-    vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
-                      int *found, struct vor_error *err);
     vor_status (*get_of)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
                          struct vor_job_view *out, int *found, struct vor_error *err);
-    vor_status (*held)(struct vor_store *store, const char *tenant, uint64_t *bytes,
-                       struct vor_error *err);
+    vor_status (*ledger)(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
+                         struct vor_error *err);
     vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,
                            struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
@@ -101,12 +127,8 @@ struct vor_store_driver {
     vor_status (*waiting)(struct vor_store *store,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err);
-    vor_status (*expire)(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
-                         size_t max, size_t *count, struct vor_error *err);
-    vor_status (*shed)(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
-                       size_t max, size_t *count, struct vor_error *err);
-    vor_status (*crowd)(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
-                        size_t max, size_t *count, struct vor_error *err);
+    vor_status (*evict)(struct vor_store *store, enum vor_evict why, int64_t limit,
+                        struct vor_evictions *evictions, struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
     vor_status (*recover)(struct vor_store *store, int64_t now_ms, uint64_t *requeued,

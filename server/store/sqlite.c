@@ -14,26 +14,9 @@
 #include <string.h>
 #include <unistd.h>
 
-struct store {
-    struct vor_store base;
-    int lock;
-    struct vor_sqlite *db;
-};
-
-static struct vor_sqlite *db_of(struct vor_store *store)
-{
-    return ((struct store *)store)->db;
-}
-
 /* --- opening ---------------------------------------------------------------------------------- */
 
-static int take_number(void *ctx, struct vor_sqlite_row *row)
-{
-    *(int64_t *)ctx = vor_sqlite_number(row);
-    return 1;
-}
-
-static vor_status open_file(struct store *store, const char *path, long *holder,
+static vor_status open_file(struct vor_sqlite_store *store, const char *path, long *holder,
                             struct vor_error *err)
 {
     const char *slash = strrchr(path, '/');
@@ -58,7 +41,7 @@ static vor_status open_file(struct store *store, const char *path, long *holder,
     return status == VOR_OK ? vor_sqlite_prepare_schema(store->db, err) : status;
 }
 
-static void free_store(struct store *store)
+static void free_store(struct vor_sqlite_store *store)
 {
     vor_sqlite_close(store->db);
     if (store->lock >= 0)
@@ -68,13 +51,13 @@ static void free_store(struct store *store)
 
 static void close_store(struct vor_store *store)
 {
-    free_store((struct store *)store);
+    free_store((struct vor_sqlite_store *)store);
 }
 
 static vor_status open_store(struct vor_store **out, const char *place, long *holder,
                              struct vor_error *err)
 {
-    struct store *store = calloc(1, sizeof *store);
+    struct vor_sqlite_store *store = calloc(1, sizeof *store);
     vor_status status;
 
     if (store == NULL)
@@ -93,10 +76,10 @@ static vor_status check(struct vor_store *store, struct vor_error *err)
 {
     int64_t rows;
 
-    if (vor_sqlite_broken(db_of(store)))
+    if (vor_sqlite_broken(vor_sqlite_of(store)))
         return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
-    return vor_sqlite_query(db_of(store), take_number, &rows, err, "SELECT seq FROM job LIMIT 1",
-                            "");
+    return vor_sqlite_query(vor_sqlite_of(store), vor_sqlite_take_number, &rows, err,
+                            "SELECT seq FROM job LIMIT 1", "");
 }
 
 /* --- changes ---------------------------------------------------------------------------------- */
@@ -106,30 +89,60 @@ static void take_seq(void *ctx, struct vor_sqlite_row *row)
     *(int64_t *)ctx = vor_sqlite_number(row);
 }
 
-static vor_status insert(struct vor_store *store, struct vor_job_view *row, struct vor_error *err)
+static void take_ledger(void *ctx, struct vor_sqlite_row *row)
+{
+    struct vor_ledger *ledger = ctx;
+
+    ledger->jobs = (uint64_t)vor_sqlite_number(row);
+    ledger->bytes = (uint64_t)vor_sqlite_number(row);
+}
+
+#define SELECT_LEDGER "SELECT jobs, kept + held FROM ledger WHERE principal = ?"
+
+static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
+                             const struct vor_row_text *text, struct vor_error *err)
 {
     const struct vor_job_input *input = &row->input[0];
-    struct vor_row_text text;
     char traceparent[VOR_TRACEPARENT_SIZE];
     int64_t seq = 0;
+    vor_status status = vor_sqlite_change_each(
+        vor_sqlite_of(store), take_seq, &seq, err,
+        "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
+        " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
+        " traceparent, principal, idem_key, fingerprint, kept)"
+        " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+        " RETURNING seq",
+        "tttttiiitriittttti", row->id.text, row->process, row->message, text->request.data,
+        text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
+        input->sha256, input->seconds, row->created, row->created, row->name,
+        vor_span_text(&row->span, traceparent), row->key.principal,
+        row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept);
+
+    if (status == VOR_OK)
+        row->seq = seq;
+    return status;
+}
+
+static vor_status insert(struct vor_store *store, struct vor_job_view *row,
+                         struct vor_ledger *ledger, struct vor_error *err)
+{
+    struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sqlite_change_each(
-            db_of(store), take_seq, &seq, err,
-            "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
-            " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-            " traceparent, principal, idem_key, fingerprint, kept)"
-            " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
-            " RETURNING seq",
-            "tttttiiitriittttti", row->id.text, row->process, row->message, text.request.data,
-            text.inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
-            input->sha256, input->seconds, row->created, row->created, row->name,
-            vor_span_text(&row->span, traceparent), row->key.principal,
-            row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint,
-            (int64_t)row->kept);
-    if (status == VOR_OK)
-        row->seq = seq;
+        status = vor_sqlite_begin(vor_sqlite_of(store), err);
+    if (status != VOR_OK)
+        goto done;
+    if (ledger != NULL) {
+        ledger->jobs = ledger->bytes = 0;
+        status = vor_sqlite_change_each(vor_sqlite_of(store), take_ledger, ledger, err,
+                                        SELECT_LEDGER, "t", row->key.principal);
+        ledger->is_over = !vor_ledger_fits(ledger, row->kept);
+    }
+    if (status == VOR_OK && (ledger == NULL || !ledger->is_over))
+        status = insert_row(store, row, &text, err);
+    status = vor_sqlite_end(vor_sqlite_of(store), status, err);
+done:
     vor_row_text_free(&text);
     return status;
 }
@@ -152,7 +165,7 @@ static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int6
 {
     struct claimed claimed = {0};
     vor_status status = vor_sqlite_change_each(
-        db_of(store), take_attempt, &claimed, err,
+        vor_sqlite_of(store), take_attempt, &claimed, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
         " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END"
         " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
@@ -172,7 +185,7 @@ static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
 
     if (status == VOR_OK)
         status = vor_sqlite_change(
-            db_of(store), &changed, err,
+            vor_sqlite_of(store), &changed, err,
             "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
             " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
             "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
@@ -184,7 +197,7 @@ static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
 static vor_status release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
                           int64_t now_ms, int *changed, struct vor_error *err)
 {
-    return vor_sqlite_change(db_of(store), changed, err,
+    return vor_sqlite_change(vor_sqlite_of(store), changed, err,
                              "UPDATE job SET status = 'accepted', updated = ?3"
                              " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
                              "tii", id->text, (int64_t)attempt, now_ms);
@@ -201,33 +214,28 @@ static uint64_t held_bytes(const struct vor_job_view *row)
     return bytes;
 }
 
-static vor_status crashed(struct vor_store *store, const struct vor_uuid *id,
-                          struct vor_crashed_run *run, struct vor_error *err)
-{
-    return vor_sqlite_crashed(db_of(store), id, run, err);
-}
-
-static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
-                         const struct vor_store_ending *ending, int *changed, struct vor_error *err)
+/* The row itself; *seq stays 0 where nothing was changed. */
+static vor_status finish_row(struct vor_store *store, const struct vor_job_view *row,
+                             uint32_t attempt, const struct vor_store_ending *ending, int64_t *seq,
+                             struct vor_error *err)
 {
     const struct vor_job_output *output = &row->output[0];
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
-    *changed = 0;
     if (status == VOR_OK)
-        status = vor_sqlite_change(
-            db_of(store), changed, err,
+        status = vor_sqlite_change_each(
+            vor_sqlite_of(store), take_seq, seq, err,
             "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
-            " problem = ?7, report = ?8, trace = ?9, output_format = ?10,"
-            " output_points = ?11, output_bytes = ?12, output_sha256 = ?13,"
-            " updated = ?14, finished = ?14, expires = ?15, attempt = ?16, outputs = ?17,"
-            " kept = ?18, held = ?19"
+            " problem = ?7, report_bytes = ?8, output_format = ?9,"
+            " output_points = ?10, output_bytes = ?11, output_sha256 = ?12,"
+            " updated = ?13, finished = ?13, expires = ?14, attempt = ?15, outputs = ?16,"
+            " kept = ?17, held = ?18"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
-            " ELSE status = 'running' AND attempt = ?2 END",
-            "titittttbiiitiiitii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
+            " ELSE status = 'running' AND attempt = ?2 END RETURNING seq",
+            "tititttiiiitiiitii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
             (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
-            ending->report, ending->trace, ending->trace_size, (int64_t)output->format,
+            (int64_t)(ending->report != NULL ? strlen(ending->report) : 0), (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
             row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept,
             (int64_t)held_bytes(row));
@@ -235,11 +243,31 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
     return status;
 }
 
+static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
+                         const struct vor_store_ending *ending, int *changed, struct vor_error *err)
+{
+    int64_t seq = 0;
+    int rows;
+    vor_status status = vor_sqlite_begin(vor_sqlite_of(store), err);
+
+    *changed = 0;
+    if (status != VOR_OK)
+        return status;
+    status = finish_row(store, row, attempt, ending, &seq, err);
+    if (status == VOR_OK && seq != 0 && (ending->report != NULL || ending->trace != NULL))
+        status = vor_sqlite_change(vor_sqlite_of(store), &rows, err,
+                                   "INSERT INTO job_blob VALUES (?, ?, ?)", "itb", seq,
+                                   ending->report, ending->trace, ending->trace_size);
+    status = vor_sqlite_end(vor_sqlite_of(store), status, err);
+    *changed = status == VOR_OK && seq != 0;
+    return status;
+}
+
 static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id, int *changed,
                              struct vor_error *err)
 {
     return vor_sqlite_change(
-        db_of(store), changed, err,
+        vor_sqlite_of(store), changed, err,
         "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')", "t", id->text);
 }
 
@@ -249,16 +277,9 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     "id, seq, process_id, status, progress, message, request, metrics, problem, inputs, outputs,"  \
     " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
     " output_format, output_points, output_bytes, output_sha256,"                                  \
-    " length(CAST(report AS BLOB)),"                                                               \
+    " report_bytes,"                                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
     " name, traceparent, principal, idem_key, fingerprint, kept, alone"
-
-static void copy_text(char *out, size_t size, struct vor_sqlite_row *from)
-{
-    const char *text = vor_sqlite_text(from);
-
-    (void)snprintf(out, size, "%s", text != NULL ? text : "");
-}
 
 /* How far a job got, as far as its row tells. */
 static enum vor_stage stage_of(const struct vor_job_view *row)
@@ -279,12 +300,12 @@ static void read_main(struct vor_job_view *out, struct vor_sqlite_row *from)
     input->format = (unsigned)vor_sqlite_number(from);
     input->points = (uint64_t)vor_sqlite_number(from);
     input->bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(input->sha256, sizeof input->sha256, from);
+    vor_sqlite_copy(from, input->sha256, sizeof input->sha256);
     input->seconds = vor_sqlite_real(from);
     output->format = (unsigned)vor_sqlite_number(from);
     output->points = (uint64_t)vor_sqlite_number(from);
     output->bytes = (uint64_t)vor_sqlite_number(from);
-    copy_text(output->sha256, sizeof output->sha256, from);
+    vor_sqlite_copy(from, output->sha256, sizeof output->sha256);
 }
 
 /* The length of the output that is kept in the row. */
@@ -311,12 +332,12 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     struct vor_row_columns columns;
 
     *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
-    copy_text(out->id.text, sizeof out->id.text, row);
+    vor_sqlite_copy(row, out->id.text, sizeof out->id.text);
     out->seq = vor_sqlite_number(row);
-    copy_text(out->process, sizeof out->process, row);
+    vor_sqlite_copy(row, out->process, sizeof out->process);
     out->status = vor_job_status_find(vor_sqlite_text(row));
     out->progress = (int)vor_sqlite_number(row);
-    copy_text(out->message, sizeof out->message, row);
+    vor_sqlite_copy(row, out->message, sizeof out->message);
     columns.request = vor_sqlite_text(row);
     columns.metrics = vor_sqlite_text(row);
     columns.problem = vor_sqlite_text(row);
@@ -334,11 +355,11 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->finished = vor_sqlite_number(row);
     out->expires = vor_sqlite_number(row);
     out->expired = (int)vor_sqlite_number(row);
-    copy_text(out->name, sizeof out->name, row);
+    vor_sqlite_copy(row, out->name, sizeof out->name);
     read_span(out, row);
-    copy_text(out->key.principal, sizeof out->key.principal, row);
-    copy_text(out->key.text, sizeof out->key.text, row);
-    copy_text(out->key.fingerprint, sizeof out->key.fingerprint, row);
+    vor_sqlite_copy(row, out->key.principal, sizeof out->key.principal);
+    vor_sqlite_copy(row, out->key.text, sizeof out->key.text);
+    vor_sqlite_copy(row, out->key.fingerprint, sizeof out->key.fingerprint);
     out->kept = (uint64_t)vor_sqlite_number(row);
     out->alone = (int)vor_sqlite_number(row);
     out->stage = stage_of(out);
@@ -362,7 +383,7 @@ static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, con
                          struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status = vor_sqlite_query(db_of(store), take_row, &taken, err,
+    vor_status status = vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
                                          "SELECT " ROW_COLUMNS " FROM job WHERE id = ?1"
                                          " AND (?2 IS NULL OR principal = ?2)",
                                          "tt", id->text, tenant);
@@ -371,18 +392,12 @@ static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, con
     return status;
 }
 
-static vor_status get(struct vor_store *store, const struct vor_uuid *id, struct vor_job_view *out,
-                      int *found, struct vor_error *err)
-{
-    return get_of(store, id, NULL, out, found, err);
-}
-
 static vor_status find_key(struct vor_store *store, const struct vor_job_key *key,
                            struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
     vor_status status =
-        vor_sqlite_query(db_of(store), take_row, &taken, err,
+        vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
                          "SELECT " ROW_COLUMNS " FROM job WHERE principal = ? AND idem_key = ?",
                          "tt", key->principal, key->text);
 
@@ -414,15 +429,27 @@ static int take_bytes(void *ctx, struct vor_sqlite_row *row)
     return 0;
 }
 
+/* A column of the job's row in job_blob. */
+#define SELECT_BLOB(column)                                                                        \
+    "SELECT " column " FROM job_blob WHERE seq = (SELECT seq FROM job WHERE id = ?)"
+
+static vor_status get_bytes(struct vor_store *store, struct bytes *bytes, const char *sql,
+                            const struct vor_uuid *id, struct vor_error *err)
+{
+    vor_status status =
+        vor_sqlite_query(vor_sqlite_of(store), take_bytes, bytes, err, sql, "t", id->text);
+
+    if (bytes->failed)
+        status = vor_fail(err, VOR_E_NOMEM, "a report or a trace of %zu bytes", bytes->size);
+    return status;
+}
+
 static vor_status get_report(struct vor_store *store, const struct vor_uuid *id, char **report,
                              struct vor_error *err)
 {
     struct bytes bytes = {0};
-    vor_status status = vor_sqlite_query(db_of(store), take_bytes, &bytes, err,
-                                         "SELECT report FROM job WHERE id = ?", "t", id->text);
+    vor_status status = get_bytes(store, &bytes, SELECT_BLOB("report"), id, err);
 
-    if (bytes.failed)
-        status = vor_fail(err, VOR_E_NOMEM, "a report of %zu bytes", bytes.size);
     *report = (char *)bytes.data;
     return status;
 }
@@ -431,11 +458,8 @@ static vor_status get_trace(struct vor_store *store, const struct vor_uuid *id, 
                             size_t *size, struct vor_error *err)
 {
     struct bytes bytes = {0};
-    vor_status status = vor_sqlite_query(db_of(store), take_bytes, &bytes, err,
-                                         "SELECT trace FROM job WHERE id = ?", "t", id->text);
+    vor_status status = get_bytes(store, &bytes, SELECT_BLOB("trace"), id, err);
 
-    if (bytes.failed)
-        status = vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", bytes.size);
     *trace = bytes.data;
     *size = bytes.data != NULL ? bytes.size : 0;
     return status;
@@ -487,7 +511,7 @@ static vor_status waiting(struct vor_store *store,
 {
     struct listing listing = {.each = each, .ctx = ctx};
 
-    return vor_sqlite_query(db_of(store), list_row, &listing, err,
+    return vor_sqlite_query(vor_sqlite_of(store), list_row, &listing, err,
                             "SELECT " ROW_COLUMNS
                             " FROM job WHERE status = 'accepted' AND expired = 0 ORDER BY seq",
                             "");
@@ -501,7 +525,7 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
     char statuses[64];
 
     status_words(statuses, sizeof statuses, filter->statuses);
-    return vor_sqlite_query(db_of(store), list_row, &listing, err,
+    return vor_sqlite_query(vor_sqlite_of(store), list_row, &listing, err,
                             filter->name != NULL     ? LIST("job_named", " AND name = ?10")
                             : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
                                                      : LIST("job_listed", ""),
@@ -512,46 +536,18 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             filter->tenant);
 }
 
-/* --- many rows at once ------------------------------------------------------------------------ */
-
-static vor_status expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
-                         size_t max, size_t *count, struct vor_error *err)
+static int take_ledger_of(void *ctx, struct vor_sqlite_row *row)
 {
-    return vor_sqlite_expire(db_of(store), now_ms, expired, max, count, err);
+    take_ledger(ctx, row);
+    return 1;
 }
 
-static vor_status shed(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
-                       size_t max, size_t *count, struct vor_error *err)
+static vor_status get_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
+                             struct vor_error *err)
 {
-    return vor_sqlite_shed(db_of(store), quota, shed, max, count, err);
-}
-
-static vor_status crowd(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
-                        size_t max, size_t *count, struct vor_error *err)
-{
-    return vor_sqlite_crowd(db_of(store), quota, crowded, max, count, err);
-}
-
-static vor_status shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
-{
-    return vor_sqlite_shift(db_of(store), by_ms, err);
-}
-
-static vor_status newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
-{
-    return vor_sqlite_newest(db_of(store), newest_ms, err);
-}
-
-static vor_status held(struct vor_store *store, const char *tenant, uint64_t *bytes,
-                       struct vor_error *err)
-{
-    return vor_sqlite_held(db_of(store), tenant, bytes, err);
-}
-
-static vor_status recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
-                          struct vor_error *err)
-{
-    return vor_sqlite_recover(db_of(store), now_ms, requeued, err);
+    ledger->jobs = ledger->bytes = 0;
+    return vor_sqlite_query(vor_sqlite_of(store), take_ledger_of, ledger, err, SELECT_LEDGER, "t",
+                            tenant);
 }
 
 const struct vor_store_driver vor_store_sqlite = {
@@ -565,21 +561,18 @@ const struct vor_store_driver vor_store_sqlite = {
     .claim = claim,
     .beat = beat,
     .release = release,
-    .crashed = crashed,
+    .crashed = vor_sqlite_crashed,
     .finish = finish,
     .remove = remove_row,
-    .get = get,
     .get_of = get_of,
-    .held = held,
+    .ledger = get_ledger,
     .find_key = find_key,
     .report = get_report,
     .trace = get_trace,
     .list = list_rows,
     .waiting = waiting,
-    .expire = expire,
-    .shed = shed,
-    .crowd = crowd,
-    .shift = shift,
-    .newest = newest,
-    .recover = recover,
+    .evict = vor_sqlite_evict,
+    .shift = vor_sqlite_shift,
+    .newest = vor_sqlite_newest,
+    .recover = vor_sqlite_recover,
 };

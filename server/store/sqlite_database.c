@@ -3,23 +3,37 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <errno.h>
 #include <pthread.h>
 #include <sqlite3.h>
 #include <stdarg.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Lists read two at a time, off the threads of HTTP, so that these find one that is free. */
+enum { READERS = 4, STATEMENTS = 48 };
+
+/* A statement that was prepared once, and the text that it was made of. */
+struct prepared {
+    const char *sql;
+    sqlite3_stmt *statement;
+};
+
 struct connection {
     sqlite3 *handle;
-    pthread_mutex_t mutex;
+    pthread_mutex_t mutex; /* recursive: a transaction has several statements */
+    struct prepared prepared[STATEMENTS];
+    unsigned prepared_count;
 };
 
 struct vor_sqlite {
     atomic_int broken;
-    struct connection writer, reader;
+    atomic_uint next_reader; /* to wait for where none is free */
+    struct connection writer, reader[READERS];
 };
 
 struct vor_sqlite_row {
@@ -44,7 +58,8 @@ static vor_status fail(struct vor_sqlite *db, struct connection *connection, int
         number = ENOSPC;
     else if (kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN)
         number = sqlite3_system_errno(connection->handle);
-    if ((kind == SQLITE_IOERR && !is_disk_full(number)) || kind == SQLITE_CORRUPT)
+    if ((kind == SQLITE_IOERR && code != SQLITE_IOERR_NOMEM && !is_disk_full(number)) ||
+        kind == SQLITE_CORRUPT)
         atomic_store(&db->broken, 1);
     (void)vor_fail(err, VOR_E_IO, "the job store: %s", sqlite3_errmsg(connection->handle));
     if (err != NULL)
@@ -73,20 +88,29 @@ static vor_status connect(struct vor_sqlite *db, struct connection *connection, 
     return run(db, connection, pragmas, err);
 }
 
+/* A log that one long reader has let grow is cut back to this, in bytes. */
+#define PRAGMAS_OF_WRITER                                                                          \
+    "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA journal_size_limit=16777216;"
+
 vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor_error *err)
 {
     struct vor_sqlite *db = calloc(1, sizeof *db);
+    pthread_mutexattr_t recursive;
     vor_status status;
 
     if (db == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the job store");
     atomic_init(&db->broken, 0);
-    pthread_mutex_init(&db->writer.mutex, NULL);
-    pthread_mutex_init(&db->reader.mutex, NULL);
-    status =
-        connect(db, &db->writer, path, "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL;", err);
-    if (status == VOR_OK)
-        status = connect(db, &db->reader, path, "PRAGMA query_only=ON;", err);
+    atomic_init(&db->next_reader, 0);
+    pthread_mutexattr_init(&recursive);
+    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
+    pthread_mutex_init(&db->writer.mutex, &recursive);
+    pthread_mutexattr_destroy(&recursive);
+    for (int i = 0; i < READERS; i++)
+        pthread_mutex_init(&db->reader[i].mutex, NULL);
+    status = connect(db, &db->writer, path, PRAGMAS_OF_WRITER, err);
+    for (int i = 0; i < READERS && status == VOR_OK; i++)
+        status = connect(db, &db->reader[i], path, "PRAGMA query_only=ON;", err);
     if (status != VOR_OK) {
         vor_sqlite_close(db);
         return status;
@@ -95,14 +119,21 @@ vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor
     return VOR_OK;
 }
 
+static void disconnect(struct connection *connection)
+{
+    for (unsigned i = 0; i < connection->prepared_count; i++)
+        (void)sqlite3_finalize(connection->prepared[i].statement);
+    (void)sqlite3_close(connection->handle);
+    pthread_mutex_destroy(&connection->mutex);
+}
+
 void vor_sqlite_close(struct vor_sqlite *db)
 {
     if (db == NULL)
         return;
-    (void)sqlite3_close(db->reader.handle);
-    (void)sqlite3_close(db->writer.handle);
-    pthread_mutex_destroy(&db->reader.mutex);
-    pthread_mutex_destroy(&db->writer.mutex);
+    for (int i = 0; i < READERS; i++)
+        disconnect(&db->reader[i]);
+    disconnect(&db->writer);
     free(db);
 }
 
@@ -117,6 +148,8 @@ vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_err
 
     pthread_mutex_lock(&db->writer.mutex);
     status = run(db, &db->writer, sql, err);
+    if (!sqlite3_get_autocommit(db->writer.handle))
+        (void)sqlite3_exec(db->writer.handle, "ROLLBACK", NULL, NULL, NULL);
     pthread_mutex_unlock(&db->writer.mutex);
     return status;
 }
@@ -141,15 +174,45 @@ static int bind_all(sqlite3_stmt *statement, const char *types, va_list *args)
     return code;
 }
 
-/* Prepares a statement, binds its parameters, takes the first step. */
+/* The statement of a text, which is a literal: the address tells them apart. Call with the
+ * connection's mutex held, as the next two. */
+static int prepare(sqlite3_stmt **out, struct connection *connection, const char *sql)
+{
+    struct prepared *prepared = connection->prepared;
+    unsigned i = 0;
+    int code;
+
+    while (i < connection->prepared_count && prepared[i].sql != sql)
+        i++;
+    if (i < connection->prepared_count) {
+        *out = prepared[i].statement;
+        return SQLITE_OK;
+    }
+    assert(i < STATEMENTS);
+    code = sqlite3_prepare_v3(connection->handle, sql, -1, SQLITE_PREPARE_PERSISTENT, out, NULL);
+    if (code == SQLITE_OK)
+        prepared[connection->prepared_count++] = (struct prepared){sql, *out};
+    return code;
+}
+
+/* Binds the parameters of a statement and takes its first step; finish has to follow. */
 static int start(sqlite3_stmt **out, struct connection *connection, const char *sql,
                  const char *types, va_list *args)
 {
-    int code = sqlite3_prepare_v2(connection->handle, sql, -1, out, NULL);
+    int code = prepare(out, connection, sql);
 
     if (code == SQLITE_OK)
         code = bind_all(*out, types, args);
     return code == SQLITE_OK ? sqlite3_step(*out) : code;
+}
+
+/* Its failure is that of the last step. What was bound is gone when the caller returns. */
+static void finish(sqlite3_stmt *statement)
+{
+    if (statement == NULL)
+        return;
+    (void)sqlite3_reset(statement);
+    (void)sqlite3_clear_bindings(statement);
 }
 
 int64_t vor_sqlite_number(struct vor_sqlite_row *row)
@@ -175,6 +238,19 @@ const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size)
     return bytes;
 }
 
+void vor_sqlite_copy(struct vor_sqlite_row *row, char *out, size_t size)
+{
+    const char *text = vor_sqlite_text(row);
+
+    (void)snprintf(out, size, "%s", text != NULL ? text : "");
+}
+
+int vor_sqlite_take_number(void *ctx, struct vor_sqlite_row *row)
+{
+    *(int64_t *)ctx = vor_sqlite_number(row);
+    return 1;
+}
+
 /* A change: who gets the rows that it returns (each may be NULL), and how many it changed. */
 struct change {
     void (*each)(void *ctx, struct vor_sqlite_row *row);
@@ -195,6 +271,11 @@ static void count(const char *sql, double began, vor_status status)
     vor_metric_add(VOR_METRIC_STORE_ERRORS, status != VOR_OK, NULL);
 }
 
+static vor_status refuse(struct vor_error *err)
+{
+    return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
+}
+
 static vor_status change(struct vor_sqlite *db, struct change *change, struct vor_error *err,
                          const char *sql, const char *types, va_list *args)
 {
@@ -204,7 +285,7 @@ static vor_status change(struct vor_sqlite *db, struct change *change, struct vo
     int code;
 
     if (vor_sqlite_broken(db))
-        return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
+        return refuse(err);
     pthread_mutex_lock(&db->writer.mutex);
     code = start(&row.statement, &db->writer, sql, types, args);
     for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
@@ -216,7 +297,7 @@ static vor_status change(struct vor_sqlite *db, struct change *change, struct vo
         change->rows = sqlite3_changes(db->writer.handle);
     else
         status = fail(db, &db->writer, code, err);
-    (void)sqlite3_finalize(row.statement); /* its failure is that of the last step */
+    finish(row.statement);
     pthread_mutex_unlock(&db->writer.mutex);
     count(sql, began, status);
     return status;
@@ -250,19 +331,53 @@ vor_status vor_sqlite_change_each(struct vor_sqlite *db,
     return status;
 }
 
+vor_status vor_sqlite_begin(struct vor_sqlite *db, struct vor_error *err)
+{
+    vor_status status;
+
+    pthread_mutex_lock(&db->writer.mutex);
+    status = vor_sqlite_broken(db) ? refuse(err) : run(db, &db->writer, "BEGIN IMMEDIATE", err);
+    if (status != VOR_OK)
+        pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+vor_status vor_sqlite_end(struct vor_sqlite *db, vor_status status, struct vor_error *err)
+{
+    if (status == VOR_OK)
+        status = run(db, &db->writer, "COMMIT", err);
+    if (status != VOR_OK && !sqlite3_get_autocommit(db->writer.handle))
+        (void)sqlite3_exec(db->writer.handle, "ROLLBACK", NULL, NULL, NULL);
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+/* A connection to read by, locked. */
+static struct connection *take_reader(struct vor_sqlite *db)
+{
+    struct connection *reader;
+
+    for (unsigned i = 0; i < READERS; i++)
+        if (pthread_mutex_trylock(&db->reader[i].mutex) == 0)
+            return &db->reader[i];
+    reader = &db->reader[atomic_fetch_add(&db->next_reader, 1) % READERS];
+    pthread_mutex_lock(&reader->mutex);
+    return reader;
+}
+
 vor_status vor_sqlite_query(struct vor_sqlite *db,
                             int (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
                             struct vor_error *err, const char *sql, const char *types, ...)
 {
     struct vor_sqlite_row row = {0};
     double began = vor_clock_seconds();
+    struct connection *reader = take_reader(db);
     vor_status status = VOR_OK;
     va_list args;
     int code;
 
-    pthread_mutex_lock(&db->reader.mutex);
     va_start(args, types);
-    code = start(&row.statement, &db->reader, sql, types, &args);
+    code = start(&row.statement, reader, sql, types, &args);
     va_end(args);
     for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
         row.column = 0;
@@ -270,9 +385,9 @@ vor_status vor_sqlite_query(struct vor_sqlite *db,
             break;
     }
     if (code != SQLITE_ROW && code != SQLITE_DONE)
-        status = fail(db, &db->reader, code, err);
-    (void)sqlite3_finalize(row.statement);
-    pthread_mutex_unlock(&db->reader.mutex);
+        status = fail(db, reader, code, err);
+    finish(row.statement);
+    pthread_mutex_unlock(&reader->mutex);
     count(sql, began, status);
     return status;
 }

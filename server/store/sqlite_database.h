@@ -1,6 +1,7 @@
-/** A database of SQLite: one connection that writes, durably, and one that reads, so that no reader
- *  waits for an fsync. The only door to the library; only the other files of the driver include
- * this. Thread-safe. */
+/** A database of SQLite: one connection that writes, durably, and some that read, so that no reader
+ *  waits for an fsync, or for another reader. Statements are literals: each connection prepares one
+ *  once. The only door to the library; only the other files of the driver include this.
+ *  Thread-safe. */
 #ifndef VOR_SERVER_STORE_SQLITE_DATABASE_H
 #define VOR_SERVER_STORE_SQLITE_DATABASE_H
 
@@ -21,10 +22,10 @@ VOR_NODISCARD vor_status vor_sqlite_open(struct vor_sqlite **out, const char *pa
 void vor_sqlite_close(struct vor_sqlite *db);
 
 /** True since an fsync failed or the file proved damaged: what is on the disk is not known any more
- *  and every change is refused. */
+ *  and every change is refused. A want of memory is no such failure. */
 int vor_sqlite_broken(struct vor_sqlite *db);
 
-/** Runs statements without parameters.
+/** Runs statements without parameters; a transaction that they have not ended is taken back.
  *
  *  @retval VOR_E_IO */
 VOR_NODISCARD vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql,
@@ -36,10 +37,25 @@ int64_t vor_sqlite_number(struct vor_sqlite_row *row);
 double vor_sqlite_real(struct vor_sqlite_row *row);
 const char *vor_sqlite_text(struct vor_sqlite_row *row); /**< NULL for null */
 const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size);
+/** The next text into a place of so many bytes, cut where it is longer; "" for null. */
+void vor_sqlite_copy(struct vor_sqlite_row *row, char *out, size_t size);
+/** For a query of one number: ctx is an int64_t. */
+int vor_sqlite_take_number(void *ctx, struct vor_sqlite_row *row);
 
-/** One statement, one transaction: durable when VOR_OK is returned. `types` says what follows, for
- *  the statement's parameters from the first on: t text (or NULL), i int64_t, r double, b bytes
- *  (pointer or NULL, then size_t); all borrowed for the call.
+/** Makes what follows on this thread, up to the end, one change: durable when VOR_OK is returned,
+ * or none of it happened.
+ *
+ *  @param[in] status  of what was done between; unless it is VOR_OK all is taken back, and it is
+ *                     what is returned
+ *
+ *  @retval VOR_E_IO   of begin: nothing has begun, and no end may follow */
+VOR_NODISCARD vor_status vor_sqlite_begin(struct vor_sqlite *db, struct vor_error *err);
+VOR_NODISCARD vor_status vor_sqlite_end(struct vor_sqlite *db, vor_status status,
+                                        struct vor_error *err);
+
+/** One statement, one transaction unless one has begun: durable when VOR_OK is returned. `types`
+ * says what follows, for the statement's parameters from the first on: t text (or NULL), i int64_t,
+ * r double, b bytes (pointer or NULL, then size_t); all borrowed for the call.
  *
  *  @param[out] rows  how many the statement changed
  *
@@ -47,8 +63,9 @@ const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size);
 VOR_NODISCARD vor_status vor_sqlite_change(struct vor_sqlite *db, int *rows, struct vor_error *err,
                                            const char *sql, const char *types, ...);
 
-/** The same for a statement with RETURNING: each gets every row that it returns, before the change
- *  is durable. What each was told is void unless VOR_OK is returned. */
+/** The same for a statement with RETURNING, or a SELECT within a transaction: each gets every row
+ * that it returns, before the change is durable. What each was told is void unless VOR_OK is
+ * returned. */
 VOR_NODISCARD vor_status vor_sqlite_change_each(struct vor_sqlite *db,
                                                 void (*each)(void *ctx, struct vor_sqlite_row *row),
                                                 void *ctx, struct vor_error *err, const char *sql,

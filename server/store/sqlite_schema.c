@@ -1,67 +1,117 @@
 #include "server/store/sqlite_schema.h"
 
-/* Versions 1 to 5 were never released: a file of them is refused, like one of a later version. */
-enum { SCHEMA_VERSION = 6 };
+/* Version 7 is the first that is kept: what comes later goes on from it. A store of version 6 is
+ * brought up to it; versions 1 to 5 were never released. */
+enum { SCHEMA_VERSION = 7, SCHEMA_BEFORE = 6 };
 
-static const char schema[] =
-    "BEGIN;"
-    "CREATE TABLE job ("
-    " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"
-    " status TEXT NOT NULL"
-    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"
-    " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"
-    " request TEXT NOT NULL, metrics TEXT, problem TEXT,"
-    " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL,"
-    " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
-    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
-    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"
-    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"
-    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"
-    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
-    " expired INTEGER NOT NULL DEFAULT 0,"
-    " inputs TEXT, outputs TEXT," /* beside the main ones */
-    " name TEXT NOT NULL DEFAULT '', principal TEXT NOT NULL DEFAULT '', idem_key TEXT,"
-    " fingerprint TEXT NOT NULL DEFAULT '',"
-    " kept INTEGER NOT NULL DEFAULT 0," /* bytes of inputs */
-    " alone INTEGER NOT NULL DEFAULT 0, kills INTEGER NOT NULL DEFAULT 0,"
-    " traceparent TEXT NOT NULL DEFAULT '',"
-    " held INTEGER NOT NULL DEFAULT 0," /* bytes of results */
-    " report TEXT, trace BLOB);"        /* last: what stands behind them is read through them */
-    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"
-    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"
-    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"
-    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
-    "PRAGMA user_version=6;"
-    "COMMIT;";
+/* A row of job is short and is written when the state changes. What is long and is asked for by
+ * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, kept by
+ * triggers too, so that it changes in the transaction of whatever changes a job. */
+#define TABLES                                                                                     \
+    "CREATE TABLE job ("                                                                           \
+    " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"   \
+    " status TEXT NOT NULL"                                                                        \
+    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"                \
+    " progress INTEGER NOT NULL DEFAULT 0, message TEXT NOT NULL DEFAULT '',"                      \
+    " request TEXT NOT NULL, metrics TEXT, problem TEXT,"                                          \
+    " input_format INTEGER NOT NULL, input_points INTEGER NOT NULL, input_bytes INTEGER NOT NULL," \
+    " input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"                                    \
+    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"         \
+    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"            \
+    " report_bytes INTEGER NOT NULL DEFAULT 0,"                                                    \
+    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"                     \
+    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"     \
+    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"                    \
+    " expired INTEGER NOT NULL DEFAULT 0,"                                                         \
+    " inputs TEXT, outputs TEXT," /* beside the main ones */                                       \
+    " name TEXT NOT NULL DEFAULT '', principal TEXT NOT NULL DEFAULT '', idem_key TEXT,"           \
+    " fingerprint TEXT NOT NULL DEFAULT '',"                                                       \
+    " kept INTEGER NOT NULL DEFAULT 0," /* bytes of inputs */                                      \
+    " held INTEGER NOT NULL DEFAULT 0," /* bytes of results */                                     \
+    " alone INTEGER NOT NULL DEFAULT 0, traceparent TEXT NOT NULL DEFAULT '');"                    \
+    "CREATE TABLE job_blob (seq INTEGER PRIMARY KEY, report TEXT, trace BLOB);"                    \
+    "CREATE TABLE ledger (principal TEXT PRIMARY KEY, jobs INTEGER NOT NULL, kept INTEGER NOT"     \
+    " NULL, held INTEGER NOT NULL) WITHOUT ROWID;"
 
-/* What is asked of many rows: each of these holds all columns that such a question is about, so
- * that no row is read for it, with its report and its trace. They are added to a store that has
- * none. */
-static const char indexes[] =
-    "CREATE INDEX IF NOT EXISTS job_listed ON job"
-    " (seq, status, process_id, created, started, finished, name, principal) WHERE expired = 0;"
-    "CREATE INDEX IF NOT EXISTS job_named ON job"
-    " (name, seq, status, process_id, created, started, finished, principal) WHERE expired = 0;"
-    "CREATE INDEX IF NOT EXISTS job_owned ON job"
-    " (principal, seq, status, process_id, created, started, finished, name, kept, output_bytes)"
-    " WHERE expired = 0;";
+/* Each index of a list holds all columns that lists are about. */
+#define INDEXES                                                                                    \
+    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
+    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
+    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
+    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
+    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"                           \
+    "CREATE INDEX job_listed ON job"                                                               \
+    " (seq, status, process_id, created, started, finished, name, principal) WHERE expired = 0;"   \
+    "CREATE INDEX job_named ON job"                                                                \
+    " (name, seq, status, process_id, created, started, finished, principal) WHERE expired = 0;"   \
+    "CREATE INDEX job_owned ON job"                                                                \
+    " (principal, seq, status, process_id, created, started, finished, name) WHERE expired = 0;"
 
-static int take_number(void *ctx, struct vor_sqlite_row *row)
-{
-    *(int64_t *)ctx = vor_sqlite_number(row);
-    return 1;
-}
+#define IS_LIVE(row) "(" row ".status IN ('accepted', 'running'))"
+
+#define TRIGGERS                                                                                   \
+    "CREATE TRIGGER job_added AFTER INSERT ON job BEGIN"                                           \
+    " INSERT INTO ledger VALUES (new.principal, " IS_LIVE(                                         \
+        "new") ", new.kept, new.held)"                                                             \
+               " ON CONFLICT (principal) DO UPDATE SET jobs = jobs + excluded.jobs,"               \
+               " kept = kept + excluded.kept, held = held + excluded.held; END;"                   \
+               "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job WHEN "        \
+               "new.kept <>"                                                                       \
+               " old.kept OR new.held <> old.held OR " IS_LIVE("new") " <> " IS_LIVE(              \
+                   "old") " BEGIN"                                                                 \
+                          " UPDATE ledger SET jobs = jobs + " IS_LIVE("new") " - " IS_LIVE(        \
+                              "old") ","                                                           \
+                                     " kept = kept + new.kept - old.kept, held = held + new.held " \
+                                     "- old.held"                                                  \
+                                     " WHERE principal = new.principal; END;"                      \
+                                     "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job "  \
+                                     "WHEN new.expired BEGIN"                                      \
+                                     " DELETE FROM job_blob WHERE seq = new.seq; END;"             \
+                                     "CREATE TRIGGER job_removed AFTER DELETE ON job BEGIN"        \
+                                     " UPDATE ledger SET jobs = jobs - " IS_LIVE(                  \
+                                         "old") ", kept = kept - old.kept,"                        \
+                                                " held = held - old.held WHERE principal = "       \
+                                                "old.principal;"                                   \
+                                                " DELETE FROM job_blob WHERE seq = old.seq; END;"
+
+#define END "PRAGMA user_version=7; COMMIT;"
+
+static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
+
+/* Columns of both versions; those of before stand in another order in some stores. */
+#define COLUMNS                                                                                    \
+    "seq, id, process_id, status, progress, message, request, metrics, problem, input_format,"     \
+    " input_points, input_bytes, input_sha256, input_seconds, output_format, output_points,"       \
+    " output_bytes, output_sha256, attempt, crashes, created, started, updated, finished,"         \
+    " expires, expired, inputs, outputs, name, principal, idem_key, fingerprint, kept, held,"      \
+    " alone, traceparent"
+
+/* The numbers of acceptance go on where they were, as lists go by them. */
+static const char migration[] =
+    "BEGIN; ALTER TABLE job RENAME TO job_before;" TABLES "INSERT INTO job (" COLUMNS
+    ", report_bytes) SELECT " COLUMNS ","
+    " coalesce(length(CAST(report AS BLOB)), 0) FROM job_before ORDER BY seq;"
+    "INSERT INTO job_blob SELECT seq, report, trace FROM job_before"
+    " WHERE report IS NOT NULL OR trace IS NOT NULL ORDER BY seq;"
+    "INSERT INTO ledger SELECT principal, sum(" IS_LIVE(
+        "job") "), sum(kept), sum(held) FROM job"
+               " GROUP BY principal;"
+               "DELETE FROM sqlite_sequence WHERE name = 'job';"
+               "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
+               "DROP TABLE job_before;" INDEXES TRIGGERS END;
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
     int64_t version = -1;
-    vor_status status = vor_sqlite_query(db, take_number, &version, err, "PRAGMA user_version", "");
+    vor_status status =
+        vor_sqlite_query(db, vor_sqlite_take_number, &version, err, "PRAGMA user_version", "");
 
-    if (status == VOR_OK && version != 0 && version != SCHEMA_VERSION)
-        return vor_fail(err, VOR_E_IO, "the job store has schema %lld, this program knows only %d",
-                        (long long)version, SCHEMA_VERSION);
-    if (status == VOR_OK && version == 0)
-        status = vor_sqlite_run(db, schema, err);
-    return status == VOR_OK ? vor_sqlite_run(db, indexes, err) : status;
+    if (status != VOR_OK || version == SCHEMA_VERSION)
+        return status;
+    if (version != 0 && version != SCHEMA_BEFORE)
+        return vor_fail(err, VOR_E_IO,
+                        "the job store has schema %lld, this program takes %d and %d: start the "
+                        "version that wrote it, or move the folder of --data away",
+                        (long long)version, SCHEMA_BEFORE, SCHEMA_VERSION);
+    return vor_sqlite_run(db, version == 0 ? schema : migration, err);
 }

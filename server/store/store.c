@@ -136,9 +136,9 @@ vor_status vor_store_check(struct vor_store *store, struct vor_error *err)
 }
 
 vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
-                            struct vor_error *err)
+                            struct vor_ledger *ledger, struct vor_error *err)
 {
-    return store->driver->insert(store, row, err);
+    return store->driver->insert(store, row, ledger, err);
 }
 
 vor_status vor_store_claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
@@ -190,7 +190,7 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
 vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                          struct vor_job_view *out, int *found, struct vor_error *err)
 {
-    return store->driver->get(store, id, out, found, err);
+    return store->driver->get_of(store, id, NULL, out, found, err);
 }
 
 vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
@@ -199,10 +199,10 @@ vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, 
     return store->driver->get_of(store, id, tenant, out, found, err);
 }
 
-vor_status vor_store_held(struct vor_store *store, const char *tenant, uint64_t *bytes,
-                          struct vor_error *err)
+vor_status vor_store_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
+                            struct vor_error *err)
 {
-    return store->driver->held(store, tenant, bytes, err);
+    return store->driver->ledger(store, tenant, ledger, err);
 }
 
 vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
@@ -246,33 +246,13 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
                                                   : status;
 }
 
-vor_status vor_store_expire(struct vor_store *store, int64_t now_ms, struct vor_expired *expired,
-                            size_t max, size_t *count, struct vor_error *err)
+vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
+                           struct vor_evictions *evictions, struct vor_error *err)
 {
-    vor_status status = store->driver->expire(store, now_ms, expired, max, count, err);
+    vor_status status = store->driver->evict(store, why, limit, evictions, err);
 
     return made_room(store->reserve, status, err)
-               ? store->driver->expire(store, now_ms, expired, max, count, err)
-               : status;
-}
-
-vor_status vor_store_shed(struct vor_store *store, uint64_t quota, struct vor_expired *shed,
-                          size_t max, size_t *count, struct vor_error *err)
-{
-    vor_status status = store->driver->shed(store, quota, shed, max, count, err);
-
-    return made_room(store->reserve, status, err)
-               ? store->driver->shed(store, quota, shed, max, count, err)
-               : status;
-}
-
-vor_status vor_store_crowd(struct vor_store *store, uint64_t quota, struct vor_expired *crowded,
-                           size_t max, size_t *count, struct vor_error *err)
-{
-    vor_status status = store->driver->crowd(store, quota, crowded, max, count, err);
-
-    return made_room(store->reserve, status, err)
-               ? store->driver->crowd(store, quota, crowded, max, count, err)
+               ? store->driver->evict(store, why, limit, evictions, err)
                : status;
 }
 

@@ -29,7 +29,7 @@ VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *wher
 
 /** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
  *  next opening however full it gets, if it has a disk here, from now
- *  on: on a full one they are given up for vor_store_finish, _release, _remove, _expire, _shed and
+ *  on: on a full one they are given up for vor_store_finish, _release, _remove, _evict and
  *  _recover, and when it is opened. */
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
 
@@ -51,9 +51,12 @@ VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_err
 
 /** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.
  *
+ *  @param[in,out] ledger  what its principal may have with this job and the uploads that it keeps:
+ *                         if that is too much, is_over is set and nothing is added. NULL: anything
+ *
  *  @retval VOR_E_IO also when the row's key is that of another job */
 VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
-                                          struct vor_error *err);
+                                          struct vor_ledger *ledger, struct vor_error *err);
 
 /** accepted -> running.
  *
@@ -96,9 +99,11 @@ VOR_NODISCARD vor_status vor_store_get_of(struct vor_store *store, const struct 
                                           const char *tenant, struct vor_job_view *out, int *found,
                                           struct vor_error *err);
 
-/** The bytes of a principal's uploads that are kept and of its main results. */
-VOR_NODISCARD vor_status vor_store_held(struct vor_store *store, const char *tenant,
-                                        uint64_t *bytes, struct vor_error *err);
+/** What a principal has: sets jobs and bytes.
+ *
+ *  Cost: a read of one row, however many jobs there are. */
+VOR_NODISCARD vor_status vor_store_ledger(struct vor_store *store, const char *tenant,
+                                          struct vor_ledger *ledger, struct vor_error *err);
 
 /** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
  *  until it expires or is removed.
@@ -136,32 +141,15 @@ VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store,
 VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id,
                                           int *changed, struct vor_error *err);
 
-/** Marks up to max jobs whose time is over as expired, those first whose time was over first, and
- *  drops their report, trace and key. expired gets them in any order: the caller then drops their
- *  blobs, kept uploads included. Forgets jobs that expired longer ago than they lived. Call again
- * while count is max.
+/** Takes from up to max jobs what they keep, as far as a limit wants it; call again while count is
+ *  max. A job that expires loses its report, trace, key and kept uploads.
+ *  VOR_EVICT_EXPIRED: those first whose time was over first; also forgets jobs that expired longer
+ *  ago than they lived. VOR_EVICT_UPLOADS: those first that ended first, and never one that is not
+ *  over. VOR_EVICT_RESULTS: likewise, but never the last one to end.
  *
- *  Cost: two changes, however many jobs there are. */
-VOR_NODISCARD vor_status vor_store_expire(struct vor_store *store, int64_t now_ms,
-                                          struct vor_expired *expired, size_t max, size_t *count,
-                                          struct vor_error *err);
-
-/** While more than `quota` bytes of uploads are kept, sets `kept` of jobs to 0, of those first that
- *  ended first, and never of a job that is not over. shed gets up to max of them in any order: the
- *  caller then drops their uploads. Call again while count is max.
- *
- *  Cost: a read as long as the quota holds, else a change. */
-VOR_NODISCARD vor_status vor_store_shed(struct vor_store *store, uint64_t quota,
-                                        struct vor_expired *shed, size_t max, size_t *count,
-                                        struct vor_error *err);
-
-/** While the results of all jobs have more than `quota` bytes, expires jobs (as vor_store_expire),
- * of those first that ended first, but never the last one to end. Call again while count is max.
- *
- *  Cost: a read as long as the quota holds, else a change. */
-VOR_NODISCARD vor_status vor_store_crowd(struct vor_store *store, uint64_t quota,
-                                         struct vor_expired *crowded, size_t max, size_t *count,
-                                         struct vor_error *err);
+ *  Cost: a read as long as the limit holds, else a change or two, however many jobs there are. */
+VOR_NODISCARD vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
+                                         struct vor_evictions *evictions, struct vor_error *err);
 
 /** Moves the time at which each job expires: the wall clock has moved by that. */
 VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,

@@ -144,15 +144,44 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
     return status;
 }
 
+/* Which limit a ledger that is over has passed, and the words for it. */
+static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *ledger,
+                                   uint64_t bytes, struct vor_error *err)
+{
+    if (ledger->jobs_max > 0 && ledger->jobs >= ledger->jobs_max) {
+        (void)vor_fail(err, VOR_E_LIMIT,
+                       "%llu jobs of the key %s wait or run, the most that are allowed",
+                       (unsigned long long)ledger->jobs_max, tenant);
+        return VOR_CROWDED;
+    }
+    (void)vor_fail(err, VOR_E_LIMIT,
+                   "the key %s has %llu bytes of inputs and results here, and this request adds "
+                   "%llu, want at most %llu in all: dismiss jobs, or wait until they expire",
+                   tenant, (unsigned long long)ledger->bytes, (unsigned long long)bytes,
+                   (unsigned long long)ledger->bytes_max);
+    return VOR_OVER_BYTES;
+}
+
+enum vor_job_outcome vor_worker_quota(struct vor_worker *worker, const char *tenant,
+                                      struct vor_ledger *ledger, uint64_t bytes,
+                                      struct vor_error *err)
+{
+    if (vor_store_ledger(worker->config.store, tenant, ledger, err) != VOR_OK)
+        return VOR_FAILED;
+    return vor_ledger_fits(ledger, bytes) ? VOR_DONE : refuse(tenant, ledger, bytes, err);
+}
+
 /* Makes the row durable and a remembered job wait, if its inputs still fit into the queue. */
 static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *job,
-                                     struct vor_job_view *row, uint64_t bytes,
-                                     struct vor_error *err)
+                                     struct vor_job_view *row, struct vor_ledger *ledger,
+                                     uint64_t bytes, struct vor_error *err)
 {
     if (!vor_worker_charge(worker, job, bytes, worker->config.queue_bytes))
         return VOR_FULL;
-    if (vor_store_insert(worker->config.store, row, err) != VOR_OK)
+    if (vor_store_insert(worker->config.store, row, ledger, err) != VOR_OK)
         return VOR_FAILED;
+    if (ledger->is_over)
+        return refuse(row->key.principal, ledger, row->kept, err);
     vor_job_set_seq(job, row->seq);
     vor_queue_push(worker->queue, job, row->seq);
     return VOR_DONE;
@@ -160,18 +189,18 @@ static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *
 
 /* The same with a job that is live from now on, for a place in the queue that is booked. */
 static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                                       size_t jobs_max, uint64_t bytes, struct vor_error *err)
+                                       struct vor_ledger *ledger, uint64_t bytes,
+                                       struct vor_error *err)
 {
     struct vor_job *job = vor_job_create(row);
-    enum vor_job_outcome outcome;
+    enum vor_job_outcome outcome = VOR_FAILED;
 
     if (job == NULL) {
         (void)vor_fail(err, VOR_E_NOMEM, "a job");
         return VOR_FAILED;
     }
-    outcome = vor_worker_admit(worker, job, jobs_max, err);
-    if (outcome == VOR_DONE) {
-        outcome = push_job(worker, job, row, bytes, err);
+    if (vor_worker_remember(worker, job, err) == VOR_OK) {
+        outcome = push_job(worker, job, row, ledger, bytes, err);
         if (outcome != VOR_DONE)
             vor_worker_forget(worker, job);
     }
@@ -199,8 +228,11 @@ static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitt
 
 /* For a job that has a place in the queue, and keeps it when VOR_DONE is returned. */
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   size_t jobs_max, uint64_t bytes, struct vor_error *err)
+                                   const struct vor_job_label *label, uint64_t bytes,
+                                   struct vor_error *err)
 {
+    struct vor_ledger ledger = {.jobs_max = label != NULL ? label->jobs_max : 0,
+                                .bytes_max = label != NULL ? label->bytes_max : 0};
     const char *tenant = row->key.principal;
     enum vor_job_outcome outcome;
 
@@ -208,7 +240,7 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         (void)vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
         return VOR_FAILED;
     }
-    outcome = accept_job(worker, row, jobs_max, bytes, err);
+    outcome = accept_job(worker, row, &ledger, bytes, err);
     if (outcome != VOR_DONE)
         return outcome;
     vor_count_accepted(row);
@@ -240,7 +272,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
         booked = outcome == VOR_DONE;
     }
     if (outcome == VOR_DONE)
-        outcome = submit(worker, &row, label != NULL ? label->jobs_max : 0, bytes, err);
+        outcome = submit(worker, &row, label, bytes, err);
     if (outcome != VOR_DONE) {
         if (booked)
             vor_worker_unbook(worker);
@@ -248,7 +280,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
         return outcome;
     }
     if (row.kept > 0)
-        vor_worker_shed(worker);
+        vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
     if (out != NULL)
         *out = row;
     return VOR_DONE;

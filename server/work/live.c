@@ -6,20 +6,25 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <search.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
 /* --- the list of live jobs -------------------------------------------------------------------- */
 
-/* The place of a job in the list, or that of NULL at its end; the mutex is held. */
-static struct vor_live **place_of(struct vor_worker *worker, const struct vor_uuid *id)
+static int compare_ids(const void *a, const void *b)
 {
-    struct vor_live **at = &worker->live;
+    return strcmp(((const struct vor_live *)a)->id, ((const struct vor_live *)b)->id);
+}
 
-    while (*at != NULL && strcmp(vor_job_id((*at)->job)->text, id->text) != 0)
-        at = &(*at)->next;
-    return at;
+/* The job of that id; NULL when there is none. The mutex is held. */
+static struct vor_live *live_of(struct vor_worker *worker, const struct vor_uuid *id)
+{
+    const struct vor_live key = {.id = id->text};
+    void *found = tfind(&key, &worker->live_by_id, compare_ids);
+
+    return found != NULL ? *(struct vor_live **)found : NULL;
 }
 
 /* A job starts, or waits again; live may be NULL. The mutex is held. */
@@ -40,7 +45,7 @@ void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
     struct vor_error err;
 
     pthread_mutex_lock(&worker->mutex);
-    set_running(worker, *place_of(worker, vor_job_id(job)), 0);
+    set_running(worker, live_of(worker, vor_job_id(job)), 0);
     pthread_mutex_unlock(&worker->mutex);
     vor_job_view(job, &view);
     if (vor_queue_restore(worker->queue, job, view.seq, &err) == VOR_OK)
@@ -52,76 +57,53 @@ void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
 
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
 {
-    struct vor_job *job = NULL;
+    struct vor_job *job;
     struct vor_live *live;
 
     pthread_mutex_lock(&worker->mutex);
-    live = *place_of(worker, id);
-    if (live != NULL)
-        job = vor_job_retain(live->job);
+    live = live_of(worker, id);
+    job = live != NULL ? vor_job_retain(live->job) : NULL;
     pthread_mutex_unlock(&worker->mutex);
     return job;
-}
-
-/* The jobs of a principal on the list; one whose runner has not unwound yet is over. The mutex is
- * held. */
-static size_t count_of(const struct vor_worker *worker, const char *tenant)
-{
-    size_t count = 0;
-
-    for (const struct vor_live *live = worker->live; live != NULL; live = live->next)
-        count += strcmp(vor_job_tenant(live->job), tenant) == 0 && !vor_job_is_over(live->job);
-    return count;
-}
-
-size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant)
-{
-    size_t count;
-
-    pthread_mutex_lock(&worker->mutex);
-    count = count_of(worker, tenant);
-    pthread_mutex_unlock(&worker->mutex);
-    return count;
-}
-
-enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job, size_t most,
-                                      struct vor_error *err)
-{
-    struct vor_live *live = calloc(1, sizeof *live);
-    int is_crowded;
-
-    if (live == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "a job");
-        return VOR_FAILED;
-    }
-    pthread_mutex_lock(&worker->mutex);
-    is_crowded = most > 0 && count_of(worker, vor_job_tenant(job)) >= most;
-    if (!is_crowded) {
-        *live = (struct vor_live){.job = vor_job_retain(job), .next = worker->live};
-        worker->live = live;
-    }
-    pthread_mutex_unlock(&worker->mutex);
-    if (is_crowded)
-        free(live);
-    return is_crowded ? VOR_CROWDED : VOR_DONE;
 }
 
 vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                struct vor_error *err)
 {
-    return vor_worker_admit(worker, job, 0, err) == VOR_DONE ? VOR_OK : VOR_E_NOMEM;
+    struct vor_live *live = malloc(sizeof *live);
+    int is_added = 0;
+
+    if (live == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "a job");
+    *live = (struct vor_live){.job = job, .id = vor_job_id(job)->text};
+    pthread_mutex_lock(&worker->mutex);
+    if (tsearch(live, &worker->live_by_id, compare_ids) != NULL) {
+        (void)vor_job_retain(job);
+        live->next = worker->live;
+        if (live->next != NULL)
+            live->next->before = live;
+        worker->live = live;
+        is_added = 1;
+    }
+    pthread_mutex_unlock(&worker->mutex);
+    if (is_added)
+        return VOR_OK;
+    free(live);
+    return vor_fail(err, VOR_E_NOMEM, "a job");
 }
 
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
 {
-    struct vor_live **at, *live;
+    struct vor_live *live;
 
     pthread_mutex_lock(&worker->mutex);
-    at = place_of(worker, vor_job_id(job));
-    live = *at;
+    live = live_of(worker, vor_job_id(job));
     if (live != NULL) {
         set_running(worker, live, 1); /* which waits no longer */
-        *at = live->next;
+        (void)tdelete(live, &worker->live_by_id, compare_ids);
+        *(live->before != NULL ? &live->before->next : &worker->live) = live->next;
+        if (live->next != NULL)
+            live->next->before = live->before;
     }
     pthread_mutex_unlock(&worker->mutex);
     if (live != NULL)
@@ -137,7 +119,7 @@ int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint
 
     pthread_mutex_lock(&worker->mutex);
     fits = worker->waiting_bytes <= most && bytes <= most - worker->waiting_bytes;
-    live = *place_of(worker, vor_job_id(job));
+    live = live_of(worker, vor_job_id(job));
     if (fits && live != NULL) {
         assert(!live->running && live->bytes == 0); /* once, before the queue has it */
         live->bytes = bytes;
@@ -194,7 +176,7 @@ int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job)
     allowed = !worker->draining;
     if (allowed) {
         worker->running++;
-        set_running(worker, *place_of(worker, vor_job_id(job)), 1);
+        set_running(worker, live_of(worker, vor_job_id(job)), 1);
     }
     pthread_mutex_unlock(&worker->mutex);
     return allowed;
@@ -291,42 +273,38 @@ void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *i
     }
 }
 
-void vor_worker_shed(struct vor_worker *worker)
+vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struct vor_error *err)
 {
     enum { BATCH = 64 };
-    struct vor_expired shed[BATCH];
-    size_t count = BATCH, total = 0;
-    struct vor_error err;
+    static const char *const done[] = {[VOR_EVICT_EXPIRED] = "results expired",
+                                       [VOR_EVICT_UPLOADS] = "uploads deleted to make room",
+                                       [VOR_EVICT_RESULTS] = "results deleted to make room"};
+    const int64_t limit[] = {[VOR_EVICT_EXPIRED] = vor_clock_wall_ms(),
+                             [VOR_EVICT_UPLOADS] = (int64_t)worker->config.keep,
+                             [VOR_EVICT_RESULTS] = (int64_t)worker->config.results};
+    struct vor_evicted job[BATCH];
+    struct vor_evictions evictions = {.job = job, .max = BATCH};
+    vor_status status = VOR_OK;
+    size_t total = 0;
 
-    while (count == BATCH) {
-        if (vor_store_shed(worker->config.store, worker->config.keep, shed, BATCH, &count, &err) !=
-            VOR_OK)
-            vor_log(VOR_LOG_WARN, "uploads not deleted", VOR_TEXT("error", err.message));
-        for (size_t i = 0; i < count; i++)
-            vor_worker_drop_uploads(worker, &shed[i].id, shed[i].process);
-        total += count;
-    }
+    do {
+        status = vor_store_evict(worker->config.store, why, limit[why], &evictions, err);
+        for (size_t i = 0; i < evictions.count; i++) {
+            if (why != VOR_EVICT_UPLOADS)
+                vor_worker_drop_outputs(worker, &job[i].id, job[i].process);
+            vor_worker_drop_uploads(worker, &job[i].id, job[i].process);
+        }
+        total += evictions.count;
+    } while (status == VOR_OK && evictions.count == BATCH);
     if (total > 0)
-        vor_log(VOR_LOG_INFO, "uploads shed", VOR_COUNT("jobs", total));
+        vor_log(VOR_LOG_INFO, done[why], VOR_COUNT("jobs", total));
+    return status;
 }
 
-void vor_worker_crowd(struct vor_worker *worker)
+void vor_worker_keep_quota(struct vor_worker *worker, enum vor_evict why)
 {
-    enum { BATCH = 64 };
-    struct vor_expired crowded[BATCH];
-    size_t count = BATCH, total = 0;
     struct vor_error err;
 
-    while (count == BATCH) {
-        if (vor_store_crowd(worker->config.store, worker->config.results, crowded, BATCH, &count,
-                            &err) != VOR_OK)
-            vor_log(VOR_LOG_WARN, "results not deleted", VOR_TEXT("error", err.message));
-        for (size_t i = 0; i < count; i++) {
-            vor_worker_drop_outputs(worker, &crowded[i].id, crowded[i].process);
-            vor_worker_drop_uploads(worker, &crowded[i].id, crowded[i].process);
-        }
-        total += count;
-    }
-    if (total > 0)
-        vor_log(VOR_LOG_INFO, "results deleted to make room", VOR_COUNT("jobs", total));
+    if (vor_worker_evict(worker, why, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
 }

@@ -14,9 +14,10 @@
 /** A job that waits or runs. */
 struct vor_live {
     struct vor_job *job;
+    const char *id; /* of the job */
     int running;
     uint64_t bytes; /* of its decoded inputs */
-    struct vor_live *next;
+    struct vor_live *next, *before;
 };
 
 /** The blobs that were there at the start. */
@@ -50,6 +51,7 @@ struct vor_worker {
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
     struct vor_live *live;
+    void *live_by_id;       /* the same, as a tree of search.h */
     uint64_t waiting_bytes; /* sum of those on the list that do not run */
     size_t running;
     int draining; /* nothing is claimed or accepted any more */
@@ -74,12 +76,6 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
                                              struct vor_error *err);
 
-/** Adds a job unless its principal has `most` (0: any number) on the list already.
- *
- *  @retval VOR_DONE, VOR_CROWDED
- *  @retval VOR_FAILED  err is VOR_E_NOMEM */
-VOR_NODISCARD enum vor_job_outcome vor_worker_admit(struct vor_worker *worker, struct vor_job *job,
-                                                    size_t most, struct vor_error *err);
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
 
 /** Notes how many bytes the decoded inputs of a remembered job have, unless those that wait would
@@ -131,16 +127,14 @@ void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *i
 void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
                              const char *process);
 
-/** Expires jobs, of those first that ended first, until their results have no more than
- *  config.results bytes. A failure is logged; the next call tries again.
+/** Takes from jobs what they keep as far as the time or a quota of the configuration wants it
+ *  (vor_store_evict), with its bytes.
  *
- *  Cost: a read of the store as long as they do not. */
-void vor_worker_crowd(struct vor_worker *worker);
+ *  Cost: a read of the store as long as a quota holds. */
+VOR_NODISCARD vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why,
+                                          struct vor_error *err);
 
-/** Drops uploads of jobs that are over, of those first that ended first, until the quota holds. A
- *  failure is logged; the next call tries again.
- *
- *  Cost: a read of the store as long as the quota holds. */
-void vor_worker_shed(struct vor_worker *worker);
+/** The same; a failure is logged, and the next call tries again. */
+void vor_worker_keep_quota(struct vor_worker *worker, enum vor_evict why);
 
 #endif

@@ -294,24 +294,10 @@ void vor_worker_drop_strays(struct vor_worker *worker)
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 {
-    enum { BATCH = 256 };
-    struct vor_expired expired[BATCH];
-    size_t count = BATCH, total = 0;
-    vor_status status = VOR_OK;
+    vor_status status = vor_worker_evict(worker, VOR_EVICT_EXPIRED, err);
 
-    while (status == VOR_OK && count == BATCH) {
-        status = vor_store_expire(worker->config.store, vor_clock_wall_ms(), expired, BATCH, &count,
-                                  err);
-        for (size_t i = 0; i < count; i++) {
-            vor_worker_drop_outputs(worker, &expired[i].id, expired[i].process);
-            vor_worker_drop_uploads(worker, &expired[i].id, expired[i].process);
-        }
-        total += count;
-    }
-    if (total > 0)
-        vor_log(VOR_LOG_INFO, "results expired", VOR_COUNT("jobs", total));
-    vor_worker_shed(worker);
-    vor_worker_crowd(worker);
+    vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
+    vor_worker_keep_quota(worker, VOR_EVICT_RESULTS);
     vor_worker_trim_lost(worker, 0);
     return status;
 }

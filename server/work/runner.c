@@ -416,9 +416,9 @@ static void clean_up(struct run *run, double began)
     if (view.status != VOR_JOB_SUCCESSFUL)
         vor_worker_drop_outputs(run->worker, &view.id, view.process);
     if (view.kept > 0)
-        vor_worker_shed(run->worker);
+        vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);
     if (view.status == VOR_JOB_SUCCESSFUL)
-        vor_worker_crowd(run->worker);
+        vor_worker_keep_quota(run->worker, VOR_EVICT_RESULTS);
     vor_log(VOR_LOG_INFO, "job ended", VOR_OF_JOB(&view),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),

@@ -92,8 +92,10 @@ struct vor_job_label {
     const struct vor_job_key *key; /**< of no job: vor_worker_find_key says VOR_UNKNOWN; its
                                         principal is whose the job is */
     const struct vor_span *span;   /**< the step of a trace that asks for it */
-    size_t jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
-    int booked;      /**< a place is kept for it, which is used or given back */
+    uint64_t
+        jobs_max; /**< jobs of that principal that may wait or run, this one included; 0: any */
+    uint64_t bytes_max; /**< that it may have stored, uploads of this one included; 0: any */
+    int booked;         /**< a place is kept for it, which is used or given back */
 };
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
@@ -104,7 +106,8 @@ struct vor_job_label {
  *  @param[in]  label     may be NULL
  *  @param[out] out       the job's first view; may be NULL
  *
- *  @retval VOR_DONE, VOR_FULL, VOR_CROWDED, VOR_DRAINING
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
+ *  @retval VOR_CROWDED, VOR_OVER_BYTES  the principal has what it may; err has the numbers
  *  @retval VOR_FAILED  err: VOR_E_BYTES its decoded inputs alone are more than may wait;
  * VOR_E_PARAM an input that the process does not take, or as vor_spec_check_inputs; VOR_E_TARGET as
  * vor_spec_check_target, but for spacing, which only the run can tell; VOR_E_ORIGIN as
@@ -141,8 +144,13 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker,
                                                      struct vor_job_view *out,
                                                      struct vor_error *err);
 
-/** How many jobs of a principal wait or run. */
-size_t vor_worker_jobs_of(struct vor_worker *worker, const char *tenant);
+/** Would a job of a principal be within what it may have (jobs_max and bytes_max of the ledger),
+ * with so many bytes more? For an early answer: vor_worker_submit decides, and counts what comes.
+ *
+ *  @retval VOR_DONE, VOR_CROWDED, VOR_OVER_BYTES (err has the numbers), VOR_FAILED */
+VOR_NODISCARD enum vor_job_outcome vor_worker_quota(struct vor_worker *worker, const char *tenant,
+                                                    struct vor_ledger *ledger, uint64_t bytes,
+                                                    struct vor_error *err);
 
 /** vor_store_list with what is live brought up to date. each must not call the worker. */
 VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,

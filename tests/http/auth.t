@@ -6,6 +6,7 @@ use warnings;
 use Digest::SHA qw(sha256_hex);
 use File::Temp qw(tempdir);
 use FindBin;
+use IO::Compress::Gzip ();
 use lib "$FindBin::Bin/../support";
 use Test::More;
 use Time::HiRes qw(time);
@@ -193,6 +194,12 @@ my $fits = ask('stored', 'POST', "/v1/resample?$quick", content => $cloud);
 is $fits->{status}, 200, 'a quota of bytes has room';
 $refused = ask('stored', 'POST', "/v1/resample?$quick", content => sphere_ply(500));
 is_problem($refused, 429, 'too-much-stored', 'until it has none');
+my @pieces = unpack '(a1000)*', sphere_ply(500); # chunked: no length is declared
+is_problem(ask('stored', 'POST', "/v1/resample?$quick", content => sub { shift @pieces }), 429, 'too-much-stored', 'whatever the length said');
+my $padded = $cloud =~ s/^(.*?\n.*?\n)/$1 . ('comment ' . 'x' x 70 . "\n") x 64/er;
+IO::Compress::Gzip::gzip(\$padded, \my $gzipped);
+is_problem(ask('stored', 'POST', "/v1/resample?$quick", content => $gzipped, headers => { 'Content-Encoding' => 'gzip' }),
+    429, 'too-much-stored', 'inflated bytes count');
 ask('stored', 'DELETE', $fits->{headers}{location} =~ s/^\Q$daemon->{url}\E//r);
 is ask('stored', 'POST', "/v1/resample?$quick", content => sphere_ply(500))->{status}, 200, 'a removed job makes room';
 

@@ -18,7 +18,7 @@ struct model_job {
     int alone;
     int expired;
     int64_t finished, expires;
-    uint64_t kept;
+    uint64_t kept, held;
     unsigned key; /* 1 .. KEYS; 0 for none */
 };
 
@@ -59,21 +59,43 @@ static struct model_job *holder_of(struct model *model, unsigned key)
     return NULL;
 }
 
+/* What the jobs have together; all are one principal's. */
+static struct vor_ledger sum_of(const struct model *model)
+{
+    struct vor_ledger sum = {.jobs = 0};
+
+    for (size_t i = 0; i < model->count; i++) {
+        const struct model_job *job = &model->jobs[i];
+
+        sum.jobs += job->known && !is_over(job);
+        sum.bytes += job->known ? job->kept + job->held : 0;
+    }
+    return sum;
+}
+
 static void do_insert(struct model *model)
 {
     struct model_job *job = &model->jobs[model->count];
     struct vor_job_view row = vt_row(10);
     unsigned key = pick(model, KEYS + 1);
+    struct vor_ledger ledger = sum_of(model);
+    int is_over;
 
     if (model->count == JOBS)
         return;
     row.key = key_of(key);
     row.kept = pick(model, 4) * 100;
-    if (key > 0 && holder_of(model, key) != NULL) {
-        vt_assert_fails(VOR_E_IO, vor_store_insert(model->store, &row, &vt_err));
+    ledger.jobs_max = pick(model, 2) * pick(model, JOBS);
+    ledger.bytes_max = pick(model, 2) * pick(model, 20) * 100;
+    is_over = !vor_ledger_fits(&ledger, row.kept);
+    if (!is_over && key > 0 && holder_of(model, key) != NULL) {
+        vt_assert_fails(VOR_E_IO, vor_store_insert(model->store, &row, &ledger, &vt_err));
         return;
     }
-    vt_assert_ok(vor_store_insert(model->store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(model->store, &row, &ledger, &vt_err));
+    ck_assert_int_eq(ledger.is_over, is_over);
+    if (is_over)
+        return;
     *job = (struct model_job){.known = 1,
                               .id = row.id,
                               .seq = row.seq,
@@ -111,6 +133,7 @@ static void do_finish(struct model *model, struct model_job *job)
     row.status = ends[pick(model, 3)];
     row.attempt = job->attempt;
     row.kept = row.status == VOR_JOB_DISMISSED ? 0 : job->kept;
+    row.output[0].bytes = pick(model, 5) * 10;
     row.finished = model->now;
     row.expires = model->now + 1 + pick(model, 40);
     vt_assert_ok(vor_store_finish(model->store, &row, attempt, NULL, &changed, &vt_err));
@@ -119,6 +142,7 @@ static void do_finish(struct model *model, struct model_job *job)
         return;
     job->status = row.status;
     job->kept = row.kept;
+    job->held = row.status == VOR_JOB_SUCCESSFUL ? row.output[0].bytes : 0;
     job->finished = row.finished;
     job->expires = row.expires;
 }
@@ -147,10 +171,11 @@ static void do_remove(struct model *model, struct model_job *job)
 
 static void do_expire(struct model *model)
 {
-    struct vor_expired expired[JOBS];
-    size_t count, expected = 0;
+    struct vor_evicted expired[JOBS];
+    struct vor_evictions evictions = {.job = expired, .max = JOBS};
+    size_t expected = 0;
 
-    vt_assert_ok(vor_store_expire(model->store, model->now, expired, JOBS, &count, &vt_err));
+    vt_assert_ok(vor_store_evict(model->store, VOR_EVICT_EXPIRED, model->now, &evictions, &vt_err));
     for (size_t i = 0; i < model->count; i++) {
         struct model_job *job = &model->jobs[i];
 
@@ -158,12 +183,12 @@ static void do_expire(struct model *model)
             continue;
         expected += !job->expired;
         job->expired = 1;
-        job->kept = 0;
+        job->kept = job->held = 0;
         job->key = 0;
         if (2 * job->expires - job->finished <= model->now)
             job->known = 0;
     }
-    ck_assert_uint_eq(count, expected);
+    ck_assert_uint_eq(evictions.count, expected);
 }
 
 /* The job that is given up first: of those that are over and keep something, the one that ended
@@ -185,23 +210,25 @@ static struct model_job *first_to_go(struct model *model)
 static void do_shed(struct model *model)
 {
     uint64_t quota = pick(model, 20) * 100, kept = 0;
-    struct vor_expired shed[JOBS];
+    struct vor_evicted shed[JOBS];
+    struct vor_evictions evictions = {.job = shed, .max = JOBS};
     struct model_job *job;
-    size_t count, expected = 0;
+    size_t expected = 0;
 
     for (size_t i = 0; i < model->count; i++)
         kept += model->jobs[i].known ? model->jobs[i].kept : 0;
-    vt_assert_ok(vor_store_shed(model->store, quota, shed, JOBS, &count, &vt_err));
+    vt_assert_ok(
+        vor_store_evict(model->store, VOR_EVICT_UPLOADS, (int64_t)quota, &evictions, &vt_err));
     for (; kept > quota && (job = first_to_go(model)) != NULL; expected++) {
         size_t i = 0;
 
-        while (i < count && strcmp(shed[i].id.text, job->id.text) != 0)
+        while (i < evictions.count && strcmp(shed[i].id.text, job->id.text) != 0)
             i++;
-        ck_assert_uint_lt(i, count);
+        ck_assert_uint_lt(i, evictions.count);
         kept -= job->kept;
         job->kept = 0;
     }
-    ck_assert_uint_eq(count, expected);
+    ck_assert_uint_eq(evictions.count, expected);
 }
 
 static void do_crash(struct model *model, const char *dir)
@@ -281,7 +308,11 @@ static void compare_all(struct model *model)
 {
     struct expectation expectation = {model, model->count};
     struct vor_job_filter filter = {.limit = 10000};
+    struct vor_ledger ledger, sum = sum_of(model);
 
+    vt_assert_ok(vor_store_ledger(model->store, "", &ledger, &vt_err));
+    ck_assert_uint_eq(ledger.jobs, sum.jobs);
+    ck_assert_uint_eq(ledger.bytes, sum.bytes);
     vt_assert_ok(vor_store_list(model->store, &filter, compare_row, &expectation, &vt_err));
     ck_assert_ptr_null(next_listed(&expectation));
     compare_keys(model);

@@ -59,7 +59,7 @@ static void live_and_die(void *ctx)
         int changed;
 
         vt_assert_ok(vor_blob_commit(vt_upload(blobs, "result", 6), &row->id, "cloud", &vt_err));
-        vt_assert_ok(vor_store_insert(store, row, &vt_err));
+        vt_assert_ok(vor_store_insert(store, row, NULL, &vt_err));
         row->status = VOR_JOB_SUCCESSFUL;
         row->finished = vor_clock_wall_ms();
         row->expires = row->finished + 1000000;

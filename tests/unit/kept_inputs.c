@@ -234,24 +234,24 @@ static void finish(struct vor_store *store, struct vor_job_view *row, enum vor_j
 static void leave(struct vor_store *store, struct vor_job_view *row, enum left left)
 {
     int64_t now = vor_clock_wall_ms(), later = now + 3600000;
-    struct vor_expired gone[1];
-    size_t count = 1;
+    struct vor_evicted gone[1];
+    struct vor_evictions evictions = {.job = gone, .max = 1, .count = 1};
     int changed;
 
     if (left == NO_ROW)
         return;
-    vt_assert_ok(vor_store_insert(store, row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, row, NULL, &vt_err));
     if (left == WAITS)
         return;
     finish(store, row, left == DISMISSED ? VOR_JOB_DISMISSED : VOR_JOB_SUCCESSFUL,
            left == EXPIRED ? now : later);
     if (left == SHED)
-        vt_assert_ok(vor_store_shed(store, 0, gone, 1, &count, &vt_err));
+        vt_assert_ok(vor_store_evict(store, VOR_EVICT_UPLOADS, 0, &evictions, &vt_err));
     else if (left == EXPIRED)
-        vt_assert_ok(vor_store_expire(store, now, gone, 1, &count, &vt_err));
+        vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, now, &evictions, &vt_err));
     else if (left == REMOVED)
         vt_assert_ok(vor_store_remove(store, &row->id, &changed, &vt_err));
-    ck_assert_uint_eq(count, 1);
+    ck_assert_uint_eq(evictions.count, 1);
 }
 
 START_TEST(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others)

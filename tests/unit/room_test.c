@@ -118,7 +118,7 @@ START_TEST(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accept
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     if (_i == 0) {
         vt_sync_fail(1, 0);
-        vt_assert_fails(VOR_E_IO, vor_store_insert(daemon.store, &row, &vt_err));
+        vt_assert_fails(VOR_E_IO, vor_store_insert(daemon.store, &row, NULL, &vt_err));
     } else {
         vt_sync_fail(0, 1);
         vt_assert_fails(

@@ -100,7 +100,7 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
         row = vt_row(10);
         if (rows == 20)
             fill(dir);
-        status = vor_store_insert(store, &row, &vt_err);
+        status = vor_store_insert(store, &row, NULL, &vt_err);
     }
     ck_assert_int_ge(rows, 20);
     ck_assert_int_eq(status, VOR_E_IO);
@@ -109,7 +109,7 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
     ck_assert(!found);
     make_room(dir);
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     ck_assert_int_eq(row.seq, rows + 1);
     vor_store_close(store);
     store = vt_dir_store(dir);
@@ -207,7 +207,7 @@ static void exhaust(struct vt_daemon *daemon)
     fill(daemon->dir);
     do
         row = vt_row(10);
-    while (vor_store_insert(daemon->store, &row, &vt_err) == VOR_OK);
+    while (vor_store_insert(daemon->store, &row, NULL, &vt_err) == VOR_OK);
     ck_assert(vor_error_storage_full(&vt_err));
 }
 
@@ -254,7 +254,7 @@ START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     vor_blobs_set_reserve(daemon.blobs, 1);
     vor_store_set_reserve(daemon.store, 200000);
     vt_assert_ok(vor_worker_ready(daemon.worker, &vt_err));
-    vt_assert_ok(vor_store_insert(daemon.store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(daemon.store, &row, NULL, &vt_err));
     exhaust(&daemon);
     vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
     row.status = VOR_JOB_DISMISSED;
@@ -282,7 +282,7 @@ START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     ck_assert(small_disk(dir, 1000));
     store = vt_dir_store(dir);
     vor_store_set_reserve(store, 200000);
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vt_assert_ok(vor_store_claim(store, &row.id, 1, &attempt, &changed, &vt_err));
     vor_store_close(store);
     fill(dir);
@@ -306,7 +306,7 @@ START_TEST(a_store_opens_on_a_full_disk_whose_reserve_is_spent)
     ck_assert(small_disk(dir, 1000));
     store = vt_dir_store(dir);
     vor_store_set_reserve(store, 200000);
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vor_store_close(store);
     (void)snprintf(reserve, sizeof reserve, "%s/jobs.sqlite.reserve", dir);
     ck_assert_int_eq(unlink(reserve), 0);
@@ -335,7 +335,7 @@ START_TEST(what_a_start_cannot_put_in_order_waits_for_room)
 
     ck_assert(small_disk(dir, 1000));
     vt_daemon_start(&daemon, dir, NULL);
-    vt_assert_ok(vor_store_insert(daemon.store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(daemon.store, &row, NULL, &vt_err));
     vt_assert_ok(vor_store_claim(daemon.store, &row.id, 1, &row.attempt, &(int){0}, &vt_err));
     exhaust(&daemon);
     vt_daemon_stop(&daemon);

@@ -4,7 +4,9 @@
 #include "tests/support/vt_dir.h"
 
 #include <signal.h>
+#include <sqlite3.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -69,7 +71,7 @@ END_TEST
 START_TEST(a_store_of_another_version_is_refused_and_left_alone)
 {
     static const int versions[] = {5, 9};
-    char wanted[16];
+    char wanted[64];
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     char where[512];
@@ -81,14 +83,83 @@ START_TEST(a_store_of_another_version_is_refused_and_left_alone)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 6);
+    ck_assert_int_eq(fgetc(file), 7);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(versions[_i], file), versions[_i]);
     fclose(file);
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
-    (void)snprintf(wanted, sizeof wanted, "schema %d,", versions[_i]);
+    (void)snprintf(wanted, sizeof wanted, "schema %d, this program takes 6 and 7: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
+}
+END_TEST
+
+/* What steps 1 to 6 of the schema made, with a job that ended, one that waits, one that expired,
+ * and numbers of acceptance given up to 9. */
+static const char store_of_version_6[] =
+    "CREATE TABLE job (seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE,"
+    " process_id TEXT NOT NULL, status TEXT NOT NULL, progress INTEGER NOT NULL DEFAULT 0,"
+    " message TEXT NOT NULL DEFAULT '', request TEXT NOT NULL, metrics TEXT, problem TEXT,"
+    " report TEXT, trace BLOB, input_format INTEGER NOT NULL, input_points INTEGER NOT NULL,"
+    " input_bytes INTEGER NOT NULL, input_sha256 TEXT NOT NULL, input_seconds REAL NOT NULL,"
+    " output_format INTEGER NOT NULL DEFAULT 0, output_points INTEGER NOT NULL DEFAULT 0,"
+    " output_bytes INTEGER NOT NULL DEFAULT 0, output_sha256 TEXT NOT NULL DEFAULT '',"
+    " attempt INTEGER NOT NULL DEFAULT 0, crashes INTEGER NOT NULL DEFAULT 0,"
+    " created INTEGER NOT NULL, started INTEGER NOT NULL DEFAULT 0, updated INTEGER NOT NULL,"
+    " finished INTEGER NOT NULL DEFAULT 0, expires INTEGER NOT NULL DEFAULT 0,"
+    " expired INTEGER NOT NULL DEFAULT 0, inputs TEXT, outputs TEXT, name TEXT NOT NULL DEFAULT '',"
+    " principal TEXT NOT NULL DEFAULT '', idem_key TEXT, fingerprint TEXT NOT NULL DEFAULT '',"
+    " kept INTEGER NOT NULL DEFAULT 0, alone INTEGER NOT NULL DEFAULT 0,"
+    " kills INTEGER NOT NULL DEFAULT 0, traceparent TEXT NOT NULL DEFAULT '',"
+    " held INTEGER NOT NULL DEFAULT 0);"
+    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"
+    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
+    "INSERT INTO job (seq, id, process_id, status, request, report, trace, input_format,"
+    " input_points, input_bytes, input_sha256, input_seconds, created, updated, finished, expires,"
+    " expired, principal, idem_key, kept, held) VALUES"
+    " (3, '01908d7e-0000-7000-8000-000000000003', 'resample', 'successful', '{}', '{\"a\":1}',"
+    "  x'0102', 0, 1, 2, 'a', 0, 5, 6, 7, 99, 0, 'alice', 'k', 100, 10),"
+    " (4, '01908d7e-0000-7000-8000-000000000004', 'resample', 'accepted', '{}', NULL, NULL, 0, 1,"
+    "  2, 'a', 0, 5, 6, 0, 0, 0, 'alice', NULL, 1000, 0),"
+    " (5, '01908d7e-0000-7000-8000-000000000005', 'resample', 'failed', '{}', NULL, NULL, 0, 1, 2,"
+    "  'a', 0, 5, 6, 7, 99, 1, 'alice', NULL, 0, 0);"
+    "UPDATE sqlite_sequence SET seq = 9; PRAGMA user_version = 6;";
+
+START_TEST(a_store_of_version_6_is_taken_with_its_jobs)
+{
+    const char *dir = vt_dir_make();
+    struct vor_uuid id = {"01908d7e-0000-7000-8000-000000000003"};
+    struct vor_job_view row, next = vt_row(10);
+    struct vor_ledger ledger;
+    struct vor_store *store;
+    char path[512], *report;
+    uint8_t *trace;
+    size_t size;
+    sqlite3 *file;
+    int found;
+
+    (void)snprintf(path, sizeof path, "%s/jobs.sqlite", dir);
+    ck_assert_int_eq(sqlite3_open(path, &file), SQLITE_OK);
+    ck_assert_int_eq(sqlite3_exec(file, store_of_version_6, NULL, NULL, NULL), SQLITE_OK);
+    sqlite3_close(file);
+    for (int opening = 0; opening < 2; opening++) {
+        store = vt_dir_store(dir);
+        vt_assert_ok(vor_store_get(store, &id, &row, &found, &vt_err));
+        ck_assert(found && row.seq == 3 && row.status == VOR_JOB_SUCCESSFUL && row.expires == 99);
+        ck_assert_str_eq(row.key.text, "k");
+        vt_assert_ok(vor_store_report(store, &id, &report, &vt_err));
+        ck_assert_str_eq(report, "{\"a\":1}");
+        free(report);
+        vt_assert_ok(vor_store_trace(store, &id, &trace, &size, &vt_err));
+        ck_assert(size == 2 && trace[1] == 2);
+        free(trace);
+        vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));
+        ck_assert(ledger.jobs == 1 && ledger.bytes == 1110);
+        if (opening == 1)
+            vt_assert_ok(vor_store_insert(store, &next, NULL, &vt_err));
+        vor_store_close(store);
+    }
+    ck_assert_int_eq(next.seq, 10);
 }
 END_TEST
 
@@ -102,22 +173,22 @@ START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     struct rlimit limit;
     int found;
 
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     signal(SIGXFSZ, SIG_IGN);
     ck_assert_int_eq(getrlimit(RLIMIT_FSIZE, &limit), 0);
     limit.rlim_cur = 4096;
     ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, NULL, &vt_err));
     limit.rlim_cur = limit.rlim_max;
     ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, NULL, &vt_err));
     vt_assert_fails(VOR_E_IO, vor_store_check(store, &vt_err));
     vt_assert_ok(vor_store_get(store, &row.id, &row, &found, &vt_err));
     ck_assert(found);
     vor_store_close(store);
     store = vt_dir_store(dir); /* only a restart helps, and it does */
     vt_assert_ok(vor_store_check(store, &vt_err));
-    vt_assert_ok(vor_store_insert(store, &more, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &more, NULL, &vt_err));
     vor_store_close(store);
 }
 END_TEST
@@ -129,6 +200,7 @@ int main(void)
     vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);
     vt_add(suite, what_is_no_store_is_refused);
     vt_add_loop(suite, a_store_of_another_version_is_refused_and_left_alone, 2);
+    vt_add(suite, a_store_of_version_6_is_taken_with_its_jobs);
     vt_add(suite, a_store_whose_disk_failed_takes_no_more_and_says_so);
     return vt_run(suite);
 }

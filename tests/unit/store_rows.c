@@ -18,7 +18,7 @@ static struct vor_job_view insert(struct vor_store *store, unsigned points)
 {
     struct vor_job_view row = vt_row(points);
 
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     return row;
 }
 
@@ -84,7 +84,7 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     vt_assert_ok(vor_spec_set(&row.spec, "format", "drc", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "seed", "9007199254740991", &vt_err));
     ck_assert(vor_span_parse(&row.span, "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01"));
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     ck_assert_int_eq(row.seq, 1);
     vor_store_close(store);
 
@@ -123,7 +123,7 @@ START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
     vt_assert_ok(vor_spec_set(&row.spec, "ratio", "1", &vt_err));
     vt_assert_ok(vor_spec_set(&row.spec, "outliers", _i % 2 ? "keep" : "drop", &vt_err));
     (void)snprintf(row.process, sizeof row.process, "%s", process->id);
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     back = get(store, &row.id);
     ck_assert_str_eq(back.process, process->id);
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
@@ -143,7 +143,7 @@ START_TEST(inputs_beside_the_main_one_come_back)
     row.input[1] = (struct vor_job_input){
         .format = 1, .points = 17, .bytes = UINT64_C(1) << 40, .seconds = 0.1};
     memset(row.input[1].sha256, 'b', 64);
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     back = get(store, &row.id);
     ck_assert_uint_eq(back.inputs, 3);
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
@@ -374,8 +374,8 @@ START_TEST(results_expire_then_are_forgotten)
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view rows[3], back;
     struct vor_store_ending ending = {.report = "{}"};
-    struct vor_expired expired[2];
-    size_t count;
+    struct vor_evicted expired[2];
+    struct vor_evictions evictions = {.job = expired, .max = 2};
     char *report;
     int changed, found;
 
@@ -387,22 +387,22 @@ START_TEST(results_expire_then_are_forgotten)
         vt_assert_ok(vor_store_finish(store, &rows[i], 0, &ending, &changed, &vt_err));
     }
     (void)insert(store, 10); /* waits: never expires */
-    vt_assert_ok(vor_store_expire(store, 1999, expired, 2, &count, &vt_err));
-    ck_assert_uint_eq(count, 0);
-    vt_assert_ok(vor_store_expire(store, 2002, expired, 2, &count, &vt_err));
-    ck_assert_uint_eq(count, 2);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 1999, &evictions, &vt_err));
+    ck_assert_uint_eq(evictions.count, 0);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 2002, &evictions, &vt_err));
+    ck_assert_uint_eq(evictions.count, 2);
     for (int i = 0; i < 2; i++) /* the first two, in any order */
         ck_assert(strcmp(expired[0].id.text, rows[i].id.text) == 0 ||
                   strcmp(expired[1].id.text, rows[i].id.text) == 0);
     ck_assert_str_eq(expired[0].process, "resample");
-    vt_assert_ok(vor_store_expire(store, 2002, expired, 2, &count, &vt_err));
-    ck_assert_uint_eq(count, 1);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 2002, &evictions, &vt_err));
+    ck_assert_uint_eq(evictions.count, 1);
     back = get(store, &rows[0].id);
     ck_assert(back.expired);
     vt_assert_ok(vor_store_report(store, &rows[0].id, &report, &vt_err));
     ck_assert_ptr_null(report);
     ck_assert_uint_eq(list(store, (struct vor_job_filter){.limit = 9}, 0).count, 1);
-    vt_assert_ok(vor_store_expire(store, 3000, expired, 2, &count, &vt_err));
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 3000, &evictions, &vt_err));
     vt_assert_ok(vor_store_get(store, &rows[0].id, &back, &found, &vt_err));
     ck_assert(!found);
     vt_assert_ok(vor_store_get(store, &rows[1].id, &back, &found, &vt_err));
@@ -454,7 +454,7 @@ static void act_until_killed(void *ctx)
     struct killed *killed = ctx;
     struct vor_store *store = vt_dir_store(killed->dir);
 
-    vt_assert_ok(vor_store_insert(store, &killed->row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &killed->row, NULL, &vt_err));
     if (killed->point >= AFTER_CLAIM)
         (void)claim(store, &killed->row.id);
     if (killed->point >= AFTER_FINISH)

@@ -13,7 +13,7 @@ static struct vor_job_view insert(struct vor_store *store, const char *tenant, c
     (void)snprintf(row.key.principal, sizeof row.key.principal, "%s", tenant);
     (void)snprintf(row.key.text, sizeof row.key.text, "%s", key);
     row.kept = 1000;
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     return row;
 }
 
@@ -93,7 +93,7 @@ START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view done = insert(store, "alice", "");
-    uint64_t bytes = 1;
+    struct vor_ledger ledger;
     int changed;
 
     (void)insert(store, "alice", "");
@@ -103,12 +103,12 @@ START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
     done.output[0].bytes = 500;
     vt_assert_ok(vor_store_finish(store, &done, 0, NULL, &changed, &vt_err));
     ck_assert(changed);
-    vt_assert_ok(vor_store_held(store, "alice", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, 2500);
-    vt_assert_ok(vor_store_held(store, "bob", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, 1000);
-    vt_assert_ok(vor_store_held(store, "carol", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, 0);
+    vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));
+    ck_assert_uint_eq(ledger.bytes, 2500);
+    vt_assert_ok(vor_store_ledger(store, "bob", &ledger, &vt_err));
+    ck_assert_uint_eq(ledger.bytes, 1000);
+    vt_assert_ok(vor_store_ledger(store, "carol", &ledger, &vt_err));
+    ck_assert_uint_eq(ledger.bytes, 0);
     vor_store_close(store);
 }
 END_TEST

@@ -9,9 +9,9 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ROWS = 400, TRACE = 20000, REPORT = 3000, CONNECTIONS = 2 };
+enum { ROWS = 400, TRACE = 20000, REPORT = 3000, CONNECTIONS = 5 };
 
-/* The writer and the reader of the store. */
+/* The writer and the readers of the store. */
 static sqlite3 *connection[CONNECTIONS];
 static int connections;
 static int full_steps; /* rows that statements walked over for want of an index */
@@ -73,7 +73,7 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
     (void)snprintf(row.key.text, sizeof row.key.text, "%s", row.id.text);
     (void)snprintf(row.name, sizeof row.name, "%s", name);
     row.kept = 1000;
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vt_assert_ok(vor_store_claim(store, &row.id, row.created, &attempt, &changed, &vt_err));
     vt_assert_ok(vor_store_beat(store, &row, &vt_err));
     row.status = VOR_JOB_SUCCESSFUL;
@@ -115,7 +115,10 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     const char *dir = vt_dir_make();
     struct vor_store *store = open_filled(dir);
     struct vor_job_view row = fill(store, "alice", "one"), back;
-    uint64_t bytes, requeued;
+    struct vor_evicted one;
+    struct vor_evictions evicted = {.job = &one, .max = 1};
+    struct vor_ledger ledger;
+    uint64_t requeued;
     int64_t newest;
     int found, waiting = 0;
 
@@ -129,12 +132,11 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     vt_assert_ok(vor_store_recover(store, row.created, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 0);
     ck_assert_int_le(pages(), 60);
-    vt_assert_ok(vor_store_held(store, "alice", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, (ROWS + 1) * (uint64_t)1000);
-    ck_assert_int_le(pages(), ROWS / 10);
-    vt_assert_ok(vor_store_held(store, "bob", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, 0);
-    ck_assert_int_le(pages(), 10);
+    vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));
+    ck_assert_uint_eq(ledger.bytes, (ROWS + 1) * (uint64_t)1000);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_UPLOADS, INT64_MAX, &evicted, &vt_err));
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_RESULTS, INT64_MAX, &evicted, &vt_err));
+    ck_assert_int_le(pages(), 10); /* however many jobs there are */
     ck_assert_int_eq(full_steps, 0);
     vor_store_close(store);
 }
@@ -193,28 +195,6 @@ START_TEST(a_list_in_steps_reads_each_row_once)
 }
 END_TEST
 
-/* A store without these indexes gets them. */
-START_TEST(a_store_gets_the_indexes_that_it_lacks)
-{
-    const char *dir = vt_dir_make();
-    struct vor_store *store = open_filled(dir);
-    uint64_t bytes;
-
-    ck_assert_int_eq(sqlite3_exec(connection[0],
-                                  "DROP INDEX job_owned; DROP INDEX job_named;"
-                                  " DROP INDEX job_listed",
-                                  NULL, NULL, NULL),
-                     SQLITE_OK);
-    vor_store_close(store);
-    store = open_store(dir);
-    (void)pages();
-    vt_assert_ok(vor_store_held(store, "alice", &bytes, &vt_err));
-    ck_assert_uint_eq(bytes, ROWS * (uint64_t)1000);
-    ck_assert_int_le(pages(), ROWS / 10);
-    vor_store_close(store);
-}
-END_TEST
-
 int main(void)
 {
     Suite *suite = suite_create("store_work");
@@ -222,6 +202,5 @@ int main(void)
     vt_add(suite, what_a_submit_and_a_run_ask_walks_over_no_rows);
     vt_add(suite, a_list_reads_the_rows_that_it_lists_alone);
     vt_add_loop(suite, a_list_in_steps_reads_each_row_once, 2);
-    vt_add(suite, a_store_gets_the_indexes_that_it_lacks);
     return vt_run(suite);
 }

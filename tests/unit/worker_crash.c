@@ -230,7 +230,7 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
     struct vor_store *store = vt_dir_store(daemon.dir);
     struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
 
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, "input", &vt_err));
     vt_assert_ok(vor_blob_commit(vt_upload(blobs, "y", 1), &stray, "cloud", &vt_err));
     vor_store_close(store);
@@ -253,7 +253,7 @@ START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
     struct vor_store *store = vt_dir_store(daemon.dir);
     struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
 
-    vt_assert_ok(vor_store_insert(store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     vt_assert_ok(
         vor_blob_commit(vt_upload(blobs, "rubbish", (size_t)_i), &row.id, "input", &vt_err));
     vor_store_close(store);

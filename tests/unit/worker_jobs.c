@@ -137,10 +137,11 @@ static struct {
 } counting;
 
 static vor_status counted_get(struct vor_store *store, const struct vor_uuid *id,
-                              struct vor_job_view *out, int *found, struct vor_error *err)
+                              const char *tenant, struct vor_job_view *out, int *found,
+                              struct vor_error *err)
 {
     atomic_fetch_add(&counting.rows, 1);
-    return counting.real->get(store, id, out, found, err);
+    return counting.real->get_of(store, id, tenant, out, found, err);
 }
 
 static vor_status counted_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
@@ -154,7 +155,7 @@ static void count_reads(struct vt_daemon *daemon)
 {
     counting.real = daemon->store->driver;
     counting.driver = *counting.real;
-    counting.driver.get = counted_get;
+    counting.driver.get_of = counted_get;
     counting.driver.trace = counted_trace;
     daemon->store->driver = &counting.driver;
 }
@@ -388,7 +389,7 @@ static struct vor_uuid ended(struct vt_daemon *daemon, int minutes)
     int changed;
 
     vt_assert_ok(vor_blob_commit(writer, &row.id, "cloud", &vt_err));
-    vt_assert_ok(vor_store_insert(daemon->store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(daemon->store, &row, NULL, &vt_err));
     row.status = VOR_JOB_SUCCESSFUL;
     row.progress = 100;
     row.expires = vor_clock_wall_ms() - minutes * minute;

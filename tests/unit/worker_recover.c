@@ -44,7 +44,7 @@ static struct vor_job_view leave_waiting(struct life *life)
     struct vor_job_view row = vt_row(10);
 
     keep(life, &row.id, "input");
-    vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(life->store, &row, NULL, &vt_err));
     return row;
 }
 
@@ -62,7 +62,7 @@ static struct vor_uuid leave_endless(struct life *life)
     row.id = admitted.id;
     row.input[0] = admitted.item[0].found;
     vor_cloud_free(&cloud);
-    vt_assert_ok(vor_store_insert(life->store, &row, &vt_err));
+    vt_assert_ok(vor_store_insert(life->store, &row, NULL, &vt_err));
     return row.id;
 }
 
@@ -137,7 +137,7 @@ static void leave_expired(struct life *life, struct vor_job_view *row)
     int changed;
 
     *row = vt_row(10);
-    vt_assert_ok(vor_store_insert(life->store, row, &vt_err));
+    vt_assert_ok(vor_store_insert(life->store, row, NULL, &vt_err));
     keep(life, &row->id, "cloud");
     row->status = VOR_JOB_SUCCESSFUL;
     row->finished = vor_clock_wall_ms() - 3600000;

@@ -51,10 +51,9 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(app, request, &full);
     case VOR_CROWDED:
-        return vor_problem_say(app, request, "too-many-jobs",
-                               "%.0f jobs of the key %s wait or run, the most that are allowed",
-                               vor_request_principal(request)->quota.jobs,
-                               vor_request_principal(request)->name);
+        return vor_problem_say(app, request, "too-many-jobs", "%s", err->message);
+    case VOR_OVER_BYTES:
+        return vor_problem_say(app, request, "too-much-stored", "%s", err->message);
     case VOR_DRAINING:
         return vor_problem_say(app, request, "draining", "the daemon is shutting down");
     case VOR_CONFLICT:

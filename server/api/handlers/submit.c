@@ -328,9 +328,12 @@ static void on_admitted(struct vor_admission *admission)
 {
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
-    const struct vor_job_label label = {submission->head.besides.name,
-                                        &submission->head.besides.key, &submission->span,
-                                        (size_t)submission->quota.jobs, submission->booked};
+    const struct vor_job_label label = {.name = submission->head.besides.name,
+                                        .key = &submission->head.besides.key,
+                                        .span = &submission->span,
+                                        .jobs_max = (uint64_t)submission->quota.jobs,
+                                        .bytes_max = (uint64_t)submission->quota.bytes,
+                                        .booked = submission->booked};
     bool abandoned, submitted = false;
 
     (void)pthread_mutex_lock(&submission->lock);
