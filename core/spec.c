@@ -149,10 +149,11 @@ static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
 
 /* Refusals. */
 
+/* All names if they are few, else the nearest; none if the unknown one is like none of many. */
 static vor_status refuse_name(const struct vor_process_info *process, const char *name,
                               struct vor_error *err)
 {
-    char quoted[PARAMETER_SIZE], names[NAMES_SIZE] = "none";
+    char quoted[PARAMETER_SIZE], names[NAMES_SIZE] = "";
     struct vor_nearest nearest;
     size_t at = 0;
     int count = 0;
@@ -167,14 +168,14 @@ static vor_status refuse_name(const struct vor_process_info *process, const char
         count++;
     }
     for (unsigned i = 0; i < nearest.count; i++)
-        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
+        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s",
+                               i > 0                      ? ", "
+                               : count <= VOR_NEAREST_MAX ? "; want "
+                                                          : "; nearest: ",
                                nearest.found[i].word);
     vor_quote(quoted, sizeof quoted, name, strlen(name));
-    return vor_fail_param(
-        err, VOR_E_PARAM, quoted, "no parameter %s; %s takes %s%s", quoted, process->id, names,
-        nearest.count > 0 ? (count > VOR_NEAREST_MAX ? " and less similar ones" : "")
-        : count > 0       ? " like it"
-                          : "");
+    return vor_fail_param(err, VOR_E_PARAM, quoted, "unknown parameter \"%s\" of %s%s", quoted,
+                          process->id, names);
 }
 
 static vor_status refuse_as(vor_status status, const struct vor_parameter_info *info,

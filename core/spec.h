@@ -39,8 +39,8 @@ int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter paramete
  * is written true or false, a list as words with commas between, or none. name and text may hold
  * any bytes: messages quote them.
  *
- *  @retval VOR_E_PARAM the process takes no parameter of that name (the message lists those it
- *                      takes); the text is not of the kind or out of range (the message names value
+ *  @retval VOR_E_PARAM the process takes no parameter of that name (the message names the nearest
+ *                      ones); the text is not of the kind or out of range (the message names value
  *                      and range); or the texts of the request do not fit. spec is unchanged
  *  @retval VOR_E_WORD  a list has a word that is none of the parameter's (the message lists those);
  *                      spec is unchanged */

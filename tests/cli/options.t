@@ -103,7 +103,7 @@ refused 'an option of another command', ['measure', $in, '--listen', '127.0.0.1:
 refused 'an input of another command', ['resample', $in, @points, '-fo', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
-    'measure: no parameter points; measure takes peak, invalid';
+    'measure: unknown parameter "points" of measure; want peak, invalid';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';

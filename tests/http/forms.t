@@ -116,10 +116,10 @@ for my $case (
     ['a field twice', '', [[@points], [@points], [@cloud]], 400, qr/^points is given more than once$/],
     ['a file twice', '', [[@points], [@cloud], ['name="file"; filename="y"', $cloud]], 400, qr/^cloud is given more than once$/],
     ['an unknown field', '', [[@points], ['name="pionts"', 5], [@cloud]], 400,
-        qr/^no parameter pionts; resample takes points, [\w, ]+; its files are cloud \(or file\)$/],
+        qr/^unknown parameter "pionts" of resample; nearest: points, [\w, ]+; its files are cloud \(or file\)$/],
     ['an unknown file', '', [[@points], ['name="mesh"; filename="x"', 'y' x 9999], [@cloud]], 400,
-        qr/^no parameter mesh; resample takes .*; its files are cloud \(or file\)$/],
-    ["another process's file", '', [[@points], ['name="reference"; filename="x"', 'y'], [@cloud]], 400, qr/^no parameter reference;/],
+        qr/^unknown parameter "mesh" of resample; nearest: .*; its files are cloud \(or file\)$/],
+    ["another process's file", '', [[@points], ['name="reference"; filename="x"', 'y'], [@cloud]], 400, qr/^unknown parameter "reference" of /],
     ['a parameter as a file', '', [['name="points"; filename="points.txt"', 100], [@cloud]], 400, qr/^points is a file, want a text$/],
     ['a value out of range', '', [['name="points"', 0], [@cloud]], 400, qr/^points is 0, want a whole number from 1 to 10000000$/],
     ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL$/],
@@ -136,7 +136,7 @@ for my $case (
 }
 is form('/v1/resample', [[@points], [@cloud]])->{status}, 200, 'the same connection serves on';
 for my $case (
-    ['33 parts', [map { ["name=\"x$_\"; filename=\"\"", ''] } 1 .. 33], {}, qr/no parameter x1/, 'invalid-parameter'],
+    ['33 parts', [map { ["name=\"x$_\"; filename=\"\"", ''] } 1 .. 33], {}, qr/^unknown parameter "x1" of /, 'invalid-parameter'],
     ['a part without a name', [['filename="x"', 1]], {}, qr/^the form is malformed: a part has no Content-Disposition with a name$/],
     ['a body that is none', [], { body => $cloud }, qr/^the form is malformed: it does not begin with -- and the boundary, got "p"$/],
     ['an empty body', [], { body => '' }, qr/^the form is malformed: it ends before/],
@@ -156,7 +156,7 @@ is form('/v1/resample?points=100', [], type => "multipart/form-data; boundary=$b
 refused(form('/v1/resample', [[@points], [@cloud]], headers => { 'Content-Encoding' => 'gzip' }), 415, 'unsupported-format',
     qr/gzip for the whole form, want it in the headers of a part/, 'a form that is gzip as a whole');
 my $large = file('large.ply', 'x' x 3_000_000);
-refused(curl('/v1/resample', '-F', 'pionts=5', '-F', "file=\@$large"), 400, 'invalid-parameter', qr/^no parameter pionts/,
+refused(curl('/v1/resample', '-F', 'pionts=5', '-F', "file=\@$large"), 400, 'invalid-parameter', qr/^unknown parameter "pionts" of /,
     'a long form that is refused at its beginning');
 refused(curl('/v1/resample', '-F', 'points=5', '-F', "file=\@$large", '-F', "cloud=\@$large", '-F', "cloud=\@$large"), 413,
     'too-many-bytes', qr/want at most 8388608/, 'a form beyond the limit of bodies');

@@ -34,7 +34,7 @@ for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
 }
 is_problem($daemon->post('/v1/inspect', $cloud, Accept => 'application/ply'), 406, 'not-acceptable', 'it is no cloud');
 is_problem($daemon->post('/v1/inspect?points=5', $cloud), 400, 'invalid-parameter', 'it takes no points');
-is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'no parameter points; inspect takes outliers, intrinsic, invalid',
+is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'unknown parameter "points" of inspect; want outliers, intrinsic, invalid',
     'and says what it takes';
 is_problem($daemon->post('/v1/inspect?intrinsic=global', $cloud), 400, 'invalid-parameter', 'a word that there is not');
 

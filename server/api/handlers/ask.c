@@ -61,7 +61,7 @@ bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_f
             problem.detail =
                 read_format(out, vor_request_query_value(request, i), detail, sizeof detail);
         } else {
-            (void)snprintf(detail, sizeof detail, "there is no parameter %s here, want %s",
+            (void)snprintf(detail, sizeof detail, "unknown parameter \"%s\"; want %s",
                            vor_quote(shown, sizeof shown, name, strlen(name)),
                            takes_format ? "format" : "none");
             problem.detail = detail;

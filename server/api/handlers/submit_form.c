@@ -51,7 +51,7 @@ static vor_status refuse_twice(const char *name, struct vor_error *err)
     return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once", name);
 }
 
-/* "no parameter x; measure takes peak; its files are cloud (or file), reference" */
+/* The files that the process takes stand behind the parameters. */
 static vor_status refuse_name(const struct vor_submit_form *form, const char *name,
                               struct vor_error *err)
 {

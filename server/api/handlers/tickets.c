@@ -26,7 +26,7 @@ static const struct vor_artefact_info *read_output(struct vor_app *app, struct v
 
         if (strcmp(name, "output") != 0) {
             vor_problem_say(app, request, "invalid-query-parameter-value",
-                            "there is no parameter %s here, want output",
+                            "unknown parameter \"%s\"; want output",
                             vor_quote(shown, sizeof shown, name, strlen(name)));
             return NULL;
         }
