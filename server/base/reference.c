@@ -7,19 +7,37 @@
 #include <assert.h>
 #include <string.h>
 
+const char *vor_reference_option(char out[VOR_REFERENCE_NAME_SIZE], enum vor_parameter parameter)
+{
+    const char *name = vor_parameter_info(parameter)->name;
+    size_t at = 0;
+
+    for (; *name != '\0' && at < VOR_REFERENCE_NAME_SIZE - 2; name++) {
+        int is_upper = *name >= 'A' && *name <= 'Z';
+
+        if (is_upper)
+            out[at++] = '-';
+        out[at++] = is_upper ? (char)(*name - 'A' + 'a') : *name;
+    }
+    out[at] = '\0';
+    return out;
+}
+
 void vor_reference_values(char out[VOR_REFERENCE_VALUES_SIZE],
                           const struct vor_process_info *process, enum vor_parameter parameter)
 {
     struct vor_parameter_info info = vor_process_parameter(process, parameter);
-    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE];
+    char values[VOR_KIND_WORDS_SIZE], text[VOR_SPEC_VALUE_SIZE], option[VOR_REFERENCE_NAME_SIZE];
+    int has_alias = strcmp(vor_reference_option(option, parameter), info.name) != 0;
     struct vor_spec spec;
 
     vor_spec_preset(&spec, process);
     spec.value[parameter] = info.fallback; /* that of ratio stands aside in a preset */
     vor_spec_text(&spec, parameter, text);
     vor_kind_values(&info, values);
-    (void)snprintf(out, VOR_REFERENCE_VALUES_SIZE, "%s%s%s", values,
-                   text[0] != '\0' ? ", default " : "", text);
+    (void)snprintf(out, VOR_REFERENCE_VALUES_SIZE, "%s%s%s%s%s", values,
+                   text[0] != '\0' ? ", default " : "", text, has_alias ? "; over HTTP " : "",
+                   has_alias ? info.name : "");
 }
 
 /* What may be given, and where that differs from process to process. */
@@ -62,11 +80,13 @@ static void add_parameters(struct vor_text *text)
         for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
             enum vor_parameter parameter = (enum vor_parameter)i;
             const struct vor_parameter_info *info = vor_parameter_info(parameter);
+            char option[VOR_REFERENCE_NAME_SIZE];
 
             if ((int)info->group != group)
                 continue;
             vor_text_printf(text, "  %s--%s%s\n      %s.\n",
-                            parameter == VOR_PARAM_POINTS ? "-n, " : "", info->name,
+                            parameter == VOR_PARAM_POINTS ? "-n, " : "",
+                            vor_reference_option(option, parameter),
                             info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
             add_values(text, parameter);
             add_takers(text, parameter);

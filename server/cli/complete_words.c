@@ -1,6 +1,7 @@
 #include "server/cli/complete_words.h"
 
 #include "server/base/config_help.h"
+#include "server/base/reference.h"
 #include "server/store/row.h"
 
 #include <stdio.h>
@@ -49,10 +50,11 @@ static enum vor_value_kind kind_of(const struct vor_parameter_info *info, const 
 }
 
 static struct vor_completion of_parameter(const struct vor_process_info *process,
-                                          enum vor_parameter parameter)
+                                          enum vor_parameter parameter,
+                                          char name[VOR_REFERENCE_NAME_SIZE])
 {
     const struct vor_parameter_info info = vor_process_parameter(process, parameter);
-    struct vor_completion out = {.name = info.name,
+    struct vor_completion out = {.name = vor_reference_option(name, parameter),
                                  .sentence = info.sentence,
                                  .letter = parameter == VOR_PARAM_POINTS ? 'n' : '\0',
                                  .value = "VALUE"};
@@ -124,6 +126,7 @@ void vor_complete_command(const struct vor_command *command,
 {
     const struct vor_process_info *process = command->process;
     struct vor_completion option;
+    char name[VOR_REFERENCE_NAME_SIZE];
 
     for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++) {
         option = (struct vor_completion){.name = process->inputs[i].name,
@@ -138,7 +141,7 @@ void vor_complete_command(const struct vor_command *command,
             visit(ctx, &option);
     }
     for (int i = 0; process != NULL && i < VOR_PARAMETER_COUNT; i++) {
-        option = of_parameter(process, (enum vor_parameter)i);
+        option = of_parameter(process, (enum vor_parameter)i, name);
         if (vor_process_takes(process, (enum vor_parameter)i))
             visit(ctx, &option);
     }

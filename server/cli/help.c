@@ -5,6 +5,8 @@
 #include "server/cli/say.h"
 #include "server/cli/topic.h"
 
+#include <string.h>
+
 static const struct {
     int code;
     const char *command, *serve;
@@ -15,7 +17,7 @@ static const struct {
 };
 
 /* Bytes of a title and a sentence; the longest of today has 600. */
-enum { SENTENCE_SIZE = 2048, MEANING_COLUMN = 6 };
+enum { SENTENCE_SIZE = 2048, MEANING_COLUMN = 6, PRESET_COLUMN = 12 };
 
 static void print_option(FILE *out, char letter, const char *name, const char *value,
                          const char *sentence)
@@ -55,11 +57,13 @@ static void print_parameter(FILE *out, const struct vor_process_info *process,
 {
     const struct vor_parameter_info *info = vor_parameter_info(parameter);
     char values[VOR_REFERENCE_VALUES_SIZE], sentence[SENTENCE_SIZE];
+    char option[VOR_REFERENCE_NAME_SIZE];
 
     vor_reference_values(values, process, parameter);
     (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
                    info->sentence);
-    print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0, info->name,
+    print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0,
+                 vor_reference_option(option, parameter),
                  info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
     fprintf(out, "%*s%s\n", MEANING_COLUMN, "", values);
 }
@@ -108,13 +112,18 @@ static void print_parameters(FILE *out, const struct vor_process_info *process)
 static void print_presets(FILE *out, const struct vor_process_info *process)
 {
     const struct vor_named_preset *preset;
+    char line[SENTENCE_SIZE];
 
     if (vor_named_preset(process->id, 0) == NULL)
         return;
     fputs("\nPresets:\n", out);
-    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++)
-        fprintf(out, "  %-9s %s. %s%s%s\n", preset->name, preset->title, preset->sentence,
-                preset->values[0] != '\0' ? ": " : "", preset->values);
+    for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
+        (void)snprintf(line, sizeof line, "%s. %s%s%s", preset->title, preset->sentence,
+                       preset->values[0] != '\0' ? ": " : "", preset->values);
+        fprintf(out, "  %-9s ", preset->name);
+        vor_markup_wrap(out, (struct vor_span_of_text){line, strlen(line)}, PRESET_COLUMN,
+                        PRESET_COLUMN);
+    }
 }
 
 void vor_help_command(FILE *out, const struct vor_command *command)

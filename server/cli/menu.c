@@ -19,31 +19,16 @@ static void add_letter(struct vor_menu *menu, char letter, int has_value)
     menu->letters[at] = '\0';
 }
 
-/* "max-aspect" of "maxAspect". */
-static void write_kebab(char out[VOR_KEBAB_SIZE], const char *name)
-{
-    size_t at = 0;
-
-    for (; *name != '\0' && at < VOR_KEBAB_SIZE - 2; name++) {
-        int is_upper = *name >= 'A' && *name <= 'Z';
-
-        if (is_upper)
-            out[at++] = '-';
-        out[at++] = is_upper ? (char)(*name - 'A' + 'a') : *name;
-    }
-    out[at] = '\0';
-}
-
 enum vor_parameter vor_menu_parameter(const char *name)
 {
-    char kebab[VOR_KEBAB_SIZE];
+    char option[VOR_REFERENCE_NAME_SIZE];
     int i = 0;
 
     for (; i < VOR_PARAMETER_COUNT; i++) {
-        const char *taken = vor_parameter_info((enum vor_parameter)i)->name;
+        enum vor_parameter parameter = (enum vor_parameter)i;
 
-        write_kebab(kebab, taken);
-        if (strcmp(name, taken) == 0 || strcmp(name, kebab) == 0)
+        if (strcmp(name, vor_parameter_info(parameter)->name) == 0 ||
+            strcmp(name, vor_reference_option(option, parameter)) == 0)
             break;
     }
     return (enum vor_parameter)i;
@@ -57,10 +42,10 @@ static void add_parameters(struct vor_menu *menu, const struct vor_process_info 
 
         if (!vor_process_takes(process, (enum vor_parameter)i))
             continue;
-        add_long(menu, info->name, argument, VOR_LONG_PARAMETER + i);
-        write_kebab(menu->kebabs[i], info->name);
-        if (strcmp(menu->kebabs[i], info->name) != 0)
-            add_long(menu, menu->kebabs[i], argument, VOR_LONG_PARAMETER + i);
+        add_long(menu, vor_reference_option(menu->parameters[i], (enum vor_parameter)i), argument,
+                 VOR_LONG_PARAMETER + i);
+        if (strcmp(menu->parameters[i], info->name) != 0)
+            add_long(menu, info->name, argument, VOR_LONG_PARAMETER + i);
     }
     if (vor_process_takes(process, VOR_PARAM_POINTS))
         add_letter(menu, POINTS_LETTER, 1);

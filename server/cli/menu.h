@@ -2,6 +2,7 @@
 #ifndef VOR_CLI_MENU_H
 #define VOR_CLI_MENU_H
 
+#include "server/base/reference.h"
 #include "server/cli/command.h"
 
 #include <getopt.h>
@@ -15,15 +16,12 @@ enum {
     VOR_LONGS_MAX = VOR_OPTION_COUNT + VOR_INPUTS_MAX + 2 * VOR_PARAMETER_COUNT
 };
 
-/** Bytes of a parameter's name with dashes, with the NUL. */
-#define VOR_KEBAB_SIZE 32
-
-/** A parameter whose name has capitals has two rows, one behind the other: "maxAspect",
- *  "max-aspect". */
+/** A parameter whose name has capitals has two rows, one behind the other: "max-aspect",
+ *  "maxAspect". */
 struct vor_menu {
     struct option longs[VOR_LONGS_MAX + 1]; /**< the last one is zero */
     int count;
-    char kebabs[VOR_PARAMETER_COUNT][VOR_KEBAB_SIZE];
+    char parameters[VOR_PARAMETER_COUNT][VOR_REFERENCE_NAME_SIZE];
     char letters[2 * VOR_OPTION_COUNT + 8];
 };
 

@@ -32,6 +32,7 @@ for my $command (qw(resample denoise upsample simplify measure inspect convert m
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
+    unlike $help, qr/^.{101}|^ +--\w*[A-Z]/m, 'no line is long, and no option has capitals';
     my (undef, $same) = run(['help', $command]);
     is $same, $help, "voronoid help $command is the same";
     like $help, qr/^  +$_  \S/m, "it has the exit code $_" for 0 .. 5, 130;
@@ -87,6 +88,8 @@ refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; did y
 refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
 refused 'an unknown option', ['resample', $in, @points, '-fo', $out, '--pionts', 3], 2,
     'resample: no option --pionts; did you mean --points?';
+refused 'an option that is nearly one of two words', ['mesh', '--max-aspct', 3], 2,
+    'mesh: no option --max-aspct; did you mean --max-aspect?';
 refused 'an unknown option with a value', ['resample', '--nope=1'], 2,
     'resample: no option --nope; see voronoid resample --help';
 refused 'an unknown letter', ['resample', '-x'], 2,
