@@ -19,6 +19,7 @@ enum {
     BLOCK = 16, /* places of one task */
     STEPS = 6,  /* numbers of the ladder */
     FIRST = 2,  /* steps that decide whether the others are tried; 1 and 3 change no figure */
+    EXACT = 10, /* neighbours that tell a thin part from a noisy one */
     MOST = 150, /* the largest number; the paper's for noise (Xiao 2024, Fig. 13) */
     /* A step is tried if the domain has so many times its points: a fit to more than an eighth of
      * the input shows no detail. At 4 / 8 / 16 no figure moves. */
@@ -59,6 +60,11 @@ enum {
 /* At 0.35 / 0.7 / 1: noise 15.4 / 15.5 / 15.1, half 13.8 / 13.5 / 13.3. */
 #define WORTH_MORE 0.7
 
+/* Share of the variance about a thick fit that the nearest EXACT points have about theirs, below
+ * which that is no noise, but another sheet or an edge: of noise one in 300 has less. The steps of
+ * a lattice are flat, too, but not thick. */
+#define NO_NOISE 0.04
+
 /* The numbers that are tried, each about half as large again as the one before. */
 static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, MOST};
 
@@ -67,7 +73,8 @@ struct survey {
     const struct vor_domain *domain;
     unsigned steps, most;            /* steps of the ladder that are tried; the last one's number */
     double residual[STEPS][PLACES];  /* variance about the surface */
-    double thickness[STEPS][PLACES]; /* its root over the reach */
+    double noise[STEPS][PLACES];     /* the part of it that noise explains */
+    double thickness[STEPS][PLACES]; /* the root of that over the reach */
 };
 
 /* Index of the point of a place: places are at equal steps along the order. */
@@ -76,34 +83,48 @@ static size_t place_at(const struct vor_domain *domain, size_t place)
     return (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
 }
 
+/* The variance of k points about a surface fitted to those of them that lie on one sheet. */
+static double variance_of(struct vor_surface *surface, const struct vor_domain *domain,
+                          const float *near, const double x[3], unsigned k)
+{
+    float own[3 * MOST];
+    double sum = 0;
+
+    memcpy(own, near, 3 * k * sizeof *own);
+    (void)vor_sheets_fit(surface, own, domain, x, k);
+    for (unsigned j = 0; surface->kind != VOR_SURFACE_NONE && j < k; j++) {
+        double y[3] = {(double)own[3 * j], (double)own[3 * j + 1], (double)own[3 * j + 2]};
+        double local[3], off;
+
+        vor_surface_to_local(surface, y, local);
+        off = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
+        sum += off * off;
+    }
+    return sum / (k - 6);
+}
+
 static void fit_place(struct survey *survey, size_t place)
 {
     const struct vor_domain *domain = survey->domain;
-    const float *x = &domain->xyz[3 * place_at(domain, place)];
-    float near[3 * MOST] = {0}, own[3 * MOST], distance2[MOST];
+    const float *from = &domain->xyz[3 * place_at(domain, place)];
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, least;
+    float near[3 * MOST] = {0}, distance2[MOST];
     uint32_t index[MOST];
+    struct vor_surface surface;
 
-    vor_knn_search(domain->knn, x, 1, survey->most, index, distance2);
+    vor_knn_search(domain->knn, from, 1, survey->most, index, distance2);
     for (unsigned j = 0; j < survey->most; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    least = variance_of(&surface, domain, near, x, EXACT);
     for (unsigned s = 0; s < survey->steps; s++) {
-        struct vor_surface surface;
-        double sum = 0;
+        double residual = variance_of(&surface, domain, near, x, ladder[s]);
+        double thick = THICK * surface.reach;
+        int is_thin = residual > thick * thick && least < NO_NOISE * residual;
 
-        memcpy(own, near, 3 * ladder[s] * sizeof *own);
-        (void)vor_sheets_fit(&surface, own, domain,
-                             (double[3]){(double)x[0], (double)x[1], (double)x[2]}, ladder[s]);
-        for (unsigned j = 0; surface.kind != VOR_SURFACE_NONE && j < ladder[s]; j++) {
-            double y[3] = {(double)own[3 * j], (double)own[3 * j + 1], (double)own[3 * j + 2]};
-            double local[3], off;
-
-            vor_surface_to_local(&surface, y, local);
-            off = local[2] - vor_surface_height(&surface, local[0], local[1], NULL);
-            sum += off * off;
-        }
-        survey->residual[s][place] = sum / (ladder[s] - 6);
+        survey->residual[s][place] = residual;
+        survey->noise[s][place] = is_thin ? least : residual;
         survey->thickness[s][place] =
-            surface.reach > 0 ? sqrt(survey->residual[s][place]) / surface.reach : 0;
+            surface.reach > 0 ? sqrt(survey->noise[s][place]) / surface.reach : 0;
     }
 }
 
@@ -131,13 +152,18 @@ static double thickness_of(const struct survey *survey, const struct pool *pool,
     return thickness[(size_t)(share * (double)pool->count)];
 }
 
-static double residual_of(const struct survey *survey, const struct pool *pool, unsigned step)
+static double mean_of(const double values[PLACES], const struct pool *pool)
 {
     double sum = 0;
 
     for (size_t i = 0; i < pool->count; i++)
-        sum += survey->residual[step][pool->place[i]];
+        sum += values[pool->place[i]];
     return sum / (double)pool->count;
+}
+
+static double residual_of(const struct survey *survey, const struct pool *pool, unsigned step)
+{
+    return mean_of(survey->residual[step], pool);
 }
 
 /* The first step at which neighbourhoods are wide enough to show a surface. */
@@ -169,7 +195,7 @@ static double error_of(double residual, unsigned step, double noise)
 /* The step with the least error, from `from` on. */
 static unsigned best_step(const struct survey *survey, const struct pool *pool, unsigned from)
 {
-    double noise = residual_of(survey, pool, from), least = INFINITY;
+    double noise = mean_of(survey->noise[from], pool), least = INFINITY;
     unsigned best = from;
 
     for (unsigned s = from; s < survey->steps; s++) {
@@ -188,7 +214,7 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
 static int worth_it(const struct survey *survey, const struct pool *pool, unsigned from, unsigned s,
                     unsigned usual)
 {
-    double noise = residual_of(survey, pool, from), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
+    double noise = mean_of(survey->noise[from], pool), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
     unsigned agree = 0;
 
     if (error_of(residual_of(survey, pool, s), s, noise) >
@@ -197,7 +223,7 @@ static int worth_it(const struct survey *survey, const struct pool *pool, unsign
     for (size_t i = 0; i < pool->count; i++) {
         size_t place = pool->place[i];
 
-        noise = survey->residual[from][place];
+        noise = survey->noise[from][place];
         agree += error_of(survey->residual[s][place], s, noise) <
                  error_of(survey->residual[usual][place], usual, noise);
     }

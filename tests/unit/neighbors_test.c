@@ -99,10 +99,48 @@ START_TEST(a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number)
 }
 END_TEST
 
+/* A disc of radius 1, two spacings thick, its rim round. */
+static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n)
+{
+    double gap = 2 * sqrt(2 * M_PI / (double)n);
+
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double turn = 2 * M_PI * vt_unit(seed, 3 * i), share = vt_unit(seed, 3 * i + 1);
+        int rim = vt_unit(seed, 3 * i + 2) < M_PI * gap / (2 + M_PI * gap); /* by area */
+        double up = M_PI * (rim ? share - 0.5 : i % 2 ? 0.5 : -0.5);
+        double r = rim ? 1 + gap / 2 * cos(up) : sqrt(share);
+
+        cloud->xyz[3 * i] = (float)(r * cos(turn));
+        cloud->xyz[3 * i + 1] = (float)(r * sin(turn));
+        cloud->xyz[3 * i + 2] = (float)(gap / 2 * sin(up));
+    }
+}
+
+START_TEST(a_thin_plate_is_not_noisy)
+{
+    struct vt_engine engine;
+    struct vor_report report;
+    struct vor_cloud cloud, out;
+
+    make_plate(&cloud, (uint64_t)_i, 4000);
+    vt_engine_open(&engine, 2);
+    vt_engine_set(&engine, "points", "400");
+    vt_engine_set(&engine, "polish", "0");
+    vt_engine_resample(&engine, &out, &report, &cloud);
+    ck_assert_msg(neighbors(&report) == 20, "%g neighbors", neighbors(&report));
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("neighbors");
 
+    vt_add_loop(suite, a_thin_plate_is_not_noisy, VT_SOAK_LOOPS(1, SEEDS));
     vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
