@@ -24,6 +24,7 @@ static int help(const char *command)
         vor_config_help(stdout);
         fputs("\nExit codes:\n", stdout);
         vor_help_exit_codes(stdout, 1);
+        vor_cli_examples(stdout, command);
     } else {
         int code = vor_cli_topic(stdout, command);
 
@@ -45,7 +46,7 @@ int main(int argc, char **argv)
     const char *word = argc > 1 ? argv[1] : NULL;
 
     if (word == NULL) {
-        vor_cli_say(NULL, "no command; see voronoid --help");
+        vor_help_brief(stderr);
         return VOR_EXIT_USAGE;
     }
     if (is(word, "--help", "-h") || strcmp(word, "help") == 0)

@@ -144,8 +144,24 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     }
     fputc('\n', out);
     vor_markup_wrap_string(out, VOR_HELP_WORDS, 0);
-    fputs("\nvoronoid help examples has examples.\n\nExit codes:\n", out);
+    fputs("\nExit codes:\n", out);
     vor_help_exit_codes(out, 0);
+    vor_cli_examples(out, command->name);
+}
+
+void vor_help_brief(FILE *out)
+{
+    fputs("voronoid resamples 3D point clouds (PLY, Draco): as many points as you ask for, spread\n"
+          "evenly over the surface. To begin with:\n\n"
+          "  voronoid resample cloud.ply -n 10k -o even.ply\n"
+          "      spreads 10,000 points evenly\n"
+          "  voronoid inspect cloud.ply\n"
+          "      describes a cloud: spacing, noise, holes, edges\n"
+          "  voronoid serve\n"
+          "      runs the daemon; its page is http://127.0.0.1:8080\n\n"
+          "voronoid help lists commands and topics. voronoid help choosing says which command\n"
+          "is for what.\n",
+          out);
 }
 
 void vor_help_begin(FILE *out)

@@ -16,6 +16,9 @@
 /** How a command is called, its options, and the parameters of its process by groups. */
 void vor_help_command(FILE *out, const struct vor_command *command);
 
+/** What voronoid is and how to begin, for who typed nothing else. */
+void vor_help_brief(FILE *out);
+
 /** The beginning and the end of the list of commands, and a line of it. */
 void vor_help_begin(FILE *out);
 void vor_help_line(FILE *out, const char *name, const char *title);

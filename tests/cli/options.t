@@ -28,14 +28,15 @@ is "$code$errors", '0', 'voronoid --help ends well';
 like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert mesh submit jobs wait fetch cancel health);
 like $help, qr/^  +$_  \S/m, "and the exit code $_" for 0 .. 5, 75, 130;
 
-for my $command (qw(resample denoise upsample simplify measure inspect convert mesh submit jobs wait fetch cancel health)) {
+for my $command (qw(resample denoise upsample simplify measure inspect convert mesh submit jobs wait fetch cancel stop health key serve)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";
     unlike $help, qr/^.{101}|^ +--\w*[A-Z]/m, 'no line is long, and no option has capitals';
     my (undef, $same) = run(['help', $command]);
     is $same, $help, "voronoid help $command is the same";
-    like $help, qr/^  +$_  \S/m, "it has the exit code $_" for 0 .. 5, 130;
+    like $help, qr/^  +$_  \S/m, "it has the exit code $_" for $command eq 'serve' ? (0 .. 2, 75) : (0 .. 5, 130);
+    like $help, qr/^Examples:\n(?:  \S.*\n)*  .*\bvoronoid \Q$command\E\b.*\n(?:  \S.*\n)*\z/m, 'and ends with examples';
 }
 my %options;
 for my $command (qw(denoise upsample simplify resample)) {
@@ -83,7 +84,10 @@ my ($version) = slurp("$FindBin::Bin/../../Makefile") =~ /^VERSION := (\S+)$/m;
 is $help, "voronoid $version\n", 'the version is one line, that of the Makefile';
 is((run(['version']))[1], $help, 'voronoid version is the same');
 
-refused 'no command', [], 2, 'no command; see voronoid --help';
+($code, my $stdout, $errors) = run([]);
+is "$code|$stdout", '2|', 'no command is an error';
+like $errors, qr/\A(?:.{1,90}\n|\n){8,15}\z/, 'answered with how to begin';
+is scalar(() = $errors =~ /^  voronoid (?:resample|inspect|serve)\b/mg), 3, 'by three commands';
 refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; did you mean resample?';
 refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
 refused 'an unknown option', ['resample', $in, @points, '-fo', $out, '--pionts', 3], 2,
