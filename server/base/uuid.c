@@ -41,13 +41,20 @@ vor_status vor_uuid_make(struct vor_uuid *out, struct vor_error *err)
     return VOR_OK;
 }
 
-int vor_uuid_parse(struct vor_uuid *out, const char *text, size_t length)
+int vor_uuid_begins(const char *text, size_t length)
 {
-    if (length != sizeof out->text - 1)
+    if (length == 0 || length >= sizeof((struct vor_uuid *)NULL)->text)
         return 0;
     for (size_t i = 0; i < length; i++)
         if (is_dash(i) ? text[i] != '-' : text[i] == '\0' || strchr(digits, text[i]) == NULL)
             return 0;
+    return 1;
+}
+
+int vor_uuid_parse(struct vor_uuid *out, const char *text, size_t length)
+{
+    if (length != sizeof out->text - 1 || !vor_uuid_begins(text, length))
+        return 0;
     memcpy(out->text, text, length);
     out->text[length] = '\0';
     return 1;

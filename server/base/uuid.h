@@ -20,4 +20,7 @@ VOR_NODISCARD vor_status vor_uuid_make(struct vor_uuid *out, struct vor_error *e
 /** Reads exactly the form above (36 characters, lower case); false when text is anything else. */
 int vor_uuid_parse(struct vor_uuid *out, const char *text, size_t length);
 
+/** True for 1 to 36 characters that such a form may begin with. */
+int vor_uuid_begins(const char *text, size_t length);
+
 #endif

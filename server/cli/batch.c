@@ -48,20 +48,21 @@ static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index
 
 struct operands {
     const struct vor_cli *cli;
-    int (*one)(const struct vor_cli *cli, const char *operand);
+    int (*one)(const struct vor_cli *cli, const char *operand, void *ctx);
+    void *ctx;
 };
 
 static int call_one(const void *ctx, int index)
 {
     const struct operands *operands = ctx;
 
-    return operands->one(operands->cli, operands->cli->operands[index]);
+    return operands->one(operands->cli, operands->cli->operands[index], operands->ctx);
 }
 
 int vor_cli_each(const struct vor_cli *cli,
-                 int (*one)(const struct vor_cli *cli, const char *operand))
+                 int (*one)(const struct vor_cli *cli, const char *operand, void *ctx), void *ctx)
 {
-    const struct operands operands = {cli, one};
+    const struct operands operands = {cli, one, ctx};
 
     return each(cli, call_one, &operands);
 }

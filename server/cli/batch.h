@@ -8,7 +8,7 @@
  *
  *  @return the first exit code that is not VOR_EXIT_OK; else that */
 int vor_cli_each(const struct vor_cli *cli,
-                 int (*one)(const struct vor_cli *cli, const char *operand));
+                 int (*one)(const struct vor_cli *cli, const char *operand, void *ctx), void *ctx);
 
 /** Runs a process on each input and puts the results into the folder of -o, which is made if it is
  *  not there. A result has the name of its input; with the parameter format, or for a document,

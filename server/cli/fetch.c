@@ -4,7 +4,7 @@
 #include "proto/codec.h"
 #include "server/cli/batch.h"
 #include "server/cli/files.h"
-#include "server/cli/follow.h"
+#include "server/cli/job_list.h"
 #include "server/cli/overwrite.h"
 #include "server/cli/say.h"
 
@@ -185,12 +185,14 @@ static int fetch_results(struct vor_follow *follow)
     return code;
 }
 
-static int fetch_one(const struct vor_cli *cli, const char *id)
+static int fetch_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
     struct vor_follow follow;
     int code = vor_follow_open(&follow, cli, id);
 
-    vor_follow_job(&follow, id);
+    (void)ctx;
+    if (code == VOR_EXIT_OK)
+        code = vor_job_choose(&follow, id);
     if (code == VOR_EXIT_OK)
         code = fetch_results(&follow);
     vor_follow_close(&follow);
@@ -205,6 +207,6 @@ int vor_cli_fetch(const struct vor_cli *cli)
 
     if (vor_cli_into_folder(cli) && vor_folder_make(into, &err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &err);
-    code = vor_cli_each(cli, fetch_one);
+    code = vor_cli_each(cli, fetch_one, NULL);
     return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
 }

@@ -45,13 +45,6 @@ void vor_follow_close(struct vor_follow *follow)
     follow->remote = NULL;
 }
 
-void vor_follow_job(struct vor_follow *follow, const char *id)
-{
-    /* vor_cli_server leaves room for the path. */
-    (void)snprintf(follow->job, sizeof follow->job, "%.*s/v1/jobs/%.64s", VOR_REMOTE_URL_MAX - 128,
-                   follow->server, id);
-}
-
 int vor_follow_is_over(const struct vor_follow *follow)
 {
     return strcmp(follow->status, "successful") == 0 || strcmp(follow->status, "failed") == 0 ||

@@ -4,6 +4,7 @@
 #define VOR_CLI_FOLLOW_H
 
 #include "proto/sse.h"
+#include "server/base/uuid.h"
 #include "server/cli/options.h"
 #include "server/cli/progress.h"
 #include "server/cli/remote.h"
@@ -16,6 +17,7 @@
 struct vor_follow {
     const struct vor_cli *cli;
     const char *subject;   /**< what messages are about: the input of the job, or its ID */
+    struct vor_uuid id;    /**< of the job, where the command names it */
     const char *on_signal; /**< what is said when a signal ends it */
     struct vor_remote *remote;
     struct vor_progress progress;
@@ -30,9 +32,6 @@ struct vor_follow {
 /** Begins; cli and subject are borrowed. End with vor_follow_close, also after a failure. */
 int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const char *subject);
 void vor_follow_close(struct vor_follow *follow);
-
-/** Sets the URL of the job with that ID. */
-void vor_follow_job(struct vor_follow *follow, const char *id);
 
 /** Says that a call got no answer, and err; or that a signal came. */
 int vor_follow_no_answer(struct vor_follow *follow);

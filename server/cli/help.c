@@ -133,7 +133,9 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     char sentence[SENTENCE_SIZE];
 
     (void)snprintf(sentence, sizeof sentence, "%s.%s", command->sentence,
-                   process != NULL ? " The file - is stdin or stdout." : "");
+                   process != NULL                           ? " The file - is stdin or stdout."
+                   : (command->does & VOR_COMMAND_JOBS) != 0 ? " " VOR_HELP_JOBS
+                                                             : "");
     fprintf(out, "usage: voronoid %s%s [OPTION]...\n", command->name, command->operands);
     vor_markup_wrap_string(out, sentence, 0);
     fputs("\nOptions:\n", out);

@@ -3,7 +3,7 @@
 #include "core/base/quote.h"
 #include "server/base/clock.h"
 #include "server/cli/batch.h"
-#include "server/cli/follow.h"
+#include "server/cli/job_list.h"
 #include "server/cli/say.h"
 
 #include <stdio.h>
@@ -14,8 +14,6 @@
 enum {
     LIMIT_DEFAULT = 20,
     LIMIT_MAX = 10000,
-    PAGE_JOBS = 100,   /* of one request: a job has up to 4 KiB, an answer VOR_JSON_SIZE_MAX */
-    CURSOR_SIZE = 24,  /* digits of a sequence number, and a NUL */
     STATUSES_MAX = 100 /* bytes of all five with commas between */
 };
 
@@ -66,11 +64,13 @@ static const char *word_at(const struct vor_json *job, const char *name, char ou
 static void print_head(const struct vor_cli *cli)
 {
     if (cli->option[VOR_OPTION_JSON] == NULL && cli->option[VOR_OPTION_QUIET] == NULL)
-        printf("%-36s  %-10s %-10s  %8s  %s\n", "JOB", "PROCESS", "STATUS", "PROGRESS", "AGE");
+        printf("%-36s  %-10s %-10s  %8s  %-7s  %s\n", "JOB", "PROCESS", "STATUS", "PROGRESS", "AGE",
+               "NAME");
 }
 
 static void print_row(const struct vor_cli *cli, const struct vor_json *job)
 {
+    const char *name = vor_follow_text(vor_json_get(job, "voronoid"), "name");
     char id[64], process[64], status[64], age[32];
     double progress = 0;
 
@@ -80,87 +80,65 @@ static void print_row(const struct vor_cli *cli, const struct vor_json *job)
         printf("%s\n", word_at(job, "jobID", id));
     } else {
         (void)vor_json_get_number(vor_json_get(job, "progress"), &progress);
-        printf("%-36s  %-10s %-10s  %6.0f %%  %s\n", word_at(job, "jobID", id),
-               word_at(job, "processID", process), word_at(job, "status", status), progress,
-               age_of(vor_follow_text(job, "created"), age));
+        printf("%-36s  %-10s %-10s  %6.0f %%  ", word_at(job, "jobID", id),
+               word_at(job, "processID", process), word_at(job, "status", status), progress);
+        printf(name[0] != '\0' ? "%-7s  " : "%s", age_of(vor_follow_text(job, "created"), age));
+        vor_cli_put(stdout, name);
+        fputc('\n', stdout);
     }
 }
 
-/* The number behind "cursor=" in the link to the next page; "" where there is none. */
-static void find_cursor(const struct vor_json *list, char out[CURSOR_SIZE])
+/* The lines of a list; the head comes before the first, or stands alone. */
+struct rows {
+    const struct vor_cli *cli;
+    int has_head;
+};
+
+static void visit_row(void *ctx, const struct vor_json *job)
 {
-    const struct vor_json *links = vor_json_get(list, "links");
+    struct rows *rows = ctx;
 
-    out[0] = '\0';
-    for (const struct vor_json *l = vor_json_first(links); l != NULL; l = vor_json_next(l)) {
-        const char *at = strstr(vor_follow_text(l, "href"), "cursor=");
-
-        if (at == NULL || strcmp(vor_follow_text(l, "rel"), "next") != 0)
-            continue;
-        at += strlen("cursor=");
-        (void)snprintf(out, CURSOR_SIZE, "%.*s", (int)strspn(at, "0123456789"), at);
-    }
-}
-
-/* Asks for a page and prints it; *left and cursor become those of the next one. */
-static int list_page(struct vor_follow *follow, unsigned *left, char cursor[CURSOR_SIZE])
-{
-    const char *statuses = follow->cli->option[VOR_OPTION_STATUS];
-    char url[VOR_REMOTE_URL_MAX + STATUSES_MAX + 64];
-    const struct vor_json *jobs;
-    struct vor_json *list;
-    int code;
-
-    (void)snprintf(url, sizeof url, "%s/v1/jobs?limit=%u%s%s%s%s", follow->server,
-                   *left < PAGE_JOBS ? *left : PAGE_JOBS, statuses != NULL ? "&status=" : "",
-                   statuses != NULL ? statuses : "", cursor[0] != '\0' ? "&cursor=" : "", cursor);
-    code = vor_follow_call(follow, "GET", url, &list);
-    if (code == VOR_EXIT_OK && cursor[0] == '\0')
-        print_head(follow->cli);
-    jobs = vor_json_get(list, "jobs");
-    for (const struct vor_json *j = vor_json_first(jobs); j != NULL && *left > 0;
-         j = vor_json_next(j), --*left)
-        print_row(follow->cli, j);
-    find_cursor(list, cursor);
-    vor_json_free(list);
-    return code;
+    if (!rows->has_head)
+        print_head(rows->cli);
+    rows->has_head = 1;
+    print_row(rows->cli, job);
 }
 
 static int list_all(const struct vor_cli *cli, unsigned limit)
 {
+    struct rows rows = {cli, 0};
     struct vor_follow follow;
-    char cursor[CURSOR_SIZE] = "";
     int code = vor_follow_open(&follow, cli, cli->command->name);
 
-    while (code == VOR_EXIT_OK) {
-        code = list_page(&follow, &limit, cursor);
-        if (limit == 0 || cursor[0] == '\0')
-            break;
-    }
+    if (code == VOR_EXIT_OK)
+        code = vor_job_list(&follow, cli->option[VOR_OPTION_STATUS], limit, visit_row, &rows);
+    if (code == VOR_EXIT_OK && !rows.has_head)
+        print_head(cli);
     vor_follow_close(&follow);
     return code;
 }
 
-/* Begins to follow the job with that ID, and asks how it is doing; *job as vor_follow_ask has it.
- * End with vor_follow_close, also after a failure. */
+/* Begins to follow a job, and asks how it is doing; *job as vor_follow_ask has it. End with
+ * vor_follow_close, also after a failure. */
 static int ask_about(struct vor_follow *follow, const struct vor_cli *cli, const char *id,
                      struct vor_json **job)
 {
     int code = vor_follow_open(follow, cli, id);
 
     *job = NULL;
-    vor_follow_job(follow, id);
+    if (code == VOR_EXIT_OK)
+        code = vor_job_choose(follow, id);
     return code == VOR_EXIT_OK ? vor_follow_ask(follow, job) : code;
 }
 
-static int show_one(const struct vor_cli *cli, const char *id)
+static int show_one(const struct vor_cli *cli, const char *id, void *rows)
 {
     struct vor_follow follow;
     struct vor_json *job;
     int code = ask_about(&follow, cli, id, &job);
 
     if (code == VOR_EXIT_OK)
-        print_row(cli, job);
+        visit_row(rows, job);
     vor_json_free(job);
     vor_follow_close(&follow);
     return code;
@@ -193,18 +171,14 @@ static vor_status read_list_options(const struct vor_cli *cli, unsigned *limit,
 
 int vor_cli_jobs(const struct vor_cli *cli)
 {
+    struct rows rows = {cli, 0};
     struct vor_error err;
     unsigned limit;
     int code;
 
     if (read_list_options(cli, &limit, &err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &err);
-    if (cli->operand_count > 0) {
-        print_head(cli);
-        code = vor_cli_each(cli, show_one);
-    } else {
-        code = list_all(cli, limit);
-    }
+    code = cli->operand_count > 0 ? vor_cli_each(cli, show_one, &rows) : list_all(cli, limit);
     if (fflush(stdout) != 0 && code == VOR_EXIT_OK)
         code = VOR_EXIT_FAILED;
     return code;
@@ -230,15 +204,17 @@ static int wait_to_end(struct vor_follow *follow, struct vor_spec *spec)
     return code == VOR_EXIT_OK && process != NULL ? vor_follow_report(follow) : code;
 }
 
-static int wait_one(const struct vor_cli *cli, const char *id)
+static int wait_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
     struct vor_cli one = *cli;
     struct vor_follow follow;
     int code = vor_follow_open(&follow, &one, id);
 
-    vor_follow_job(&follow, id);
-    follow.progress.name = id;
+    (void)ctx;
     follow.on_signal = "no longer waiting; the job continues";
+    if (code == VOR_EXIT_OK)
+        code = vor_job_choose(&follow, id);
+    follow.progress.name = follow.subject;
     if (code == VOR_EXIT_OK)
         code = wait_to_end(&follow, &one.spec);
     vor_follow_close(&follow);
@@ -247,7 +223,7 @@ static int wait_one(const struct vor_cli *cli, const char *id)
 
 int vor_cli_wait(const struct vor_cli *cli)
 {
-    return vor_cli_each(cli, wait_one);
+    return vor_cli_each(cli, wait_one, NULL);
 }
 
 /* Ends a job that was not over when it was asked. */
@@ -266,8 +242,9 @@ static int end_job(struct vor_follow *follow, const char *method, const char *ur
 }
 
 /* The daemon removes a job that ends before its DELETE arrives, as it does for anybody. */
-static int end_one(const struct vor_cli *cli, const char *id, int keeps_best)
+static int end_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
+    const int *keeps_best = ctx;
     char url[VOR_REMOTE_URL_MAX + 16];
     struct vor_follow follow;
     struct vor_json *job;
@@ -278,11 +255,11 @@ static int end_one(const struct vor_cli *cli, const char *id, int keeps_best)
         char line[64];
 
         (void)snprintf(line, sizeof line, "over already: %s", follow.status);
-        vor_cli_say(id, line);
+        vor_cli_say(follow.subject, line);
         code = VOR_EXIT_FAILED;
     } else if (code == VOR_EXIT_OK) {
         (void)snprintf(url, sizeof url, "%s/stop", follow.job);
-        code = keeps_best
+        code = *keeps_best
                    ? end_job(&follow, "POST", url, "stopping, the best so far becomes its result")
                    : end_job(&follow, "DELETE", follow.job, "dismissed");
     }
@@ -290,30 +267,19 @@ static int end_one(const struct vor_cli *cli, const char *id, int keeps_best)
     return code;
 }
 
-static int cancel_one(const struct vor_cli *cli, const char *id)
+static int end_each(const struct vor_cli *cli, int keeps_best)
 {
-    return end_one(cli, id, 0);
-}
-
-static int stop_one(const struct vor_cli *cli, const char *id)
-{
-    return end_one(cli, id, 1);
-}
-
-static int end_each(const struct vor_cli *cli,
-                    int (*one)(const struct vor_cli *cli, const char *id))
-{
-    int code = vor_cli_each(cli, one);
+    int code = vor_cli_each(cli, end_one, &keeps_best);
 
     return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
 }
 
 int vor_cli_cancel(const struct vor_cli *cli)
 {
-    return end_each(cli, cancel_one);
+    return end_each(cli, 0);
 }
 
 int vor_cli_stop(const struct vor_cli *cli)
 {
-    return end_each(cli, stop_one);
+    return end_each(cli, 1);
 }

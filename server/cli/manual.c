@@ -264,7 +264,7 @@ static int print_commands_page(FILE *out)
                "voronoid takes point clouds (PLY or Draco), fits a surface to them and spreads "
                "the requested number of points evenly over it. A command does that here or, with "
                "--server, on a daemon; other commands manage the daemon's jobs. The file - is "
-               "stdin or stdout.");
+               "stdin or stdout. " VOR_HELP_JOBS);
     print_commands(out);
     print_options(out);
     print_inputs(out);

@@ -445,18 +445,17 @@ static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
 static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
 {
     char quoted[SHOWN_SIZE];
-    struct vor_uuid id;
 
     if (cli->operand_count < cli->command->least)
         return vor_fail(err, VOR_E_PARAM, "no job: give its ID; see voronoid jobs");
     for (int i = 0; i < cli->operand_count; i++) {
         const char *text = cli->operands[i];
 
-        if (!vor_uuid_parse(&id, text, strlen(text)))
-            return vor_fail(
-                err, VOR_E_PARAM,
-                "%s is not a job, want an ID such as 0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
-                vor_quote(quoted, sizeof quoted, text, strlen(text)));
+        if (!vor_uuid_begins(text, strlen(text)))
+            return vor_fail(err, VOR_E_PARAM,
+                            "\"%s\" is not a job, want an ID such as "
+                            "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11 or its beginning",
+                            vor_quote(quoted, sizeof quoted, text, strlen(text)));
     }
     return VOR_OK;
 }

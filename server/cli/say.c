@@ -15,11 +15,11 @@ size_t vor_cli_control(const char *text)
     return (c > 0 && c < 0x20) || c == 0x7f;
 }
 
-static void print_line(const char *text)
+void vor_cli_put(FILE *out, const char *text)
 {
     for (size_t size; *text != '\0'; text += size > 0 ? size : 1) {
         size = vor_cli_control(text);
-        fputc(size > 0 ? '?' : *text, stderr);
+        fputc(size > 0 ? '?' : *text, out);
     }
 }
 
@@ -27,10 +27,10 @@ void vor_cli_ask(const char *subject, const char *question)
 {
     fputs("voronoid: ", stderr);
     if (subject != NULL) {
-        print_line(subject);
+        vor_cli_put(stderr, subject);
         fputs(": ", stderr);
     }
-    print_line(question);
+    vor_cli_put(stderr, question);
 }
 
 void vor_cli_say(const char *subject, const char *message)

@@ -5,6 +5,7 @@
 #include "core/base/status.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 /** Exit codes: identifier, number, what it means for a command, what it means for serve ("": it
  * does not end like that). --help and the manual print this table. */
@@ -27,6 +28,9 @@ enum {
 /** Bytes of the control character that a text begins with, which would break a line or a terminal;
  *  0 for any other: ASCII's, and those of U+0080 to U+009F in UTF-8. */
 size_t vor_cli_control(const char *text);
+
+/** Prints a text without its control characters, each of which becomes a ?. */
+void vor_cli_put(FILE *out, const char *text);
 
 /** Prints "voronoid: subject: message" on stderr, in one line whatever they hold; subject may be
  *  NULL. */

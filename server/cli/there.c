@@ -296,13 +296,14 @@ static void print_job(const struct vor_cli *cli, const struct vor_json *info)
     vor_text_free(&text);
 }
 
-static int submit_one(const struct vor_cli *cli, const char *input)
+static int submit_one(const struct vor_cli *cli, const char *input, void *ctx)
 {
     struct vor_cli one = *cli;
     struct vor_json *info = NULL;
     struct there t;
     int code;
 
+    (void)ctx;
     memset(&t, 0, sizeof t);
     one.input[0] = input;
     code = vor_follow_open(&t.follow, &one, input);
@@ -318,5 +319,5 @@ static int submit_one(const struct vor_cli *cli, const char *input)
 
 int vor_cli_submit(const struct vor_cli *cli)
 {
-    return vor_cli_each(cli, submit_one);
+    return vor_cli_each(cli, submit_one, NULL);
 }

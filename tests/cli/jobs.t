@@ -29,7 +29,7 @@ sub submitted {
     return $stdout;
 }
 
-my ($code, $stdout, $stderr) = run(['submit', 'resample', $in, @request, @there]);
+my ($code, $stdout, $stderr) = run(['submit', 'resample', $in, @request, '--name', 'first', @there]);
 is "$code|$stderr", '0|', 'submit: all is well';
 like $stdout, qr/\A$uuid\n\z/, 'the ID is all that is printed';
 chomp(my $done = $stdout);
@@ -115,9 +115,9 @@ subtest 'jobs' => sub {
     my ($code, $stdout, $stderr) = run(['jobs', @there]);
     is "$code|$stderr", '0|', 'all is well';
     my ($head, @rows) = split /\n/, $stdout;
-    like $head, qr/\AJOB +PROCESS +STATUS +PROGRESS +AGE\z/, 'a head';
+    like $head, qr/\AJOB +PROCESS +STATUS +PROGRESS +AGE +NAME\z/, 'a head';
     is scalar(@rows), scalar(@{ decode_json($http->get("$daemon->{url}/v1/jobs?limit=100")->{content})->{jobs} }), 'a line each';
-    like $rows[-1], qr/\A$done  resample +successful +100 %  \d+ (?:s|min)\z/, 'the oldest comes last';
+    like $rows[-1], qr/\A$done  resample +successful +100 %  \d+ (?:s|min) +first\z/, 'the oldest comes last';
     (undef, $stdout) = run(['jobs', '-q', '--limit', 2, @there]);
     is scalar(split /\n/, $stdout), 2, '--limit';
     unlike $stdout, qr/[^0-9a-f\n-]/, 'and IDs alone with -q';
@@ -128,13 +128,29 @@ subtest 'jobs' => sub {
     for my $case (
         [['--limit', 0], qr/limit is 0, want a whole number from 1 to 10000/], [['--limit', '2x'], qr/limit is 2x/],
         [['--status', 'lost'], qr/status|lost/], [['--status', 'a&b'], qr/status is "a&b", want some of accepted,/],
-        [['x'], qr/x is not a job, want an ID such as/], [['../jobs'], qr/is not a job/],
+        [['x'], qr/"x" is not a job, want an ID such as/], [['../jobs'], qr/is not a job/], [["$done-"], qr/is not a job/], [[''], qr/"" is not a job/],
     ) {
         my ($arguments, $why) = @$case;
         ($code, undef, $stderr) = run(['jobs', @$arguments, @there]);
         is $code, 2, "@$arguments: refused";
         like $stderr, $why, 'and why';
     }
+};
+
+subtest 'the beginning of an ID' => sub {
+    my @all = split /\n/, (run(['jobs', '-q', '--limit', 1000, @there]))[1];
+    my ($length) = grep { my $begin = substr $done, 0, $_; 1 == grep {/^$begin/} @all } 1 .. 36;
+    my ($only, $several) = map { substr $done, 0, $_ } $length, $length - 1;
+    my ($code, $stdout, $stderr) = run(['jobs', '-q', $only, @there]);
+    is "$code|$stdout|$stderr", "0|$done\n|", 'is enough where no other job has it';
+    ($code, undef, $stderr) = run(['cancel', $only, @there]);
+    is "$code|$stderr", "1|voronoid: $done: over already: successful\n", 'and messages have the whole';
+    ($code, undef, $stderr) = run(['stop', $several, @there]);
+    is $code, 2, 'one that several have is refused';
+    like $stderr, qr/\Avoronoid: $several: \d jobs begin like this: (?:$uuid, )*$done/, 'and they are named';
+    like +(run(['wait', 0, @there]))[2], qr/ @{[scalar @all]} jobs begin like this: $uuid(?:, $uuid){4} and @{[@all - 5]} more\n\z/, 'the first five';
+    ($code, undef, $stderr) = run(['fetch', 'ffff', '-fo', '-', @there]);
+    is "$code|$stderr", "1|voronoid: ffff: no such job; voronoid jobs lists those there are\n", 'and one of none';
 };
 
 subtest 'pages' => sub {

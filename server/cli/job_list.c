@@ -1,0 +1,123 @@
+#include "server/cli/job_list.h"
+
+#include "server/cli/say.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    PAGE_JOBS = 100,     /* of one request: a job has up to 4 KiB, an answer VOR_JSON_SIZE_MAX */
+    CURSOR_SIZE = 24,    /* digits of a sequence number, and a NUL */
+    STATUSES_MAX = 1024, /* bytes of a list of statuses in a URL */
+    SHOWN_MAX = 5        /* jobs that a word may stand for, in a message */
+};
+
+/* The number behind "cursor=" in the link to the next page; "" where there is none. */
+static void find_cursor(const struct vor_json *list, char out[CURSOR_SIZE])
+{
+    const struct vor_json *links = vor_json_get(list, "links");
+
+    out[0] = '\0';
+    for (const struct vor_json *l = vor_json_first(links); l != NULL; l = vor_json_next(l)) {
+        const char *at = strstr(vor_follow_text(l, "href"), "cursor=");
+
+        if (at == NULL || strcmp(vor_follow_text(l, "rel"), "next") != 0)
+            continue;
+        at += strlen("cursor=");
+        (void)snprintf(out, CURSOR_SIZE, "%.*s", (int)strspn(at, "0123456789"), at);
+    }
+}
+
+int vor_job_list(struct vor_follow *follow, const char *statuses, unsigned limit,
+                 void (*visit)(void *ctx, const struct vor_json *job), void *ctx)
+{
+    char url[VOR_REMOTE_URL_MAX + STATUSES_MAX + 64], cursor[CURSOR_SIZE] = "";
+    int code = VOR_EXIT_OK;
+
+    do {
+        const struct vor_json *jobs;
+        struct vor_json *list;
+
+        (void)snprintf(url, sizeof url, "%s/v1/jobs?limit=%u%s%.*s%s%s", follow->server,
+                       limit < PAGE_JOBS ? limit : PAGE_JOBS, statuses != NULL ? "&status=" : "",
+                       STATUSES_MAX, statuses != NULL ? statuses : "",
+                       cursor[0] != '\0' ? "&cursor=" : "", cursor);
+        code = vor_follow_call(follow, "GET", url, &list);
+        jobs = vor_json_get(list, "jobs");
+        for (const struct vor_json *j = vor_json_first(jobs); j != NULL && limit > 0;
+             j = vor_json_next(j), limit--)
+            visit(ctx, j);
+        find_cursor(list, cursor);
+        vor_json_free(list);
+    } while (code == VOR_EXIT_OK && limit > 0 && cursor[0] != '\0');
+    return code;
+}
+
+/* The jobs with an ID that begins with a word. */
+struct found {
+    const char *word;
+    struct vor_uuid id[SHOWN_MAX];
+    unsigned count;
+};
+
+static void match(void *ctx, const struct vor_json *job)
+{
+    const char *text = vor_follow_text(job, "jobID");
+    struct found *found = ctx;
+    struct vor_uuid id;
+
+    if (!vor_uuid_parse(&id, text, strlen(text)) ||
+        strncmp(text, found->word, strlen(found->word)) != 0)
+        return;
+    if (found->count < SHOWN_MAX)
+        found->id[found->count] = id;
+    found->count++;
+}
+
+static int refuse_several(const struct found *found)
+{
+    char line[SHOWN_MAX * sizeof found->id[0].text + 128];
+    unsigned shown = found->count < SHOWN_MAX ? found->count : SHOWN_MAX;
+    int at = snprintf(line, sizeof line, "%u jobs begin like this:", found->count);
+
+    for (unsigned i = 0; i < shown; i++)
+        at += snprintf(line + at, sizeof line - (size_t)at, "%s %s", i > 0 ? "," : "",
+                       found->id[i].text);
+    if (found->count > shown)
+        (void)snprintf(line + at, sizeof line - (size_t)at, " and %u more", found->count - shown);
+    vor_cli_say(found->word, line);
+    return VOR_EXIT_USAGE;
+}
+
+static int look_up(struct vor_follow *follow, const char *word)
+{
+    struct found found = {.word = word, .count = 0};
+    int code = vor_job_list(follow, NULL, UINT_MAX, match, &found);
+
+    if (code != VOR_EXIT_OK)
+        return code;
+    if (found.count > 1)
+        return refuse_several(&found);
+    if (found.count == 0) {
+        vor_cli_say(word, "no such job; voronoid jobs lists those there are");
+        return VOR_EXIT_FAILED;
+    }
+    follow->id = found.id[0];
+    return VOR_EXIT_OK;
+}
+
+int vor_job_choose(struct vor_follow *follow, const char *word)
+{
+    int code = VOR_EXIT_OK;
+
+    if (!vor_uuid_parse(&follow->id, word, strlen(word)))
+        code = look_up(follow, word);
+    if (code != VOR_EXIT_OK)
+        return code;
+    follow->subject = follow->id.text;
+    /* vor_cli_server leaves room for the path. */
+    (void)snprintf(follow->job, sizeof follow->job, "%.*s/v1/jobs/%s", VOR_REMOTE_URL_MAX - 128,
+                   follow->server, follow->id.text);
+    return VOR_EXIT_OK;
+}
