@@ -1,5 +1,7 @@
 #include "core/base/utf8.h"
 
+#include <string.h>
+
 size_t vor_utf8_length(const unsigned char *p, size_t left)
 {
     unsigned char low = 0x80, high = 0xbf; /* what the second byte may be */
@@ -24,6 +26,24 @@ size_t vor_utf8_length(const unsigned char *p, size_t left)
         if (p[i] < 0x80 || p[i] > 0xbf)
             return 0;
     return length;
+}
+
+long vor_utf8_count(const char *text)
+{
+    const unsigned char *at = (const unsigned char *)text;
+    size_t left = strlen(text);
+    long count = 0;
+
+    for (; left > 0; count++) {
+        size_t length = vor_utf8_length(at, left);
+        int is_c1 = length == 2 && at[0] == 0xc2 && at[1] < 0xa0;
+
+        if (length == 0 || at[0] < 0x20 || at[0] == 0x7f || is_c1)
+            return -1;
+        at += length;
+        left -= length;
+    }
+    return count;
 }
 
 int vor_utf8_is_plain(const char *text, size_t size)

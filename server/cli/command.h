@@ -26,8 +26,8 @@ enum {
       "File for the result; DIR/ is a folder, where each result gets its input's name; - is "      \
       "stdout, the default for a document")                                                        \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, as "    \
-      "JOB-RESULT.SUFFIX. Default: ./")                                                            \
+      "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, in "    \
+      "files such as bunny.resample.ply and bunny.report.json of the job bunny.ply. Default: ./")  \
     X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
@@ -50,7 +50,7 @@ enum {
       "Quotas of the key, separated by commas: jobs=N that wait or run (16), rate=N job requests " \
       "per second (10), bytes=N stored, points=N per input")                                       \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
-      "Name of the job in the daemon's lists, with --server")                                      \
+      "Name of the job in the daemon's lists, with --server. Default: name of the input's file")   \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
       "Use the values of one of the presets below; other options override them")                   \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \

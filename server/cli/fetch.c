@@ -2,6 +2,7 @@
 
 #include "core/base/quote.h"
 #include "proto/codec.h"
+#include "server/base/result_name.h"
 #include "server/cli/batch.h"
 #include "server/cli/files.h"
 #include "server/cli/job_list.h"
@@ -20,6 +21,13 @@ struct result {
     char path[PATH_MAX];
     struct vor_output output;
     uint64_t bytes;
+};
+
+/* Fetching of jobs, one after another. */
+struct fetch {
+    struct vor_follow follow;
+    const char *name, *process; /* of the job */
+    struct vor_text written;    /* the paths of all files so far, each with its NUL */
 };
 
 static int on_bytes(void *ctx, const void *bytes, size_t size)
@@ -49,16 +57,39 @@ static int is_plain(const char *name)
                length;
 }
 
-/* Where a result goes: the file that was named, or one of its own in the folder. */
-static int name_file(const struct vor_follow *follow, struct result *result)
+static int was_written(const struct fetch *fetch, const char *path)
 {
-    const char *into = follow->cli->option[VOR_OPTION_INTO];
-    int length = vor_cli_into_folder(follow->cli)
-                     ? snprintf(result->path, sizeof result->path, "%s%s-%s%s", into,
-                                follow->subject, result->name, suffix_of(result->type))
-                     : snprintf(result->path, sizeof result->path, "%s", into);
+    const char *at = fetch->written.data;
 
-    return length >= 0 && (size_t)length < sizeof result->path;
+    for (size_t left = fetch->written.size; left > 0;) {
+        size_t size = strlen(at) + 1;
+
+        if (strcmp(at, path) == 0)
+            return 1;
+        at += size;
+        left -= size;
+    }
+    return 0;
+}
+
+/* Where a result goes: the file that was named, or one in the folder that has the name of the job,
+ * or its ID if a job before it had that name. */
+static int name_file(const struct fetch *fetch, struct result *result)
+{
+    const struct vor_cli *cli = fetch->follow.cli;
+    const char *into = cli->option[VOR_OPTION_INTO], *names[] = {fetch->name, ""};
+    char name[VOR_RESULT_NAME_SIZE] = "";
+    size_t length = 0;
+
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if (vor_cli_into_folder(cli))
+            vor_result_name(name, names[i], fetch->follow.id.text, fetch->process, result->name,
+                            suffix_of(result->type));
+        length = (size_t)snprintf(result->path, sizeof result->path, "%s%s", into, name);
+        if (name[0] == '\0' || !was_written(fetch, result->path))
+            break;
+    }
+    return length < sizeof result->path;
 }
 
 /* What was written, for people or for programs; on stderr when the bytes go to stdout. */
@@ -108,12 +139,13 @@ static int receive(struct vor_follow *follow, struct result *result)
     return code;
 }
 
-static int fetch_result(struct vor_follow *follow, const struct vor_json *member)
+static int fetch_result(struct fetch *fetch, const struct vor_json *member)
 {
+    struct vor_follow *follow = &fetch->follow;
     struct result result = {.name = vor_json_name(member), .type = vor_follow_text(member, "type")};
     int code, replace;
 
-    if (!is_plain(result.name) || !name_file(follow, &result)) {
+    if (!is_plain(result.name) || !is_plain(fetch->process) || !name_file(fetch, &result)) {
         vor_cli_say(follow->subject, "the name of a result cannot be a file name");
         return VOR_EXIT_FAILED;
     }
@@ -124,8 +156,10 @@ static int fetch_result(struct vor_follow *follow, const struct vor_json *member
     code = receive(follow, &result);
     vor_progress_clear(&follow->progress);
     vor_output_abandon(&result.output);
-    if (code == VOR_EXIT_OK)
+    if (code == VOR_EXIT_OK) {
+        vor_text_add(&fetch->written, result.path, strlen(result.path) + 1);
         tell(follow, &result);
+    }
     return code;
 }
 
@@ -149,8 +183,9 @@ static int no_result(const struct vor_follow *follow, const struct vor_json *lis
 }
 
 /* Fetches what is wanted of the results that the job has, the main one first. */
-static int fetch_listed(struct vor_follow *follow, const struct vor_json *list)
+static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
 {
+    const struct vor_follow *follow = &fetch->follow;
     const char *wanted = follow->cli->option[VOR_OPTION_RESULT];
     int is_all = wanted == NULL && vor_cli_into_folder(follow->cli), code = VOR_EXIT_OK;
 
@@ -164,49 +199,56 @@ static int fetch_listed(struct vor_follow *follow, const struct vor_json *list)
          m = vor_json_next(m)) {
         if (wanted != NULL && strcmp(wanted, vor_json_name(m)) != 0)
             continue;
-        code = fetch_result(follow, m);
+        code = fetch_result(fetch, m);
         if (!is_all)
             break;
     }
     return code;
 }
 
-static int fetch_results(struct vor_follow *follow)
+static int fetch_results(struct fetch *fetch)
 {
+    struct vor_follow *follow = &fetch->follow;
     char url[VOR_REMOTE_URL_MAX + 16];
-    struct vor_json *list;
-    int code;
+    struct vor_json *job, *list = NULL;
+    int code = vor_follow_ask(follow, &job);
 
+    fetch->name = vor_follow_text(vor_json_get(job, "voronoid"), "name");
+    fetch->process = vor_follow_text(job, "processID");
     (void)snprintf(url, sizeof url, "%s/results", follow->job);
-    code = vor_follow_call(follow, "GET", url, &list);
     if (code == VOR_EXIT_OK)
-        code = fetch_listed(follow, list);
+        code = vor_follow_call(follow, "GET", url, &list);
+    if (code == VOR_EXIT_OK)
+        code = fetch_listed(fetch, list);
     vor_json_free(list);
+    vor_json_free(job);
     return code;
 }
 
 static int fetch_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
-    struct vor_follow follow;
-    int code = vor_follow_open(&follow, cli, id);
+    struct fetch *fetch = ctx;
+    int code = vor_follow_open(&fetch->follow, cli, id);
 
-    (void)ctx;
     if (code == VOR_EXIT_OK)
-        code = vor_job_choose(&follow, id);
+        code = vor_job_choose(&fetch->follow, id);
     if (code == VOR_EXIT_OK)
-        code = fetch_results(&follow);
-    vor_follow_close(&follow);
+        code = fetch_results(fetch);
+    vor_follow_close(&fetch->follow);
     return code;
 }
 
 int vor_cli_fetch(const struct vor_cli *cli)
 {
     const char *into = cli->option[VOR_OPTION_INTO];
+    struct fetch fetch = {.name = NULL};
     struct vor_error err;
     int code;
 
     if (vor_cli_into_folder(cli) && vor_folder_make(into, &err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &err);
-    code = vor_cli_each(cli, fetch_one, NULL);
+    vor_text_init(&fetch.written, 0);
+    code = vor_cli_each(cli, fetch_one, &fetch);
+    vor_text_free(&fetch.written);
     return fflush(stdout) != 0 && code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
 }

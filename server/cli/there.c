@@ -3,6 +3,7 @@
  * these. */
 #include "server/cli/there.h"
 
+#include "core/base/utf8.h"
 #include "proto/codec.h"
 #include "server/cli/batch.h"
 #include "server/cli/files.h"
@@ -11,6 +12,7 @@
 #include "server/cli/lines.h"
 #include "server/cli/overwrite.h"
 #include "server/cli/say.h"
+#include "server/store/row.h"
 
 #include <string.h>
 #include <sys/stat.h>
@@ -41,13 +43,28 @@ static void add_pair(struct vor_text *url, const char *separator, enum vor_param
     append_escaped(url, value);
 }
 
+/* The job's name: that of --name, else that of its input's file where a job may have it; NULL for
+ * none. */
+static const char *job_name(const struct vor_cli *cli)
+{
+    const char *name = cli->option[VOR_OPTION_NAME], *slash;
+    long count;
+
+    if (name != NULL)
+        return name;
+    slash = strrchr(cli->input[0], '/');
+    name = slash != NULL ? slash + 1 : cli->input[0];
+    count = vor_utf8_count(name);
+    return strcmp(name, "-") != 0 && count > 0 && count <= VOR_JOB_NAME_CHARACTERS ? name : NULL;
+}
+
 /* Sends only the parameters that were given: the server's own defaults hold for the rest. The
  * format follows the suffix of the output, as it does here. */
 static void build_url(struct vor_text *url, const struct vor_follow *follow)
 {
     const struct vor_cli *cli = follow->cli;
     const char *separator = "?", *output = cli->option[VOR_OPTION_OUTPUT];
-    const char *name = cli->option[VOR_OPTION_NAME];
+    const char *name = job_name(cli);
     const struct vor_process_info *process = cli->spec.process;
     const struct vor_format *format = output != NULL ? vor_format_by_suffix(output) : NULL;
     char value[VOR_SPEC_VALUE_SIZE];

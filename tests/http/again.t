@@ -144,7 +144,7 @@ is $input->{status}, 200, 'the input is there';
 is $input->{content}, $cloud, 'as it came';
 is $input->{headers}{etag}, '"' . sha256_hex($cloud) . '"', 'its ETag is its SHA-256';
 is $input->{headers}{'content-type'}, 'application/ply', 'with its media type';
-like $input->{headers}{'content-disposition'}, qr/filename="$id-input\.ply"/, 'and a file name';
+like $input->{headers}{'content-disposition'}, qr/filename="$id\.input\.ply"/, 'and a file name';
 my $part = $daemon->get("/v1/jobs/$id/input", headers => { Range => 'bytes=3-12' });
 is "$part->{status} $part->{content}", '206 ' . substr($cloud, 3, 10), 'a range of it is 206';
 is_problem($daemon->get("/v1/jobs/$id/input", headers => { Range => "bytes=$length-" }), 416, 'range-not-satisfiable');

@@ -55,7 +55,7 @@ is_deeply json($daemon->get("/v1/jobs/$id/trace"))->{records}, [], 'its trace ha
 my $document = $daemon->get($path);
 my $etag = '"' . sha256_hex($document->{content}) . '"';
 is_deeply [@{ $document->{headers} }{qw(content-type accept-ranges etag content-disposition)}],
-    ['application/json', 'bytes', $etag, qq(attachment; filename="$id.json")], 'it has a type, a digest and a name';
+    ['application/json', 'bytes', $etag, qq(attachment; filename="$id.inspect.json")], 'it has a type, a digest and a name';
 my $length = length $document->{content};
 my $head = $daemon->request('HEAD', $path);
 is "$head->{status} $head->{headers}{'content-length'} " . ($head->{content} // ''), "200 $length ", 'HEAD tells its length';

@@ -24,8 +24,19 @@ is $sync->{headers}{'content-type'}, 'application/ply', 'the format is that of t
 like $sync->{headers}{location}, qr{\Ahttp://127\.0\.0\.1:\d+/v1/jobs/$uuid\z},
     'Location is absolute and names the job';
 is $sync->{headers}{etag}, '"' . sha256_hex($sync->{content}) . '"', 'the ETag is the SHA-256';
-like $sync->{headers}{'content-disposition'}, qr/\Aattachment; filename="$uuid\.ply"\z/,
+like $sync->{headers}{'content-disposition'}, qr/\Aattachment; filename="$uuid\.resample\.ply"\z/,
     'the answer suggests a file name';
+my $stem = 'x' x 155;
+for my $case (
+    ['bunny.ply', 'bunny'], ['/home/a/../b%5Cbunny.DRC', 'bunny'], ['v1.5', 'v1.5'], ['..hidden.ply', 'hidden'], ['a%22%3Ab%3Cc', 'a__b_c'],
+    ["${stem}%C3%A4%C3%A4%C3%A4", "${stem}____", "${stem}%C3%A4%C3%A4"], ['H%C3%A4schen.ply', 'H__schen', 'H%C3%A4schen'],
+) {
+    my ($name, $ascii, $utf8) = @$case;
+    my $got = $daemon->post("/v1/convert?name=$name", $cloud);
+    is $got->{headers}{'content-disposition'}, qq(attachment; filename="$ascii.convert.ply")
+        . ($utf8 ? "; filename*=UTF-8''$utf8.convert.ply" : ''), substr("that of a job named $name", 0, 60);
+}
+like $daemon->post('/v1/convert?name=.ply', $cloud)->{headers}{'content-disposition'}, qr/"$uuid\.convert\.ply"\z/, 'a name of nothing gives none';
 my ($sync_id) = $sync->{headers}{location} =~ /($uuid)\z/;
 my $sync_report = json($daemon->get("/v1/jobs/$sync_id/results/report"));
 is $sync_report->{points}{out}, 500, 'the caller of a synchronous call can read the report';

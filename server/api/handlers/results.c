@@ -7,6 +7,7 @@
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/digest.h"
+#include "server/base/result_name.h"
 #include "server/blob/blob.h"
 #include "server/work/verify.h"
 
@@ -19,7 +20,7 @@
 /* One output, ready to be sent whole or in part: bytes in memory, or a file. */
 struct output {
     const char *media_type;
-    char name[96]; /* file name for Content-Disposition */
+    char name[VOR_RESULT_NAME_SIZE]; /* file name for Content-Disposition */
     char etag[VOR_ETAG_SIZE];
     char origin[VOR_ORIGIN_TEXT_SIZE]; /* of a cloud that has one; else "" */
     uint64_t size;
@@ -104,17 +105,13 @@ static bool open_kept(struct vor_app *app, struct vor_request *request,
     return true;
 }
 
-/* The file name of an output: that of the job, with the output's name in it but for the main one
- * and the report, which a client tells apart by their suffixes. */
 static void name_file(const struct vor_job_view *view, unsigned index,
-                      const struct vor_format *format, char *out, size_t size)
+                      const struct vor_format *format, struct output *out)
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[index];
-    bool is_plain = index == 0 || vor_output_in_row(output);
 
-    (void)snprintf(out, size, "%s%s%s%s", view->id.text, is_plain ? "" : "-",
-                   is_plain ? "" : output->name,
-                   output->kind == VOR_ARTEFACT_CLOUD ? format->suffix : ".json");
+    vor_result_name(out->name, view->name, view->id.text, view->spec.process->id, output->name,
+                    output->kind == VOR_ARTEFACT_CLOUD ? format->suffix : ".json");
 }
 
 /* Output number `index` of a successful job; false after a problem has been replied. */
@@ -126,19 +123,38 @@ static bool open_output(struct vor_app *app, struct vor_request *request,
         vor_result_missing(app, request, view);
         return false;
     }
-    name_file(view, index, vor_format(view->output[index].format), out->name, sizeof out->name);
+    name_file(view, index, vor_format(view->output[index].format), out);
     return vor_output_in_row(&view->spec.process->outputs[index])
                ? open_kept(app, request, view, out)
                : open_blob(app, request, view, index, out);
 }
 
+/* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read that.
+ */
+static void add_disposition(struct vor_request *request, const char *name)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+    char header[5 * VOR_RESULT_NAME_SIZE];
+    size_t at = (size_t)snprintf(header, sizeof header, "attachment; filename=\"");
+    int is_ascii = 1;
+
+    for (const char *c = name; *c != '\0'; c++) {
+        is_ascii &= (unsigned char)*c < 0x80;
+        header[at++] = (unsigned char)*c < 0x80 ? *c : '_';
+    }
+    at += (size_t)snprintf(header + at, sizeof header - at, "\"%s",
+                           is_ascii ? "" : "; filename*=UTF-8''");
+    for (const char *c = name; !is_ascii && *c != '\0'; c++)
+        at += (size_t)snprintf(header + at, sizeof header - at,
+                               strchr(plain, *c) != NULL ? "%c" : "%%%02X", (unsigned char)*c);
+    vor_reply_header(request, "Content-Disposition", header);
+}
+
 static void add_headers(struct vor_request *request, const struct output *out)
 {
-    char disposition[160];
-
-    (void)snprintf(disposition, sizeof disposition, "attachment; filename=\"%s\"", out->name);
     vor_reply_header(request, "ETag", out->etag);
-    vor_reply_header(request, "Content-Disposition", disposition);
+    add_disposition(request, out->name);
     vor_reply_header(request, "Cache-Control", "private, no-cache");
     vor_reply_header(request, "Accept-Ranges", "bytes");
     if (out->origin[0] != '\0')
@@ -233,7 +249,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
     struct vor_asker asker = {.wake = wake};
     struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
     enum vor_verdict verdict;
-    char sha256[VOR_DIGEST_SIZE], detail[256];
+    char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];
 
     if (out->fd < 0 || vor_request_method(request) == VOR_HEAD ||
         (vor_request_method(request) == VOR_GET &&
@@ -316,7 +332,7 @@ static enum vor_next reply_converted(struct vor_app *app, struct vor_request *re
     out.size = converted.size;
     (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", converted.sha256);
     memcpy(out.origin, converted.origin, sizeof out.origin);
-    name_file(view, index, vor_format(format), out.name, sizeof out.name);
+    name_file(view, index, vor_format(format), &out);
     if (is_sound(app, request, view, &out, &next))
         next = reply_output(app, request, &out);
     output_close(&out);
@@ -413,8 +429,8 @@ static bool open_upload(struct vor_app *app, struct vor_request *request,
         return false;
     }
     out->media_type = format != NULL ? format->media_type : "application/octet-stream";
-    (void)snprintf(out->name, sizeof out->name, "%s-input%s", view->id.text,
-                   format != NULL ? format->suffix : "");
+    vor_result_name(out->name, view->name, view->id.text, view->spec.process->id, "input",
+                    format != NULL ? format->suffix : "");
     (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->input[0].sha256);
     return true;
 }

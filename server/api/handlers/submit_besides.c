@@ -11,29 +11,10 @@
 
 enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
 
-/* The number of characters, or -1 when one is a control character or none of UTF-8. */
-static long count_characters(const char *text)
-{
-    size_t left = strlen(text);
-    const unsigned char *at = (const unsigned char *)text;
-    long count = 0;
-
-    for (; left > 0; count++) {
-        size_t length = vor_utf8_length(at, left);
-        int is_c1 = length == 2 && at[0] == 0xC2 && at[1] < 0xA0;
-
-        if (length == 0 || at[0] < 0x20 || at[0] == 0x7F || is_c1)
-            return -1;
-        at += length;
-        left -= length;
-    }
-    return count;
-}
-
 static vor_status take_name(struct vor_submit_besides *out, const char *value,
                             struct vor_error *err)
 {
-    long count = count_characters(value);
+    long count = vor_utf8_count(value);
     char quoted[SHOWN_SIZE];
 
     if (count < 1 || count > VOR_JOB_NAME_CHARACTERS)
