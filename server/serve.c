@@ -572,22 +572,22 @@ static int serve(struct daemon *daemon)
 int vor_serve_main(int argc, char **argv)
 {
     struct daemon *daemon;
-    struct vor_error err;
     int result;
 
-    for (int i = 1; i < argc; i++) {
+    for (int i = 1; i < argc; i++)
         if (strcmp(argv[i], "--print-routes") == 0) {
             vor_routes_print(stdout);
             return VOR_EXIT_OK;
         }
-    }
     daemon = calloc(1, sizeof *daemon);
     if (daemon == NULL)
         return VOR_EXIT_FAILED;
     daemon->argc = argc;
     daemon->argv = argv;
-    if (vor_config_read(&daemon->config, argc, argv, getenv, &err) != VOR_OK) {
-        (void)fprintf(stderr, "voronoid: %s\n", err.message);
+    if (vor_config_read(&daemon->config, argc, argv, getenv, NULL) != VOR_OK) {
+        for (size_t at = 0; at < daemon->config.faults_size;
+             at += strlen(daemon->config.faults + at) + 1)
+            vor_cli_say(NULL, daemon->config.faults + at);
         result = VOR_EXIT_USAGE;
     } else if (daemon->config.number[VOR_SET_CHECK_CONFIG] != 0) {
         (void)puts("voronoid: the settings are valid");

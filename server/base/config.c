@@ -1,5 +1,6 @@
 #include "server/base/config.h"
 
+#include "core/base/nearest.h"
 #include "server/base/config_file.h"
 
 #include <ctype.h>
@@ -159,16 +160,50 @@ static vor_status read_variable(struct vor_config *config, int setting, char *(*
     return status;
 }
 
-/* What no flag has given. */
-static vor_status read_environment(struct vor_config *config, char *(*get)(const char *),
-                                   struct vor_error *err)
-{
-    vor_status status = VOR_OK;
+/* Where faults go while settings are read: all into the settings, the first here as well. */
+struct reading {
+    struct vor_config *config;
+    struct vor_error first; /* its status is VOR_OK as long as there is none */
+};
 
-    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
-        if (!config->given[i])
-            status = read_variable(config, i, get, err);
-    return status;
+static void note(void *ctx, const struct vor_error *why)
+{
+    struct reading *reading = ctx;
+    struct vor_config *config = reading->config;
+    size_t size = strlen(why->message) + 1;
+
+    if (reading->first.status == VOR_OK)
+        reading->first = *why;
+    if (size > sizeof config->faults - config->faults_size)
+        return;
+    memcpy(config->faults + config->faults_size, why->message, size);
+    config->faults_size += size;
+}
+
+/* What no flag has given. */
+static void read_environment(struct reading *reading, char *(*get)(const char *))
+{
+    struct vor_error why;
+
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (!reading->config->given[i] && read_variable(reading->config, i, get, &why) != VOR_OK)
+            note(reading, &why);
+}
+
+/* Refuses a name, which stands behind that prefix: with those it may be meant for. */
+static vor_status no_setting(const char *name, size_t length, const char *prefix,
+                             struct vor_error *err)
+{
+    char meant[VOR_NEAREST_TEXT_SIZE];
+    struct vor_nearest nearest;
+
+    vor_nearest_init(&nearest, name, length);
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        vor_nearest_try(&nearest, vor_setting_infos[i].flag, strlen(vor_setting_infos[i].flag));
+    return vor_fail(err, VOR_E_PARAM, "no setting \"%s%.*s\"%s", prefix,
+                    (int)(length < 60 ? length : 60), name,
+                    nearest.count > 0 ? vor_nearest_text(&nearest, prefix, meant)
+                                      : "; see voronoid serve --help");
 }
 
 static int find_setting(const char *flag)
@@ -183,20 +218,18 @@ static int find_setting(const char *flag)
 static vor_status take_setting(void *ctx, unsigned line, const char *name, const char *value,
                                struct vor_error *err)
 {
-    struct vor_config *config = ctx;
+    struct vor_config *config = ((struct reading *)ctx)->config;
     int setting = find_setting(name);
 
     if (setting < 0 || setting == VOR_SET_CONFIG || setting == VOR_SET_CHECK_CONFIG)
-        return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"; see voronoid serve --help", name);
+        return no_setting(name, strlen(name), "", err);
     if (config->given[setting] && config->line[setting] == 0)
         return VOR_OK;
     if (config->line[setting] > 0 && vor_setting_infos[setting].kind != VOR_SETTING_LIST)
         return vor_fail(err, VOR_E_PARAM, "%s is on line %u already", name, config->line[setting]);
     config->given[setting] = 1;
-    if (set(config, setting, value, err) != VOR_OK)
-        return err->status;
     config->line[setting] = line;
-    return VOR_OK;
+    return set(config, setting, value, err);
 }
 
 static const char *config_place(const struct vor_config *config)
@@ -206,20 +239,24 @@ static const char *config_place(const struct vor_config *config)
     return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
 }
 
-static vor_status read_file(struct vor_config *config, struct vor_error *err)
+static void read_file(struct reading *reading)
 {
-    return vor_config_file_read(config_place(config), config->given[VOR_SET_CONFIG], take_setting,
-                                config, err);
+    const struct vor_config_lines lines = {take_setting, note, reading};
+    struct vor_error why;
+
+    if (vor_config_file_read(config_place(reading->config), reading->config->given[VOR_SET_CONFIG],
+                             &lines, &why) != VOR_OK)
+        note(reading, &why);
 }
 
-static vor_status set_defaults(struct vor_config *config, struct vor_error *err)
+/* What holds where nothing is given, or what is given is refused. */
+static void set_defaults(struct reading *reading)
 {
-    vor_status status = VOR_OK;
+    struct vor_error why;
 
-    for (int i = 0; i < VOR_SETTING_COUNT && status == VOR_OK; i++)
-        if (!config->given[i])
-            status = set(config, i, vor_setting_infos[i].fallback, err);
-    return status;
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (set(reading->config, i, vor_setting_infos[i].fallback, &why) != VOR_OK)
+            note(reading, &why);
 }
 
 /* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
@@ -231,11 +268,6 @@ static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
             vor_setting_infos[i].flag,
             vor_setting_infos[i].kind == VOR_SETTING_FLAG ? optional_argument : required_argument,
             NULL, LONG_SETTING + i};
-}
-
-static vor_status no_setting(const char *word, struct vor_error *err)
-{
-    return vor_fail(err, VOR_E_PARAM, "%.60s is not a setting; see voronoid serve --help", word);
 }
 
 /* A flag that is none, or may be several. */
@@ -255,7 +287,7 @@ static vor_status refuse_flag(const char *word, struct vor_error *err)
     }
     if (found > 1 && length > 0)
         return vor_fail(err, VOR_E_PARAM, "%.60s may be %s", word, names);
-    return vor_fail(err, VOR_E_PARAM, "no setting %.60s; see voronoid serve --help", word);
+    return no_setting(word + 2, length, "--", err);
 }
 
 /* Takes what getopt_long returned. */
@@ -266,12 +298,13 @@ static vor_status take(struct vor_config *config, int got, char **argv, struct v
 
     switch (got) {
     case OPERAND:
-        return no_setting(optarg, err);
+        return no_setting(optarg, strlen(optarg), "", err);
     case ':':
         return vor_fail(err, VOR_E_PARAM, "--%s wants a value",
                         vor_setting_infos[optopt - LONG_SETTING].flag);
     case '?':
-        return optopt == 0 ? refuse_flag(argv[optind - 1], err) : no_setting(letter, err);
+        return optopt == 0 ? refuse_flag(argv[optind - 1], err)
+                           : no_setting(letter, strlen(letter), "", err);
     default:
         status = set(config, got - LONG_SETTING, optarg != NULL ? optarg : "1", err);
         config->given[got - LONG_SETTING] = status == VOR_OK;
@@ -281,18 +314,21 @@ static vor_status take(struct vor_config *config, int got, char **argv, struct v
 
 /* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
  * from an unknown setting, and prints nothing. */
-static vor_status read_arguments(struct vor_config *config, int argc, char **argv,
-                                 struct vor_error *err)
+static void read_arguments(struct reading *reading, int argc, char **argv)
 {
     struct option longs[VOR_SETTING_COUNT + 1];
-    vor_status status = VOR_OK;
+    struct vor_error why;
     int got;
 
     make_longs(longs);
     optind = 0; /* glibc's word for a new command line */
-    while (status == VOR_OK && (got = getopt_long(argc, argv, "-:", longs, NULL)) != -1)
-        status = take(config, got, argv, err);
-    return status == VOR_OK && optind < argc ? no_setting(argv[optind], err) : status;
+    while ((got = getopt_long(argc, argv, "-:", longs, NULL)) != -1)
+        if (take(reading->config, got, argv, &why) != VOR_OK)
+            note(reading, &why);
+    for (; optind < argc; optind++) {
+        (void)no_setting(argv[optind], strlen(argv[optind]), "", &why);
+        note(reading, &why);
+    }
 }
 
 static vor_status split_listen(struct vor_config *config, struct vor_error *err)
@@ -340,7 +376,7 @@ static size_t origin_length(const char *text)
 }
 
 /* A wrong one would only show as links that lead nowhere. */
-static vor_status check_public_url(const struct vor_config *config, struct vor_error *err)
+static vor_status check_public_url(struct vor_config *config, struct vor_error *err)
 {
     const char *url = config->text[VOR_SET_PUBLIC_URL];
     size_t scheme = strncmp(url, "https://", 8) == 0 ? 8 : strncmp(url, "http://", 7) == 0 ? 7 : 0;
@@ -360,7 +396,7 @@ static vor_status check_public_url(const struct vor_config *config, struct vor_e
 }
 
 /* A wrong one would only show as pages that are let in nowhere. */
-static vor_status check_origins(const struct vor_config *config, struct vor_error *err)
+static vor_status check_origins(struct vor_config *config, struct vor_error *err)
 {
     const char *list = config->text[VOR_SET_CORS_ORIGIN];
 
@@ -377,7 +413,7 @@ static vor_status check_origins(const struct vor_config *config, struct vor_erro
     return VOR_OK;
 }
 
-static vor_status check_hosts(const struct vor_config *config, struct vor_error *err)
+static vor_status check_hosts(struct vor_config *config, struct vor_error *err)
 {
     const char *list = config->text[VOR_SET_ALLOWED_HOSTS];
 
@@ -471,48 +507,57 @@ static vor_status find_places(struct vor_config *config, char *(*get)(const char
                           "no directory to keep jobs in: give --data DIR of at most 1000 bytes");
 }
 
-/* What a value is worth beside the others; whose line of the file is at fault, is said. */
-static vor_status work_out(struct vor_config *out, char *(*get)(const char *),
-                           struct vor_error *err)
+static vor_status read_networks(struct vor_config *config, struct vor_error *err)
 {
-    vor_status status = split_listen(out, err);
-    int setting;
+    return vor_networks_parse(&config->trusted, "trusted-proxy",
+                              config->text[VOR_SET_TRUSTED_PROXY], err);
+}
 
-    if (status == VOR_OK)
-        status = split_admin(out, err);
-    if (status == VOR_OK)
-        status = check_public_url(out, err);
-    if (status == VOR_OK)
-        status = check_origins(out, err);
-    if (status == VOR_OK)
-        status = check_hosts(out, err);
-    if (status == VOR_OK)
-        status = vor_networks_parse(&out->trusted, "trusted-proxy",
-                                    out->text[VOR_SET_TRUSTED_PROXY], err);
-    if (status == VOR_OK)
-        status = check_callers(out, err);
-    if (status == VOR_OK)
-        status = find_places(out, get, err);
-    setting = status != VOR_OK ? find_setting(err->parameter) : -1;
-    if (setting >= 0 && out->line[setting] > 0)
-        return vor_config_file_blame(err, config_place(out), out->line[setting]);
-    return status;
+/* A fault that follows from a value: of the line that it stands on, if that is one of the file. */
+static void blame(struct reading *reading, struct vor_error *why)
+{
+    const struct vor_config *config = reading->config;
+    int setting = find_setting(why->parameter);
+
+    if (setting >= 0 && config->line[setting] > 0)
+        (void)vor_config_file_blame(why, config_place(config), config->line[setting]);
+    note(reading, why);
+}
+
+/* What values mean, and whether they go together. Who may call cannot be said while --listen or
+ * --trusted-proxy is at fault: that check comes last. */
+static void work_out(struct reading *reading, char *(*get)(const char *))
+{
+    static vor_status (*const checks[])(struct vor_config * config, struct vor_error * err) = {
+        split_listen, split_admin, check_public_url, check_origins, check_hosts, read_networks,
+    };
+    struct vor_config *config = reading->config;
+    size_t before = config->faults_size;
+    struct vor_error why;
+
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++)
+        if (checks[i](config, &why) != VOR_OK)
+            blame(reading, &why);
+    if (config->faults_size == before && check_callers(config, &why) != VOR_OK)
+        blame(reading, &why);
+    if (find_places(config, get, &why) != VOR_OK)
+        blame(reading, &why);
 }
 
 vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                            char *(*getenv)(const char *name), struct vor_error *err)
 {
-    vor_status status;
+    struct reading reading = {.config = out, .first = {.status = VOR_OK}};
 
     memset(out, 0, sizeof *out);
-    status = read_arguments(out, argc, argv, err);
-    if (status == VOR_OK)
-        status = read_environment(out, getenv, err);
-    if (status == VOR_OK)
-        status = read_file(out, err);
-    if (status == VOR_OK)
-        status = set_defaults(out, err);
-    return status == VOR_OK ? work_out(out, getenv, err) : status;
+    set_defaults(&reading);
+    read_arguments(&reading, argc, argv);
+    read_environment(&reading, getenv);
+    read_file(&reading);
+    work_out(&reading, getenv);
+    if (reading.first.status != VOR_OK && err != NULL)
+        *err = reading.first;
+    return reading.first.status;
 }
 
 int vor_config_list_has(const char *list, const char *item, size_t length)

@@ -32,7 +32,7 @@ enum vor_setting_kind {
       "Settings, a line \"name = value\" each, for what neither flags nor the environment give; "  \
       "else " VOR_CONFIG_PLACE " where there is one")                                              \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
-      "Check the settings, report the first error and exit")                                       \
+      "Check the settings, report every error and exit")                                           \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
       "Address to listen on. Port 0 picks a free port, which the log names; unix:/PATH is a Unix " \
       "socket")                                                                                    \
@@ -159,7 +159,7 @@ struct vor_setting_info {
 
 extern const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT];
 
-enum { VOR_CONFIG_TEXT_MAX = 1024 };
+enum { VOR_CONFIG_TEXT_MAX = 1024, VOR_CONFIG_FAULTS_SIZE = 16384 };
 
 /** Every setting: texts in text, all others (a choice's index) in number. */
 struct vor_config {
@@ -172,12 +172,15 @@ struct vor_config {
     int loopback;                        /**< host is this machine only */
     struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
     struct vor_networks trusted;         /**< of TRUSTED_PROXY */
+    char faults[VOR_CONFIG_FAULTS_SIZE]; /**< every message, each with a NUL, as many as fit */
+    size_t faults_size;
 };
 
 /** --flag VALUE and --flag=VALUE of argv[1 .. argc - 1], by getopt_long, so that an unambiguous
  *  beginning of a flag stands for it; for the others the environment, then the file CONFIG, then
  *  the default; then DATA, STORE, BLOBS, host, port and trusted are worked out. getenv is the
- *  environment to read. A message about a value of the file begins with file and line.
+ *  environment to read. A message about a value of the file begins with file and line. A value that
+ *  is refused does not end the reading: out->faults has every message, err the first.
  *
  *  @retval VOR_E_PARAM an unknown or ambiguous flag, a value missing or out of range (message:
  *                      flag, value and range), LISTEN not HOST:PORT, neither API_KEYS nor NO_AUTH

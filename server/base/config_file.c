@@ -37,10 +37,8 @@ static int has_control(const char *text)
 }
 
 /* One line, which is changed. */
-static vor_status take_line(char *line, unsigned number,
-                            vor_status (*take)(void *, unsigned, const char *, const char *,
-                                               struct vor_error *),
-                            void *ctx, struct vor_error *err)
+static vor_status take_line(char *line, unsigned number, const struct vor_config_lines *lines,
+                            struct vor_error *err)
 {
     char *name = trim(line), *equals = strchr(name, '=');
 
@@ -51,37 +49,36 @@ static vor_status take_line(char *line, unsigned number,
     if (equals == NULL || equals == name)
         return vor_fail(err, VOR_E_PARAM, "\"%.60s\", want name = value", name);
     *equals = '\0';
-    return take(ctx, number, trim(name), trim(equals + 1), err);
+    return lines->take(lines->ctx, number, trim(name), trim(equals + 1), err);
 }
 
 vor_status vor_config_file_read(const char *path, int must_exist,
-                                vor_status (*take)(void *ctx, unsigned line, const char *name,
-                                                   const char *value, struct vor_error *err),
-                                void *ctx, struct vor_error *err)
+                                const struct vor_config_lines *lines, struct vor_error *err)
 {
     FILE *file = fopen(path, "re");
     char line[VOR_CONFIG_LINE_MAX];
     vor_status status = VOR_OK;
-    unsigned number = 0;
+    struct vor_error why;
+    int is_cut = 0;
 
     if (file == NULL && !must_exist && (errno == ENOENT || errno == ENOTDIR))
         return VOR_OK;
     if (file == NULL)
         return vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s", path,
                               strerror(errno));
-    while (status == VOR_OK && fgets(line, sizeof line, file) != NULL) {
-        number++;
-        if (strchr(line, '\n') == NULL && !feof(file))
-            status = vor_fail(err, VOR_E_PARAM, "a NUL byte, or more than %d bytes",
-                              VOR_CONFIG_LINE_MAX - 2);
-        else
-            status = take_line(line, number, take, ctx, err);
+    for (unsigned number = 1; !is_cut && fgets(line, sizeof line, file) != NULL; number++) {
+        is_cut = strchr(line, '\n') == NULL && !feof(file);
+        status = is_cut ? vor_fail(&why, VOR_E_PARAM, "a NUL byte, or more than %d bytes",
+                                   VOR_CONFIG_LINE_MAX - 2)
+                        : take_line(line, number, lines, &why);
+        if (status == VOR_OK)
+            continue;
+        (void)vor_config_file_blame(&why, path, number);
+        lines->fault(lines->ctx, &why);
     }
-    if (status != VOR_OK)
-        status = vor_config_file_blame(err, path, number);
-    else if (ferror(file))
-        status = vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s", path,
-                                strerror(errno));
+    status = ferror(file) ? vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s",
+                                           path, strerror(errno))
+                          : VOR_OK;
     (void)fclose(file);
     return status;
 }

@@ -55,6 +55,22 @@ for my $case (
     like $said =~ s/\Q$path\E/FILE/r, $message, 'by file, line, setting and range';
     is scalar(split /\n/, $said), 1, 'in one line';
 }
+
+# Everything that is wrong is told at once, in the order of reading; what follows from a fault is not.
+my $faulty = file("queue = 0\njobz = 2\nkeep-inputs = 8Q\nqueue\nlisten = nowhere\nlog-level = loud\npublic-url = x\n");
+{
+    local $ENV{VORONOID_STREAMS} = 'many';
+    ($status, $text) = check('--config', $faulty, '--heartbeat', 'soon', '--threads=1.5');
+}
+is $status, 2, 'a file of seven faults, a variable and two flags are refused';
+is_deeply [map {s/^voronoid: (?:\Q$faulty\E )?//r} split /\n/, $text], [
+    '--heartbeat is "soon", want seconds from 0.1 to 3600', '--threads is "1.5", want a whole number from 0 to 256',
+    '--streams is "many", want a whole number from 1 to 100000', 'line 1: --queue is "0", want a whole number from 1 to 100000',
+    'line 2: no setting "jobz"; did you mean jobs?', 'line 3: --keep-inputs is "8Q", want bytes (K, M, G, T) from 0 to 1e+15',
+    'line 4: "queue", want name = value', 'line 6: --log-level is "loud", want one of debug info warn error off',
+    'line 5: --listen is "nowhere", want HOST:PORT with a port from 0 to 65535, or unix:/PATH',
+    'line 7: --public-url is "x", want http://HOST or https://HOST, with a port and a path of at most 128 bytes or without, and no query',
+], 'each in a line of its own, by file, line, name, value and range';
 ($status, $text) = check('--config', "$dir/none.conf");
 is $status, 2, 'a file that is not there is refused';
 like $text, qr{/none\.conf cannot be read: No such file}, 'by name';

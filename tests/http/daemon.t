@@ -30,9 +30,9 @@ for my $case (
     [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
-    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/-x is not a setting/],
-    [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/--jobs=1 is/],
-    [['--colour', 'red'], qr/no setting --colour/], [['red'], qr/red is not a setting/],
+    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/no setting "-x"; see voronoid serve --help/],
+    [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
+    [['--colour=red'], qr/no setting "--colour"; see/], [['red'], qr/no setting "red"/], [['--lisen=0'], qr/no setting "--lisen"; did you mean --listen\?/],
 ) {
     my ($arguments, $message) = @$case;
     my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1), @$arguments);
