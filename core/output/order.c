@@ -42,6 +42,9 @@ enum { BLOCK = 1024, TURN = 4096 };
  * at most in the plane, of twelve in space. */
 enum { TOLD_MAX = 16 };
 
+/* Cubes beyond that number, from the origin, are one: a double tells those before apart. */
+#define CUBES 0x1p52
+
 /* Slots of points that are not in the heap: not chosen yet, or chosen. */
 #define WAITS UINT32_MAX
 #define CHOSEN (UINT32_MAX - 1)
@@ -61,11 +64,11 @@ struct order {
     const struct vor_run *run;
     uint32_t *out; /* the count points chosen so far */
     size_t count, stride;
-    double spacing, size; /* size: largest coordinate */
-    float *reach;         /* distance to the nearest chosen point */
-    float *gain;          /* of points in the heap */
-    uint32_t *slot;       /* place in the heap, or WAITS, or CHOSEN */
-    uint32_t *heap;       /* points that are far enough for the round, most gain first */
+    double spacing;
+    float *reach;   /* distance to the nearest chosen point */
+    float *gain;    /* of points in the heap */
+    uint32_t *slot; /* place in the heap, or WAITS, or CHOSEN */
+    uint32_t *heap; /* points that are far enough for the round, most gain first */
     size_t heaped;
     struct grid grid;
     double farthest, least; /* from all chosen, in this round */
@@ -74,20 +77,23 @@ struct order {
 
 /* Blocks of 4 x 4 x 4 cubes share a stretch of buckets, so that neighbours are mostly near in
  * memory. */
-static size_t bucket_of(const struct grid *grid, const int32_t cell[3])
+static size_t bucket_of(const struct grid *grid, const int64_t cell[3])
 {
-    uint64_t h = (uint64_t)(uint32_t)(cell[0] >> 2) * UINT64_C(0x9e3779b97f4a7c15);
+    uint64_t h = (uint64_t)(cell[0] >> 2) * UINT64_C(0x9e3779b97f4a7c15);
     size_t low = (size_t)((cell[0] & 3) | (cell[1] & 3) << 2 | (cell[2] & 3) << 4);
 
-    h = (h ^ (h >> 32) ^ (uint32_t)(cell[1] >> 2)) * UINT64_C(0xbf58476d1ce4e5b9);
-    h = (h ^ (h >> 32) ^ (uint32_t)(cell[2] >> 2)) * UINT64_C(0x94d049bb133111eb);
+    h = (h ^ (h >> 32) ^ (uint64_t)(cell[1] >> 2)) * UINT64_C(0xbf58476d1ce4e5b9);
+    h = (h ^ (h >> 32) ^ (uint64_t)(cell[2] >> 2)) * UINT64_C(0x94d049bb133111eb);
     return ((size_t)(h >> 32) << 6 | low) & (grid->buckets - 1);
 }
 
-static void cell_of(const struct grid *grid, const float x[3], double offset, int32_t cell[3])
+static void cell_of(const struct grid *grid, const float x[3], double offset, int64_t cell[3])
 {
-    for (int c = 0; c < 3; c++)
-        cell[c] = (int32_t)floor(((double)x[c] + offset) * grid->per_side);
+    for (int c = 0; c < 3; c++) {
+        double at = floor(((double)x[c] + offset) * grid->per_side);
+
+        cell[c] = (int64_t)(at < -CUBES ? -CUBES : at > CUBES ? CUBES : at);
+    }
 }
 
 /* Fills the grid with the pool, or with its chosen points, for searches of about that radius. */
@@ -95,9 +101,9 @@ static void fill_grid(struct order *order, double radius, int chosen_only)
 {
     struct grid *grid = &order->grid;
     size_t end = (order->n - 1) / order->stride * order->stride;
-    int32_t cell[3];
+    int64_t cell[3];
 
-    grid->per_side = 1 / fmax(radius, order->size * 0x1p-20);
+    grid->per_side = 1 / radius;
     memset(grid->start, 0, (grid->buckets + 1) * sizeof *grid->start);
     for (size_t i = 0; i <= end; i += order->stride) {
         if (chosen_only && order->slot[i] != CHOSEN)
@@ -118,12 +124,12 @@ static void fill_grid(struct order *order, double radius, int chosen_only)
 
 typedef void (*visit)(struct order *order, void *ctx, uint32_t i, double distance);
 
-static void visit_cell(struct order *order, const int32_t cell[3], const float x[3], double radius,
+static void visit_cell(struct order *order, const int64_t cell[3], const float x[3], double radius,
                        visit call, void *ctx)
 {
     const struct grid *grid = &order->grid;
     size_t b = bucket_of(grid, cell);
-    int32_t own[3];
+    int64_t own[3];
 
     for (uint32_t k = grid->start[b]; k < grid->start[b + 1]; k++) {
         uint32_t i = grid->item[k];
@@ -142,7 +148,7 @@ static void visit_cell(struct order *order, const int32_t cell[3], const float x
 /* Calls a function for each point of the grid within radius of x, in a fixed order. */
 static void around(struct order *order, const float x[3], double radius, visit call, void *ctx)
 {
-    int32_t low[3], high[3], at[3];
+    int64_t low[3], high[3], at[3];
 
     cell_of(&order->grid, x, -radius, low);
     cell_of(&order->grid, x, radius, high);
@@ -474,11 +480,6 @@ static vor_status begin(struct order *order, struct vor_error *err)
     order->stride = 1;
     while (n / order->stride >= GROWS * POOL_LEAST)
         order->stride *= GROWS;
-    for (size_t i = 0; i < 3 * n; i++) { /* fmax in this loop crashes gcc 12 for arm64 */
-        double x = fabs((double)order->xyz[i]);
-
-        order->size = x > order->size ? x : order->size;
-    }
     for (size_t i = 0; i < n; i++)
         order->slot[i] = WAITS;
     return VOR_OK;
