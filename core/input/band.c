@@ -3,11 +3,14 @@
 #include "core/base/linalg.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 /* Cosine of 66 degrees: the largest angle between the normal of a point and that of the loop at
  * which the point lies over the plane without a fold. */
 #define FOLD_COSINE 0.4
+
+enum { BLOCK = 1024 }; /* points of one task */
 
 /* Share of the band's points that may be steeper, or over the hole. Borders are ragged. */
 #define FOLD_SHARE 0.1
@@ -130,21 +133,50 @@ static int is_steep(const struct vor_domain *domain, uint32_t point, const doubl
     return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < FOLD_COSINE;
 }
 
-/* Lays the band out by projection. False where it folds there. */
-static int lay_flat(struct vor_band *band, double axis[3][3], const struct vor_domain *domain,
-                    const uint32_t *loop)
+/* A band being laid out. */
+struct lay {
+    struct vor_band *band;
+    const struct vor_domain *domain;
+    const uint32_t *loop;
+    double axis[3][3];
+    double *rim;                /* rim x 3: the loop in space */
+    double *along;              /* rim + 1: length of the loop before each of its points */
+    struct vor_polygon polygon; /* of rim */
+    atomic_size_t steep, over;
+};
+
+static void flat_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
+    struct lay *lay = ctx;
+    struct vor_band *band = lay->band;
     size_t steep = 0, over = 0;
 
-    for (size_t i = 0; i < band->rim; i++)
-        project(&band->outline[2 * i], band, axis, &domain->xyz[3 * (size_t)loop[i]]);
-    for (size_t i = 0; i < band->count; i++) {
-        project(&band->at[2 * i], band, axis, &domain->xyz[3 * (size_t)band->point[i]]);
-        steep += (size_t)is_steep(domain, band->point[i], axis[2]);
-        over += (size_t)(i >= band->rim && vor_band_within(band, &band->at[2 * i]));
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        project(&band->at[2 * i], band, lay->axis, &lay->domain->xyz[3 * (size_t)band->point[i]]);
+        steep += (size_t)is_steep(lay->domain, band->point[i], lay->axis[2]);
+        over += (size_t)(i >= band->rim && vor_polygon_within(&band->polygon, &band->at[2 * i]));
     }
-    return (double)steep <= FOLD_SHARE * (double)band->count &&
-           (double)over <= FOLD_SHARE * (double)band->count;
+    atomic_fetch_add(&lay->steep, steep);
+    atomic_fetch_add(&lay->over, over);
+}
+
+/* Lays the band out by projection; *folds says that it folds there. */
+static vor_status lay_flat(struct lay *lay, int *folds, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    struct vor_band *band = lay->band;
+    vor_status status;
+
+    for (size_t i = 0; i < band->rim; i++)
+        project(&band->outline[2 * i], band, lay->axis,
+                &lay->domain->xyz[3 * (size_t)lay->loop[i]]);
+    status = vor_polygon_init(&band->polygon, band->outline, band->rim, 2, band->memory, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, band->count, BLOCK, flat_block, lay, err);
+    *folds = !((double)atomic_load(&lay->steep) <= FOLD_SHARE * (double)band->count &&
+               (double)atomic_load(&lay->over) <= FOLD_SHARE * (double)band->count);
+    return status;
 }
 
 /* Unit vector at a share of a full turn, 0 .. 1. Sums of Taylor, exact to rounding, because the
@@ -161,100 +193,123 @@ static void turn(double share, double out[2])
     out[1] = sum[1];
 }
 
-/* Nearest place to a point on the loop: how far it is, and at which length along the loop. */
-static double nearest_on(double *along, const struct vor_domain *domain, const uint32_t *loop,
-                         size_t rim, const float *x)
+static void unroll_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    double best2 = INFINITY, before = 0;
+    struct lay *lay = ctx;
+    struct vor_band *band = lay->band;
+    double length = lay->along[band->rim], way[2];
 
-    for (size_t i = 0; i < rim; i++) {
-        const float *p = &domain->xyz[3 * (size_t)loop[i]],
-                    *q = &domain->xyz[3 * (size_t)loop[(i + 1) % rim]];
-        double length2 = vor_distance2f(p, q), t = 0, d2 = 0;
+    (void)worker;
+    for (size_t i = begin; i < end; i++) {
+        const float *p = &lay->domain->xyz[3 * (size_t)band->point[i]];
+        double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        struct vor_polygon_near near;
+        size_t next;
 
-        for (int c = 0; c < 3; c++)
-            t += ((double)x[c] - (double)p[c]) * ((double)q[c] - (double)p[c]);
-        t = length2 > 0 ? fmax(0, fmin(1, t / length2)) : 0;
-        for (int c = 0; c < 3; c++) {
-            double d = (double)x[c] - (double)p[c] - t * ((double)q[c] - (double)p[c]);
-
-            d2 += d * d;
-        }
-        if (d2 < best2) {
-            best2 = d2;
-            *along = before + t * sqrt(length2);
-        }
-        before += sqrt(length2);
+        vor_polygon_nearest(&near, &lay->polygon, x);
+        next = (near.edge + 1) % band->rim;
+        turn((lay->along[near.edge] +
+              near.t * sqrt(vor_distance2f(&lay->domain->xyz[3 * (size_t)lay->loop[near.edge]],
+                                           &lay->domain->xyz[3 * (size_t)lay->loop[next]]))) /
+                 length,
+             way);
+        for (size_t c = 0; c < 2; c++)
+            band->at[2 * i + c] = (length / (2 * M_PI) + sqrt(near.distance2)) * way[c];
     }
-    return sqrt(best2);
+}
+
+/* Sets how long the loop is before each of its points, and makes it a circle. */
+static void unroll_rim(struct lay *lay)
+{
+    struct vor_band *band = lay->band;
+    double length, way[2];
+
+    lay->along[0] = 0;
+    for (size_t i = 0; i < band->rim; i++) {
+        const float *p = &lay->domain->xyz[3 * (size_t)lay->loop[i]],
+                    *q = &lay->domain->xyz[3 * (size_t)lay->loop[(i + 1) % band->rim]];
+
+        for (size_t c = 0; c < 3; c++)
+            lay->rim[3 * i + c] = (double)p[c];
+        lay->along[i + 1] = lay->along[i] + sqrt(vor_distance2f(p, q));
+    }
+    length = lay->along[band->rim];
+    for (size_t i = 0; i < band->rim; i++) {
+        turn(lay->along[i] / length, way);
+        for (size_t c = 0; c < 2; c++)
+            band->outline[2 * i + c] = length / (2 * M_PI) * way[c];
+    }
 }
 
 /* Lays the band out around a circle. */
-static void unroll(struct vor_band *band, const struct vor_domain *domain, const uint32_t *loop)
+static vor_status unroll(struct lay *lay, const struct vor_run *run, struct vor_error *err)
 {
-    double length = 0, along = 0, way[2];
+    struct vor_band *band = lay->band;
+    vor_status status;
 
+    lay->rim = vor_malloc(band->memory, band->rim, 3 * sizeof *lay->rim);
+    lay->along = vor_malloc(band->memory, band->rim + 1, sizeof *lay->along);
+    if (lay->rim == NULL || lay->along == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the rim of a hole of %zu points", band->rim);
     band->unrolled = 1;
-    for (size_t i = 0; i < band->rim; i++)
-        length += sqrt(vor_distance2f(&domain->xyz[3 * (size_t)loop[i]],
-                                      &domain->xyz[3 * (size_t)loop[(i + 1) % band->rim]]));
-    for (size_t i = 0; i < band->rim; i++) {
-        turn(along / length, way);
-        for (size_t c = 0; c < 2; c++)
-            band->outline[2 * i + c] = length / (2 * M_PI) * way[c];
-        along += sqrt(vor_distance2f(&domain->xyz[3 * (size_t)loop[i]],
-                                     &domain->xyz[3 * (size_t)loop[(i + 1) % band->rim]]));
-    }
-    for (size_t i = 0; i < band->count; i++) {
-        double far =
-            nearest_on(&along, domain, loop, band->rim, &domain->xyz[3 * (size_t)band->point[i]]);
+    unroll_rim(lay);
+    vor_polygon_free(&band->polygon);
+    status = vor_polygon_init(&band->polygon, band->outline, band->rim, 2, band->memory, err);
+    if (status == VOR_OK)
+        status = vor_polygon_init(&lay->polygon, lay->rim, band->rim, 3, band->memory, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, band->count, BLOCK, unroll_block, lay, err);
+    return status;
+}
 
-        turn(along / length, way);
-        for (size_t c = 0; c < 2; c++)
-            band->at[2 * i + c] = (length / (2 * M_PI) + far) * way[c];
-    }
+/* Lays the band out, flat unless it folds there. */
+static vor_status lay_out(struct vor_band *band, const struct vor_domain *domain,
+                          const uint32_t *loop, const struct vor_run *run, struct vor_error *err)
+{
+    struct lay lay = {.band = band, .domain = domain, .loop = loop};
+    int folds = !find_frame(band, lay.axis, domain, loop);
+    vor_status status = folds ? VOR_OK : lay_flat(&lay, &folds, run, err);
+
+    if (status == VOR_OK && folds)
+        status = unroll(&lay, run, err);
+    vor_polygon_free(&lay.polygon);
+    vor_free(band->memory, lay.along);
+    vor_free(band->memory, lay.rim);
+    return status;
 }
 
 vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
-                         const struct vor_domain *domain, const uint32_t *loop,
-                         const struct vor_loop *of, struct vor_error *err)
+                         const struct vor_domain *domain, const struct vor_loops *loops,
+                         size_t which, const struct vor_run *run, struct vor_error *err)
 {
+    const struct vor_loop *of = &loops->loop[which];
+    const uint32_t *loop = &loops->point[of->first];
     struct vor_band band = {.memory = domain->memory, .rim = of->count};
-    double axis[3][3];
+    vor_status status;
 
     band.count = spread(search, domain, loop, of->count, VOR_BAND_WIDTH * of->spacing);
     band.point = vor_malloc(band.memory, band.count, sizeof *band.point);
     band.outline = vor_malloc(band.memory, band.rim, 2 * sizeof *band.outline);
     band.at = vor_malloc(band.memory, band.count, 2 * sizeof *band.at);
     if (band.point == NULL || band.outline == NULL || band.at == NULL) {
-        vor_band_free(&band);
-        return vor_fail(err, VOR_E_NOMEM, "what lies around a hole of %zu points", of->count);
+        status = vor_fail(err, VOR_E_NOMEM, "what lies around a hole of %zu points", of->count);
+    } else {
+        memcpy(band.point, search->point, band.count * sizeof *band.point);
+        status = lay_out(&band, domain, loop, run, err);
     }
-    memcpy(band.point, search->point, band.count * sizeof *band.point);
-    if (!find_frame(&band, axis, domain, loop) || !lay_flat(&band, axis, domain, loop))
-        unroll(&band, domain, loop);
+    if (status != VOR_OK) {
+        vor_band_free(&band);
+        return status;
+    }
     *out = band;
     return VOR_OK;
-}
-
-int vor_band_within(const struct vor_band *band, const double u[2])
-{
-    int within = 0;
-
-    for (size_t i = 0, j = band->rim - 1; i < band->rim; j = i++) {
-        const double *a = &band->outline[2 * i], *b = &band->outline[2 * j];
-
-        if ((a[1] > u[1]) != (b[1] > u[1]) &&
-            u[0] < a[0] + (b[0] - a[0]) * (u[1] - a[1]) / (b[1] - a[1]))
-            within = !within;
-    }
-    return within;
 }
 
 void vor_band_free(struct vor_band *band)
 {
     if (band->memory == NULL)
         return;
+    vor_polygon_free(&band->polygon);
     vor_free(band->memory, band->at);
     vor_free(band->memory, band->outline);
     vor_free(band->memory, band->point);

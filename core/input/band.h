@@ -8,6 +8,7 @@
 #ifndef VOR_INPUT_BAND_H
 #define VOR_INPUT_BAND_H
 
+#include "core/geom/polygon.h"
 #include "core/input/domain.h"
 #include "core/input/loops.h"
 
@@ -27,12 +28,13 @@ struct vor_band_search {
 /** A loop and the points around it. */
 struct vor_band {
     struct vor_memory *memory;
-    size_t rim, count; /**< points of the loop; of the band, among which they are */
-    uint32_t *point;   /**< count: numbers of the domain's points */
-    double *outline;   /**< rim x 2: the loop in the plane, in the domain's unit */
-    double *at;        /**< count x 2: the points there */
-    double middle[3];  /**< of the loop */
-    int unrolled;      /**< the loop is a circle */
+    size_t rim, count;          /**< points of the loop; of the band, among which they are */
+    uint32_t *point;            /**< count: numbers of the domain's points */
+    double *outline;            /**< rim x 2: the loop in the plane, in the domain's unit */
+    struct vor_polygon polygon; /**< of the outline */
+    double *at;                 /**< count x 2: the points there */
+    double middle[3];           /**< of the loop */
+    int unrolled;               /**< the loop is a circle */
 };
 
 /** @retval VOR_E_NOMEM 12 bytes a point of the domain do not fit */
@@ -43,17 +45,18 @@ void vor_band_search_free(struct vor_band_search *search, struct vor_memory *mem
 /** Finds the points around a loop along the lists of the domain's graph, which there must be, and
  *  lays them out.
  *
- *  @param[out] out  free with vor_band_free; untouched on failure
+ *  @param[out] out    free with vor_band_free; untouched on failure
+ *  @param[in]  which  0 .. loops->count - 1
  *
- *  @retval VOR_E_NOMEM 36 bytes a point of the band do not fit
+ *  @retval VOR_E_NOMEM 36 bytes a point of the band and 100 one of the loop do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(points of the loop times those of the band), one thread. */
+ *  O(points of the band times the logarithm of those of the loop), on the run's pool but for the
+ *  search. The same band for any number of threads. */
 VOR_NODISCARD vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
-                                       const struct vor_domain *domain, const uint32_t *loop,
-                                       const struct vor_loop *of, struct vor_error *err);
-
-/** Whether u, a place in the plane, lies within the outline. O(rim). */
-int vor_band_within(const struct vor_band *band, const double u[2]);
+                                       const struct vor_domain *domain,
+                                       const struct vor_loops *loops, size_t which,
+                                       const struct vor_run *run, struct vor_error *err);
 
 /** band may be all zero. */
 void vor_band_free(struct vor_band *band);

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/spline.h"
+#include "core/knn/cells.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -11,7 +12,8 @@ enum {
     /* Most points that a spline goes through: it takes the cube of them, 30 ms. A hole of ten
      * spacings has 250 around it. */
     CENTRES = 400,
-    BLOCK = 256,        /* new points of one task */
+    BLOCK = 256,        /* places, or new points, of one task */
+    TURN = 1024,        /* points of the band between two looks at whether to go on */
     AT_A_TIME = 1 << 16 /* places that are computed before any is taken */
 };
 
@@ -35,18 +37,6 @@ enum {
 /* Share of the new points with such a one above which another part of the input is there. */
 #define COVERED 0.25
 
-#define NONE UINT32_MAX
-
-/* Points of the band and new ones by where they are: cells are lists, a table has the first of
- * those whose hashes agree. */
-struct cells {
-    double wide;
-    size_t mask;
-    uint32_t *first; /* mask + 1 */
-    uint32_t *next;  /* room */
-    size_t n, room;
-};
-
 /* A hole being filled. */
 struct fill {
     struct vor_filling *filling;
@@ -55,12 +45,12 @@ struct fill {
     struct vor_memory *memory;
     struct vor_band band;
     struct vor_spline spline;
-    double scale;        /* places of the spline are those of the plane times this */
-    double low[2];       /* least corner of the outline */
-    size_t side[2], row; /* places along u and v; first row of those that are computed */
-    double *place;       /* those rows, in space; NAN outside the outline */
-    struct cells cells;
-    size_t before; /* points of the filling when this hole began */
+    double scale;           /* places of the spline are those of the plane times this */
+    double low[2];          /* least corner of the outline */
+    size_t side[2], row;    /* places along u and v; first row of those that are computed */
+    double *place;          /* those rows, in space; NAN outside the outline */
+    struct vor_cells cells; /* points of the band and new ones */
+    size_t before;          /* points of the filling when this hole began */
     atomic_size_t in_the_way;
 };
 
@@ -85,26 +75,30 @@ void vor_filling_free(struct vor_filling *filling)
     memset(filling, 0, sizeof *filling);
 }
 
-/* Chooses points of the band that lie `gap` apart in the plane, those of the loop first. Returns
+/* Chooses points of the band that lie `gap` apart in the plane, those of the loop first. *count is
  * how many, or CENTRES + 1 if there are more than CENTRES. */
-static size_t choose(uint32_t *chosen, const struct vor_band *band, double gap)
+static vor_status choose(size_t *count, uint32_t *chosen, const struct vor_band *band, double gap,
+                         const struct vor_run *run, struct vor_error *err)
 {
-    size_t count = 0;
+    vor_status status = VOR_OK;
 
-    for (size_t i = 0; i < band->count && count <= CENTRES; i++) {
+    *count = 0;
+    for (size_t i = 0; i < band->count && *count <= CENTRES && status == VOR_OK; i++) {
         const double *u = &band->at[2 * i];
         int is_far = 1;
 
-        for (size_t j = 0; j < count && is_far; j++) {
+        for (size_t j = 0; j < *count && is_far; j++) {
             const double *v = &band->at[2 * (size_t)chosen[j]];
             double x = u[0] - v[0], y = u[1] - v[1];
 
             is_far = x * x + y * y >= gap * gap;
         }
         if (is_far)
-            chosen[count++] = (uint32_t)i;
+            chosen[(*count)++] = (uint32_t)i;
+        if (i % TURN == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
     }
-    return count;
+    return status;
 }
 
 /* Sets the scale and the corner of the places. False if there would be too many of them. */
@@ -162,107 +156,59 @@ static vor_status fit_to(struct fill *fill, const uint32_t *chosen, size_t count
 /* Fits the spline to points of the band, as many as it can take.
  *
  * @retval VOR_E_DEGENERATE they determine none; without a message */
-static vor_status fit(struct fill *fill, struct vor_error *err)
+static vor_status fit(struct fill *fill, const struct vor_run *run, struct vor_error *err)
 {
     uint32_t chosen[CENTRES + 1];
     double gap = CENTRE_GAP * fill->loop->spacing;
     size_t count;
+    vor_status status = choose(&count, chosen, &fill->band, gap, run, err);
 
-    while ((count = choose(chosen, &fill->band, gap)) > CENTRES)
+    while (status == VOR_OK && count > CENTRES) {
         gap *= GAP_GROWTH;
-    return fit_to(fill, chosen, count, gap, err);
+        status = choose(&count, chosen, &fill->band, gap, run, err);
+    }
+    return status == VOR_OK ? fit_to(fill, chosen, count, gap, err) : status;
 }
 
-static void row_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Computes places of the rows, one after another. */
+static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct fill *fill = ctx;
     double step = STEP * fill->loop->spacing;
 
     (void)worker;
-    for (size_t j = begin; j < end; j++)
-        for (size_t i = 0; i < fill->side[0]; i++) {
-            double *x = &fill->place[3 * (j * fill->side[0] + i)];
-            double u[2] = {fill->low[0] + (double)i * step,
-                           fill->low[1] + (double)(fill->row + j) * step};
+    for (size_t k = begin; k < end; k++) {
+        size_t column = k % fill->side[0], row = fill->row + k / fill->side[0];
+        double u[2] = {fill->low[0] + (double)column * step, fill->low[1] + (double)row * step};
+        double *x = &fill->place[3 * k];
 
-            x[0] = NAN;
-            if (!vor_band_within(&fill->band, u))
-                continue;
-            u[0] *= fill->scale;
-            u[1] *= fill->scale;
-            vor_spline_at(&fill->spline, u, x);
-        }
-}
-
-/* Point number i of the cells: those of the band come first. */
-static const float *in_cells(const struct fill *fill, size_t i)
-{
-    return i < fill->band.count ? &fill->domain->xyz[3 * (size_t)fill->band.point[i]]
-                                : &fill->filling->xyz[3 * (fill->before + i - fill->band.count)];
-}
-
-/* Entry of the table for the cell of x, or for one beside it. */
-static uint32_t *cell_of(const struct fill *fill, const float *x, const int beside[3])
-{
-    uint64_t hash = 0;
-
-    for (int c = 0; c < 3; c++) {
-        int64_t at = (int64_t)floor((double)x[c] / fill->cells.wide) + beside[c];
-
-        hash = (hash ^ (uint64_t)at) * 0x9e3779b97f4a7c15ULL;
-        hash ^= hash >> 29;
+        x[0] = NAN;
+        if (!vor_polygon_within(&fill->band.polygon, u))
+            continue;
+        u[0] *= fill->scale;
+        u[1] *= fill->scale;
+        vor_spline_at(&fill->spline, u, x);
     }
-    return &fill->cells.first[hash & fill->cells.mask];
 }
 
 /* Makes the cells, of the points of the band alone. */
 static vor_status make_cells(struct fill *fill, struct vor_error *err)
 {
-    struct cells *cells = &fill->cells;
-    size_t many =
-        fill->band.count + (size_t)(STEP * STEP * (double)fill->side[0] * (double)fill->side[1]);
+    struct vor_cells *cells = &fill->cells;
+    double many = STEP * STEP * (double)fill->side[0] * (double)fill->side[1];
+    vor_status status;
 
-    cells->wide = APART * fill->loop->spacing;
-    for (cells->mask = 63; cells->mask < 2 * many; cells->mask = 2 * cells->mask + 1)
-        ;
-    cells->room = many;
-    cells->first = vor_malloc(fill->memory, cells->mask + 1, sizeof *cells->first);
-    cells->next = vor_malloc(fill->memory, cells->room, sizeof *cells->next);
-    if (cells->first == NULL || cells->next == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "cells of a hole");
-    memset(cells->first, 0xff, (cells->mask + 1) * sizeof *cells->first);
-    for (cells->n = 0; cells->n < fill->band.count; cells->n++) {
-        uint32_t *first = cell_of(fill, in_cells(fill, cells->n), (int[3]){0, 0, 0});
-
-        cells->next[cells->n] = *first;
-        *first = (uint32_t)cells->n;
-    }
-    return VOR_OK;
-}
-
-static int is_near(const struct fill *fill, uint32_t i, const float *x)
-{
-    return vor_distance2f(in_cells(fill, i), x) < fill->cells.wide * fill->cells.wide;
-}
-
-/* Whether no point is too near to x. */
-static int is_free(const struct fill *fill, const float *x)
-{
-    for (int k = 0; k < 27; k++) {
-        int beside[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-
-        for (uint32_t i = *cell_of(fill, x, beside); i != NONE; i = fill->cells.next[i])
-            if (is_near(fill, i, x))
-                return 0;
-    }
-    return 1;
+    *cells = (struct vor_cells){.memory = fill->memory, .wide = APART * fill->loop->spacing};
+    status = vor_cells_reserve(cells, fill->band.count + (size_t)many, err);
+    for (size_t i = 0; i < fill->band.count && status == VOR_OK; i++)
+        status = vor_cells_add(cells, &fill->domain->xyz[3 * (size_t)fill->band.point[i]], err);
+    return status;
 }
 
 /* Makes room for one more point. */
 static vor_status grow(struct fill *fill, struct vor_error *err)
 {
     struct vor_filling *filling = fill->filling;
-    struct cells *cells = &fill->cells;
 
     if (filling->n == filling->room) {
         size_t room = 2 * filling->room + BLOCK;
@@ -276,14 +222,6 @@ static vor_status grow(struct fill *fill, struct vor_error *err)
             return vor_fail(err, VOR_E_NOMEM, "%zu points in holes", room);
         filling->room = room;
     }
-    if (cells->n == cells->room) {
-        uint32_t *next = vor_realloc(fill->memory, cells->next, 2 * cells->room, sizeof *next);
-
-        if (next == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "cells of a hole");
-        cells->next = next;
-        cells->room *= 2;
-    }
     return VOR_OK;
 }
 
@@ -292,7 +230,6 @@ static vor_status try_place(struct fill *fill, const double place[3], int *insid
                             struct vor_error *err)
 {
     vor_status status;
-    uint32_t *first;
     float x[3];
 
     if (isnan(place[0]))
@@ -300,19 +237,17 @@ static vor_status try_place(struct fill *fill, const double place[3], int *insid
     *inside &= vor_dot(place, place) <= fill->loop->length * fill->loop->length;
     for (int c = 0; c < 3; c++)
         x[c] = (float)(fill->band.middle[c] + place[c]);
-    if (!*inside || !is_free(fill, x))
+    if (!*inside || vor_cells_has(&fill->cells, x, fill->cells.wide))
         return VOR_OK;
     status = grow(fill, err);
     if (status != VOR_OK)
         return status;
     memcpy(&fill->filling->xyz[3 * fill->filling->n++], x, sizeof x);
-    first = cell_of(fill, x, (int[3]){0, 0, 0});
-    fill->cells.next[fill->cells.n] = *first;
-    *first = (uint32_t)fill->cells.n++;
-    return VOR_OK;
+    return vor_cells_add(&fill->cells, x, err);
 }
 
-/* Puts points on the spline, some rows of places at a time. */
+/* Puts points on the spline, some rows of places at a time. A hole that is not done when the time
+ * of the run is over stays open. */
 static vor_status put_points(struct fill *fill, int *inside, const struct vor_run *run,
                              struct vor_error *err)
 {
@@ -325,7 +260,8 @@ static vor_status put_points(struct fill *fill, int *inside, const struct vor_ru
     for (; status == VOR_OK && *inside && fill->row < fill->side[1]; fill->row += rows) {
         if (rows > fill->side[1] - fill->row)
             rows = fill->side[1] - fill->row;
-        status = vor_run_for(run, rows, 1, row_block, fill, err);
+        status = vor_run_for(run, rows * fill->side[0], BLOCK, place_block, fill, err);
+        *inside &= !vor_run_is_late(run);
         for (size_t i = 0; status == VOR_OK && i < rows * fill->side[0]; i++)
             status = try_place(fill, &fill->place[3 * i], inside, err);
     }
@@ -363,7 +299,7 @@ static vor_status fill_it(struct fill *fill, int *closed, const struct vor_run *
     *closed = 0;
     if (!frame(fill))
         return VOR_OK;
-    status = fit(fill, err);
+    status = fit(fill, run, err);
     if (status == VOR_E_DEGENERATE)
         return VOR_OK;
     if (status == VOR_OK)
@@ -385,16 +321,19 @@ vor_status vor_fill_hole(struct vor_filling *filling, int *closed, size_t loop,
                         .loop = of,
                         .memory = filling->domain->memory,
                         .before = filling->n};
-    vor_status status = vor_band_find(&fill.band, &filling->search, filling->domain,
-                                      &filling->loops->point[of->first], of, err);
+    vor_status status = VOR_OK;
 
+    *closed = 0;
+    if (vor_run_is_late(run))
+        return VOR_OK;
+    status = vor_band_find(&fill.band, &filling->search, filling->domain, filling->loops, loop, run,
+                           err);
     if (status == VOR_OK)
         status = fill_it(&fill, closed, run, err);
     if (status != VOR_OK || !*closed)
         filling->n = fill.before;
     vor_free(fill.memory, fill.place);
-    vor_free(fill.memory, fill.cells.next);
-    vor_free(fill.memory, fill.cells.first);
+    vor_cells_free(&fill.cells);
     vor_spline_free(&fill.spline);
     vor_band_free(&fill.band);
     return status;

@@ -38,14 +38,14 @@ VOR_NODISCARD vor_status vor_filling_init(struct vor_filling *out, const struct 
  *  @param[in,out] filling  its points are added
  *  @param[out]    closed   0, and nothing is added, where the hole cannot be closed: the points
  *                          around it determine no surface, it would take more than VOR_FILL_POINTS,
- *                          or another part of the input is where they would go
+ *                          another part of the input is where they would go, or the run is late
  *  @param[in]     loop     0 .. loops->count - 1
  *
  *  @retval VOR_E_NOMEM
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
- *  O(m^3 + p m), m the points around the loop, a few hundred at most, p those it is filled with; on
- *  the run's pool. The same points for any number of threads. */
+ *  O(m^3 + p m + b (m + log b)), m some of the b points around the loop, 400 at most, p those it is
+ *  filled with; on the run's pool. The same points for any number of threads. */
 VOR_NODISCARD vor_status vor_fill_hole(struct vor_filling *filling, int *closed, size_t loop,
                                        const struct vor_run *run, struct vor_error *err);
 

@@ -3,11 +3,17 @@
 #include "core/base/linalg.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
     AROUND = 24, /* feet that are looked at around a place */
-    NEAR = 20    /* points of a spacing */
+    NEAR = 20,   /* points of a spacing */
+    TURN = 256,  /* places between two looks at whether to go on */
+    /* A line has come back to itself where the feet within a step were passed that many places
+     * before, or more, so many places in turn. */
+    BEFORE = 8,
+    AGAIN = 3
 };
 
 /* Spacings from one place of a line to the next, and within which feet count. */
@@ -20,20 +26,30 @@ enum {
 /* Spacings: a shorter line is none. */
 #define LEAST 3.0
 
+/* Where a line passed a foot: how many places from where it began, below 0 the other way. */
+struct pass {
+    uint32_t line; /* the foot that it began at, plus 1 */
+    int32_t at;
+};
+
 /* Edges being followed. */
 struct follow {
     const struct vor_domain *domain;
+    const struct vor_run *run;
     struct vor_memory *memory;
     struct vor_ridges *ridges;
     size_t n, room;      /* feet; places that there is room for */
     float *foot, *way;   /* n x 3 */
     unsigned char *used; /* n: a line went along there */
+    struct pass *pass;   /* n: the last line that passed, and where it did first */
     struct vor_knn *knn;
 };
 
 /* Where a line has come to. */
 struct head {
     double at[3], way[3];
+    struct pass pass;
+    int is_back; /* the feet around were passed by the same line before */
 };
 
 /* Spacing of the input around x: that of a square lattice as dense. */
@@ -51,8 +67,17 @@ static double spacing_at(const struct vor_domain *domain, const float *x)
 struct vote {
     double off[3], way[3]; /* sums: of their offsets, and of the ways of their edges */
     unsigned count, fresh; /* how many, and no line went along there */
+    unsigned near, back;   /* within a step, and were passed by the same line before */
     int ahead;             /* some lie ahead */
 };
+
+/* Notes that the head passes a foot. True if its line did so before. */
+static int pass(struct pass *foot, const struct head *head)
+{
+    if (foot->line != head->pass.line)
+        *foot = head->pass;
+    return abs(foot->at - head->pass.at) > BEFORE;
+}
 
 /* Asks the feet around `at` whose edges run about the way of the head. */
 static void ask(struct vote *vote, const struct follow *follow, const struct head *head,
@@ -85,6 +110,10 @@ static void ask(struct vote *vote, const struct follow *follow, const struct hea
         }
         vote->count++;
         vote->fresh += !follow->used[index[j]];
+        if ((double)distance2[j] <= STEP * STEP * spacing * spacing) {
+            vote->near++;
+            vote->back += (unsigned)pass(&follow->pass[index[j]], head);
+        }
         vote->ahead |= vor_dot(d, head->way) > 0;
     }
 }
@@ -97,6 +126,7 @@ static int settle(struct head *head, const struct follow *follow, double spacing
     double along, length;
 
     ask(&vote, follow, head, spacing);
+    head->is_back = vote.near > 0 && vote.back == vote.near;
     length = sqrt(vor_dot(vote.way, vote.way));
     if (!vote.ahead || vote.fresh == 0 || !(length > 0))
         return 0;
@@ -125,19 +155,23 @@ static vor_status put(struct follow *follow, const struct head *head, struct vor
     return VOR_OK;
 }
 
-/* Follows an edge from a head on; *closed says that it came back to where the line began. */
-static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head head,
+/* Follows an edge from a head on; ridge->closed says that it came back to where the line began. A
+ * line that comes back to another of its places ends there. */
+static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head head, int32_t way,
                      struct vor_error *err)
 {
+    struct vor_ridges *ridges = follow->ridges;
     const struct head begin = head;
     double step = STEP * ridge->spacing, gone = 0;
     vor_status status = VOR_OK;
+    size_t again = 0;
 
-    while (status == VOR_OK && follow->ridges->places - ridge->first < 8 * follow->n) {
+    while (status == VOR_OK && ridges->places - ridge->first < 8 * follow->n) {
         double d[3];
 
         for (int c = 0; c < 3; c++)
             head.at[c] += step * head.way[c];
+        head.pass.at += way;
         if (!settle(&head, follow, ridge->spacing))
             break;
         for (int c = 0; c < 3; c++)
@@ -147,7 +181,14 @@ static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head
             ridge->closed = 1;
             break;
         }
+        again = head.is_back ? again + 1 : 0;
         status = put(follow, &head, err);
+        if (again == AGAIN) {
+            ridges->places -= AGAIN;
+            break;
+        }
+        if (status == VOR_OK && ridges->places % TURN == 0)
+            status = vor_run_answered(vor_run_poll(follow->run), err);
     }
     return status;
 }
@@ -186,7 +227,7 @@ static vor_status follow_from(struct follow *follow, size_t i, struct vor_error 
     struct vor_ridges *ridges = follow->ridges;
     struct vor_ridge ridge = {.first = ridges->places,
                               .spacing = spacing_at(follow->domain, &follow->foot[3 * i])};
-    struct head head;
+    struct head head = {.pass = {.line = (uint32_t)i + 1}};
     vor_status status;
 
     follow->used[i] = 1;
@@ -196,14 +237,14 @@ static vor_status follow_from(struct follow *follow, size_t i, struct vor_error 
     }
     if (!(ridge.spacing > 0) || !settle(&head, follow, ridge.spacing))
         return VOR_OK;
-    status = go(follow, &ridge, head, err);
+    status = go(follow, &ridge, head, 1, err);
     reverse(&ridges->xyz[3 * ridge.first], ridges->places - ridge.first);
     if (status == VOR_OK)
         status = put(follow, &head, err);
     for (int c = 0; c < 3; c++)
         head.way[c] = -head.way[c];
     if (status == VOR_OK && !ridge.closed)
-        status = go(follow, &ridge, head, err);
+        status = go(follow, &ridge, head, 1, err);
     ridge.count = ridges->places - ridge.first;
     if (status == VOR_OK && (double)ridge.count * STEP >= LEAST) {
         use(follow, &ridge);
@@ -223,9 +264,10 @@ static vor_status take_feet(struct follow *follow, const struct vor_edges *edges
     follow->foot = vor_malloc(follow->memory, m, 3 * sizeof *follow->foot);
     follow->way = vor_malloc(follow->memory, m, 3 * sizeof *follow->way);
     follow->used = vor_calloc(follow->memory, m, sizeof *follow->used);
+    follow->pass = vor_calloc(follow->memory, m, sizeof *follow->pass);
     follow->ridges->ridge = vor_malloc(follow->memory, m, sizeof *follow->ridges->ridge);
     if (follow->foot == NULL || follow->way == NULL || follow->used == NULL ||
-        follow->ridges->ridge == NULL)
+        follow->pass == NULL || follow->ridges->ridge == NULL)
         return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", m);
     for (size_t i = 0; i < edges->n; i++) {
         if (!edges->flag[i])
@@ -237,16 +279,19 @@ static vor_status take_feet(struct follow *follow, const struct vor_edges *edges
 }
 
 vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *domain,
-                             const struct vor_edges *edges, struct vor_error *err)
+                             const struct vor_edges *edges, const struct vor_run *run,
+                             struct vor_error *err)
 {
     struct vor_ridges ridges = {.memory = domain->memory};
-    struct follow follow = {.domain = domain, .memory = domain->memory, .ridges = &ridges};
+    struct follow follow = {
+        .domain = domain, .run = run, .memory = domain->memory, .ridges = &ridges};
     vor_status status = edges->flagged > 0 ? take_feet(&follow, edges, err) : VOR_OK;
 
     for (size_t i = 0; status == VOR_OK && i < follow.n; i++)
         if (!follow.used[i])
             status = follow_from(&follow, i, err);
     vor_knn_free(follow.knn);
+    vor_free(follow.memory, follow.pass);
     vor_free(follow.memory, follow.used);
     vor_free(follow.memory, follow.way);
     vor_free(follow.memory, follow.foot);

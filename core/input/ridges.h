@@ -4,7 +4,7 @@
  *  A line begins at a foot that no line went along yet, and goes half a spacing at a time the way
  *  that the edge runs there, back onto the mean of the feet around. It ends where no foot lies
  *  ahead whose edge runs that way, at a corner or where the edge fades out, or where it comes back
- *  to its beginning. */
+ *  to its beginning, or to another of its places. */
 #ifndef VOR_INPUT_RIDGES_H
 #define VOR_INPUT_RIDGES_H
 
@@ -29,11 +29,13 @@ struct vor_ridges {
  *
  *  @param[out] out  free with vor_ridges_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 80 bytes a flagged point do not fit
+ *  @retval VOR_E_NOMEM 88 bytes a flagged point do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_poll answers, asked along each line
  *
  *  O(m log m) in the flagged points, one thread. The same lines for any number of threads. */
 VOR_NODISCARD vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *domain,
-                                           const struct vor_edges *edges, struct vor_error *err);
+                                           const struct vor_edges *edges, const struct vor_run *run,
+                                           struct vor_error *err);
 
 /** ridges may be all zero. */
 void vor_ridges_free(struct vor_ridges *ridges);

@@ -7,7 +7,6 @@
 #include "core/seeds/aspects.h"
 #include "core/seeds/uniformity.h"
 
-#include <assert.h>
 #include <string.h>
 
 /* Transfers attributes and normals to the points. */
@@ -76,11 +75,9 @@ static void report_comparison(struct vor_report *report, const struct vor_compar
     report->ref_to_out = in_unit(&found->ref_to_out, unit);
     report->out_to_ref = in_unit(&found->out_to_ref, unit);
     report->boundary_points = found->border;
-    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX; k++)
-        if (found->fitted[k] > 0) {
-            assert(report->fitted_count < VOR_FITTED_MAX);
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX && report->fitted_count < VOR_FITTED_MAX; k++)
+        if (found->fitted[k] > 0)
             report->fitted[report->fitted_count++] = (struct vor_fitted){k, found->fitted[k]};
-        }
 }
 
 void vor_output_report_uniformity(struct vor_report *report, const struct vor_uniformity *even,

@@ -31,7 +31,7 @@ struct vor_fitted {
 };
 
 /** Most different numbers in a report: those of the ladder in input/neighbors.c, VOR_REFINED_TO and
- *  a given one. */
+ *  a given one; the lowest of more. */
 #define VOR_FITTED_MAX 8
 #define VOR_FIELD_FITTED(field)                                                                    \
     struct vor_fitted field[VOR_FITTED_MAX];                                                       \
@@ -133,7 +133,7 @@ enum vor_hole_outcome {
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
       "filled, or the reason that it stayed open. rim: auto fills only holes; too-long: longer "   \
       "than holeMax; not-chosen: holes lists other numbers; not-closed: no surface was found to "  \
-      "close it, or another part of the input is in the way")                                      \
+      "close it, another part of the input is in the way, or the time was over")                   \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
       "Centre of the line through its points, in the coordinates of the cloud")                    \

@@ -7,6 +7,7 @@
 #include "core/input/loops.h"
 #include "core/input/neighbors.h"
 #include "core/input/ridges.h"
+#include "core/knn/cells.h"
 
 #include <math.h>
 #include <string.h>
@@ -317,16 +318,10 @@ struct place_on {
     size_t n; /* points of the result */
     double h; /* their spacing */
     int is_edge;
+    const struct vor_run *run;
+    struct vor_cells cells;   /* the sites */
+    size_t room, places_room; /* of the sites, and their places */
 };
-
-/* Whether a site is as near to x as `same` spacings. */
-static int has_site(const struct vor_sites *sites, const float x[3], double same)
-{
-    for (size_t i = 0; i < sites->n; i++)
-        if (vor_distance2f(&sites->xyz[3 * i], x) < same * same)
-            return 1;
-    return 0;
-}
 
 /* Adds the places of a gap, from walker i to the next: the walker's and the one halfway. */
 static void add_places(struct vor_sites *sites, const struct place_on *on,
@@ -349,15 +344,21 @@ static void add_places(struct vor_sites *sites, const struct place_on *on,
     }
 }
 
-/* Makes room for walkers and the places of their gaps. */
-static vor_status make_room(struct vor_sites *sites, const struct walkers *walkers,
+/* Makes room for walkers and the places of their gaps, and for as many again. */
+static vor_status make_room(struct place_on *on, const struct walkers *walkers,
                             struct vor_error *err)
 {
+    struct vor_sites *sites = on->sites;
     size_t n = sites->n + walkers->n, places = sites->places + 2 * walkers->gaps;
-    float *xyz = vor_realloc(sites->memory, sites->xyz, n, 3 * sizeof *xyz);
-    float *place = vor_realloc(sites->memory, sites->place, places, 3 * sizeof *place);
-    float *outward = vor_realloc(sites->memory, sites->outward, places, 3 * sizeof *outward);
+    float *xyz, *place, *outward;
 
+    if (n <= on->room && places <= on->places_room)
+        return VOR_OK;
+    on->room = 2 * n;
+    on->places_room = 2 * places;
+    xyz = vor_realloc(sites->memory, sites->xyz, on->room, 3 * sizeof *xyz);
+    place = vor_realloc(sites->memory, sites->place, on->places_room, 3 * sizeof *place);
+    outward = vor_realloc(sites->memory, sites->outward, on->places_room, 3 * sizeof *outward);
     sites->xyz = xyz != NULL ? xyz : sites->xyz;
     sites->place = place != NULL ? place : sites->place;
     sites->outward = outward != NULL ? outward : sites->outward;
@@ -368,17 +369,15 @@ static vor_status make_room(struct vor_sites *sites, const struct walkers *walke
 
 /* Adds walkers as sites, those of a border where the surface around them is, those of an edge
  * unless there is one already. */
-static vor_status add_sites(const struct place_on *on, const struct walkers *walkers,
+static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
                             struct vor_error *err)
 {
     struct vor_sites *sites = on->sites;
-    vor_status status = make_room(sites, walkers, err);
+    vor_status status = make_room(on, walkers, err);
 
-    if (status != VOR_OK)
-        return status;
-    for (size_t i = 0; i < walkers->gaps; i++)
+    for (size_t i = 0; i < walkers->gaps && status == VOR_OK; i++)
         add_places(sites, on, walkers, i);
-    for (size_t i = 0; i < walkers->n; i++) {
+    for (size_t i = 0; i < walkers->n && status == VOR_OK; i++) {
         float *to = &sites->xyz[3 * sites->n];
         double *x = &walkers->xyz[3 * i];
 
@@ -386,25 +385,28 @@ static vor_status add_sites(const struct place_on *on, const struct walkers *wal
             put_onto(on->domain, x);
         for (size_t c = 0; c < 3; c++)
             to[c] = (float)x[c];
-        if (!on->is_edge || !has_site(sites, to, SAME * on->h * unit_at(&on->domain->field, x)))
-            sites->n++;
+        if (on->is_edge &&
+            vor_cells_has(&on->cells, to, SAME * on->h * unit_at(&on->domain->field, x)))
+            continue;
+        status = vor_cells_add(&on->cells, to, err);
+        sites->n += status == VOR_OK;
     }
-    return VOR_OK;
+    return status;
 }
 
 /* Puts sites on a line, fewer than there are points in all. */
-static vor_status put_on(const struct place_on *on, const struct line *line, struct vor_error *err)
+static vor_status put_on(struct place_on *on, const struct line *line, struct vor_error *err)
 {
     struct vor_memory *memory = on->sites->memory;
     int closed = line->parts == line->n;
     size_t most = on->n - 1 - on->sites->n, least = closed ? LEAST : 1;
     size_t gaps = (size_t)rint(line->sum[line->parts] / on->h);
     struct walkers walkers = {.n = 0};
-    vor_status status = VOR_OK;
+    vor_status status = vor_run_answered(vor_run_poll(on->run), err);
 
     gaps = gaps < most ? gaps : most;
-    if (gaps < least || (!closed && gaps == most))
-        return VOR_OK;
+    if (status != VOR_OK || gaps < least || (!closed && gaps == most))
+        return status;
     walkers.xyz = vor_malloc(memory, gaps + 1, 3 * sizeof *walkers.xyz);
     walkers.along = vor_malloc(memory, gaps + 1, sizeof *walkers.along);
     walkers.apart = vor_malloc(memory, gaps + 1, sizeof *walkers.apart);
@@ -436,6 +438,7 @@ static double spacing_for(double n, double area, double length)
 static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops, double area,
                               struct vor_error *err)
 {
+    const struct vor_field *field = &on->domain->field;
     double length = 0;
 
     for (size_t l = 0; l < loops->count; l++) {
@@ -451,10 +454,12 @@ static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops
         line_free(&line);
     }
     on->h = APART * spacing_for((double)on->n, area, length);
+    on->cells.memory = on->sites->memory;
+    on->cells.wide = SAME * on->h * (vor_field_is(field) ? field->most : 1);
     return VOR_OK;
 }
 
-static vor_status put_on_loops(const struct place_on *on, const struct vor_loops *loops,
+static vor_status put_on_loops(struct place_on *on, const struct vor_loops *loops,
                                struct vor_error *err)
 {
     vor_status status = VOR_OK;
@@ -471,7 +476,7 @@ static vor_status put_on_loops(const struct place_on *on, const struct vor_loops
     return status;
 }
 
-static vor_status put_on_ridges(const struct place_on *on, const struct vor_ridges *ridges,
+static vor_status put_on_ridges(struct place_on *on, const struct vor_ridges *ridges,
                                 struct vor_error *err)
 {
     vor_status status = VOR_OK;
@@ -514,7 +519,7 @@ static vor_status on_edges(struct place_on *on, const struct vor_run *run, struc
 
     on->is_edge = 1;
     if (status == VOR_OK)
-        status = vor_ridges_follow(&ridges, on->domain, &edges, err);
+        status = vor_ridges_follow(&ridges, on->domain, &edges, run, err);
     if (status == VOR_OK)
         status = put_on_ridges(on, &ridges, err);
     vor_ridges_free(&ridges);
@@ -527,7 +532,7 @@ vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain
                           struct vor_error *err)
 {
     struct vor_sites sites = {.memory = run->memory};
-    struct place_on on = {.sites = &sites, .domain = domain, .n = wanted->n};
+    struct place_on on = {.sites = &sites, .domain = domain, .n = wanted->n, .run = run};
     double even = domain->field.even, area = wanted->area;
     vor_status status;
 
@@ -536,6 +541,7 @@ vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain
     status = on_borders(&on, wanted, area, run, err);
     if (status == VOR_OK && wanted->edges)
         status = on_edges(&on, run, err);
+    vor_cells_free(&on.cells);
     if (status != VOR_OK) {
         vor_sites_free(&sites);
         return status;

@@ -1,10 +1,14 @@
 /* Work of stages whose loops an input or a parameter makes long: twice the input takes about twice
  * the work, and cancel is asked for in between. Core is compiled to count each branch that it takes
  * (gcc's -fsanitize-coverage=trace-pc), so that no clock judges. */
+#include "core/input/ridges.h"
+#include "core/output/order.h"
+#include "core/seeds/sites.h"
 #include "tests/support/vt_made.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* What twice the input may cost: O(n log n), and a little. */
@@ -53,52 +57,205 @@ static void ribbon(struct vor_cloud *cloud, size_t n)
     }
 }
 
+/* A square ring six points wide, around a hole that takes many more. */
+static void frame(struct vor_cloud *cloud, size_t n)
+{
+    size_t side = n / 24;
+
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        size_t along = i / 6 % side, turn = i / 6 / side;
+        double a = (double)along - (double)side / 2 + 0.4 * vt_unit(1, i),
+               b = (double)side / 2 - (double)(i % 6) + 0.4 * vt_unit(2, i);
+        float *x = &cloud->xyz[3 * i];
+
+        x[0] = (float)(turn == 0 ? a : turn == 1 ? b : turn == 2 ? -a : -b);
+        x[1] = (float)(turn == 0 ? b : turn == 1 ? -a : turn == 2 ? -b : a);
+        x[2] = 0;
+    }
+}
+
+/* A sheet folded at every eighth column. */
+static void folds(struct vor_cloud *cloud, size_t n)
+{
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double along = (double)(i % 128) + 0.4 * vt_unit(1, i), fold = fmod(along, 16);
+
+        cloud->xyz[3 * i] = (float)along;
+        cloud->xyz[3 * i + 1] = (float)((double)(i / 128) + 0.4 * vt_unit(2, i));
+        cloud->xyz[3 * i + 2] = (float)(fold < 8 ? fold : 16 - fold);
+    }
+}
+
+/* A ball and a point two million radii away, which is at 1. */
+static void far(struct vor_cloud *cloud, size_t n)
+{
+    vt_cloud_sphere(cloud, 1, n);
+    for (size_t i = 0; i < 3 * n; i++)
+        cloud->xyz[i] = i > 2 ? cloud->xyz[i] / 2e6F : i == 0;
+}
+
+static vor_status make(struct vt_made *made)
+{
+    return vt_made_make(made, made->cloud.n / 3);
+}
+
+static vor_status put_sites(struct vt_made *made)
+{
+    struct vor_sites_for wanted = {.n = 64 * made->cloud.n, .edges = 1};
+    struct vor_sites sites = {.memory = NULL};
+    vor_status status = make(made);
+
+    wanted.area = sqrt(2) * (double)made->cloud.n / (made->domain.unit * made->domain.unit);
+    begin();
+    if (status == VOR_OK)
+        status = vor_sites_find(&sites, &made->domain, &wanted, &made->engine.run, &vt_err);
+    ck_assert_uint_gt(sites.n, made->cloud.n / 4);
+    vor_sites_free(&sites);
+    return status;
+}
+
+static vor_status put_in_order(struct vt_made *made)
+{
+    const struct vor_cloud *cloud = &made->cloud;
+    uint32_t *order = malloc(cloud->n * sizeof *order);
+    vor_status status;
+
+    ck_assert_ptr_nonnull(order);
+    status =
+        vor_order_progressive(order, cloud->xyz, cloud->n, sqrt(4 * M_PI / (double)cloud->n) / 2e6,
+                              &made->engine.run, &vt_err);
+    free(order);
+    return status;
+}
+
 struct row {
     const char *name;
     void (*cloud)(struct vor_cloud *cloud, size_t n);
+    vor_status (*stage)(struct vt_made *made);
     size_t n;
     const char *set[8]; /* parameters and values */
 };
 
 static const struct row rows[] = {
-    {"density", ribbon, 4000, {"density", "attribute:rho", "contrast", "100", "grading", "0.001"}},
+    {"density",
+     ribbon,
+     make,
+     4000,
+     {"density", "attribute:rho", "contrast", "100", "grading", "0.001"}},
+    {"a hole of a long rim", ribbon, make, 8000, {"boundary", "fill", "holes", "1"}},
+    {"sites on edges", folds, put_sites, 4000, {NULL}},
+    {"an order beside a far point", far, put_in_order, 8000, {NULL}},
 };
 
-static size_t work_of(const struct row *row, size_t n)
-{
-    const struct vor_watch watch = {.poll = poll};
-    struct vt_made made = {.domain = {.n = 0}};
+static const struct row wide_hole = {
+    "a wide hole", frame, make, 3600, {"boundary", "fill", "holes", "2"}};
 
-    vt_engine_open(&made.engine, 1);
-    made.engine.run.watch = &watch;
-    row->cloud(&made.cloud, n);
-    vt_engine_count(&made.engine, "points", n / 3);
+static double read_work(void *ctx)
+{
+    (void)ctx;
+    return (double)work;
+}
+
+/* Runs a stage, which is late after so much work; 0 for never. Returns how much it did. */
+static size_t work_of(struct vt_made *made, const struct row *row, size_t n, size_t late)
+{
+    const struct vor_watch watch = {.poll = poll, .clock = read_work};
+
+    memset(made, 0, sizeof *made);
+    vt_engine_open(&made->engine, 1);
+    made->engine.run.watch = &watch;
+    made->engine.run.late = (double)late;
+    row->cloud(&made->cloud, n);
+    vt_engine_count(&made->engine, "points", n / 3);
     for (size_t i = 0; row->set[i] != NULL; i += 2)
-        vt_engine_set(&made.engine, row->set[i], row->set[i + 1]);
+        vt_engine_set(&made->engine, row->set[i], row->set[i + 1]);
     begin();
-    vt_assert_ok(vt_made_make(&made, n / 3));
+    vt_assert_ok(row->stage(made));
     (void)poll(NULL);
-    made.engine.run.watch = NULL;
-    vt_made_close(&made);
+    made->engine.run.watch = NULL;
     return asked;
 }
 
-static void grows(const char *name, size_t before, size_t after, size_t n)
+static size_t all_work_of(const struct row *row, size_t n)
 {
-    printf("# %s: %zu points %zu branches, twice as many %zu, in silence %zu\n", name, n, before,
-           after, silent);
-    ck_assert_msg((double)after <= DOUBLED * (double)before,
-                  "%s: %zu branches for %zu points, %zu for twice as many", name, before, n, after);
-    ck_assert_msg(silent <= SILENT + SILENT_EACH * n, "%s: %zu branches in silence", name, silent);
+    struct vt_made made;
+    size_t all = work_of(&made, row, n, 0);
+
+    printf("# %s: %zu points, %zu branches, %zu in silence\n", row->name, n, all, silent);
+    ck_assert_msg(silent <= SILENT + SILENT_EACH * n, "%s: %zu branches in silence", row->name,
+                  silent);
+    vt_made_close(&made);
+    return all;
 }
 
 START_TEST(twice_the_points_take_twice_the_work)
 {
     const struct row *row = &rows[_i];
-    size_t one = work_of(row, row->n), two = work_of(row, 2 * row->n);
+    size_t before = all_work_of(row, row->n);
 
-    grows(row->name, one, two, row->n);
-    grows(row->name, two, work_of(row, 4 * row->n), 2 * row->n);
+    for (size_t n = 2 * row->n; n <= 4 * row->n; n *= 2) {
+        size_t after = all_work_of(row, n);
+
+        ck_assert_msg((double)after <= DOUBLED * (double)before, "%s: %zu branches, then %zu",
+                      row->name, before, after);
+        before = after;
+    }
+}
+END_TEST
+
+START_TEST(a_hole_stays_open_once_the_time_is_over)
+{
+    struct vt_made made;
+    size_t all = all_work_of(&wide_hole, wide_hole.n);
+    size_t some = work_of(&made, &wide_hole, wide_hole.n, all / 2);
+
+    ck_assert_msg(some < all * 3 / 4, "%zu of %zu branches", some, all);
+    ck_assert_uint_eq(made.domain.known.holes.filled, 0);
+    ck_assert_uint_eq(made.domain.known.holes.not_closed, 1);
+    vt_made_close(&made);
+}
+END_TEST
+
+/* A straight edge that runs into a circle: the line ends where it comes back to itself. */
+START_TEST(a_line_follows_an_edge_once)
+{
+    enum { TAIL = 100, ROUND = 400, N = TAIL + ROUND, ACROSS = 5 };
+    const double radius = ROUND / (2 * M_PI);
+    struct vt_made made = {.domain = {.n = 0}};
+    struct vor_edges edges = {.n = N, .flagged = N};
+    unsigned char flag[N];
+    float way[3 * N] = {0}, foot[3 * N] = {0};
+    struct vor_ridges ridges;
+
+    vt_engine_open(&made.engine, 1);
+    vt_cloud_make(&made.cloud, ACROSS * N);
+    for (size_t i = 0; i < N; i++) {
+        double s = (double)i - TAIL, angle = s > 0 ? s / radius : 0;
+
+        flag[i] = 1;
+        way[3 * i] = (float)cos(angle);
+        way[3 * i + 1] = (float)sin(angle);
+        foot[3 * i] = (float)(s > 0 ? radius * sin(angle) : s);
+        foot[3 * i + 1] = (float)(radius * (1 - cos(angle)));
+        for (size_t j = 0; j < ACROSS; j++) {
+            memcpy(&made.cloud.xyz[3 * (ACROSS * i + j)], &foot[3 * i], 3 * sizeof *foot);
+            made.cloud.xyz[3 * (ACROSS * i + j) + 2] = (float)j;
+        }
+    }
+    vt_assert_ok(vor_domain_init(&made.domain, &made.cloud, &made.engine.run, &vt_err));
+    for (size_t i = 0; i < 3 * N; i++)
+        foot[i] = (float)((double)foot[i] / made.domain.unit);
+    edges.flag = flag;
+    edges.direction = way;
+    edges.foot = foot;
+    vt_assert_ok(vor_ridges_follow(&ridges, &made.domain, &edges, &made.engine.run, &vt_err));
+    ck_assert_uint_eq(ridges.count, 1);
+    ck_assert_double_eq_tol((double)ridges.places * ridges.ridge->spacing / 2 * made.domain.unit, N,
+                            N / 20);
+    vor_ridges_free(&ridges);
+    vt_made_close(&made);
 }
 END_TEST
 
@@ -107,5 +264,7 @@ int main(void)
     Suite *suite = suite_create("growth");
 
     vt_add_loop(suite, twice_the_points_take_twice_the_work, sizeof rows / sizeof *rows);
+    vt_add(suite, a_hole_stays_open_once_the_time_is_over);
+    vt_add(suite, a_line_follows_an_edge_once);
     return vt_run(suite);
 }
