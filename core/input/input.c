@@ -23,6 +23,19 @@ static int outliers_of(const struct vor_spec *spec)
     return vor_spec_only_filters(spec) ? VOR_OUTLIERS_KEEP : asked;
 }
 
+/* Makes the domain of a cloud. Where a few remote points are all that can be told apart, and
+ * outliers need not stay, it is that of the others. */
+static vor_status make(struct vor_domain *out, struct vor_outliers *outliers,
+                       const struct vor_cloud *in, const struct vor_spec *spec,
+                       const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = vor_domain_init(out, in, run, err);
+
+    if (status == VOR_E_DEGENERATE && outliers_of(spec) != VOR_OUTLIERS_KEEP)
+        status = vor_outliers_remote(outliers, out, in, run, err);
+    return status;
+}
+
 static vor_status take_outliers(struct vor_outliers *out, struct vor_domain *domain,
                                 const struct vor_spec *spec, const struct vor_run *run,
                                 struct vor_error *err)
@@ -164,9 +177,10 @@ static vor_status see(struct vor_domain *seen, const struct vor_cloud *in,
 {
     struct vor_outliers outliers = {.memory = run->memory};
     struct vor_spec spec;
-    vor_status status = vor_domain_init(seen, in, run, err);
+    vor_status status;
 
     vor_spec_preset(&spec, vor_process_find("inspect"));
+    status = make(seen, &outliers, in, &spec, run, err);
     if (status == VOR_OK)
         status = know(seen, &outliers, &spec, run, err);
     if (status == VOR_OK)
@@ -223,10 +237,10 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
     if (status == VOR_OK)
         status = vor_followed_check(in, spec, run, err);
     if (status == VOR_OK)
-        status = vor_domain_init(&domain, in, run, err);
+        status = make(&domain, &outliers, in, spec, run, err);
     if (status != VOR_OK)
         return status;
-    domain.known.distinct = domain.n;
+    domain.known.distinct = domain.n + outliers.n;
     status = condition(&domain, &outliers, in, spec, run, err);
     vor_outliers_free(&outliers);
     if (status != VOR_OK) {

@@ -3,6 +3,7 @@
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
+#include "core/input/remote.h"
 #include "core/input/sheets.h"
 
 #include <math.h>
@@ -282,14 +283,67 @@ static vor_status take_all(struct vor_domain *domain, struct vor_outliers *aside
     return status;
 }
 
-vor_status vor_outliers_take(struct vor_outliers *out, struct vor_domain *domain, int closer,
-                             const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_outliers aside = {.memory = domain->memory};
-    vor_status status = take_all(domain, &aside, 0, run, err);
+/* A cloud without its remote points. */
+struct rest {
+    const struct vor_cloud *in;
+    struct vor_remote remote;
+    struct vor_cloud near; /* of the others, the positions alone */
+    uint32_t *kept;        /* their numbers in the cloud */
+};
 
-    if (status == VOR_OK && closer)
-        status = take_all(domain, &aside, 1, run, err);
+/* Parts the points; there is room for all. */
+static void part(struct rest *rest, struct vor_outliers *aside)
+{
+    rest->near.n = 0;
+    for (size_t i = 0; i < rest->in->n; i++)
+        if (vor_remote_is(&rest->remote, rest->in, i)) {
+            aside->source[aside->n++] = (uint32_t)i;
+        } else {
+            memcpy(&rest->near.xyz[3 * rest->near.n], &rest->in->xyz[3 * i],
+                   3 * sizeof *rest->in->xyz);
+            rest->kept[rest->near.n++] = (uint32_t)i;
+        }
+}
+
+/* Makes the domain of the others. */
+static vor_status make_of_rest(struct vor_domain *domain, struct vor_outliers *aside,
+                               struct rest *rest, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status;
+
+    part(rest, aside);
+    status = vor_domain_init(domain, &rest->near, run, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < domain->n; i++)
+        domain->source[i] = rest->kept[domain->source[i]];
+    for (size_t i = 0; i < aside->n; i++)
+        vor_domain_normalise(domain, &rest->in->xyz[3 * (size_t)aside->source[i]],
+                             &aside->xyz[3 * i]);
+    return VOR_OK;
+}
+
+vor_status vor_outliers_remote(struct vor_outliers *out, struct vor_domain *domain,
+                               const struct vor_cloud *in, const struct vor_run *run,
+                               struct vor_error *err)
+{
+    struct vor_outliers aside = {.memory = run->memory};
+    struct rest rest = {.in = in, .near = *in};
+    vor_status status = VOR_E_NOMEM;
+
+    vor_remote_find(&rest.remote, in);
+    if (rest.remote.count == 0)
+        return VOR_E_DEGENERATE;
+    rest.kept = vor_malloc(run->memory, in->n, sizeof *rest.kept);
+    rest.near.xyz = vor_malloc(run->memory, in->n, 3 * sizeof *rest.near.xyz);
+    aside.xyz = vor_malloc(run->memory, rest.remote.count, 3 * sizeof *aside.xyz);
+    aside.source = vor_malloc(run->memory, rest.remote.count, sizeof *aside.source);
+    if (rest.kept == NULL || rest.near.xyz == NULL || aside.xyz == NULL || aside.source == NULL)
+        (void)vor_fail(err, status, "%zu points without the remote ones", in->n);
+    else
+        status = make_of_rest(domain, &aside, &rest, run, err);
+    vor_free(run->memory, rest.near.xyz);
+    vor_free(run->memory, rest.kept);
     if (status == VOR_OK)
         *out = aside;
     else
@@ -297,18 +351,23 @@ vor_status vor_outliers_take(struct vor_outliers *out, struct vor_domain *domain
     return status;
 }
 
+vor_status vor_outliers_take(struct vor_outliers *out, struct vor_domain *domain, int closer,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = take_all(domain, out, 0, run, err);
+
+    return status == VOR_OK && closer ? take_all(domain, out, 1, run, err) : status;
+}
+
 vor_status vor_outliers_drop(struct vor_domain *domain, size_t *dropped, const struct vor_run *run,
                              struct vor_error *err)
 {
-    struct vor_outliers aside;
+    struct vor_outliers aside = {.memory = domain->memory};
     vor_status status = vor_outliers_take(&aside, domain, 0, run, err);
 
-    *dropped = 0;
-    if (status != VOR_OK)
-        return status;
     *dropped = aside.n;
     vor_outliers_free(&aside);
-    return VOR_OK;
+    return status;
 }
 
 void vor_outliers_free(struct vor_outliers *outliers)

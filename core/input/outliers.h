@@ -50,13 +50,28 @@ struct vor_outliers {
     uint32_t *source; /**< n: as that of the domain */
 };
 
-/** vor_outliers_drop, and hands out what it dropped.
+/** Makes the domain of a cloud without its remote points (input/remote.h), beside which
+ *  vor_domain_init could tell no others apart; hands these out as outliers.
+ *
+ *  @param[out] out     free with vor_outliers_free; untouched on failure
+ *  @param[out] domain  as of vor_domain_init
+ *
+ *  @retval VOR_E_DEGENERATE  none is remote, and err is untouched; or as vor_domain_init
+ *  @retval VOR_E_NOMEM 16 bytes a point more than vor_domain_init do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  As vor_domain_init. */
+VOR_NODISCARD vor_status vor_outliers_remote(struct vor_outliers *out, struct vor_domain *domain,
+                                             const struct vor_cloud *in, const struct vor_run *run,
+                                             struct vor_error *err);
+
+/** vor_outliers_drop, and adds what it dropped to those in *out.
  *
  *  @param[in] closer  looks again, up to three times, and then also takes a point that is far off
  *                     the surface of the 20 points around it, or around the nearest other one:
  *                     farther than six times their residual and half a spacing. 11 us a point and
  *                     look
- *  @param[out] out  free with vor_outliers_free; untouched on failure
+ *  @param[in,out] out  has its memory, and may have outliers; free with vor_outliers_free
  *
  *  Fails as vor_outliers_drop. */
 VOR_NODISCARD vor_status vor_outliers_take(struct vor_outliers *out, struct vor_domain *domain,

@@ -58,29 +58,46 @@ static double usual(const struct vor_cloud *cloud, size_t step, const double mid
     return value[count / 2];
 }
 
+int vor_remote_is(const struct vor_remote *remote, const struct vor_cloud *cloud, size_t i)
+{
+    return remote->count > 0 && distance(cloud, i, remote->middle) > remote->near;
+}
+
+void vor_remote_find(struct vor_remote *out, const struct vor_cloud *cloud)
+{
+    size_t step = cloud->n / SAMPLES + 1;
+    struct vor_remote remote = {.count = 0};
+
+    for (size_t c = 0; c < 3 && cloud->n > 0; c++)
+        remote.middle[c] = median(cloud, step, c);
+    remote.near = cloud->n > 0 ? REMOTE * usual(cloud, step, remote.middle) : 0;
+    for (size_t i = 0; i < cloud->n; i++) {
+        double d = distance(cloud, i, remote.middle);
+
+        remote.count += (size_t)(d > remote.near);
+        remote.farthest = d > remote.far ? i : remote.farthest;
+        remote.far = d > remote.far ? d : remote.far;
+    }
+    if (remote.count * FEW > cloud->n)
+        remote.count = 0;
+    *out = remote;
+}
+
 void vor_remote_tell(const struct vor_cloud *cloud, struct vor_error *err)
 {
-    size_t step = cloud->n / SAMPLES + 1, which = 0, remote = 0, length;
-    double middle[3], far = 0, near, x[3];
+    struct vor_remote remote;
+    size_t length;
+    double x[3];
 
-    if (err == NULL || cloud->n == 0)
+    if (err == NULL)
         return;
-    for (size_t c = 0; c < 3; c++)
-        middle[c] = median(cloud, step, c);
-    near = REMOTE * usual(cloud, step, middle);
-    for (size_t i = 0; i < cloud->n; i++) {
-        double d = distance(cloud, i, middle);
-
-        remote += (size_t)(d > near);
-        which = d > far ? i : which;
-        far = d > far ? d : far;
-    }
-    if (!(far > near) || remote * FEW > cloud->n)
+    vor_remote_find(&remote, cloud);
+    if (remote.count == 0)
         return;
-    vor_cloud_position(cloud, which, x);
+    vor_cloud_position(cloud, remote.farthest, x);
     length = strlen(err->message);
     (void)snprintf(err->message + length, sizeof err->message - length,
                    "; point %zu at %.9g %.9g %.9g is %.3g away from the others, which float32 "
-                   "cannot tell apart at that distance: leave it out if it is an outlier",
-                   which, x[0], x[1], x[2], far);
+                   "cannot tell apart at that distance: outliers=drop leaves it out",
+                   remote.farthest, x[0], x[1], x[2], remote.far);
 }

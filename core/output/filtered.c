@@ -3,6 +3,7 @@
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
+#include "core/input/outliers.h"
 #include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
 #include "core/output/order.h"
@@ -67,7 +68,7 @@ static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
             continue;
         vor_domain_normalise(all, &work->in->xyz[3 * i], x);
         vor_knn_search(all->knn, x, 1, 1, &index, &distance2);
-        if (all->source[index] != i)
+        if (all->source[index] != i && !(distance2 > 0))
             work->place[i] = work->place[all->source[index]];
     }
 }
@@ -77,8 +78,12 @@ static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static vor_status join_twins(struct work *work, struct vor_error *err)
 {
     struct twins twins = {.work = work};
+    struct vor_outliers remote = {.memory = work->run->memory};
     vor_status status = vor_domain_init(&twins.all, work->in, work->run, err);
 
+    if (status == VOR_E_DEGENERATE) /* and yet the input was taken: input/input.c */
+        status = vor_outliers_remote(&remote, &twins.all, work->in, work->run, err);
+    vor_outliers_free(&remote);
     if (status != VOR_OK)
         return status;
     if (twins.all.n < work->in->n)

@@ -202,6 +202,9 @@ START_TEST(a_result_without_them_lies_on_the_surface)
     ck_assert_uint_eq(none, 0);
     ck_assert_uint_ge(some, STRAYS * 49 / 50);
     ck_assert_msg(without < with / 10, "%g off, %g with them", without, with);
+    cloud.xyz[0] = 1e9F; /* beside which float32 tells no others apart */
+    ck_assert_double_lt(off(&cloud, "cvt", "drop", &some), with / 10);
+    ck_assert_uint_ge(some, STRAYS * 49 / 50);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }

@@ -149,15 +149,15 @@ ON_DOMAIN(lattice)
 
 ON_DOMAIN(outliers)
 {
-    struct vor_outliers *out = (void *)call->out;
-    vor_status status = vor_outliers_take(out, domain, 1, call->run, &vt_err);
+    struct vor_outliers out = {.memory = call->run->memory};
+    vor_status status = vor_outliers_take(&out, domain, 1, call->run, &vt_err);
 
     if (status == VOR_OK) {
-        ck_assert_uint_gt(out->n, 0);
-        vt_call_hash(call, out->source, out->n * sizeof *out->source);
+        ck_assert_uint_gt(out.n, 0);
+        vt_call_hash(call, out.source, out.n * sizeof *out.source);
         hash_domain(call, domain);
-        vor_outliers_free(out);
     }
+    vor_outliers_free(&out);
     return status;
 }
 
