@@ -157,15 +157,14 @@ ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
 $(B)/server/api/admin.o: $(ENGINE_SRC)
 $(B)/server/api/admin.o: OWN_CFLAGS = -DVOR_ENGINE='"$(shell cat $(ENGINE_SRC) | sha256sum | cut -c-12)"'
 
-# The contract and the topics of the help are embedded by the assembler, which tells nobody.
-$(B)/server/api/handlers/openapi.o: openapi.yaml
+# The topics of the help are embedded by the assembler, which tells nobody.
 $(B)/server/base/topics.o: $(wildcard server/cli/help/*.txt)
 
-# The page's files: each of build/web is gzipped and embedded like the contract, and named in a table with its digest.
+# The page's files: each of build/web is gzipped and embedded, and named in a table with its digest.
 # A file of server/web is taken as it is, unless a rule makes it of several.
 WEB := build/web
 BUNDLES := page.js cloud_worker.js stream.js
-ASSETS := index.html page.css icon.svg docs.css docs.js openapi.json $(BUNDLES)
+ASSETS := index.html page.css icon.svg docs.css docs.js openapi.json openapi.yaml $(BUNDLES)
 THREE := /usr/share/javascript/three
 $(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
 
@@ -179,6 +178,10 @@ HOST_CC ?= gcc
 $(WEB)/yaml_to_json: docker/yaml_to_json.c
 	@mkdir -p $(@D)
 	@$(HOST_CC) -O1 $(CWARN) $< -o $@ -lyaml
+
+$(WEB)/openapi.yaml: openapi.yaml
+	@mkdir -p $(@D)
+	@cp $< $@
 
 $(WEB)/openapi.json: openapi.yaml $(WEB)/yaml_to_json
 	@$(WEB)/yaml_to_json <$< >$@

@@ -23,8 +23,8 @@
     X(GET, "/livez", OPEN, vor_handle_livez, "200")                                                \
     X(GET, "/readyz", OPEN, vor_handle_readyz, "200 503")                                          \
     X(GET, "/version", OPEN, vor_handle_version, "200")                                            \
-    X(GET, "/openapi.yaml", OPEN, vor_handle_openapi, "200")                                       \
-    X(GET, "/openapi.json", OPEN, vor_handle_openapi_json, "200 304")                              \
+    X(GET, "/openapi.yaml", OPEN, vor_handle_openapi, "200 304")                                   \
+    X(GET, "/openapi.json", OPEN, vor_handle_openapi, "200 304")                                   \
     X(GET, "/docs", OPEN, vor_handle_docs, "200")                                                  \
     X(GET, "/problems/{slug}", OPEN, vor_handle_problem, "200 404")                                \
     X(GET, "/v1", READ, vor_handle_landing, "200 401 403")                                         \

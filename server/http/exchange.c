@@ -121,13 +121,34 @@ static void add_fields(struct vor_request *request, struct MHD_Response *respons
         (void)MHD_add_response_header(response, "Connection", "close");
 }
 
+/* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
+static void apply_conditions(struct vor_request *request)
+{
+    const struct vor_refusal failed = {412, "precondition-failed",
+                                       "If-Match names no ETag that this has now", 0, 0};
+    const struct vor_reply *reply = &request->reply;
+    int http = 200;
+
+    for (unsigned i = 0; reply->http == 200 && i < reply->field_count; i++)
+        if (strcmp(reply->fields[i].name, "ETag") == 0)
+            http = vor_request_condition(request, reply->fields[i].value);
+    if (http == 304) {
+        request->reply.http = http; /* the library sends no body, but its length */
+    } else if (http == 412) {
+        vor_reply_clear(request, 0);
+        request->http->options.refuse(request->http->options.ctx, request, &failed);
+    }
+}
+
 static enum MHD_Result queue_reply(struct vor_request *request)
 {
     struct vor_http *http = request->http;
     bool early = request->length != 0 && !request->whole;
-    struct MHD_Response *response = make_response(request);
+    struct MHD_Response *response;
     enum MHD_Result result;
 
+    apply_conditions(request);
+    response = make_response(request);
     request->stage = VOR_AT_REPLIED;
     if (response == NULL)
         return MHD_NO;

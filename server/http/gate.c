@@ -271,3 +271,23 @@ void vor_request_id_make(char out[72], const char *sane)
     }
     out[at] = '\0';
 }
+
+bool vor_etag_listed(const char *list, const char *etag, bool takes_weak)
+{
+    size_t want = strlen(etag);
+
+    while (list != NULL && *list != '\0') {
+        bool is_weak;
+
+        list += strspn(list, ", \t");
+        if (*list == '*')
+            return true;
+        is_weak = strncmp(list, "W/", 2) == 0;
+        if (is_weak)
+            list += 2;
+        if ((takes_weak || !is_weak) && strncmp(list, etag, want) == 0)
+            return true;
+        list += strcspn(list, ",");
+    }
+    return false;
+}

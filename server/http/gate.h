@@ -2,6 +2,7 @@
 #ifndef VOR_SERVER_HTTP_GATE_H
 #define VOR_SERVER_HTTP_GATE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -46,5 +47,9 @@ int vor_query_split(char *text, struct vor_field *pairs, int max);
 
 /** A name for a request: sane (may be NULL) if it is, else a random UUID. */
 void vor_request_id_make(char out[72], const char *sane);
+
+/** True when a list of entity tags (If-Match, If-None-Match) holds this one, quotes included, or is
+ * a star. A weak one matches where takes_weak. list may be NULL. */
+bool vor_etag_listed(const char *list, const char *etag, bool takes_weak);
 
 #endif

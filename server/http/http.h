@@ -202,6 +202,11 @@ double vor_request_seconds(const struct vor_request *request);
 void vor_request_set_state(struct vor_request *request, void *state, void (*release)(void *state));
 void *vor_request_state(const struct vor_request *request);
 
+/** What the conditions of a GET or HEAD (RFC 9110, 13.2.2) leave of a reply of 200 with this entity
+ *  tag: 200, 304 or 412. Each such reply that has an ETag becomes that by itself, 304 with the
+ * headers of the 200; handlers ask where they would do in vain what it takes. */
+int vor_request_condition(const struct vor_request *request, const char *etag);
+
 /* --- the body --------------------------------------------------------------------------------- */
 
 /** Where a body goes, piece by piece, on the HTTP thread. write returns 0; or it ends the request

@@ -232,3 +232,14 @@ unsigned vor_request_crowd(const struct vor_request *request)
     }
     return 0;
 }
+
+int vor_request_condition(const struct vor_request *request, const char *etag)
+{
+    const char *wanted = vor_request_header(request, "If-Match");
+
+    if (request->method != VOR_GET && request->method != VOR_HEAD)
+        return 200;
+    if (wanted != NULL && !vor_etag_listed(wanted, etag, false))
+        return 412;
+    return vor_etag_listed(vor_request_header(request, "If-None-Match"), etag, true) ? 304 : 200;
+}

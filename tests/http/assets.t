@@ -88,7 +88,7 @@ unlike $docs->{content}, qr{(?:src|href)="(?:https?:)?//}, 'and nothing of anoth
 is_deeply [$docs->{content} =~ m{<section id="(\w+)">}g], [Vt::slurp('server/base/topics.h') =~ /^ +X\((\w+), \d\)/mg, 'contract'],
     'every topic of the help is there, and the contract';
 is_problem $daemon->get('/assets/none.js'), 404, 'no-such-resource', 'a file that the page does not have';
-is_problem $daemon->get('/assets/openapi.yaml'), 404, 'no-such-resource', 'nor are there other files of the daemon';
+is_problem $daemon->get('/assets/voronoid.conf'), 404, 'no-such-resource', 'nor are there other files of the daemon';
 is_problem $daemon->post('/assets/index.html', ''), 405, 'method-not-allowed', 'nobody writes to it';
 is_problem $daemon->get($_), 401, 'unauthorized', "$_ needs the key" for '/v1/processes', '/v1/jobs';
 is $daemon->stop, 0, 'the daemon ends with 0';

@@ -124,6 +124,17 @@ is part('If-None-Match' => $etag)->{status}, 304, 'If-None-Match with the ETag a
 is part('If-None-Match' => "\"a\", W/$etag")->{status}, 304, 'also in a list, also when weak';
 is part('If-None-Match' => '*')->{status}, 304, 'also for a star';
 is part('If-None-Match' => '"a"')->{content}, $bytes, 'If-None-Match with another sends the bytes';
+is part('If-Match' => $_)->{content}, $bytes, "If-Match: $_ sends the bytes" for $etag, '*', "\"a\", $etag";
+is_problem(part('If-Match' => $_, 'If-None-Match' => $etag, Range => 'bytes=0-3'), 412, 'precondition-failed', "If-Match: $_")
+    for '"zzz"', "W/$etag";
+for my $known ($path, "/v1/jobs/$id", '/openapi.yaml', '/', '/assets/page.css', "/v1/jobs/$id/input") {
+    my %ask = (Accept => 'text/html, */*', 'Accept-Encoding' => 'gzip');
+    my $whole = $daemon->get($known, headers => \%ask);
+    my $same = $daemon->get($known, headers => { %ask, 'If-None-Match' => $whole->{headers}{etag}, Range => 'bytes=0-3' });
+    is $same->{status}, 304, "$known has not changed";
+    delete @{ $_->{headers} }{qw(date x-request-id)} for $whole, $same;
+    is_deeply $same->{headers}, $whole->{headers}, 'which is told with the headers of 200, the length as well';
+}
 my $report = $daemon->get("/v1/jobs/$id/results/report");
 is $items[1]{length}, length $report->{content}, 'the link of the report told its length too';
 is $report->{headers}{etag}, '"' . sha256_hex($report->{content}) . '"', 'the report has an ETag too';

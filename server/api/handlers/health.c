@@ -1,5 +1,4 @@
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/openapi.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 
@@ -94,11 +93,4 @@ enum vor_next vor_handle_version(void *ctx, struct vor_request *request, enum vo
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     return vor_app_reply(ctx, request, 200, "application/json", &text);
-}
-
-enum vor_next vor_handle_openapi(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    (void)ctx, (void)step;
-    vor_reply_bytes(request, 200, "application/yaml", vor_openapi_text(), vor_openapi_size());
-    return VOR_NEXT_REPLY;
 }

@@ -2,7 +2,6 @@
  * for a change: a long poll. */
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
-#include "server/api/handlers/range.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/digest.h"
@@ -78,19 +77,16 @@ static bool waits_on(struct vor_request *request, const struct vor_job_view *vie
 static enum vor_next reply(struct vor_app *app, struct vor_request *request,
                            const struct vor_job_view *view)
 {
-    const char *known = vor_request_header(request, "If-None-Match");
     const struct poll *poll = vor_request_state(request);
     char etag[VOR_ETAG_SIZE] = "", applied[32];
     struct vor_text text;
-    bool same;
 
     vor_text_init(&text, 0);
     vor_job_write(app, request, view, &text);
     vor_text_puts(&text, "\n");
     if (vor_text_status(&text, NULL) == VOR_OK)
         vor_digest_etag(text.data, text.size, etag);
-    same = etag[0] != '\0' && vor_etag_listed(known, etag);
-    if (same && waits_on(request, view)) {
+    if (etag[0] != '\0' && vor_request_condition(request, etag) == 304 && waits_on(request, view)) {
         vor_text_free(&text);
         return VOR_NEXT_WAIT;
     }
@@ -100,11 +96,7 @@ static enum vor_next reply(struct vor_app *app, struct vor_request *request,
     }
     vor_reply_header(request, "ETag", etag[0] != '\0' ? etag : NULL);
     vor_reply_header(request, "Cache-Control", "no-cache");
-    if (!same)
-        return vor_app_reply(app, request, 200, "application/json", &text);
-    vor_text_free(&text);
-    vor_reply_bytes(request, 304, NULL, "", 0);
-    return VOR_NEXT_REPLY;
+    return vor_app_reply(app, request, 200, "application/json", &text);
 }
 
 enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_step step)

@@ -5,7 +5,6 @@
 #include "server/api/accept.h"
 #include "server/api/assets.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/range.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 
@@ -100,10 +99,6 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
     vor_reply_header(request, "ETag", etag);
     vor_reply_header(request, "Vary", vary);
     vor_page_headers(request);
-    if (vor_etag_listed(vor_request_header(request, "If-None-Match"), etag)) {
-        vor_reply_bytes(request, 304, NULL, "", 0);
-        return VOR_NEXT_REPLY;
-    }
     if (!is_gzip)
         return reply_inflated(app, request, asset);
     vor_reply_header(request, "Content-Encoding", "gzip");
@@ -144,9 +139,9 @@ enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_
                            vor_quote(name, sizeof name, segment, length));
 }
 
-enum vor_next vor_handle_openapi_json(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_openapi(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    static const char name[] = "openapi.json";
+    const char *name = vor_request_path(request) + 1; /* openapi.json or openapi.yaml */
     struct vor_asset asset;
 
     (void)step;

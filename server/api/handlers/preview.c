@@ -2,7 +2,6 @@
 #include "proto/codec.h"
 #include "server/api/handlers/events_ask.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/range.h"
 #include "server/api/problem.h"
 
 #include <inttypes.h>
@@ -31,8 +30,8 @@ static enum vor_next reply_none(struct vor_app *app, struct vor_request *request
 
 /* The same bytes have the same tag: those of one version, as many points of it, of one life of the
  * job. */
-static bool is_known(struct vor_request *request, const struct vor_job_view *view,
-                     const struct vor_preview_info *info, size_t most)
+static void add_headers(struct vor_request *request, const struct vor_job_view *view,
+                        const struct vor_preview_info *info, size_t most)
 {
     char etag[96];
 
@@ -40,7 +39,6 @@ static bool is_known(struct vor_request *request, const struct vor_job_view *vie
                    vor_shown_count(info->points, most));
     vor_reply_header(request, "ETag", etag);
     vor_reply_header(request, "Cache-Control", "private, no-cache");
-    return vor_etag_listed(vor_request_header(request, "If-None-Match"), etag);
 }
 
 static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *request,
@@ -60,14 +58,11 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
     vor_cloud_init(&cloud, &memory);
     vor_text_init(&text, FILE_BYTES);
     status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
-    if (status == VOR_OK && is_known(request, &followed->row, &info, most)) {
-        vor_cloud_free(&cloud);
-        vor_reply_bytes(request, 304, NULL, "", 0);
-        return VOR_NEXT_REPLY;
-    }
     if (status == VOR_OK)
         status = ply->write(&sink, &cloud, &options, &err);
     vor_cloud_free(&cloud);
+    if (status == VOR_OK)
+        add_headers(request, &followed->row, &info, most);
     if (status == VOR_OK)
         return vor_app_reply(app, request, 200, ply->media_type, &text);
     vor_text_free(&text);

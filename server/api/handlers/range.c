@@ -45,20 +45,3 @@ enum vor_range vor_range_parse(const char *text, uint64_t size, uint64_t *offset
     *length = last - first + 1;
     return VOR_RANGE_PART;
 }
-
-bool vor_etag_listed(const char *list, const char *etag)
-{
-    size_t want = strlen(etag);
-
-    while (list != NULL && *list != '\0') {
-        list += strspn(list, ", \t");
-        if (*list == '*')
-            return true;
-        if (strncmp(list, "W/", 2) == 0)
-            list += 2;
-        if (strncmp(list, etag, want) == 0)
-            return true;
-        list += strcspn(list, ",");
-    }
-    return false;
-}

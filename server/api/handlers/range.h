@@ -1,4 +1,4 @@
-/** Byte ranges and entity tags (RFC 9110, sections 8.8, 13 and 14). */
+/** Byte ranges (RFC 9110, section 14). */
 #ifndef VOR_SERVER_API_HANDLERS_RANGE_H
 #define VOR_SERVER_API_HANDLERS_RANGE_H
 
@@ -13,9 +13,5 @@ enum vor_range {
 
 /** Reads a Range header (may be NULL) against a representation of `size` bytes. */
 enum vor_range vor_range_parse(const char *text, uint64_t size, uint64_t *offset, uint64_t *length);
-
-/** True when a list of entity tags (If-None-Match) holds this one, quotes included, or is a star;
- *  weak ones match as well. list may be NULL. */
-bool vor_etag_listed(const char *list, const char *etag);
 
 #endif

@@ -192,12 +192,8 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
     uint64_t offset = 0, length = out->size;
     char span[96];
 
-    if (vor_etag_listed(vor_request_header(request, "If-None-Match"), out->etag)) {
-        vor_reply_header(request, "ETag", out->etag);
-        vor_reply_bytes(request, 304, NULL, "", 0);
-        return VOR_NEXT_REPLY;
-    }
     if (vor_request_method(request) != VOR_GET ||
+        vor_request_condition(request, out->etag) != 200 ||
         (if_range != NULL && strcmp(if_range, out->etag) != 0))
         range = NULL;
     switch (vor_range_parse(range, out->size, &offset, &length)) {
@@ -252,8 +248,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
     char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];
 
     if (out->fd < 0 || vor_request_method(request) == VOR_HEAD ||
-        (vor_request_method(request) == VOR_GET &&
-         vor_etag_listed(vor_request_header(request, "If-None-Match"), out->etag)))
+        vor_request_condition(request, out->etag) != 200)
         return true;
     (void)snprintf(sha256, sizeof sha256, "%s", out->etag + 1); /* between its quotes */
     asker.ctx = vor_request_waker(request);
