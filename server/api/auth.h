@@ -3,6 +3,7 @@
 #define VOR_SERVER_API_AUTH_H
 
 #include "server/api/app.h"
+#include "server/base/sharer.h"
 
 /** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
  *  owner of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; the holder of a ticket to
@@ -14,5 +15,8 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
 
 /** Whose jobs a request is about: the name of its key; NULL when it sees the jobs of all. */
 const char *vor_auth_tenant(const struct vor_request *request);
+
+/** With whom the caller shares threads: callers with a key share by key, the others by address. */
+struct vor_sharer vor_auth_sharer(const struct vor_request *request);
 
 #endif

@@ -335,9 +335,15 @@ void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *di
     dismissal->done(dismissal);
 }
 
+enum vor_job_outcome vor_worker_read_soon(struct vor_worker *worker, struct vor_task *task)
+{
+    return vor_crew_take(worker->readers, task);
+}
+
 void vor_worker_settle(struct vor_worker *worker, double seconds)
 {
     vor_crew_settle(worker->crew, seconds);
+    vor_crew_settle(worker->readers, seconds);
 }
 
 enum vor_job_outcome vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id,

@@ -130,6 +130,8 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     if (status == VOR_OK)
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
     if (status == VOR_OK)
+        status = vor_crew_create(&worker->readers, CREW_THREADS, SIZE_MAX, err);
+    if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {
         vor_worker_destroy(worker);
@@ -170,6 +172,7 @@ void vor_worker_destroy(struct vor_worker *worker)
     if (worker == NULL)
         return;
     vor_worker_drain(worker, 0);
+    vor_crew_destroy(worker->readers);
     vor_crew_destroy(worker->crew);
     for (unsigned i = 0; i < worker->runner_count; i++)
         pthread_join(worker->runners[i], NULL);

@@ -46,10 +46,11 @@ struct vor_calendar {
 struct vor_worker {
     struct vor_worker_config config;
     struct vor_queue *queue;
-    struct vor_turns turns; /* of the jobs that run */
-    struct vor_crew *crew;  /* for what HTTP threads hand over */
-    pthread_mutex_t mutex;  /* everything below */
-    pthread_cond_t changed; /* running, draining, aborting; on the monotonic clock */
+    struct vor_turns turns;   /* of the jobs that run */
+    struct vor_crew *crew;    /* for what HTTP threads hand over */
+    struct vor_crew *readers; /* for what reads the store alone, which waits for no fsync */
+    pthread_mutex_t mutex;    /* everything below */
+    pthread_cond_t changed;   /* running, draining, aborting; on the monotonic clock */
     struct vor_live *live;
     void *live_by_id;       /* the same, as a tree of search.h */
     uint64_t waiting_bytes; /* sum of those on the list that do not run */

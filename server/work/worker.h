@@ -227,6 +227,12 @@ struct vor_dismissal {
 /** Hands it over; done will be called, exactly once. Does not block. */
 void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *dismissal);
 
+/** Hands over a task that reads the store, for callers that must not wait for it.
+ *
+ *  @retval VOR_DONE, VOR_DRAINING */
+VOR_NODISCARD enum vor_job_outcome vor_worker_read_soon(struct vor_worker *worker,
+                                                        struct vor_task *task);
+
 /** Waits until everything handed over is done, `seconds` at most. */
 void vor_worker_settle(struct vor_worker *worker, double seconds);
 

@@ -1,37 +1,25 @@
 /* Ending a job before its time: DELETE and stop. A dismissal waits for the disk, so a thread of the
- * worker does it while the request is suspended. The request may be over before that thread is
- * done, so both hold the same struct. */
+ * worker does it while the request is suspended. */
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
+#include "server/http/deferred.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 
 struct dismissal {
+    struct vor_deferred deferred; /* first */
     struct vor_dismissal work;
-    struct vor_waker *waker;
-    atomic_int holds;     /* the request's and the worker's */
-    atomic_bool answered; /* work has its answer */
 };
 
-static void drop(void *state)
+static void free_dismissal(struct vor_deferred *deferred)
 {
-    struct dismissal *dismissal = state;
-
-    if (atomic_fetch_sub(&dismissal->holds, 1) != 1)
-        return;
-    vor_waker_drop(dismissal->waker);
-    free(dismissal);
+    free(deferred);
 }
 
 /* On a thread of the worker. */
 static void on_dismissed(struct vor_dismissal *work)
 {
-    struct dismissal *dismissal = work->ctx;
-
-    atomic_store(&dismissal->answered, true);
-    vor_waker_wake(dismissal->waker);
-    drop(dismissal);
+    vor_deferred_complete(work->ctx);
 }
 
 static enum vor_next reply_job(struct vor_app *app, struct vor_request *request, int http,
@@ -61,12 +49,12 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
         return vor_problem_error(app, request, &err, NULL);
     }
-    dismissal->work = (struct vor_dismissal){
-        .id = id, .why = "dismissed by the caller", .done = on_dismissed, .ctx = dismissal};
-    dismissal->waker = vor_request_waker(request);
-    atomic_init(&dismissal->holds, 2);
-    atomic_init(&dismissal->answered, false);
-    vor_request_set_state(request, dismissal, drop);
+    dismissal->work = (struct vor_dismissal){.id = id,
+                                             .why = "dismissed by the caller",
+                                             .done = on_dismissed,
+                                             .ctx = &dismissal->deferred};
+    vor_deferred_begin(&dismissal->deferred, request, free_dismissal);
+    vor_deferred_retain(&dismissal->deferred);
     vor_worker_dismiss_soon(app->worker, &dismissal->work);
     return VOR_NEXT_STAY;
 }
@@ -78,7 +66,7 @@ enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vo
 
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
-    if (!atomic_load(&dismissal->answered)) {
+    if (!vor_deferred_is_done(&dismissal->deferred)) {
         if (!vor_request_closing(request))
             return VOR_NEXT_STAY;
         return vor_problem_say(app, request, "draining",

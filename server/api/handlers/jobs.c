@@ -2,8 +2,11 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
+#include "server/http/deferred.h"
+#include "server/work/crew.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,55 +83,85 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
     return false;
 }
 
-/* Jobs of a list that are written at a step, some 4 ms of a core: between two steps of a long list
- * the thread serves others. With 10,000 jobs at once, /livez waited 10 s beside four such lists. */
+/* Jobs of a list that are read and written at a step; writing takes some 4 ms of a core. Between
+ * two steps of a long list the thread serves others: with 10,000 jobs at once, /livez waited 10 s
+ * beside four such lists. */
 enum { SLICE = 50 };
 
 /* The list while it is written. It asks for one job more than the page has: then there is a next
  * page. */
 struct listing {
+    struct vor_deferred deferred; /* first; the read of a slice */
     struct vor_app *app;
-    struct vor_request *request;
-    struct vor_job_filter filter; /* of the next slice */
+    struct vor_request *request;  /* for its own thread alone */
+    struct vor_job_filter filter; /* of the next slice; its texts are those below */
+    char name[VOR_JOB_NAME_SIZE], process[32], tenant[VOR_JOB_PRINCIPAL_SIZE];
+    struct vor_task task;
     struct vor_text text;
     size_t left; /* of the page */
-    size_t seen; /* of this slice */
     bool more;
+    vor_status status; /* of the read, as the next three */
+    struct vor_error error;
+    size_t count;
+    struct vor_job_view rows[SLICE];
 };
 
-static void free_listing(void *state)
+static void free_listing(struct vor_deferred *deferred)
 {
-    struct listing *list = state;
+    struct listing *list = (struct listing *)deferred;
 
     vor_text_free(&list->text);
     free(list);
 }
 
-static int list_one(void *ctx, const struct vor_job_view *view)
+static int take_row(void *ctx, const struct vor_job_view *view)
 {
     struct listing *list = ctx;
 
-    list->seen++;
-    if (list->left == 0) {
-        list->more = true;
-        return 0;
-    }
-    list->left--;
-    list->filter.before_seq = view->seq;
-    vor_job_write(list->app, list->request, view, &list->text);
-    return 1;
+    list->rows[list->count++] = *view;
+    return list->count < SLICE;
 }
 
-/* *over: the page is full, or there are no more jobs. */
-static vor_status list_slice(struct listing *list, bool *over, struct vor_error *err)
+/* On a thread that reads the store. */
+static void read_slice(void *ctx)
 {
-    vor_status status;
+    struct listing *list = ctx;
 
-    list->seen = 0;
+    list->count = 0;
+    list->status = vor_worker_list(list->app->worker, &list->filter, take_row, list, &list->error);
+    vor_deferred_complete(&list->deferred);
+}
+
+static enum vor_next begin_slice(struct listing *list)
+{
+    enum vor_job_outcome outcome;
+
     list->filter.limit = list->left < SLICE ? list->left + 1 : SLICE;
-    status = vor_worker_list(list->app->worker, &list->filter, list_one, list, err);
-    *over = list->more || list->seen < list->filter.limit;
-    return status;
+    list->task = (struct vor_task){.run = read_slice,
+                                   .ctx = list,
+                                   .caller = vor_auth_sharer(list->request),
+                                   .weight = list->filter.limit};
+    vor_deferred_retain(&list->deferred);
+    outcome = vor_worker_read_soon(list->app->worker, &list->task);
+    if (outcome == VOR_DONE)
+        return VOR_NEXT_WAIT;
+    vor_deferred_cancel(&list->deferred);
+    return vor_outcome_reply(list->app, list->request, outcome, NULL, NULL);
+}
+
+/* False when the page is full, or there are no more jobs. */
+static bool write_slice(struct listing *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        if (list->left == 0) {
+            list->more = true;
+            return false;
+        }
+        list->left--;
+        list->filter.before_seq = list->rows[i].seq;
+        vor_job_write(list->app, list->request, &list->rows[i], &list->text);
+    }
+    return list->count == list->filter.limit;
 }
 
 /* Writes a value of a query, with escapes where they are needed. */
@@ -173,30 +206,40 @@ static void put_list_link(struct listing *list, const char *rel, const char *cur
     vor_text_free(&url);
 }
 
-/* NULL after a problem has been replied. */
-static struct listing *begin_list(struct vor_app *app, struct vor_request *request)
+static const char *keep(char *out, size_t size, const char *text)
 {
-    struct listing *list = calloc(1, sizeof *list);
+    if (text == NULL)
+        return NULL;
+    (void)snprintf(out, size, "%s", text);
+    return out;
+}
+
+static enum vor_next begin_list(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_job_filter filter;
+    struct listing *list;
     struct vor_error err;
 
+    if (!vor_job_filter_read(app, request, &filter))
+        return VOR_NEXT_REPLY;
+    list = calloc(1, sizeof *list);
     if (list == NULL) {
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        (void)vor_problem_error(app, request, &err, NULL);
-        return NULL;
+        return vor_problem_error(app, request, &err, NULL);
     }
-    *list = (struct listing){.app = app, .request = request};
+    list->app = app;
+    list->request = request;
+    list->filter = filter;
+    list->filter.name = keep(list->name, sizeof list->name, filter.name);
+    list->filter.process = keep(list->process, sizeof list->process, filter.process);
+    list->filter.tenant = keep(list->tenant, sizeof list->tenant, vor_auth_tenant(request));
+    list->left = filter.limit;
     vor_text_init(&list->text, 0);
-    if (!vor_job_filter_read(app, request, &list->filter)) {
-        free_listing(list);
-        return NULL;
-    }
-    list->filter.tenant = vor_auth_tenant(request);
-    list->left = list->filter.limit;
     vor_json_begin_object(&list->text);
     vor_json_key(&list->text, "jobs");
     vor_json_begin_array(&list->text);
-    vor_request_set_state(request, list, free_listing);
-    return list;
+    vor_deferred_begin(&list->deferred, request, free_listing);
+    return begin_slice(list);
 }
 
 static enum vor_next reply_list(struct listing *list)
@@ -219,21 +262,17 @@ static enum vor_next reply_list(struct listing *list)
 
 enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct listing *list =
-        step == VOR_STEP_HEAD ? begin_list(ctx, request) : vor_request_state(request);
-    struct vor_error err;
-    bool over;
+    struct listing *list = vor_request_state(request);
 
-    if (list == NULL)
-        return VOR_NEXT_REPLY;
+    if (step == VOR_STEP_HEAD)
+        return begin_list(ctx, request);
     if (vor_request_gone(request))
         return vor_problem_say(ctx, request, "client-closed", "the client disconnected");
-    if (step != VOR_STEP_HEAD && vor_request_closing(request))
+    if (vor_request_closing(request))
         return vor_problem_say(ctx, request, "draining", "the daemon is shutting down");
-    if (list_slice(list, &over, &err) != VOR_OK)
-        return vor_problem_error(ctx, request, &err, NULL);
-    if (over)
-        return reply_list(list);
-    vor_request_wake_soon(request);
-    return VOR_NEXT_WAIT;
+    if (!vor_deferred_is_done(&list->deferred))
+        return VOR_NEXT_WAIT;
+    if (list->status != VOR_OK)
+        return vor_problem_error(ctx, request, &list->error, NULL);
+    return write_slice(list) ? begin_slice(list) : reply_list(list);
 }

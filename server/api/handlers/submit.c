@@ -8,6 +8,7 @@
  * because the caller can come back: the same request again gets the same job. */
 #include "server/api/handlers/submit_head.h"
 
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/submit_form.h"
 #include "server/api/handlers/submit_json.h"
@@ -365,15 +366,6 @@ static void on_admitted(struct vor_admission *admission)
     drop(submission);
 }
 
-/* Callers with a key share by key, the others by address. */
-static struct vor_sharer sharer_of(const struct vor_request *request)
-{
-    const char *name = vor_request_principal(request)->name;
-
-    return name[0] != '\0' ? vor_sharer_of_key(name)
-                           : vor_sharer_of_address(vor_request_via(request)->client);
-}
-
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
                            struct submission *submission)
 {
@@ -384,7 +376,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         return vor_outcome_reply(app, request, outcome, NULL, NULL);
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
-        .caller = sharer_of(request),
+        .caller = vor_auth_sharer(request),
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = submission->head.spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES,
         .keep_doubles = vor_spec_keeps_points(&submission->head.spec),
