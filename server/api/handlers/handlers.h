@@ -15,7 +15,6 @@ enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vo
 enum vor_next vor_handle_root(void *app, struct vor_request *request, enum vor_step step);
 enum vor_next vor_handle_asset(void *app, struct vor_request *request, enum vor_step step);
 
-
 /** What every page and each of its files is sent with: who may load what, and that it is asked for
  *  again each time. */
 void vor_page_headers(struct vor_request *request);
