@@ -65,6 +65,7 @@ struct vor_worker {
     struct vor_calendar calendar;
     int is_full;        /* the store has no reserve, and the log says so */
     int has_failed;     /* config.failed was called */
+    int is_reset;       /* rows that a former life left running are accepted again */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
 

@@ -119,12 +119,17 @@ static vor_status note_lost(struct recovery *recovery, const struct vor_job_view
     return VOR_OK;
 }
 
+/* A recovery that failed midway begins again, and leaves alone what it has put in line already. */
 static int recover_one(void *ctx, const struct vor_job_view *row)
 {
     struct recovery *recovery = ctx;
+    struct vor_job *live = vor_worker_find(recovery->worker, &row->id);
     struct vor_error why;
     uint64_t bytes = 0;
 
+    vor_job_release(live);
+    if (live != NULL)
+        return 1;
     if (check_row(recovery->worker, row, &bytes, &why) != VOR_OK)
         recovery->status = note_lost(recovery, row, &why);
     else
@@ -306,9 +311,11 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
     uint64_t requeued = 0;
-    vor_status status =
-        vor_store_recover(worker->config.store, vor_clock_wall_ms(), &requeued, err);
+    vor_status status = VOR_OK;
 
+    if (!worker->is_reset) /* once: what runs later runs in this life */
+        status = vor_store_recover(worker->config.store, vor_clock_wall_ms(), &requeued, err);
+    worker->is_reset = worker->is_reset || status == VOR_OK;
     if (status == VOR_OK)
         status = recover_queue(worker, err);
     vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));

@@ -1,12 +1,15 @@
 /* The first moments of a daemon: what a former life left is in line before anybody is answered, and
  * nobody waits for the tidying up. */
 #include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/log.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
 #include "tests/support/vt_sync.h"
 
+#include <errno.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -225,6 +228,67 @@ START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
 }
 END_TEST
 
+/* A driver like the real one, whose disk is full at the first recovery and whose first list breaks
+ * off behind its rows. */
+static struct {
+    struct vor_store_driver driver;
+    const struct vor_store_driver *real;
+    atomic_int recoveries, lists;
+} failing;
+
+static vor_status recover_late(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+                               struct vor_error *err)
+{
+    if (atomic_fetch_add(&failing.recoveries, 1) == 0)
+        return vor_fail_errno(err, ENOSPC, "the job store");
+    return failing.real->recover(store, now_ms, requeued, err);
+}
+
+static vor_status list_waiting(struct vor_store *store,
+                               int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                               struct vor_error *err)
+{
+    vor_status status = failing.real->waiting(store, each, ctx, err);
+
+    return atomic_fetch_add(&failing.lists, 1) == 0 ? vor_fail(err, VOR_E_IO, "broken off")
+                                                    : status;
+}
+
+static void fail_first(struct vt_daemon *daemon)
+{
+    failing.real = daemon->store->driver;
+    failing.driver = *failing.real;
+    failing.driver.recover = recover_late;
+    failing.driver.waiting = list_waiting;
+    daemon->store->driver = &failing.driver;
+}
+
+/* Regression: the second round set what ran in this life back to accepted, and ran it again. */
+START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
+{
+    struct vt_daemon_options options = {.jobs = 2, .prepare = fail_first};
+    struct life life = begin_life();
+    struct vor_uuid runs = leave_endless(&life);
+    struct vor_job_view row;
+    struct vt_daemon daemon;
+    int found;
+
+    claim(&life, &runs);
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &options);
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    while (atomic_load(&failing.lists) < 2)
+        usleep(10000);
+    while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK)
+        usleep(10000);
+    ck_assert_int_eq(atomic_load(&failing.recoveries), 2);
+    vt_assert_ok(vor_store_get(daemon.store, &runs, &row, &found, &vt_err));
+    ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    vt_daemon_stop(&daemon);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("worker_recover");
@@ -234,5 +298,6 @@ int main(void)
     vt_add(suite, a_start_does_not_wait_for_what_has_expired);
     vt_add(suite, bytes_that_came_after_the_start_are_no_strays);
     vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
+    vt_add(suite, a_recovery_that_is_repeated_leaves_alone_what_runs_since);
     return vt_run(suite);
 }
