@@ -13,7 +13,8 @@
 
 struct vor_job {
     atomic_uint references;
-    atomic_int asked; /* enum vor_answer */
+    atomic_int asked;    /* enum vor_answer */
+    _Atomic int64_t seq; /* as in the view */
     struct vor_bus *bus;
     struct vor_preview *preview;
     struct vor_uuid id;
@@ -76,6 +77,7 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
+    atomic_init(&job->seq, row->seq);
     job->turn = (struct vor_turn){.bytes = vor_need_bytes(&row->spec, row->inputs, row->input),
                                   .alone = row->alone};
     memcpy(job->tenant, row->key.principal, sizeof job->tenant);
@@ -186,9 +188,15 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
 
 void vor_job_set_seq(struct vor_job *job, int64_t seq)
 {
+    atomic_store(&job->seq, seq);
     pthread_mutex_lock(&job->state);
     job->view.seq = seq;
     pthread_mutex_unlock(&job->state);
+}
+
+int64_t vor_job_seq(const struct vor_job *job)
+{
+    return atomic_load(&job->seq);
 }
 
 /* Begins a change; false, and nothing is held, when the job is over. */

@@ -54,6 +54,7 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out);
 
 /** Gives a job the place in the order of acceptance that the store found for it. */
 void vor_job_set_seq(struct vor_job *job, int64_t seq);
+int64_t vor_job_seq(const struct vor_job *job);
 
 /* What follows publishes events; the locks that a subscriber's wake takes must not be held. All but
  * vor_job_end do nothing once the job is over. */

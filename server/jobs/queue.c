@@ -5,19 +5,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A job that waits, in a treap: a search tree by seq, a heap by the hash of seq, which keeps it
+ * about as deep as a balanced one. With the counts, whatever is asked is O(log n). */
 struct entry {
     struct vor_job *job;
     int64_t seq;
-    struct entry *next;
+    size_t count;               /* of the entries at and below it */
+    struct entry *left, *right; /* a list goes on at right */
 };
 
-/* The jobs of a tenant. The one at the head leaves in round `turn`, each of the others a round
- * after the one before it. A lane without jobs is kept as long as its tenant has had its job of the
+/* The jobs of a tenant. The first one leaves in round `turn`, each of the others a round after the
+ * one before it. A lane without jobs is kept as long as its tenant has had its job of the
  * round that goes on, which turn remembers. */
 struct lane {
     char tenant[VOR_JOB_PRINCIPAL_SIZE];
     int64_t turn;
-    struct entry *head, *last;
+    struct entry *root;
     struct lane *next;
 };
 
@@ -59,11 +62,104 @@ void vor_queue_look(struct vor_queue *queue)
     pthread_mutex_unlock(&queue->mutex);
 }
 
+/* --- treaps ----------------------------------------------------------------------------------- */
+
+static size_t count_of(const struct entry *root)
+{
+    return root != NULL ? root->count : 0;
+}
+
+static uint64_t hash_of(const struct entry *entry)
+{
+    uint64_t hash = (uint64_t)entry->seq * 0x9e3779b97f4a7c15; /* 2^64 / golden ratio: Knuth 6.4 */
+
+    return (hash ^ hash >> 32) * 0x9e3779b97f4a7c15;
+}
+
+static void count_again(struct entry *root)
+{
+    root->count = 1 + count_of(root->left) + count_of(root->right);
+}
+
+/* Those below seq, and the others. */
+static void split(struct entry *root, int64_t seq, struct entry **below, struct entry **others)
+{
+    if (root == NULL) {
+        *below = *others = NULL;
+        return;
+    }
+    if (root->seq < seq) {
+        *below = root;
+        split(root->right, seq, &root->right, others);
+    } else {
+        *others = root;
+        split(root->left, seq, below, &root->left);
+    }
+    count_again(root);
+}
+
+/* All of a are below all of b. */
+static struct entry *join(struct entry *a, struct entry *b)
+{
+    struct entry *root = a == NULL || (b != NULL && hash_of(b) > hash_of(a)) ? b : a;
+
+    if (a == NULL || b == NULL)
+        return root;
+    if (root == a)
+        a->right = join(a->right, b);
+    else
+        b->left = join(a, b->left);
+    count_again(root);
+    return root;
+}
+
+/* How many are below seq. */
+static size_t rank_of(const struct entry *root, int64_t seq)
+{
+    size_t rank = 0;
+
+    while (root != NULL) {
+        if (root->seq < seq)
+            rank += 1 + count_of(root->left);
+        root = root->seq < seq ? root->right : root->left;
+    }
+    return rank;
+}
+
+/* The entry with so many below it, which is there. */
+static const struct entry *entry_at(const struct entry *root, size_t rank)
+{
+    while (rank != count_of(root->left)) {
+        size_t left = count_of(root->left);
+
+        root = rank < left ? root->left : root->right;
+        rank -= rank < left ? 0 : left + 1;
+    }
+    return root;
+}
+
+/* Takes the entry of a job out; NULL when it is not there. */
+static struct entry *take_out(struct entry **root, const struct vor_job *job)
+{
+    int64_t seq = vor_job_seq(job);
+    struct entry *below, *others, *entry, *above;
+
+    split(*root, seq, &below, &others);
+    split(others, seq + 1, &entry, &above);
+    if (entry != NULL && entry->job != job) { /* not of this queue */
+        above = join(entry, above);
+        entry = NULL;
+    }
+    *root = join(below, above);
+    return entry;
+}
+
 static void free_entries(struct entry *entry)
 {
-    while (entry != NULL) {
-        struct entry *next = entry->next;
+    while (entry != NULL) { /* a list may be long */
+        struct entry *next = entry->right;
 
+        free_entries(entry->left);
         vor_job_release(entry->job);
         free(entry);
         entry = next;
@@ -75,7 +171,7 @@ static void free_lanes(struct lane *lane)
     while (lane != NULL) {
         struct lane *next = lane->next;
 
-        free_entries(lane->head);
+        free_entries(lane->root);
         free(lane);
         lane = next;
     }
@@ -116,7 +212,7 @@ static void room_free(struct room *room)
 /* The mutex is held, here and in what follows. */
 static void room_give(struct vor_queue *queue, struct room *room)
 {
-    room->entry->next = queue->spare;
+    room->entry->right = queue->spare;
     queue->spare = room->entry;
     room->lane->next = queue->spare_lanes;
     queue->spare_lanes = room->lane;
@@ -127,7 +223,7 @@ static struct entry *take_entry(struct vor_queue *queue)
 {
     struct entry *entry = queue->spare;
 
-    queue->spare = entry->next;
+    queue->spare = entry->right;
     return entry;
 }
 
@@ -171,14 +267,22 @@ void vor_queue_cancel(struct vor_queue *queue)
 
 /* --- in and out ------------------------------------------------------------------------------- */
 
-/* The lane of a tenant. A new one is made of the spare one, which is freed else, and begins with
- * the round that goes on. */
-static struct lane *lane_of(struct vor_queue *queue, const char *tenant, struct lane *spare)
+/* The lane of a tenant; NULL when there is none. */
+static struct lane *find_lane(const struct vor_queue *queue, const char *tenant)
 {
     struct lane *lane = queue->lanes;
 
     while (lane != NULL && strcmp(lane->tenant, tenant) != 0)
         lane = lane->next;
+    return lane;
+}
+
+/* The lane of a tenant. A new one is made of the spare one, which is freed else, and begins with
+ * the round that goes on. */
+static struct lane *lane_of(struct vor_queue *queue, const char *tenant, struct lane *spare)
+{
+    struct lane *lane = find_lane(queue, tenant);
+
     if (lane != NULL) {
         free(spare);
         return lane;
@@ -189,20 +293,14 @@ static struct lane *lane_of(struct vor_queue *queue, const char *tenant, struct 
     return spare;
 }
 
-/* Puts an entry where its seq belongs in the lane, which nearly always is the end. */
 static void insert(struct vor_queue *queue, struct vor_job *job, int64_t seq)
 {
     struct lane *lane = lane_of(queue, vor_job_tenant(job), take_lane(queue));
-    struct entry *entry = take_entry(queue), **at = &lane->head;
+    struct entry *entry = take_entry(queue), *below, *above;
 
-    if (lane->last != NULL && lane->last->seq < seq)
-        at = &lane->last->next;
-    while (*at != NULL && (*at)->seq < seq)
-        at = &(*at)->next;
-    *entry = (struct entry){.job = vor_job_retain(job), .seq = seq, .next = *at};
-    *at = entry;
-    if (entry->next == NULL)
-        lane->last = entry;
+    *entry = (struct entry){.job = vor_job_retain(job), .seq = seq, .count = 1};
+    split(lane->root, seq, &below, &above);
+    lane->root = join(join(below, entry), above);
     queue->waiting++;
     pthread_cond_signal(&queue->ready);
 }
@@ -215,7 +313,7 @@ static void forget_lanes(struct vor_queue *queue)
     while (*at != NULL) {
         struct lane *lane = *at;
 
-        if (lane->head != NULL || lane->turn > queue->round) {
+        if (lane->root != NULL || lane->turn > queue->round) {
             at = &lane->next;
             continue;
         }
@@ -224,24 +322,16 @@ static void forget_lanes(struct vor_queue *queue)
     }
 }
 
-/* Takes the entry at *at, behind `before`, out of its lane. */
-static struct entry *take_out(struct vor_queue *queue, struct lane *lane, struct entry **at,
-                              struct entry *before)
+/* The job of a lane that leaves first. */
+static const struct entry *first_of(const struct lane *lane)
 {
-    struct entry *entry = *at;
-
-    *at = entry->next;
-    if (lane->last == entry)
-        lane->last = before;
-    entry->next = NULL;
-    queue->waiting--;
-    return entry;
+    return entry_at(lane->root, 0);
 }
 
-/* True when the job at the head of a lane leaves before that of another. */
+/* True when the first job of a lane leaves before that of another. */
 static int goes_before(const struct lane *a, const struct lane *b)
 {
-    return a->turn != b->turn ? a->turn < b->turn : a->head->seq < b->head->seq;
+    return a->turn != b->turn ? a->turn < b->turn : first_of(a)->seq < first_of(b)->seq;
 }
 
 /* The lane whose first job leaves next; NULL when none waits. */
@@ -250,16 +340,17 @@ static struct lane *next_lane(struct vor_queue *queue)
     struct lane *first = NULL;
 
     for (struct lane *lane = queue->lanes; lane != NULL; lane = lane->next)
-        if (lane->head != NULL && (first == NULL || goes_before(lane, first)))
+        if (lane->root != NULL && (first == NULL || goes_before(lane, first)))
             first = lane;
     return first;
 }
 
-/* Takes out the job at the head of that lane. */
+/* Takes out the first job of that lane. */
 static struct entry *take_next(struct vor_queue *queue, struct lane *lane)
 {
-    struct entry *entry = take_out(queue, lane, &lane->head, NULL);
+    struct entry *entry = take_out(&lane->root, first_of(lane)->job);
 
+    queue->waiting--;
     queue->round = lane->turn > queue->round ? lane->turn : queue->round;
     lane->turn++;
     forget_lanes(queue);
@@ -268,6 +359,7 @@ static struct entry *take_next(struct vor_queue *queue, struct lane *lane)
 
 void vor_queue_push(struct vor_queue *queue, struct vor_job *job, int64_t seq)
 {
+    vor_job_set_seq(job, seq);
     pthread_mutex_lock(&queue->mutex);
     queue->booked--;
     insert(queue, job, seq);
@@ -283,6 +375,7 @@ vor_status vor_queue_restore(struct vor_queue *queue, struct vor_job *job, int64
         room_free(&room);
         return vor_fail(err, VOR_E_NOMEM, "a place in the queue");
     }
+    vor_job_set_seq(job, seq);
     pthread_mutex_lock(&queue->mutex);
     room_give(queue, &room);
     insert(queue, job, seq);
@@ -295,7 +388,7 @@ static struct lane *allowed_lane(struct vor_queue *queue)
 {
     struct lane *lane = next_lane(queue);
 
-    if (lane != NULL && queue->may != NULL && !queue->may(queue->may_ctx, lane->head->job))
+    if (lane != NULL && queue->may != NULL && !queue->may(queue->may_ctx, first_of(lane)->job))
         return NULL;
     return lane;
 }
@@ -318,30 +411,22 @@ struct vor_job *vor_queue_pop(struct vor_queue *queue)
     return job;
 }
 
-/* Takes a job out of a lane; NULL when it does not wait there. */
-static struct entry *remove_from(struct vor_queue *queue, struct lane *lane,
-                                 const struct vor_job *job)
-{
-    struct entry **at = &lane->head, *before = NULL;
-
-    while (*at != NULL && (*at)->job != job) {
-        before = *at;
-        at = &(*at)->next;
-    }
-    return *at != NULL ? take_out(queue, lane, at, before) : NULL;
-}
-
 int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job)
 {
     struct entry *entry = NULL;
+    struct lane *lane;
     int is_removed;
 
     pthread_mutex_lock(&queue->mutex);
-    for (struct lane *lane = queue->lanes; lane != NULL && entry == NULL; lane = lane->next)
-        entry = remove_from(queue, lane, job);
-    forget_lanes(queue);
-    if (entry != NULL)
+    lane = find_lane(queue, vor_job_tenant(job));
+    if (lane != NULL)
+        entry = take_out(&lane->root, job);
+    if (entry != NULL) {
+        entry->left = entry->right = NULL;
+        queue->waiting--;
         pthread_cond_broadcast(&queue->ready); /* the next one may be allowed what it was not */
+    }
+    forget_lanes(queue);
     pthread_mutex_unlock(&queue->mutex);
     is_removed = entry != NULL;
     free_entries(entry);
@@ -350,45 +435,35 @@ int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job)
 
 /* --- looking ---------------------------------------------------------------------------------- */
 
-/* Finds the round in which a job leaves, and its seq; false when it does not wait. */
-static int find_turn(const struct vor_queue *queue, const struct vor_job *job, int64_t *turn,
-                     int64_t *seq)
-{
-    for (const struct lane *lane = queue->lanes; lane != NULL; lane = lane->next) {
-        *turn = lane->turn;
-        for (const struct entry *entry = lane->head; entry != NULL; entry = entry->next) {
-            *seq = entry->seq;
-            if (entry->job == job)
-                return 1;
-            ++*turn;
-        }
-    }
-    return 0;
-}
-
 /* How many jobs of a lane leave before the one of that round and seq. */
-static long count_before(const struct lane *lane, int64_t turn, int64_t seq)
+static size_t count_before(const struct lane *lane, int64_t turn, int64_t seq)
 {
-    int64_t at = lane->turn;
-    long count = 0;
+    size_t count = count_of(lane->root), rank;
 
-    for (const struct entry *entry = lane->head; entry != NULL && at <= turn; entry = entry->next)
-        count += at++ < turn || entry->seq < seq;
-    return count;
+    if (turn < lane->turn)
+        return 0;
+    rank = (size_t)(turn - lane->turn);
+    if (rank >= count)
+        return count;
+    return rank + (entry_at(lane->root, rank)->seq < seq);
 }
 
 long vor_queue_position(struct vor_queue *queue, const struct vor_job *job)
 {
-    int64_t turn = 0, seq = 0;
-    long position = 0;
+    int64_t seq = vor_job_seq(job);
+    const struct lane *own;
+    long position = -1;
+    size_t rank = 0;
 
     pthread_mutex_lock(&queue->mutex);
-    if (!find_turn(queue, job, &turn, &seq)) {
-        pthread_mutex_unlock(&queue->mutex);
-        return -1;
+    own = find_lane(queue, vor_job_tenant(job));
+    if (own != NULL)
+        rank = rank_of(own->root, seq);
+    if (own != NULL && rank < count_of(own->root) && entry_at(own->root, rank)->job == job) {
+        position = 0;
+        for (const struct lane *lane = queue->lanes; lane != NULL; lane = lane->next)
+            position += (long)count_before(lane, own->turn + (int64_t)rank, seq);
     }
-    for (const struct lane *lane = queue->lanes; lane != NULL; lane = lane->next)
-        position += count_before(lane, turn, seq);
     pthread_mutex_unlock(&queue->mutex);
     return position;
 }
@@ -402,7 +477,7 @@ int64_t vor_queue_oldest(struct vor_queue *queue)
     pthread_mutex_lock(&queue->mutex);
     lane = next_lane(queue);
     if (lane != NULL)
-        job = vor_job_retain(lane->head->job);
+        job = vor_job_retain(first_of(lane)->job);
     pthread_mutex_unlock(&queue->mutex);
     if (job != NULL) {
         vor_job_view(job, &view);

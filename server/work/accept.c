@@ -182,7 +182,6 @@ static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *
         return VOR_FAILED;
     if (ledger->is_over)
         return refuse(row->key.principal, ledger, row->kept, err);
-    vor_job_set_seq(job, row->seq);
     vor_queue_push(worker->queue, job, row->seq);
     return VOR_DONE;
 }
