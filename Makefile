@@ -373,12 +373,13 @@ image: all ## what the container image holds, in build/rootfs, and a try of it
 # The manual and the completions are what the binary says of its tables.
 PREFIX ?= /usr/local
 SHARE := $(B)/share
-PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh)
+PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh voronoid.fish)
 root := $(DESTDIR)$(PREFIX)
 # Where a debugger looks for the symbols of a binary that is stripped.
 SYMBOLS := .debug/voronoid.debug
 INSTALLED := bin/voronoid bin/$(SYMBOLS) share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
-    share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid share/doc/voronoid/LICENSE
+    share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid \
+    share/fish/vendor_completions.d/voronoid.fish share/doc/voronoid/LICENSE
 
 $(SHARE)/voronoid.%: $(BIN)
 	@mkdir -p $(@D)
@@ -393,6 +394,7 @@ install: all $(PAGES) ## copy binary (stripped, its symbols beside it), manual, 
 	install -D -m 0644 $(SHARE)/voronoid.8 $(root)/share/man/man8/voronoid.8
 	install -D -m 0644 $(SHARE)/voronoid.bash $(root)/share/bash-completion/completions/voronoid
 	install -D -m 0644 $(SHARE)/voronoid.zsh $(root)/share/zsh/site-functions/_voronoid
+	install -D -m 0644 $(SHARE)/voronoid.fish $(root)/share/fish/vendor_completions.d/voronoid.fish
 	install -d $(root)/lib/systemd/system
 	sed 's|/usr/local/bin|$(PREFIX)/bin|' docker/voronoid.service >$(root)/lib/systemd/system/voronoid.service
 	install -D -m 0644 LICENSE $(root)/share/doc/voronoid/LICENSE

@@ -176,7 +176,7 @@ static const char bash_body[] =
     "        return\n"
     "    fi\n"
     "    case $command in\n"
-    "    --completion) _voronoid_reply -W $'bash\\nzsh' -- \"$word\"; return ;;\n"
+    "    --completion) _voronoid_reply -W $'bash\\nzsh\\nfish' -- \"$word\"; return ;;\n"
     "    --man) _voronoid_reply -W $'1\\n8' -- \"$word\"; return ;;\n"
     "    submit)\n"
     "        if [ \"$COMP_CWORD\" -eq 2 ]; then\n"
@@ -354,14 +354,130 @@ static void print_zsh(FILE *out)
     fputs("  esac\n}\n\n_voronoid \"$@\"\n", out);
 }
 
+/* fish. */
+
+/* Text between single quotes: its first sentence, which is what fits beside a name. */
+static void fish_text(FILE *out, const char *text)
+{
+    fputc('\'', out);
+    for (; *text != '\0' && strncmp(text, ". ", 2) != 0; text++)
+        fprintf(out, *text == '\'' || *text == '\\' ? "\\%c" : "%c", *text);
+    fputc('\'', out);
+}
+
+static void fish_option(void *ctx, const struct vor_completion *option)
+{
+    const struct script *script = ctx;
+    FILE *out = script->out;
+
+    fprintf(out, "complete -c voronoid -n '__voronoid_is %s' -l %s", script->command, option->name);
+    if (option->letter != 0)
+        fprintf(out, " -s %c", option->letter);
+    switch (option->kind) {
+    case VOR_VALUE_NONE:
+    case VOR_VALUE_FLAG: /* a value that may be left out is nothing that fish knows */
+        break;
+    case VOR_VALUE_ANY:
+        fputs(" -x", out);
+        break;
+    case VOR_VALUE_FILE:
+        fputs(" -r -F", out);
+        break;
+    case VOR_VALUE_FOLDER:
+        fputs(" -x -a '(__fish_complete_directories)'", out);
+        break;
+    case VOR_VALUE_WORD:
+        fprintf(out, " -x -a '%s'", option->words);
+        break;
+    case VOR_VALUE_LIST:
+        fprintf(out, " -x -a '(__voronoid_list %s)'", option->words);
+        break;
+    }
+    fputs(" -d ", out);
+    fish_text(out, option->sentence);
+    fputc('\n', out);
+}
+
+static void fish_command(struct script *script, const struct vor_command *command)
+{
+    FILE *out = script->out;
+
+    each_option(script, command, fish_option);
+    if (command == NULL)
+        return;
+    if ((command->does & VOR_COMMAND_JOBS) != 0)
+        fprintf(out, "complete -c voronoid -n '__voronoid_is %s' -a '(__voronoid_jobs)'\n",
+                script->command);
+    else if (command->process != NULL)
+        fprintf(out, "complete -c voronoid -n '__voronoid_is %s' -F\n", script->command);
+}
+
+static void fish_name(FILE *out, const char *name, const char *title)
+{
+    fprintf(out, "complete -c voronoid -n '__voronoid_is' -a %s -d ", name);
+    fish_text(out, title);
+    fputc('\n', out);
+}
+
+static const char fish_head[] =
+    "# Completion of voronoid for fish, made by voronoid --completion fish.\n"
+    "\n"
+    "# Whether the words before the cursor are those of a command; of none without one.\n"
+    "function __voronoid_is\n"
+    "    set -l words (commandline -opc)\n"
+    "    set -e words[1]\n"
+    "    set -q words[1]; or return (count $argv)\n"
+    "    set -q argv[1]; or return 1\n"
+    "    test \"$words[1]\" = submit; and set -q words[2]; or set words $words[1]\n"
+    "    test \"$words[1..2]\" = \"$argv\"\n"
+    "end\n"
+    "\n"
+    "# What stands before the last comma of a list stays.\n"
+    "function __voronoid_list\n"
+    "    set -l word (commandline -ct | string replace -r '^--[^=]*=' '')\n"
+    "    printf '%s\\n' (string replace -r '[^,]*$' '' -- $word)$argv\n"
+    "end\n"
+    "\n"
+    "function __voronoid_jobs\n"
+    "    set -l words (commandline -opc)\n"
+    "    timeout 2 $words[1] jobs -q 2>/dev/null\n"
+    "end\n"
+    "\n"
+    "complete -c voronoid -f\n";
+
+static void print_fish(FILE *out)
+{
+    struct script script = {out, NULL};
+    struct vor_command command;
+
+    fputs(fish_head, out);
+    fish_name(out, "serve", "Run the daemon");
+    for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++)
+        fish_name(out, command.name, command.title);
+    fish_name(out, "help", "Explain a command or a topic");
+    fputs("complete -c voronoid -n '__voronoid_is' -l help -d 'List the commands'\n"
+          "complete -c voronoid -n '__voronoid_is' -l version -d 'Print the version'\n"
+          "complete -c voronoid -n '__voronoid_is' -l completion -x -a 'bash zsh fish'\n"
+          "complete -c voronoid -n '__voronoid_is' -l man -x -a '1 8'\n"
+          "complete -c voronoid -n '__voronoid_is submit' -a '",
+          out);
+    print_submittable(out);
+    fputs("'\ncomplete -c voronoid -n '__voronoid_is help' -a '", out);
+    print_names(out);
+    fputs("'\n", out);
+    each_command(&script, fish_command);
+}
+
 int vor_cli_complete(FILE *out, const char *shell)
 {
     if (strcmp(shell, "bash") == 0) {
         print_bash(out);
     } else if (strcmp(shell, "zsh") == 0) {
         print_zsh(out);
+    } else if (strcmp(shell, "fish") == 0) {
+        print_fish(out);
     } else {
-        vor_cli_say("--completion", "want bash or zsh");
+        vor_cli_say("--completion", "want bash, zsh or fish");
         return VOR_EXIT_USAGE;
     }
     return fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;

@@ -191,7 +191,7 @@ void vor_help_end(FILE *out)
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
     vor_cli_topics(out);
     fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
-          "version.\nvoronoid --completion bash|zsh prints a completion, voronoid --man 1|8 a page "
+          "version.\nvoronoid --completion bash|zsh|fish prints a completion, voronoid --man 1|8 a page "
           "of the manual.\n\nExit codes:\n",
           out);
     vor_help_exit_codes(out, 0);

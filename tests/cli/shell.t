@@ -89,53 +89,66 @@ subtest 'the manual' => sub {
 
 my $bash = spew("$folder/voronoid.bash", printed('--completion', 'bash'));
 my $zsh = spew("$folder/_voronoid", printed('--completion', 'zsh'));
+my $fish = spew("$folder/voronoid.fish", printed('--completion', 'fish'));
 is((run(['--completion', 'csh']))[0], 2, 'no completion for a shell that is not known');
+mkdir "$folder/bin" and symlink $binary, "$folder/bin/voronoid" or die;
 
-# What bash offers behind these words, the last of which is being written. bash takes words apart at each =.
-sub offered {
+# What a shell offers behind these words, the last of which is being written. bash takes words apart at each =.
+sub bash {
     my @words = @_;
     my $list = join ' ', map { "'$_'" } $binary, @words;
-    my $script = "cd '$folder'; source '$bash'; COMP_WORDS=($list); COMP_CWORD=" . @words
-        . '; _voronoid; printf "%s\n" "${COMPREPLY[@]}"';
-    open my $pipe, '-|', 'bash', '--norc', '-c', $script or die "bash: $!";
-    my @offered = map { chomp; $_ } <$pipe>;
+    return "source '$bash'; COMP_WORDS=($list); COMP_CWORD=" . @words . '; _voronoid; printf "%s\n" "${COMPREPLY[@]}"';
+}
+sub fish { return "source '$fish'; complete -C 'voronoid @_'" }
+sub offered {
+    my ($shell, @words) = @_;
+    local $ENV{PATH} = "$folder/bin:$ENV{PATH}";
+    my @command = $shell eq 'bash' ? ('bash', '--norc', '-c', bash(@words)) : ('fish', '--no-config', '-c', fish(@words));
+    open my $pipe, '-|', 'sh', '-c', 'cd "$0" && exec "$@"', $folder, @command or die "$shell: $!";
+    my @offered = map { chomp; s/\t.*//r } <$pipe>;
     close $pipe;
     return join ' ', sort grep { length } @offered;
 }
 
-subtest 'bash' => sub {
-    is system('bash', '-n', $bash), 0, 'bash can read it';
-  SKIP: {
-        skip 'shellcheck: not on this machine', 1 unless has_program('shellcheck');
-        is `shellcheck '$bash'`, '', 'shellcheck finds nothing';
-    }
-    is offered(''), join(' ', sort @commands, qw(help --help --version --completion --man)), 'the first word is a command';
-    is offered('res'), 'resample', 'the beginning of one';
-    is offered($_, '-'), join(' ', @{ $options{$_} }), "$_: the options of its help" for sort grep { $_ ne 'submit' } keys %options;
-    is offered('serve', '--'), join(' ', sort '--help', @settings), 'serve: its settings';
-    is offered('submit', 'up'), 'upsample', 'submit wants a process';
-    is offered('submit', 'heal'), '', 'not any command';
-    is offered('submit', 'inspect', '--in'), '--intrinsic --invalid', 'and then takes its parameters';
-    is offered('resample', '--order', ''), 'progressive spatial', 'a choice has words';
-    is offered('resample', '--order', '=', 'p'), 'progressive', 'also behind a =';
-    is offered('resample', '--order', '='), 'progressive spatial', 'right behind it';
-    is offered('resample', '--filters', 'mls,o'), 'mls,outliers', 'a list goes on behind a comma';
-    is offered('resample', '--neighbors', ''), 'auto', 'a number may have a word';
-    is offered('resample', '-n', ''), '', 'or none, and then no file is offered';
-    is offered('jobs', '--status', 'acc'), 'accepted', 'a status';
-    is offered('fetch', '--result', 're'), 'report', 'a result';
-    is offered('serve', '--log-level', 'd'), 'debug', 'a setting';
-    is offered('resample', 'in'), 'in.ply', 'an operand is a file';
-    is offered('resample', '-fo', 'in'), 'in.ply', 'so is an output';
-    is offered('measure', '--reference', 'in'), 'in.ply', 'and another input';
-    is offered('resample', '--quiet', 'in'), 'in.ply', 'a flag is followed by an operand';
-    my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 1);
-    local $ENV{VORONOID_SERVER} = $daemon->{url};
-    my (undef, $id) = run(['submit', 'inspect', $in]);
-    chomp $id;
-    is offered('wait', substr $id, 0, 8), $id, 'wait wants a job of the daemon';
-    stop($daemon);
-};
+for my $shell ('bash', 'fish') {
+    subtest $shell => sub {
+        plan skip_all => "$shell: not on this machine" unless has_program($shell);
+        is system($shell, '-n', $shell eq 'bash' ? $bash : $fish), 0, 'it can be read';
+        my $also = $shell eq 'bash' ? [qw(--help --version --completion --man)] : [];
+        is offered($shell, ''), join(' ', sort @commands, 'help', @$also), 'the first word is a command';
+        for my $command (sort grep { $_ ne 'submit' } keys %options) {
+            my $begin = $shell eq 'bash' ? '-' : '--'; # fish keeps letters apart
+            is offered($shell, $command, $begin), join(' ', grep {/^$begin/} @{ $options{$command} }), "$command: the options of its help";
+        }
+        is offered($shell, 'serve', '--'), join(' ', sort '--help', @settings), 'serve: its settings';
+        for my $case (
+            [['res'], 'resample', 'the beginning of a command'], [['submit', 'up'], 'upsample', 'submit wants a process'],
+            [['submit', 'heal'], '', 'not any command'], [['submit', 'inspect', '--in'], '--intrinsic --invalid', 'and then takes its parameters'],
+            [['resample', '--order', ''], 'progressive spatial', 'a choice has words'],
+            [['resample', '--filters', 'mls,o'], 'mls,outliers', 'a list goes on behind a comma'],
+            [['resample', '--neighbors', ''], 'auto', 'a number may have a word'], [['resample', '-n', ''], '', 'or none, and then no file is offered'],
+            [['jobs', '--status', 'acc'], 'accepted', 'a status'], [['fetch', '--result', 're'], 'report', 'a result'],
+            [['serve', '--log-level', 'd'], 'debug', 'a setting'], [['resample', 'in'], 'in.ply', 'an operand is a file'],
+            [['resample', '-fo', 'in'], 'in.ply', 'so is an output'], [['measure', '--reference', 'in'], 'in.ply', 'and another input'],
+            [['resample', '--quiet', 'in'], 'in.ply', 'a flag is followed by an operand'], [['help', 'mea'], 'measure', 'help wants a command'],
+            $shell eq 'fish' ? [['resample', '--order=p'], '--order=progressive', 'also behind a =']
+            : ([['resample', '--order', '=', 'p'], 'progressive', 'also behind a ='], [['resample', '--order', '='], 'progressive spatial', 'right behind it']),
+        ) {
+            my ($words, $wanted, $name) = @$case;
+            is offered($shell, @$words), $wanted, $name;
+        }
+        my $daemon = daemon("$folder/$shell.data", '127.0.0.1:0', '--threads', 1);
+        local $ENV{VORONOID_SERVER} = $daemon->{url};
+        my (undef, $id) = run(['submit', 'inspect', $in]);
+        chomp $id;
+        is offered($shell, 'wait', substr $id, 0, 8), $id, 'wait wants a job of the daemon';
+        stop($daemon);
+    };
+}
+SKIP: {
+    skip 'shellcheck: not on this machine', 1 unless has_program('shellcheck');
+    is `shellcheck '$bash'`, '', 'shellcheck finds nothing';
+}
 
 subtest 'zsh' => sub {
     my $text = slurp($zsh);
@@ -157,7 +170,7 @@ subtest 'make install' => sub {
     my $make = sub { return system("make -s config=$config $_[0] DESTDIR='$root' PREFIX=/opt/v >'$folder/make.log' 2>&1") };
     is $make->('install'), 0, 'ends well' or diag slurp("$folder/make.log");
     my %same = ('share/man/man1/voronoid.1' => "$folder/voronoid.1", 'share/man/man8/voronoid.8' => "$folder/voronoid.8",
-        'share/bash-completion/completions/voronoid' => $bash, 'share/zsh/site-functions/_voronoid' => $zsh,
+        'share/bash-completion/completions/voronoid' => $bash, 'share/zsh/site-functions/_voronoid' => $zsh, 'share/fish/vendor_completions.d/voronoid.fish' => $fish,
         'share/doc/voronoid/LICENSE' => 'LICENSE');
     for my $path (sort keys %same) {
         ok slurp("$root/opt/v/$path") eq slurp($same{$path}), "$path is there";
