@@ -191,8 +191,9 @@ void vor_help_end(FILE *out)
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
     vor_cli_topics(out);
     fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
-          "version.\nvoronoid --completion bash|zsh|fish prints a completion, voronoid --man 1|8 a page "
-          "of the manual.\n\nExit codes:\n",
+          "version.\n"
+          "voronoid --man 1|8 prints a page of the manual.\n"
+          "voronoid --completion bash|zsh|fish prints a completion.\n\nExit codes:\n",
           out);
     vor_help_exit_codes(out, 0);
     fputs("\nExit codes of serve:\n", out);

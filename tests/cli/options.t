@@ -25,6 +25,7 @@ sub refused {
 
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
+unlike $help, qr/^.{101}/m, 'no line is long';
 like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert mesh submit jobs wait fetch cancel health);
 like $help, qr/^  +$_  \S/m, "and the exit code $_" for 0 .. 5, 75, 130;
 
