@@ -6,6 +6,7 @@
 #include "core/input/input.h"
 #include "core/input/islands.h"
 #include "core/input/sampled.h"
+#include "core/input/splats.h"
 #include "core/kmeans/kmeans.h"
 #include "core/lop/lop.h"
 #include "core/metrics/inspect.h"
@@ -57,9 +58,11 @@ struct engine {
 
 static vor_status prepare(struct engine *engine, struct vor_error *err)
 {
-    vor_status status =
-        vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err);
+    vor_status status = vor_splats_check(engine->given, &engine->spec, err);
 
+    if (status == VOR_OK)
+        status =
+            vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err);
     if (status == VOR_OK)
         status = vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err);
     if (status != VOR_OK)

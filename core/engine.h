@@ -21,6 +21,7 @@
  *  @retval VOR_E_NORMALS    inputNormals is use, and the cloud has none, or some that are zero or
  *                           not finite
  *  @retval VOR_E_FACES      sample is faces, and the cloud has none with an area
+ *  @retval VOR_E_SPLATS     the cloud is a 3D Gaussian splat (vor_splats_check)
  *  @retval VOR_E_DEGENERATE the cloud has no surface: fewer than four distinct points, or all on a
  *                           line; `measure`: as vor_measure_clouds
  *  @retval VOR_E_NOMEM      the job does not fit under its cap

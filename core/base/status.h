@@ -18,13 +18,14 @@
     X(E_LIMIT, 413, "too-many-points", 0, "The cloud exceeds a limit")                             \
     X(E_BYTES, 413, "too-many-bytes", 0, "The body exceeds a limit")                               \
     X(E_NOMEM, 413, "too-much-memory", 0, "The job needs more memory than is allowed")             \
-    X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The format of the data is unknown")            \
+    X(E_UNSUPPORTED, 415, "unsupported-format", 0, "The format of the data is not supported")      \
     X(E_FORMAT, 422, "undecodable-cloud", 0, "The cloud cannot be decoded")                        \
     X(E_EMPTY, 422, "empty-cloud", 0, "The cloud has no points")                                   \
     X(E_NONFINITE, 422, "non-finite-points", 0, "A coordinate is not a finite number")             \
     X(E_DEGENERATE, 422, "degenerate-cloud", 0, "The cloud has no surface to resample")            \
     X(E_NORMALS, 422, "unusable-normals", 0, "The normals of the cloud cannot be used")            \
     X(E_FACES, 422, "unusable-faces", 0, "The faces of the cloud cannot be used")                  \
+    X(E_SPLATS, 422, "gaussian-splats", 0, "The cloud is a 3D Gaussian splat")                     \
     X(E_HOLES, 422, "unknown-hole", 0, "The cloud has no hole of that number")                     \
     X(E_DENSITY, 422, "unusable-density", 0, "The input has no such density")                      \
     X(E_METRIC, 422, "unusable-metric", 0, "The attribute cannot be used as a metric")             \

@@ -109,7 +109,7 @@ subtest 'refusals' => sub {
     my $bad = spew("$folder/bad.ply", "hello\n");
     my $empty = spew("$folder/empty.ply", '');
     for my $case (
-        [$bad, 3, qr/The format of the data is unknown: [^\n]+/], [$empty, 3, qr/The cloud has no points: [^\n]+/],
+        [$bad, 3, qr/The format of the data is not supported: [^\n]+/], [$empty, 3, qr/The cloud has no points: [^\n]+/],
         ["$folder/no.ply", 1, qr/cannot be read: No such file or directory/],
     ) {
         my ($path, $wanted, $why) = @$case;

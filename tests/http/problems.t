@@ -110,6 +110,13 @@ refused($daemon->post('/v1/resample?points=10&metric=attribute:shape', $cloud), 
     qr/no tensors shape, want six scalars NAME_xx, .*; its tensors are none/, 'a metric that is not there');
 refused($daemon->post('/v1/resample?points=3&method=kmeans&metric=anisotropic', $cloud), 422, 'unusable-metric',
     qr/kmeans follows no metric/, 'a metric that the method does not follow');
+my $splats = $line =~ s/end_header\n.*//sr . join('', map { "property float $_\n" } qw(f_dc_0 opacity scale_0 rot_0)) . "end_header\n";
+$splats =~ s/vertex 9/vertex 500/;
+$splats .= join '', map { join(' ', cos($_), sin($_), $_ / 500, 1 .. 4) . "\n" } 1 .. 500;
+refused($daemon->post("/v1/$_", $splats), 422, 'gaussian-splats', qr/^the cloud is a 3D Gaussian splat .*; attributes=drop resamples its points/,
+    "splats would move: $_") for 'resample?points=10', 'denoise?filters=mls';
+is $daemon->post("/v1/$_", $splats)->{status}, 200, "and here they do not: $_"
+    for 'resample?points=10&attributes=drop', 'denoise?filters=outliers', 'convert?format=drc', 'measure', 'inspect';
 for my $case (
     ['metric=lp&method=kmeans', qr/^metric is lp, which only method cvt supports$/, 'a metric with kmeans'],
     ['edges=sites&method=wlop', qr/^edges is sites, which method wlop does not support, want ignore/, 'sites with wlop'],
