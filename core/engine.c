@@ -210,16 +210,19 @@ static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefa
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
     const struct vor_run whole = vor_run_unstoppable(run);
     struct vor_cloud cloud;
+    struct vor_mesh mesh;
     vor_status status;
 
     if (report == NULL)
         return VOR_E_NOMEM;
     vor_cloud_init(&cloud, run->memory);
-    status = vor_convert_cloud(&cloud, report, vor_artefacts_cloud(in, "cloud"), spec, &whole, err);
+    vor_mesh_init(&mesh, run->memory);
+    status = vor_convert_cloud(&cloud, &mesh, report, vor_artefacts_cloud(in, "cloud"), spec,
+                               &whole, err);
     report->seconds_index = vor_run_seconds(run);
     report->memory_peak_bytes = atomic_load(&run->memory->peak);
     if (status == VOR_OK)
-        vor_artefacts_put_cloud(out, "cloud", &cloud);
+        vor_artefacts_put_mesh(out, "cloud", &cloud, &mesh);
     return status;
 }
 

@@ -312,6 +312,13 @@ int vor_spec_keeps_points(const struct vor_spec *spec)
            spec->value[VOR_PARAM_SAMPLE] != VOR_SAMPLE_FACES;
 }
 
+enum vor_spec_faces vor_spec_faces(const struct vor_spec *spec)
+{
+    if (spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES)
+        return VOR_FACES_NEEDED;
+    return vor_spec_keeps_points(spec) && !has_target(spec) ? VOR_FACES_KEPT : VOR_FACES_IGNORED;
+}
+
 /* Checks a request in which an energy may be minimised. */
 static vor_status check_descent(const struct vor_spec *spec, struct vor_error *err)
 {

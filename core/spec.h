@@ -71,6 +71,15 @@ vor_status vor_spec_refuse(const struct vor_spec *spec, const char *name, const 
  *  points, ratio and spacing. Each point of the input is then one of the result, or dropped. */
 int vor_spec_only_filters(const struct vor_spec *spec);
 
+/** What a process does with the faces of its input. */
+enum vor_spec_faces {
+    VOR_FACES_IGNORED,
+    VOR_FACES_NEEDED, /**< points are drawn from them */
+    VOR_FACES_KEPT    /**< if there are any, the result has them */
+};
+
+enum vor_spec_faces vor_spec_faces(const struct vor_spec *spec);
+
 /** Checks what concerns several parameters: if the process takes points, ratio and spacing, exactly
  *  one of them is given, or none where filters alone make the result; an energy is minimised by
  *  cvt, without a density; wlop and ear follow no density and no metric, and have no sites. And

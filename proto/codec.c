@@ -15,9 +15,9 @@
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
     [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, 0, vor_ply_read,
-                        vor_ply_write, vor_ply_read_mesh, 0},
+                        vor_ply_write, vor_ply_read_mesh, 0, 1},
     [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, 1,
-                        vor_draco_read, vor_draco_write, vor_draco_read_mesh, 1},
+                        vor_draco_read, vor_draco_write, vor_draco_read_mesh, 1, 0},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -115,7 +115,7 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
         return status;
     out->notes.format = (unsigned)(found - formats);
     status = vor_cloud_check(out, err);
-    if (status == VOR_OK && limits->keep_faces)
+    if (status == VOR_OK && limits->keep_faces == VOR_FACES_NEEDED)
         status = vor_faces_check(out, err);
     if (status != VOR_OK)
         vor_cloud_free(out);
@@ -208,8 +208,20 @@ static uint64_t count_narrowed(const struct vor_report *report, const struct vor
     return count;
 }
 
+/* Counts the faces of more than three corners. */
+static uint64_t count_polygons(const struct vor_mesh *mesh)
+{
+    uint64_t count = 0;
+
+    for (size_t t = 0, run; t < mesh->count; t += run) {
+        run = vor_mesh_run(mesh, t);
+        count += run > 1;
+    }
+    return count;
+}
+
 void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
-                              const struct vor_format *format)
+                              const struct vor_mesh *mesh, const struct vor_format *format)
 {
     static const char *const words[] = {"comment", "obj_info"};
     char what[VOR_MEMBER_TEXT_SIZE];
@@ -226,6 +238,9 @@ void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud 
         vor_dropped_add(report->dropped, &report->dropped_count, what,
                         format->has_int64 ? 0 : count_rounded(&cloud->attributes[i], cloud->n));
     }
+    if (mesh != NULL && !format->has_polygons)
+        vor_dropped_add(report->dropped, &report->dropped_count, "polygon, cut into triangles",
+                        count_polygons(mesh));
     for (size_t i = 0; !format->has_remarks && i < sizeof words / sizeof words[0]; i++)
         vor_dropped_add(report->dropped, &report->dropped_count, words[i],
                         vor_notes_remarks(&cloud->notes, words[i]));

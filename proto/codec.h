@@ -21,11 +21,11 @@ const struct vor_format *vor_format_sniff(const uint8_t *bytes, size_t size);
 const struct vor_format *vor_format_by_suffix(const char *path);
 const struct vor_format *vor_format_by_media_type(const char *media_type);
 
-/** Sniffs and reads, then vor_cloud_check and, if faces are to be kept, vor_faces_check. out is an
+/** Sniffs and reads, then vor_cloud_check and, if faces are needed, vor_faces_check. out is an
  * initialised, empty cloud. *format (may be NULL) is set as soon as it is known.
  *
  *  @retval VOR_E_UNSUPPORTED no format begins like that (the message shows the first bytes)
- *  @retval VOR_E_FACES       faces are wanted, and there are none with an area
+ *  @retval VOR_E_FACES       faces are needed, and there are none with an area
  *  @retval others            as vor_format.read */
 VOR_NODISCARD vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **format,
                                         const uint8_t *bytes, size_t size,
@@ -65,8 +65,9 @@ VOR_NODISCARD vor_status vor_write_check(const struct vor_format *format,
                                          const struct vor_spec *spec,
                                          const struct vor_extent *input, struct vor_error *err);
 
-/** Adds to a report what a file of that format leaves out of a cloud. */
+/** Adds to a report what a file of that format leaves out of a cloud and its mesh, which may be
+ *  NULL or empty. */
 void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
-                              const struct vor_format *format);
+                              const struct vor_mesh *mesh, const struct vor_format *format);
 
 #endif

@@ -33,10 +33,10 @@ struct tail {
 
 /* Then three indices for each triangle. */
 struct faces {
-    uint64_t faces, triangle_count;
+    uint64_t faces, triangle_count, polygons;
 };
 
-_Static_assert(sizeof(struct faces) == 16, "no padding in the file");
+_Static_assert(sizeof(struct faces) == 24, "no padding in the file");
 _Static_assert(sizeof(struct head) == 56 && sizeof(struct row) == 80 && sizeof(struct tail) == 24 &&
                    sizeof(struct vor_dropped) == 72,
                "no padding in the file");
@@ -119,7 +119,7 @@ static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *
 static vor_status put_faces(const struct vor_sink *sink, const struct vor_cloud *cloud,
                             struct vor_error *err)
 {
-    struct faces faces = {cloud->notes.faces, cloud->triangle_count};
+    struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0};
     vor_status status = put(sink, &faces, sizeof faces, err);
 
     if (status == VOR_OK)
@@ -314,6 +314,7 @@ static vor_status take_faces(struct vor_cloud *cloud, const uint8_t **from, stru
     memcpy(&faces, at, sizeof faces);
     *from += sizeof faces + faces.triangle_count * TRIANGLE;
     cloud->notes.faces = faces.faces;
+    cloud->polygons = faces.polygons != 0;
     if (faces.triangle_count == 0)
         return VOR_OK;
     cloud->triangles = vor_malloc(cloud->memory, (size_t)faces.triangle_count, TRIANGLE);

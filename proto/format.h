@@ -53,6 +53,7 @@ struct vor_format {
     vor_status (*read_mesh)(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
                             size_t size, const struct vor_limits *limits, struct vor_error *err);
     int takes_origin; /**< its positions are float32, relative to an origin; else absolute */
+    int has_polygons; /**< faces may have more than three corners, or else are cut into triangles */
 };
 
 #endif

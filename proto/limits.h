@@ -2,6 +2,8 @@
 #ifndef VOR_PROTO_LIMITS_H
 #define VOR_PROTO_LIMITS_H
 
+#include "core/spec.h"
+
 #include <stddef.h>
 
 struct vor_limits {
@@ -10,8 +12,9 @@ struct vor_limits {
     int strict_draco;    /**< of Draco only point clouds of bitstream 2.3 without metadata */
     int drop_invalid;    /**< leave out points that are not finite; 0: VOR_E_NONFINITE */
     int keep_doubles;    /**< keep coordinates that a cloud's positions do not hold (exact) */
-    int keep_faces; /**< keep the faces, as triangles; VOR_E_FACES where a file has none. At most
-                       two for each of `points` */
+    int keep_faces; /**< enum vor_spec_faces; needed ones are refused with VOR_E_FACES where a file
+                       has none, and kept ones say which triangles are a polygon. At most two
+                       triangles for each of `points` */
 };
 
 #define VOR_LIMITS_DEFAULT                                                                         \

@@ -87,6 +87,7 @@ struct vor_cloud {
     size_t triangle_count;
     uint32_t *triangles; /**< three points each, below n; only where a reader was asked for them
                               (core/cloud/faces.h), and never of a result */
+    int polygons;        /**< of the triangles, as of struct vor_mesh */
     struct vor_notes notes;
 };
 

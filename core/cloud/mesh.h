@@ -16,7 +16,7 @@ struct vor_mesh {
     uint32_t *triangle;        /**< count x 3, indices of points */
     size_t count;
     int polygons; /**< triangles that follow each other and share the first point and an edge at it
-                       are one convex polygon; formats without polygons keep the triangles */
+                       are one polygon; formats without polygons keep the triangles */
 };
 
 /** How many triangles from t on are one face: 1 unless the mesh has polygons. t is below count. */

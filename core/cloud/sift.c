@@ -75,6 +75,10 @@ static vor_status renumber(struct vor_cloud *cloud, const struct positions *at,
         }
         kept += (size_t)whole;
     }
+    if (kept < cloud->triangle_count) /* what is left might look like other polygons */
+        cloud->polygons = 0;
+    vor_dropped_add(cloud->notes.dropped, &cloud->notes.dropped_count, "face",
+                    cloud->triangle_count - kept);
     cloud->triangle_count = kept;
     vor_free(cloud->memory, number);
     return VOR_OK;

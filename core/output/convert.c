@@ -6,6 +6,7 @@
 #include "core/output/output.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Says of everything that only a resampling or a measurement tells that it is not known. */
 static void forget(struct vor_report *report)
@@ -66,9 +67,26 @@ static vor_status measure(struct vor_report *report, const struct vor_cloud *clo
     return status;
 }
 
-vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_report *report,
-                             const struct vor_cloud *in, const struct vor_spec *spec,
-                             const struct vor_run *run, struct vor_error *err)
+static vor_status copy_faces(struct vor_mesh *out, const struct vor_cloud *in,
+                             struct vor_error *err)
+{
+    size_t size = 3 * sizeof *in->triangles;
+
+    if (in->triangle_count == 0)
+        return VOR_OK;
+    out->triangle = vor_malloc(out->memory, in->triangle_count, size);
+    if (out->triangle == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", in->triangle_count);
+    memcpy(out->triangle, in->triangles, in->triangle_count * size);
+    out->count = in->triangle_count;
+    out->polygons = in->polygons;
+    return VOR_OK;
+}
+
+vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_mesh *mesh,
+                             struct vor_report *report, const struct vor_cloud *in,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
 {
     struct vor_cloud cloud;
     vor_status status = VOR_OK;
@@ -84,9 +102,13 @@ vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_report *report,
         return status;
     vor_cloud_init(&cloud, out->memory);
     status = vor_cloud_copy(&cloud, in, err);
+    if (status == VOR_OK)
+        status = copy_faces(mesh, in, err);
     if (status == VOR_OK) {
         vor_output_report_notes(report, in);
         *out = cloud;
+    } else {
+        vor_cloud_free(&cloud);
     }
     return status;
 }

@@ -396,8 +396,8 @@ struct vor_artefact_info {
       "that other processes determine first")                                                      \
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
-      "Writes the points of a cloud with their attributes in another format, or the same one; "    \
-      "they move only by the rounding of the format")                                              \
+      "Writes the points of a cloud with their attributes and faces in another format, or the "    \
+      "same one; they move only by the rounding of the format")                                    \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as resample does and connects them by triangles, a manifold with faces "     \

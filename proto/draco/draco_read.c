@@ -264,6 +264,22 @@ static vor_status load_attribute(const struct load *load, unsigned index)
     return status;
 }
 
+/* Leaves out triangles of one point, which vor_draco_write fills up with; returns how many stay. */
+static size_t drop_filling(uint32_t *triangles, size_t count)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *corner = triangles + 3 * i;
+
+        if (corner[0] == corner[1] && corner[0] == corner[2])
+            continue;
+        memmove(triangles + 3 * kept, corner, 3 * sizeof *corner);
+        kept++;
+    }
+    return kept;
+}
+
 /* The faces, if they are wanted. */
 static vor_status load_faces(const struct load *load)
 {
@@ -281,23 +297,9 @@ static vor_status load_faces(const struct load *load)
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
+    if (load->keep_faces == VOR_FACES_KEPT)
+        cloud->triangle_count = drop_filling(cloud->triangles, faces);
     return VOR_OK;
-}
-
-/* Leaves out faces of one point, which vor_draco_write fills up with. */
-static void drop_filling(struct vor_mesh *mesh)
-{
-    size_t kept = 0;
-
-    for (size_t i = 0; i < mesh->count; i++) {
-        const uint32_t *corner = mesh->triangle + 3 * i;
-
-        if (corner[0] == corner[1] && corner[0] == corner[2])
-            continue;
-        memmove(mesh->triangle + 3 * kept, corner, 3 * sizeof *corner);
-        kept++;
-    }
-    mesh->count = kept;
 }
 
 static vor_status load_mesh(const struct load *load)
@@ -309,8 +311,7 @@ static vor_status load_mesh(const struct load *load)
         return vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
     if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
-    load->mesh->count = count;
-    drop_filling(load->mesh);
+    load->mesh->count = drop_filling(load->mesh->triangle, count);
     return VOR_OK;
 }
 

@@ -72,6 +72,38 @@ static vor_status add(struct vor_ply_faces *faces, uint32_t a, uint32_t b, uint3
     return VOR_OK;
 }
 
+/* A fan of m triangles from t on, around its first corner c0, that continues the one before: turns
+ * it around c1. (c0, c1, c2) (c0, c2, c3) becomes (c1, c2, c3) (c1, c3, c0). */
+static void tell_apart(uint32_t *triangles, size_t t, size_t m)
+{
+    uint32_t *fan = &triangles[CORNERS * t], first = fan[0], second = fan[1];
+
+    if (t == 0 || first != fan[-3] || second != fan[-1])
+        return;
+    for (size_t i = 0; i < m; i++) {
+        uint32_t *to = &fan[CORNERS * i];
+
+        to[0] = second;
+        to[1] = to[2];
+        to[2] = i + 1 < m ? to[CORNERS + 2] : first;
+    }
+}
+
+/* Triangles are told apart once there is a polygon: without any, no face continues another. */
+static void end_face(struct vor_ply_faces *faces)
+{
+    size_t m = faces->count - faces->first;
+
+    if (faces->tells_apart && m > 1 && !faces->polygons) {
+        faces->polygons = 1;
+        for (size_t t = 0; t < faces->first; t++)
+            tell_apart(faces->triangles, t, 1);
+    }
+    if (faces->polygons && m > 0)
+        tell_apart(faces->triangles, faces->first, m);
+    faces->first = faces->count;
+}
+
 static vor_status out_of_range(const struct vor_ply_faces *faces, uint64_t row, uint64_t item,
                                double value, struct vor_error *err)
 {
@@ -88,6 +120,8 @@ static vor_status take(void *ctx, uint64_t row, uint64_t item, double value, str
     uint64_t before = item == 0 ? 0 : faces->corners;
     vor_status status = VOR_OK;
 
+    if (item == 0 || faces->is_strip)
+        end_face(faces);
     faces->corners = 0;
     if (faces->is_strip && value == -1)
         return VOR_OK;
@@ -137,6 +171,9 @@ vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *
         status = reserve(faces, faces->count + (size_t)element->count, err);
     if (status != VOR_OK)
         return status;
-    return body->encoding == VOR_PLY_ASCII ? vor_ply_ascii_items(body, element, list, &items, err)
-                                           : vor_ply_binary_items(body, element, list, &items, err);
+    status = body->encoding == VOR_PLY_ASCII
+                 ? vor_ply_ascii_items(body, element, list, &items, err)
+                 : vor_ply_binary_items(body, element, list, &items, err);
+    end_face(faces);
+    return status;
 }

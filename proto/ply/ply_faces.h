@@ -12,6 +12,9 @@ struct vor_ply_faces {
     size_t most;               /**< triangles that there may be */
     size_t count, capacity;
     uint32_t *triangles; /**< count x 3 indices, from memory; the caller frees them */
+    int tells_apart;     /**< make faces such that vor_mesh_run finds them, and set polygons */
+    int polygons;        /**< a face has more than three corners */
+    size_t first;        /**< triangle of the face that is being read */
     int is_strip;        /**< the element that is being read holds strips, else polygons */
     uint64_t corners;    /**< since the polygon or the strip began */
     uint32_t corner[2];  /**< of a polygon the first and the last one, of a strip the last two */
@@ -23,7 +26,8 @@ int vor_ply_face_list(const struct vor_ply_element *element);
 
 /** Adds the triangles of an element that vor_ply_face_list finds a list in, and moves past it.
  *
- *  A polygon becomes a fan around its first corner; one of fewer than three corners, none. In a
+ *  A polygon becomes a fan around its first corner, or around the second if tells_apart says so and
+ *  it would continue the fan before; one of fewer than three corners, none. In a
  *  strip every index from the third one on makes a triangle with the two before it, turned so that
  *  all face one way, and -1 begins anew.
  *

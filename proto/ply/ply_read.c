@@ -282,6 +282,7 @@ static vor_status read_elements(struct reader *reader, struct vor_error *err)
         status = read_element(reader, &header->elements[i], err);
     reader->cloud.triangles = reader->faces.triangles;
     reader->cloud.triangle_count = reader->faces.count;
+    reader->cloud.polygons = reader->faces.polygons;
     return status;
 }
 
@@ -290,6 +291,7 @@ static void expect_faces(struct reader *reader, const struct vor_limits *limits)
 {
     reader->keep_faces = limits->keep_faces;
     reader->faces.memory = reader->cloud.memory;
+    reader->faces.tells_apart = limits->keep_faces == VOR_FACES_KEPT;
     reader->faces.vertices = reader->vertex->count;
     reader->faces.most = 2 * (limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX);
 }

@@ -141,7 +141,7 @@ static vor_status finish(struct here *r, struct vor_error *err)
     r->report->seconds_read = r->seconds_read;
     r->report->seconds_write = r->seconds_write;
     if (main->kind == VOR_ARTEFACT_CLOUD)
-        vor_codec_report_dropped(r->report, &main->cloud, r->format);
+        vor_codec_report_dropped(r->report, &main->cloud, &main->mesh, r->format);
     vor_text_init(&text, 0);
     vor_json_document(&text, &vor_artefacts_find(&r->out, "report")->document);
     status = vor_text_status(&text, err);

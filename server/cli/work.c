@@ -37,7 +37,7 @@ vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
     work->run.memory = &work->memory;
     work->run.watch = &work->watch;
     work->drop_invalid = cli->spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;
-    work->keep_faces = cli->spec.value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES;
+    work->keep_faces = (int)vor_spec_faces(&cli->spec);
     work->keep_doubles = vor_spec_keeps_points(&cli->spec);
     return vor_pool_create(&work->run.pool, cli->threads, err);
 }

@@ -175,7 +175,7 @@ static void complete_report(const struct run *run, struct vor_report *report,
         vor_artefacts_find(out, run->order->spec.process->outputs[0].name);
 
     if (main->kind == VOR_ARTEFACT_CLOUD)
-        vor_codec_report_dropped(report, &main->cloud, vor_format(first->format));
+        vor_codec_report_dropped(report, &main->cloud, &main->mesh, vor_format(first->format));
     report->seconds_read = run->order->seconds_read;
     report->seconds_write = vor_clock_seconds() - began;
     report->memory_peak_bytes = atomic_load(&run->memory.peak);

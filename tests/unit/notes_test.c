@@ -234,9 +234,9 @@ START_TEST(integers_that_a_format_rounds_are_counted)
     vt_assert_ok(
         vor_cloud_add_attribute(&cloud, "id", VOR_GENERIC, VOR_INT64, 1, &attribute, &vt_err));
     memcpy(attribute->data, values, sizeof values);
-    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_DRC));
+    vor_codec_report_dropped(&report, &cloud, NULL, vor_format(VOR_FORMAT_DRC));
     ck_assert_uint_eq(report.dropped_count, 0);
-    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_PLY));
+    vor_codec_report_dropped(&report, &cloud, NULL, vor_format(VOR_FORMAT_PLY));
     ck_assert_uint_eq(report.dropped_count, 1);
     ck_assert_str_eq(report.dropped[0].what, "digits of id");
     ck_assert_uint_eq(report.dropped[0].count, 2);

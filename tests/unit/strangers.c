@@ -236,9 +236,9 @@ START_TEST(what_draco_has_beside_points_is_kept_or_named)
                 POINTS "color uint8 7 8 9 10; " PLACES "GPS time uint16 11 12; " HEIGHT
                        "; dropped meaning of color 1; dropped metadata 4",
                 back);
-    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_DRC));
+    vor_codec_report_dropped(&report, &cloud, NULL, vor_format(VOR_FORMAT_DRC));
     ck_assert_uint_eq(report.dropped_count, 0);
-    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_PLY));
+    vor_codec_report_dropped(&report, &cloud, NULL, vor_format(VOR_FORMAT_PLY));
     ck_assert_uint_eq(report.dropped_count, 1);
     ck_assert_str_eq(report.dropped[0].what, "name of GPS time");
     vor_cloud_free(&cloud);
@@ -468,7 +468,7 @@ START_TEST(doubles_come_back_bit_for_bit_where_they_are_kept)
     vt_assert_ok(vor_cloud_reorder(&back, swap, &vt_err));
     check_doubles(&back);
     report.parameters.value[VOR_PARAM_QUANTIZATION] = 0;
-    vor_codec_report_dropped(&report, &cloud, vor_format(VOR_FORMAT_DRC));
+    vor_codec_report_dropped(&report, &cloud, NULL, vor_format(VOR_FORMAT_DRC));
     ck_assert_uint_eq(report.dropped_count, 1);
     ck_assert_str_eq(report.dropped[0].what, "digits of positions");
     ck_assert_uint_eq(report.dropped[0].count, 2);
