@@ -60,7 +60,8 @@ static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse 
         return vor_fail(err, VOR_E_NOMEM, "decoding %zu bytes of Draco takes more than %zu bytes",
                         size, left < purse->most ? left : purse->most);
     default:
-        return vor_fail(err, VOR_E_FORMAT, "the Draco library refuses the file: %s",
+        return vor_fail(err, VOR_E_FORMAT,
+                        "the Draco file is damaged or cut short; the Draco library says: %s",
                         message[0] != '\0' ? message : "no reason given");
     }
 }

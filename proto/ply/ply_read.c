@@ -57,7 +57,8 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
     }
     if (element == NULL)
         return vor_ply_at(err, header->body,
-                          vor_fail(err, VOR_E_FORMAT, "the header has no element vertex"));
+                          vor_fail(err, VOR_E_FORMAT,
+                                   "the header has no element vertex, want one with x, y and z"));
     reader->vertex = element;
     if (element->count == 0)
         return vor_ply_at(err, element->offset,
@@ -82,8 +83,13 @@ static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
 
     for (int c = 0; c < 3; c++) {
         at[c] = vor_ply_find(vertex, names[c], 0);
-        if (at[c] == ABSENT)
-            vor_fail(err, VOR_E_FORMAT, "element vertex has no property %s", names[c]);
+        if (at[c] == ABSENT && vor_ply_find(vertex, "packed_position", 0) != ABSENT)
+            vor_fail(err, VOR_E_FORMAT,
+                     "element vertex has packed_position: it is a compressed 3D Gaussian splat, "
+                     "which splat-transform in.ply out.ply unpacks");
+        else if (at[c] == ABSENT)
+            vor_fail(err, VOR_E_FORMAT, "element vertex has no property %s, want x, y and z",
+                     names[c]);
         else if (vertex->properties[at[c]].list)
             vor_fail(err, VOR_E_FORMAT, "property %s of vertex is a list, want a number", names[c]);
         else
