@@ -19,6 +19,8 @@ url=$(tests/demo/listening.sh "$work/log" $!)
 chroot --userspec=65532:65532 "$root" /usr/bin/voronoid health --server "$url"
 curl -sSf -X POST -T "$work/sphere.ply" -o "$work/out.drc" "$url/v1/resample?points=500&format=drc"
 head -c 5 "$work/out.drc" | grep -q DRACO
+readelf --string-dump=.gnu_debuglink "$root/usr/bin/voronoid" | grep -q 'voronoid\.debug' || { echo "try.sh: the binary names no symbols" >&2; exit 1; }
+readelf --sections "$root.debug/voronoid.debug" 2>/dev/null | grep -q ' \.symtab ' || { echo "try.sh: there are no symbols" >&2; exit 1; }
 
 # A folder that the host mounts belongs to root as a rule: the daemon says so, and what to do.
 install -d -m 0755 "$root/var/lib/mounted"
