@@ -33,8 +33,9 @@ struct vor_supervisor {
     struct vor_run_executor base;
     struct vor_supervisor_config config;
     pthread_mutex_t mutex;  /* everything below */
-    pthread_cond_t changed; /* left_over */
+    pthread_cond_t changed; /* left_over, and a worker's is_changing */
     struct vor_supervisor_counts counts;
+    unsigned suspects;  /* that have a worker of their own */
     unsigned left_over; /* cancelled runs whose callers do not wait for them */
     struct vor_workplace shared;
 };
@@ -42,10 +43,10 @@ struct vor_supervisor {
 /* --- workers ---------------------------------------------------------------------------------- */
 
 static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
-                              struct vor_error *err)
+                              unsigned threads, struct vor_error *err)
 {
     const struct vor_supervisor_config *config = &supervisor->config;
-    vor_status status = vor_workplace_init(worker, config->threads, config->memory, err);
+    vor_status status = vor_workplace_init(worker, threads, config->memory, err);
 
     if (status != VOR_OK)
         return status;
@@ -55,41 +56,87 @@ static vor_status init_worker(const struct vor_supervisor *supervisor, struct vo
     return VOR_OK;
 }
 
-/* Starts a worker, or ends one; the mutex is held. */
+/* Starts a worker, or ends one. The mutex is held, but not while the process is waited for: that
+ * may take half a minute, and other runs are looked after meanwhile. Who needs this worker waits
+ * for the change (settle). */
+static void begin_change(struct vor_supervisor *supervisor, struct vor_workplace *worker)
+{
+    worker->is_changing = 1;
+    pthread_mutex_unlock(&supervisor->mutex);
+}
+
+static void end_change(struct vor_supervisor *supervisor, struct vor_workplace *worker)
+{
+    worker->is_changing = 0;
+    pthread_cond_broadcast(&supervisor->changed);
+}
+
+static void settle(struct vor_supervisor *supervisor, const struct vor_workplace *worker)
+{
+    while (worker->is_changing)
+        pthread_cond_wait(&supervisor->changed, &supervisor->mutex);
+}
+
 static vor_status begin_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
                                struct vor_error *err)
 {
-    vor_status status =
-        vor_workplace_begin(worker, supervisor->config.zygote, supervisor->config.kind, err);
+    struct vor_child child;
+    vor_status status;
 
+    begin_change(supervisor, worker);
+    status = vor_workplace_spawn(&child, worker, supervisor->config.zygote, supervisor->config.kind,
+                                 err);
+    pthread_mutex_lock(&supervisor->mutex);
+    if (status == VOR_OK)
+        vor_workplace_begin(worker, &child);
     supervisor->counts.started += status == VOR_OK;
+    end_change(supervisor, worker);
     return status;
 }
 
 static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
                        const char *why, int blamed)
 {
-    supervisor->counts.crashed += worker->is_up != 0;
-    vor_metric_add(VOR_METRIC_WORKER_RESTARTS, worker->is_up != 0, NULL);
-    vor_workplace_end(worker, why, blamed);
+    struct vor_workplace_end end;
+
+    if (!worker->is_up || worker->is_changing)
+        return;
+    begin_change(supervisor, worker);
+    vor_workplace_reap(&end, &worker->child, why);
+    pthread_mutex_lock(&supervisor->mutex);
+    supervisor->counts.crashed++;
+    vor_metric_add(VOR_METRIC_WORKER_RESTARTS, 1, NULL);
+    vor_workplace_end(worker, &end, blamed);
+    end_change(supervisor, worker);
 }
 
-/* The worker for an order: the shared one, or for a suspect one of its own. NULL when there is none
- * to be had. */
+static void end_suspect(struct vor_supervisor *supervisor)
+{
+    pthread_mutex_lock(&supervisor->mutex);
+    supervisor->suspects--;
+    pthread_mutex_unlock(&supervisor->mutex);
+}
+
+/* The worker for an order: the shared one, or for a suspect one of its own. Of many suspects, as
+ * after a crash beside many runs, each has fewer threads: else they would have the cores many times
+ * over. NULL when there is none to be had. */
 static struct vor_workplace *worker_for(struct vor_supervisor *supervisor,
                                         const struct vor_order *order, struct vor_error *err)
 {
     struct vor_workplace *own;
+    unsigned threads;
 
     if (!order->is_suspect)
         return &supervisor->shared;
+    pthread_mutex_lock(&supervisor->mutex);
+    threads = supervisor->config.threads / (++supervisor->suspects + 1);
+    pthread_mutex_unlock(&supervisor->mutex);
     own = calloc(1, sizeof *own);
-    if (own == NULL) {
+    if (own == NULL)
         (void)vor_fail(err, VOR_E_NOMEM, "a worker");
-        return NULL;
-    }
-    if (init_worker(supervisor, own, err) == VOR_OK)
+    else if (init_worker(supervisor, own, threads > 0 ? threads : 1, err) == VOR_OK)
         return own;
+    end_suspect(supervisor);
     free(own);
     return NULL;
 }
@@ -100,6 +147,7 @@ static void leave_worker(struct vor_supervisor *supervisor, struct vor_workplace
         return;
     vor_workplace_free(worker);
     free(worker);
+    end_suspect(supervisor);
 }
 
 /* --- a run ------------------------------------------------------------------------------------ */
@@ -175,8 +223,11 @@ static vor_status summon(struct sitting *sitting, struct vor_error *err)
 static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
 {
     struct vor_workplace *worker = sitting->worker;
-    vor_status status = worker->is_up ? VOR_OK : begin_worker(sitting->supervisor, worker, err);
+    vor_status status = VOR_OK;
 
+    settle(sitting->supervisor, worker);
+    if (!worker->is_up)
+        status = begin_worker(sitting->supervisor, worker, err);
     if (status == VOR_OK)
         status = take_seat(sitting, err);
     if (status != VOR_OK)
@@ -275,6 +326,7 @@ static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
     pthread_mutex_lock(&sitting->supervisor->mutex);
     if (worker->life == sitting->life)
         end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+    settle(sitting->supervisor, worker);
     end = seat->is_innocent ? VOR_RUN_DISTURBED
           : seat->is_only   ? VOR_RUN_CRASHED_ALONE
                             : VOR_RUN_CRASHED;
@@ -478,9 +530,15 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
 
 static vor_status start(struct vor_supervisor *supervisor, struct vor_error *err)
 {
-    vor_status status = init_worker(supervisor, &supervisor->shared, err);
+    vor_status status =
+        init_worker(supervisor, &supervisor->shared, supervisor->config.threads, err);
 
-    return status == VOR_OK ? begin_worker(supervisor, &supervisor->shared, err) : status;
+    if (status != VOR_OK)
+        return status;
+    pthread_mutex_lock(&supervisor->mutex);
+    status = begin_worker(supervisor, &supervisor->shared, err);
+    pthread_mutex_unlock(&supervisor->mutex);
+    return status;
 }
 
 vor_status vor_supervisor_create(struct vor_supervisor **out,

@@ -67,25 +67,26 @@ static void note_end(struct vor_workplace *workplace, const char *how, int blame
     }
 }
 
-void vor_workplace_end(struct vor_workplace *workplace, const char *why, int blamed)
+void vor_workplace_reap(struct vor_workplace_end *out, struct vor_child *child, const char *why)
 {
-    struct vor_child_end end = {.signal = 0};
-    char how[64];
-
-    if (!workplace->is_up)
-        return;
-    vor_child_kill(&workplace->child);
-    if (vor_child_wait(&workplace->child, &end, end_seconds) && why == NULL)
-        describe_end(how, &end);
+    *out = (struct vor_workplace_end){.end = {.signal = 0}};
+    vor_child_kill(child);
+    if (vor_child_wait(child, &out->end, end_seconds) && why == NULL)
+        describe_end(out->how, &out->end);
     else
-        (void)snprintf(how, sizeof how, "%s", why != NULL ? why : "it does not end");
+        (void)snprintf(out->how, sizeof out->how, "%s", why != NULL ? why : "it does not end");
+}
+
+void vor_workplace_end(struct vor_workplace *workplace, const struct vor_workplace_end *end,
+                       int blamed)
+{
     vor_child_free(&workplace->child);
     workplace->is_up = 0;
-    note_end(workplace, how, blamed);
-    vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
+    note_end(workplace, end->how, blamed);
+    vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", end->how),
             VOR_COUNT("pid", workplace->child.pid),
-            VOR_COUNT("jobs", vor_workplace_runs(workplace)), VOR_REAL("cpu_s", end.cpu_seconds),
-            VOR_COUNT("peak", end.peak));
+            VOR_COUNT("jobs", vor_workplace_runs(workplace)),
+            VOR_REAL("cpu_s", end->end.cpu_seconds), VOR_COUNT("peak", end->end.peak));
 }
 
 /* Waits until a worker says that it is ready. */
@@ -113,26 +114,27 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
     return vor_fail(err, VOR_E_IO, "the worker does not start: %s", how);
 }
 
-vor_status vor_workplace_begin(struct vor_workplace *workplace, struct vor_zygote *zygote,
-                               unsigned kind, struct vor_error *err)
+vor_status vor_workplace_spawn(struct vor_child *child, const struct vor_workplace *workplace,
+                               struct vor_zygote *zygote, unsigned kind, struct vor_error *err)
 {
-    struct vor_child child;
     const int fds[] = {workplace->board_fd, zygote->socket};
     vor_status status =
-        vor_zygote_spawn(&child, zygote, kind, fds, workplace->board->has_codec ? 2 : 1, err);
+        vor_zygote_spawn(child, zygote, kind, fds, workplace->board->has_codec ? 2 : 1, err);
 
     if (status != VOR_OK)
         return status;
-    status = wait_ready(&child, err);
-    if (status != VOR_OK) {
-        vor_child_free(&child);
-        return status;
-    }
-    workplace->child = child;
+    status = wait_ready(child, err);
+    if (status != VOR_OK)
+        vor_child_free(child);
+    return status;
+}
+
+void vor_workplace_begin(struct vor_workplace *workplace, const struct vor_child *child)
+{
+    workplace->child = *child;
     workplace->is_up = 1;
     workplace->life++;
     workplace->beats = atomic_load(&workplace->board->beats);
     workplace->beat = vor_clock_seconds();
-    vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
-    return VOR_OK;
+    vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child->pid));
 }

@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -35,6 +36,11 @@ enum script {
 enum { KEPT_SIZE = VOR_KEPT_PART + 100 };
 
 static struct vor_board *script_board;
+
+/* Shared with the workers: those that start wait as long as it is closed. */
+static struct {
+    atomic_int is_closed, waiting;
+} * gate;
 
 static void nap(long ms)
 {
@@ -61,7 +67,7 @@ static int say_all(int channel)
     char kept[KEPT_SIZE];
     const struct vor_record record = {.iteration = 7, .delta = 0.25};
     const struct vor_run_result result = {
-        .has_report = 1, .report.delta = 0.5, .message = "as the script says"};
+        .has_report = 1, .report.delta = script_board->threads, .message = "as the script says"};
     const enum vor_stage stage = VOR_STAGE_ENCODE;
 
     memset(kept, 'k', sizeof kept);
@@ -138,6 +144,8 @@ static int scripted(int channel, const int *fds, unsigned fd_count)
     struct vor_summons summons;
     struct vor_message message = {.bytes = &summons, .capacity = sizeof summons};
 
+    for (atomic_fetch_add(&gate->waiting, 1); atomic_load(&gate->is_closed);)
+        nap(1);
     if (fd_count != 1 || vor_channel_send(channel, "", 1, NULL, 0, NULL) != VOR_OK)
         return 1;
     script_board = vor_board_map(fds[0]);
@@ -185,6 +193,8 @@ static const struct vor_child_kind kinds[KINDS] = {
 
 static struct vt_front front_start(double cancel_seconds, double stall_seconds)
 {
+    gate = mmap(NULL, sizeof *gate, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    ck_assert_ptr_ne(gate, MAP_FAILED);
     return vt_front_start(kinds, KINDS,
                           (struct vor_supervisor_config){.kind = SCRIPTED,
                                                          .cancel_seconds = cancel_seconds,
@@ -255,7 +265,7 @@ START_TEST(a_run_tells_its_records_its_stage_and_its_result)
     ck_assert_int_eq(heard.waits, 1);
     ck_assert_uint_eq(heard.record.iteration, 7);
     ck_assert_double_eq(heard.record.delta, 0.25);
-    ck_assert_double_eq(heard.result.report.delta, 0.5);
+    ck_assert_double_eq(heard.result.report.delta, 2); /* threads */
     ck_assert_str_eq(heard.result.message, "as the script says");
     ck_assert_uint_eq(heard.kept.size, KEPT_SIZE);
     ck_assert_uint_eq(strspn(heard.kept.data, "k"), KEPT_SIZE);
@@ -357,6 +367,28 @@ START_TEST(a_suspect_runs_in_a_process_of_its_own)
     ck_assert_int_eq(end_of(&heard), VOR_RUN_DONE);
     ck_assert_uint_eq(vt_front_counts(&front).started, 4);
     ck_assert_uint_eq(vt_front_counts(&front).crashed, 2);
+    vt_front_stop(&front);
+}
+END_TEST
+
+/* Regression: cancellation and signs of life of all runs waited for a worker that started. */
+START_TEST(runs_are_looked_after_while_another_worker_starts)
+{
+    struct vt_front front = front_start(0, 0);
+    struct vt_heard runs, suspect;
+
+    begin(&runs, &front, OBEYS);
+    wait_seated(&runs);
+    atomic_store(&gate->is_closed, 1);
+    begin_as(&suspect, &front, SAYS_ALL, 1);
+    while (atomic_load(&gate->waiting) < 2)
+        nap(1);
+    atomic_store(&runs.asked, VOR_CANCEL);
+    ck_assert_int_eq(end_of(&runs), VOR_RUN_FAILED);
+    ck_assert_int_eq(runs.err.status, VOR_E_CANCELLED);
+    atomic_store(&gate->is_closed, 0);
+    ck_assert_int_eq(end_of(&suspect), VOR_RUN_DONE);
+    ck_assert_double_eq(suspect.result.report.delta, 1); /* thread, of two */
     vt_front_stop(&front);
 }
 END_TEST
@@ -512,6 +544,7 @@ int main(void)
         suite, a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a_new_worker, 3);
     vt_add(suite, a_crash_is_told_to_all_that_ran_there);
     vt_add(suite, a_suspect_runs_in_a_process_of_its_own);
+    vt_add(suite, runs_are_looked_after_while_another_worker_starts);
     vt_add(suite, a_worker_that_ended_between_two_runs_costs_neither);
     vt_add(suite, a_worker_without_a_sign_of_life_is_ended);
     vt_add(suite, a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone);
