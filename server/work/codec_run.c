@@ -106,8 +106,9 @@ static vor_status too_long(const struct run *run, struct vor_error *err)
                     what_of(run->order), vor_codec_seconds(run->order->size));
 }
 
-/* Says how a child ended that told nothing, in the log too. */
-static vor_status explain(const struct run *run, const struct vor_child_end *end,
+/* Says how a child ended that told nothing, in the log too. One that was slow to die is as much to
+ * blame as one that crashed: the kill that it had was ours. */
+static vor_status explain(const struct run *run, const struct vor_child_end *end, int we_killed,
                           struct vor_error *err)
 {
     const char *what = what_of(run->order);
@@ -116,6 +117,8 @@ static vor_status explain(const struct run *run, const struct vor_child_end *end
             VOR_COUNT("signal", end->signal), VOR_COUNT("exit", end->status),
             VOR_COUNT("bytes", run->order->size), VOR_REAL("cpu_s", end->cpu_seconds),
             VOR_COUNT("peak", end->peak));
+    if (we_killed)
+        return vor_fail(err, blame(run), "%s failed: its process did not end", what);
     switch (end->signal) {
     case SIGXCPU:
         return too_long(run, err);
@@ -135,12 +138,13 @@ static vor_status take_end(struct run *run, struct vor_error *err)
 {
     static const double MOMENT = 1; /* s: for a core that is slow to die */
     struct vor_child_end end;
+    int has_ended = vor_child_wait(&run->child, &end, MOMENT);
 
-    if (!vor_child_wait(&run->child, &end, MOMENT)) {
+    if (!has_ended) {
         vor_child_kill(&run->child);
         (void)vor_child_wait(&run->child, &end, -1);
     }
-    return explain(run, &end, err);
+    return explain(run, &end, !has_ended, err);
 }
 
 static vor_status nonsense(struct run *run, struct vor_error *err)
