@@ -98,6 +98,7 @@ struct listing {
     char name[VOR_JOB_NAME_SIZE], process[32], tenant[VOR_JOB_PRINCIPAL_SIZE];
     struct vor_task task;
     struct vor_text text;
+    bool walks;  /* no index leads to what it filters by: others of the caller go before it */
     size_t left; /* of the page */
     bool more;
     vor_status status; /* of the read, as the next three */
@@ -140,7 +141,7 @@ static enum vor_next begin_slice(struct listing *list)
     list->task = (struct vor_task){.run = read_slice,
                                    .ctx = list,
                                    .caller = vor_auth_sharer(list->request),
-                                   .weight = list->filter.limit};
+                                   .weight = list->walks ? SIZE_MAX : list->filter.limit};
     vor_deferred_retain(&list->deferred);
     outcome = vor_worker_read_soon(list->app->worker, &list->task);
     if (outcome == VOR_DONE)
@@ -233,6 +234,8 @@ static enum vor_next begin_list(struct vor_app *app, struct vor_request *request
     list->filter.name = keep(list->name, sizeof list->name, filter.name);
     list->filter.process = keep(list->process, sizeof list->process, filter.process);
     list->filter.tenant = keep(list->tenant, sizeof list->tenant, vor_auth_tenant(request));
+    list->walks = filter.process != NULL || filter.statuses != 0 || filter.duration_min > 0 ||
+                  filter.duration_max > 0 || filter.created_from > 0 || filter.created_to > 0;
     list->left = filter.limit;
     vor_text_init(&list->text, 0);
     vor_json_begin_object(&list->text);

@@ -115,10 +115,11 @@ daemon.process.kill()
 daemon.process.wait()
 blobs = os.path.join(data, "blobs")
 files = [os.path.join(folder, f) for folder, _, names in os.walk(blobs) for f in names if waits in os.path.join(folder, f)]
-for id in fill(None):
-    for f in files:
-        os.makedirs(os.path.dirname(f.replace(waits, id)), exist_ok=True)
-        os.link(f, f.replace(waits, id))
+for number, id in enumerate(fill(None)):
+    for i, f in enumerate(files):
+        copy = os.path.join(os.path.dirname(f), id + os.path.basename(f)[len(id):])
+        shutil.copy(f, copy) if number % 30000 == 0 else os.link(f, copy)  # a file has 65,000 names at most
+        files[i] = copy
 daemon = Daemon()
 say("| waiting | start of the daemon | %.2f s |" % daemon.started)
 say("| waiting | memory of the daemon | %s |" % re.search(r"VmRSS:\s*(.*)", open("/proc/%d/status" % daemon.process.pid).read()).group(1))
