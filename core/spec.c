@@ -383,6 +383,9 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
         return status;
     if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))
         return VOR_OK;
+    if (given == 0)
+        return vor_fail_param(err, VOR_E_PARAM, "points",
+                              "none of points, ratio and spacing is given, want exactly one");
     return vor_fail_param(err, VOR_E_PARAM, "points",
                           "%d of points, ratio and spacing are given, want exactly one", given);
 }

@@ -17,7 +17,7 @@ static int is(const char *word, const char *a, const char *b)
 
 static int help(const char *command)
 {
-    if (command == NULL) {
+    if (command == NULL || strcmp(command, "help") == 0) {
         vor_cli_overview(stdout);
     } else if (strcmp(command, "serve") == 0) {
         fputs("usage: voronoid serve [SETTING]...\nRun the daemon.\n\nSettings:\n", stdout);

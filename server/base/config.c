@@ -318,13 +318,16 @@ static void read_arguments(struct reading *reading, int argc, char **argv)
 {
     struct option longs[VOR_SETTING_COUNT + 1];
     struct vor_error why;
-    int got;
+    int got, before = 0;
 
     make_longs(longs);
     optind = 0; /* glibc's word for a new command line */
-    while ((got = getopt_long(argc, argv, "-:", longs, NULL)) != -1)
+    for (; (got = getopt_long(argc, argv, "-:", longs, NULL)) != -1; before = got) {
+        if (got == OPERAND && before == '?')
+            continue; /* as good as surely the value of a flag that is none */
         if (take(reading->config, got, argv, &why) != VOR_OK)
             note(reading, &why);
+    }
     for (; optind < argc; optind++) {
         (void)no_setting(argv[optind], strlen(argv[optind]), "", &why);
         note(reading, &why);

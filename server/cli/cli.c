@@ -1,6 +1,7 @@
 #include "server/cli/cli.h"
 
 #include "core/base/nearest.h"
+#include "server/base/topics.h"
 #include "server/cli/batch.h"
 #include "server/cli/fetch.h"
 #include "server/cli/health.h"
@@ -101,12 +102,13 @@ static void choose_submit(struct chosen *out, const struct vor_process_info *pro
     out->words = 2;
 }
 
-static void refuse_name(const char *name)
+static void refuse_name(const char *name, int may_be_topic)
 {
     static const char *const more[] = {"serve", "help", "version"};
     char meant[VOR_NEAREST_TEXT_SIZE], line[sizeof meant + 64];
     const struct vor_process_info *process;
     struct vor_nearest nearest;
+    struct vor_topic topic;
 
     vor_nearest_init(&nearest, name, strlen(name));
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
@@ -115,14 +117,16 @@ static void refuse_name(const char *name)
         vor_nearest_try(&nearest, others[i].name, strlen(others[i].name));
     for (size_t i = 0; i < sizeof more / sizeof more[0]; i++)
         vor_nearest_try(&nearest, more[i], strlen(more[i]));
-    (void)snprintf(line, sizeof line, "no such command%s",
+    for (unsigned i = 0; may_be_topic && vor_topic_at(&topic, i); i++)
+        vor_nearest_try(&nearest, topic.name, strlen(topic.name));
+    (void)snprintf(line, sizeof line, "no such command%s%s", may_be_topic ? " or topic" : "",
                    nearest.count > 0 ? vor_nearest_text(&nearest, "", meant)
                                      : "; see voronoid --help");
     vor_cli_say(name, line);
 }
 
-/* The command of that name, and of the next word where that belongs to it; false after it was said
- * that there is none. */
+/* The command of that name, and of the next word where that belongs to it; false when there is
+ * none. */
 static int find(struct chosen *out, const char *name, const char *next)
 {
     const struct vor_process_info *process = vor_process_find(name);
@@ -142,7 +146,6 @@ static int find(struct chosen *out, const char *name, const char *next)
             out->command = others[i];
             return 1;
         }
-    refuse_name(name);
     return 0;
 }
 
@@ -158,8 +161,10 @@ int vor_cli_main(int argc, char **argv)
     struct vor_cli cli = {.command = &chosen.command};
     int skipped;
 
-    if (!find(&chosen, argv[0], argc > 1 ? argv[1] : NULL))
+    if (!find(&chosen, argv[0], argc > 1 ? argv[1] : NULL)) {
+        refuse_name(argv[0], 0);
         return VOR_EXIT_USAGE;
+    }
     skipped = chosen.words - 1;
     if (vor_cli_read(&cli, &chosen.command, argc - skipped, argv + skipped, &err) != VOR_OK)
         return vor_cli_fail(chosen.command.name, &err);
@@ -177,8 +182,10 @@ int vor_cli_help(FILE *out, const char *name)
 {
     struct chosen chosen;
 
-    if (!find(&chosen, name, NULL))
+    if (!find(&chosen, name, NULL)) {
+        refuse_name(name, 1);
         return VOR_EXIT_USAGE;
+    }
     vor_help_command(out, &chosen.command);
     return printed(out);
 }

@@ -84,8 +84,24 @@ static int candidates(const struct vor_menu *menu, const char *begin, size_t len
     return found;
 }
 
-/* A long option that is none of the command's, or may be several of them. A parameter that another
- * process takes is told as such. */
+/* A parameter that only other processes take: names them. */
+static vor_status refuse_parameter(const struct reader *r, const char *shown,
+                                   enum vor_parameter parameter)
+{
+    const struct vor_process_info *process;
+    char names[NAMES_SIZE] = "";
+
+    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+        size_t at = strlen(names);
+
+        if (vor_process_takes(process, parameter))
+            (void)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "", process->id);
+    }
+    return vor_fail(r->err, VOR_E_PARAM, "%s is an option of %s, not of %s", shown, names,
+                    r->cli->command->process->id);
+}
+
+/* A long option that is none of the command's, or may be several of them. */
 static vor_status refuse_long(const struct reader *r, const char *word)
 {
     const struct vor_process_info *process = r->cli->command->process;
@@ -99,8 +115,7 @@ static vor_status refuse_long(const struct reader *r, const char *word)
     parameter = vor_menu_parameter(exact);
     if (process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter))
-        return vor_spec_set(&r->cli->spec, vor_parameter_info(parameter)->name, "",
-                            r->err); /* refuses the name */
+        return refuse_parameter(r, shown, parameter);
     if (length > 0 && candidates(&r->menu, name, length, names) > 1)
         return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
     return no_long(r, shown, name, length);

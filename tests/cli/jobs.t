@@ -58,7 +58,7 @@ subtest 'submit' => sub {
         [['submit'], qr/\Avoronoid: submit: name a process first: resample, denoise, [^\n]+\n\z/],
         [['submit', $in], qr/name a process first/], [['submit', 'health', $in], qr/name a process first/],
         [['submit', 'resample', @request], qr/\Avoronoid: submit resample: no input/],
-        [['submit', 'resample', $in], qr/0 of points, ratio and spacing are given/],
+        [['submit', 'resample', $in], qr/none of points, ratio and spacing is given/],
         [['submit', 'resample', $in, @request, '-o', 'x'], qr/no option -o; see voronoid submit resample --help/],
     ) {
         my ($arguments, $why) = @$case;

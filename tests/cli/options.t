@@ -90,7 +90,8 @@ is "$code|$stdout", '2|', 'no command is an error';
 like $errors, qr/\A(?:.{1,90}\n|\n){8,15}\z/, 'answered with how to begin';
 is scalar(() = $errors =~ /^  voronoid (?:resample|inspect|serve)\b/mg), 3, 'by three commands';
 refused 'an unknown command', ['resampel'], 2, 'resampel: no such command; did you mean resample?';
-refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command; see voronoid --help';
+refused 'help of an unknown command', ['help', 'x'], 2, 'x: no such command or topic; see voronoid --help';
+refused 'help of a misspelt topic', ['help', 'exmaples'], 2, 'exmaples: no such command or topic; did you mean examples?';
 refused 'an unknown option', ['resample', $in, @points, '-fo', $out, '--pionts', 3], 2,
     'resample: no option --pionts; did you mean --points?';
 refused 'an option that is nearly one of two words', ['mesh', '--max-aspct', 3], 2,
@@ -111,7 +112,7 @@ refused 'an option of another command', ['measure', $in, '--listen', '127.0.0.1:
 refused 'an input of another command', ['resample', $in, @points, '-fo', $out, '--reference', $in], 2,
     'resample: no option --reference; see voronoid resample --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
-    'measure: unknown parameter "points" of measure; want peak, invalid';
+    'measure: --points is an option of resample, denoise, upsample, simplify, mesh, not of measure';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';
 refused 'a parameter of a command without a process', ['health', '--points', 5], 2,
     'health: no option --points; see voronoid health --help';
@@ -138,9 +139,9 @@ refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
 refused 'no number of points', ['resample', $in, '-fo', $out], 2,
-    'resample: 0 of points, ratio and spacing are given, want exactly one';
+    'resample: none of points, ratio and spacing is given, want exactly one';
 refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
-    'simplify: 0 of points, ratio and spacing are given, want exactly one';
+    'simplify: none of points, ratio and spacing is given, want exactly one';
 refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
 refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,

@@ -125,7 +125,7 @@ for my $case (
     ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL$/],
     ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the 4096 bytes/],
     ['a text of 4096 bytes', '', [['name="points"', '1' x 4096], [@cloud]], 400, qr/^points is 1+/],
-    ['no points', '', [[@cloud]], 400, qr/^0 of points, ratio and spacing are given/],
+    ['no points', '', [[@cloud]], 400, qr/^none of points, ratio and spacing is given/],
     ['no file', '', [[@points]], 400, qr/^resample has no cloud but needs one$/],
     ['no part', '', [], 400, qr/^resample has no cloud but needs one$/],
 ) {
@@ -210,7 +210,7 @@ for my $case (
     ['{"points":5', 400, 'malformed-request', qr/./],
     ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
     [' ', 400, 'malformed-request', qr/./],
-    ['', 400, 'invalid-parameter', qr/^0 of points, ratio and spacing/],
+    ['', 400, 'invalid-parameter', qr/^none of points, ratio and spacing/],
     ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
 ) {
     my ($body, $status, $slug, $detail) = @$case;

@@ -21,7 +21,7 @@ sub refused {
 for my $case (
     ['points=0', qr/points is 0, want a whole number from 1 to 10000000/, 'points'],
     ['points=', qr/points is empty/, 'points'],
-    ['', qr/0 of points, ratio and spacing/, 'points'],
+    ['', qr/none of points, ratio and spacing/, 'points'],
     ['points=10&ratio=0.5', qr/2 of points, ratio and spacing/, 'points'],
     ['points=10&points=10', qr/points is given more than once/, 'points'],
     ['points=10&neighbours=6', qr/^unknown parameter "neighbours" of resample; nearest: neighbors, \w+, \w+$/, 'neighbours'],

@@ -296,7 +296,7 @@ def bad_files(browser):
     ok(not browser.element("ask-points").get_property("validity")["valid"], "a number out of range stays on the page")
     browser.element("ask-points").clear()
     browser.element("run").click()
-    shows(browser, "ask-points-wrong", "0 of points, ratio and spacing are given")
+    shows(browser, "ask-points-wrong", "none of points, ratio and spacing is given")
     equal(browser.script("return document.activeElement.id"), "ask-points", "what is refused is said beside the field, which is gone to")
 
 

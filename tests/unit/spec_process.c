@@ -115,7 +115,7 @@ START_TEST(a_request_without_a_count_gets_that_of_its_process_or_is_refused)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check(&spec, &vt_err));
     if (cases[_i].ratio == VOR_UNSET) {
         vt_assert_fails(VOR_E_PARAM, vor_spec_complete(&spec, &vt_err));
-        ck_assert_ptr_nonnull(strstr(vt_err.message, "0 of points, ratio and spacing"));
+        ck_assert_ptr_nonnull(strstr(vt_err.message, "none of points, ratio and spacing"));
         return;
     }
     vt_assert_ok(vor_spec_complete(&spec, &vt_err));
