@@ -13,6 +13,19 @@
 #include "core/input/sheets.h"
 #include "core/input/thin.h"
 
+/* Whether the input passes a filter: one that the request names or, if it names none, one that the
+ * process denoise cannot do without. Spread evenly, points that still have their noise fill it, and
+ * lie as far off the surface as its farthest; the methods of lop take the noise away themselves. */
+static int has_filter(const struct vor_spec *spec, unsigned filter)
+{
+    double named = spec->value[VOR_PARAM_FILTERS];
+
+    if (named != 0 || filter == VOR_FILTER_THIN || spec->process != vor_process_find("denoise"))
+        return vor_list_has(named, filter);
+    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT ||
+           spec->value[VOR_PARAM_METHOD] == VOR_METHOD_KMEANS;
+}
+
 /* What is to be done with outliers: where filters alone make the result, only what they say. */
 static int outliers_of(const struct vor_spec *spec)
 {
@@ -40,8 +53,7 @@ static vor_status take_outliers(struct vor_outliers *out, struct vor_domain *dom
                                 const struct vor_spec *spec, const struct vor_run *run,
                                 struct vor_error *err)
 {
-    int closer = vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_OUTLIERS) ||
-                 outliers_of(spec) == VOR_OUTLIERS_PULL;
+    int closer = has_filter(spec, VOR_FILTER_OUTLIERS) || outliers_of(spec) == VOR_OUTLIERS_PULL;
     vor_status status;
 
     if (outliers_of(spec) == VOR_OUTLIERS_KEEP)
@@ -75,7 +87,7 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
 static vor_status leave_noise(struct vor_domain *domain, const struct vor_spec *spec,
                               const struct vor_run *run, struct vor_error *err)
 {
-    int filtered = vor_list_has(spec->value[VOR_PARAM_FILTERS], VOR_FILTER_MLS);
+    int filtered = has_filter(spec, VOR_FILTER_MLS);
     int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) &&
                  !vor_spec_only_filters(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
 
@@ -130,12 +142,11 @@ static vor_status choose_lists(struct vor_domain *domain, const struct vor_spec 
 static vor_status filter(struct vor_domain *domain, const struct vor_spec *spec,
                          const struct vor_run *run, struct vor_error *err)
 {
-    double filters = spec->value[VOR_PARAM_FILTERS];
     vor_status status = VOR_OK;
 
-    if (vor_list_has(filters, VOR_FILTER_MLS))
+    if (has_filter(spec, VOR_FILTER_MLS))
         status = vor_mls_project(domain, run, err);
-    if (status == VOR_OK && vor_list_has(filters, VOR_FILTER_THIN))
+    if (status == VOR_OK && has_filter(spec, VOR_FILTER_THIN))
         status = vor_thin_filter(domain, run, err);
     return status;
 }

@@ -229,7 +229,9 @@ enum vor_method_choice {
       "outliers=pull; mls: moves each point onto the smooth surface around it; thin: thins the "   \
       "points to the mean distance to the three nearest. With mls or outliers, and without "       \
       "points, ratio and spacing, the result is the filtered input in its order, with its "        \
-      "attributes; upsample keeps its ratio")                                                      \
+      "attributes; upsample keeps its ratio. denoise by method cvt or kmeans applies outliers "    \
+      "and "                                                                                       \
+      "mls where none is named")                                                                   \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "Normals of the input. use: fitted normals face the same side; estimate: they are ignored; " \

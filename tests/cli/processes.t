@@ -31,7 +31,7 @@ sub runs {
 }
 
 for my $case (
-    ['denoise', [], $points, 1, 'drop', ['--ratio', 1, '--outliers', 'drop']],
+    ['denoise', [], $points, 1, 'drop', ['--ratio', 1, '--outliers', 'drop', '--filters', 'outliers,mls']],
     ['upsample', [], 4 * $points, 4, 'keep', ['--ratio', 4]],
     ['simplify', ['-n', 150], 150, undef, 'keep', ['-n', 150]],
 ) {

@@ -33,7 +33,7 @@ sub done {
 # What each is asked here, what comes of it, and the same asked of resample.
 my %as = (
     resample => { ask => 'points=200', out => 200, ratio => undef, outliers => 'keep', same => 'points=200' },
-    denoise => { ask => '', out => $points, ratio => 1, outliers => 'drop', same => 'ratio=1&outliers=drop' },
+    denoise => { ask => '', out => $points, ratio => 1, outliers => 'drop', same => 'ratio=1&outliers=drop&filters=outliers,mls' },
     upsample => { ask => '', out => 4 * $points, ratio => 4, outliers => 'keep', same => 'ratio=4' },
     simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
 );
