@@ -82,6 +82,15 @@ double vor_boundary_room(const struct vor_surface *surface, const float *near, u
     return fmax(along, 0) + VOR_EDGE_ROOM * surface->spacing + fmax(open, 0) * radius;
 }
 
+int vor_boundary_beyond(const struct vor_surface *surface, const float *near, unsigned k,
+                        const double x[3])
+{
+    double seed[3], side[2];
+
+    vor_surface_to_local(surface, x, seed);
+    return empty_side(surface, near, k, seed, side) < 0;
+}
+
 double vor_boundary_spacing(const float *near, unsigned k, const double x[3])
 {
     double best[3] = {INFINITY, INFINITY, INFINITY};
@@ -162,10 +171,7 @@ int vor_boundary_within(const float *near, unsigned k, const double x[3], double
  * input. */
 static double allowed_distance(const struct vor_border *border, double spacings, const double x[3])
 {
-    double seed[3], side[2];
-
-    vor_surface_to_local(border->surface, x, seed);
-    if (empty_side(border->surface, border->near, border->k, seed, side) < 0)
+    if (vor_boundary_beyond(border->surface, border->near, border->k, x))
         spacings *= VOR_OUTSIDE_BEYOND;
     return spacings * border->spacing;
 }

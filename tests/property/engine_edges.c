@@ -54,10 +54,38 @@ START_TEST(points_lie_nearer_to_the_edges_of_a_box)
 }
 END_TEST
 
+/* Regression: the border of a small sheet is a large share of it, and counted as gaps of the
+ * sampling. Points were .94 beyond it. */
+START_TEST(an_open_sheet_does_not_grow)
+{
+    enum { SIDE = 24 };
+    struct vt_engine engine;
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    vt_cloud_lattice(&in, SIDE);
+    vt_engine_open(&engine, 2);
+    vt_engine_count(&engine, "points", 4 * in.n);
+    vt_engine_count(&engine, "iterations", _i == 0 ? 1 : 12);
+    vt_engine_count(&engine, "polish", _i == 0 ? 8 : 60);
+    vt_engine_resample(&engine, &out, &report, &in);
+    for (size_t i = 0; i < 3 * out.n; i++)
+        ck_assert_msg(i % 3 == 2 || (out.xyz[i] > in.xyz[i % 3] - 0.5F &&
+                                     out.xyz[i] < in.xyz[i % 3] + SIDE - 0.5F),
+                      "coordinate %zu is %g", i, (double)out.xyz[i]);
+    ck_assert_double_lt(report.delta, 0.2);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
+    vt_engine_close(&engine);
+    vt_assert_no_leak();
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("engine edges");
 
     vt_add_loop(suite, points_lie_nearer_to_the_edges_of_a_box, VT_FEWER(SEEDS));
+    vt_add_loop(suite, an_open_sheet_does_not_grow, 2);
     return vt_run(suite);
 }
