@@ -494,7 +494,7 @@ static int run(struct daemon *daemon)
         vor_log(VOR_LOG_ERROR, "the process that starts the readers of uploads has died");
     vor_notify("STOPPING=1");
     vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", signal_word(number)));
-    if (pthread_create(&daemon->drainer, NULL, drain, daemon) != 0)
+    if (vor_machine_thread(&daemon->drainer, "vor-drain", drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
     number = wait_drained(daemon);
     if (number != SIGUSR2) {

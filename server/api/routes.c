@@ -89,7 +89,7 @@ static bool origin_is_ours(const struct vor_app *app, const struct vor_request *
 
     if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length))
         return true;
-    if (strncmp(public_url, origin, length) == 0 && length > 0 &&
+    if (strncmp(public_url, origin, length) == 0 && strstr(origin, "://") != NULL &&
         (public_url[length] == '/' || public_url[length] == '\0'))
         return true;
     return strcmp(origin, vor_app_origin(app, request, own)) == 0;

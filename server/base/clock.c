@@ -40,3 +40,12 @@ const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
     (void)snprintf(out, VOR_CLOCK_TEXT_SIZE, "%s.%03dZ", day, (int)(wall_ms % 1000));
     return out;
 }
+
+void vor_clock_http_date(char out[VOR_HTTP_DATE_SIZE])
+{
+    time_t now = time(NULL);
+    struct tm tm = {.tm_mday = 1};
+
+    (void)gmtime_r(&now, &tm);
+    (void)strftime(out, VOR_HTTP_DATE_SIZE, "%a, %d %b %Y %H:%M:%S GMT", &tm);
+}

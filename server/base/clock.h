@@ -20,4 +20,9 @@ int64_t vor_clock_boot_ms(void);
 /** Writes RFC 3339 UTC with milliseconds; returns out. */
 const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE]);
 
+/** The time now as HTTP has it (RFC 9110, 5.6.7): "Thu, 26 Nov 2026 09:52:10 GMT", always of this
+ *  length; the daemon runs in the C locale. */
+enum { VOR_HTTP_DATE_SIZE = 30 };
+void vor_clock_http_date(char out[VOR_HTTP_DATE_SIZE]);
+
 #endif

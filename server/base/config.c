@@ -52,7 +52,7 @@ static vor_status set_number(double *out, const struct vor_setting_info *info, c
     double number;
     int shift = 0;
 
-    if (text[0] == '\0' || strspn(text, "0123456789.") == 0 || strlen(text) > 30)
+    if (strspn(text, "0123456789.") == 0 || strpbrk(text, "xX") != NULL || strlen(text) > 30)
         return bad_number(info, text, err);
     number = strtod(text, &end);
     if (info->kind == VOR_SETTING_BYTES)

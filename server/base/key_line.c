@@ -110,8 +110,9 @@ static double read_number(const char *text, size_t length)
     const char *suffix;
     double number;
 
-    if (length == 0 || length >= sizeof copy || strspn(text, "0123456789.") == 0)
-        return NAN;
+    if (length == 0 || length >= sizeof copy || strspn(text, "0123456789.") == 0 ||
+        memchr(text, 'x', length) != NULL || memchr(text, 'X', length) != NULL)
+        return NAN; /* strtod reads hexadecimal numbers as well */
     memcpy(copy, text, length);
     copy[length] = '\0';
     number = strtod(copy, &end);

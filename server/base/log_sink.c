@@ -5,6 +5,7 @@
 #include "server/base/log_sink.h"
 
 #include "server/base/clock.h"
+#include "server/base/machine.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -270,7 +271,8 @@ vor_status vor_log_sink_start(struct vor_error *err)
     prepare();
     if (sink.ring == NULL)
         sink.ring = calloc(1, VOR_LOG_QUEUE_BYTES);
-    if (sink.ring != NULL && !sink.alive && pthread_create(&thread, NULL, writer, NULL) == 0) {
+    if (sink.ring != NULL && !sink.alive &&
+        vor_machine_thread(&thread, "vor-log", writer, NULL) == 0) {
         (void)pthread_detach(thread); /* one that hangs in a write ends with the process */
         sink.alive = true;
     }

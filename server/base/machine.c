@@ -126,3 +126,12 @@ void vor_machine_give_back(void)
     (void)mallopt(M_MMAP_THRESHOLD, LARGE_PIECE);
     (void)mallopt(M_TRIM_THRESHOLD, LARGE_PIECE);
 }
+
+int vor_machine_thread(pthread_t *thread, const char *name, void *(*run)(void *arg), void *arg)
+{
+    int error = pthread_create(thread, NULL, run, arg);
+
+    if (error == 0)
+        (void)pthread_setname_np(*thread, name);
+    return error;
+}

@@ -118,10 +118,22 @@ unsigned vor_crowd_size(const struct vor_watchman *watchman)
            watchman->rows[VOR_PHASE_IDLE].count;
 }
 
+/* It was made when the body began. */
+static void date_again(char *reply)
+{
+    static const char name[] = "\r\nDate: ";
+    char *at = strstr(reply, name), date[VOR_HTTP_DATE_SIZE];
+
+    vor_clock_http_date(date);
+    if (at != NULL)
+        memcpy(at + strlen(name), date, strlen(date));
+}
+
 void vor_crowd_cut(struct vor_watchman *watchman, struct vor_peer *peer, bool is_late)
 {
     if (peer->phase == VOR_PHASE_BODY && peer->late != NULL) {
         peer->told_late = is_late;
+        date_again(peer->late);
         (void)send(peer->fd, peer->late, strlen(peer->late), MSG_DONTWAIT | MSG_NOSIGNAL);
         peer->linger = true;
         (void)shutdown(peer->fd, SHUT_RD);

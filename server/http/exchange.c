@@ -50,11 +50,8 @@ static void trim(struct vor_request *request)
     request->line = NULL;
 }
 
-static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
+static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
 {
-    struct vor_request *request = cls;
-
-    (void)position;
     vor_peer_wait(request->http->watchman, request->peer, false);
     for (;;) {
         long got = request->reply.read(request->reply.ctx, request, out, size);
@@ -73,6 +70,19 @@ static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
         if (vor_request_closing(request))
             return MHD_CONTENT_READER_END_OF_STREAM;
     }
+}
+
+static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
+{
+    struct vor_request *request = cls;
+    struct vor_http *http = request->http;
+    ssize_t got;
+
+    (void)position;
+    vor_watchdog_enter(&http->watchdog);
+    got = read_stream(request, out, size);
+    vor_watchdog_leave(&http->watchdog);
+    return got;
 }
 
 /* Makes the library's form of the recorded reply, and takes out of the record what the library now
@@ -394,9 +404,9 @@ enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, 
     (void)connection, (void)url;
     if (*con_cls == NULL)
         return MHD_NO;
-    vor_turn_begin(&http->turns);
+    vor_watchdog_enter(&http->watchdog);
     result = take_turn(*con_cls, method, version, data, size);
-    vor_turn_end(&http->turns);
+    vor_watchdog_leave(&http->watchdog);
     return result;
 }
 
@@ -442,6 +452,7 @@ void vor_exchange_end(void *cls, struct MHD_Connection *connection, void **con_c
     if (request == NULL)
         return;
     *con_cls = NULL;
+    vor_watchdog_enter(&http->watchdog);
     vor_waker_end(request->waker);
     if (vor_peer_end(http->watchman, request->peer)) {
         request->reply.http = 408;
@@ -454,4 +465,5 @@ void vor_exchange_end(void *cls, struct MHD_Connection *connection, void **con_c
     } else {
         request_free(request);
     }
+    vor_watchdog_leave(&http->watchdog);
 }

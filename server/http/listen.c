@@ -94,7 +94,9 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
     bool known;
 
     if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
+        vor_watchdog_enter(&http->watchdog);
         vor_peer_leave(http->watchman, *socket_context);
+        vor_watchdog_leave(&http->watchdog);
         *socket_context = NULL;
         return;
     }
@@ -236,7 +238,7 @@ void vor_http_cut_slow(struct vor_http *http)
 
 double vor_http_stuck(const struct vor_http *http)
 {
-    return vor_turns_longest(&http->turns);
+    return vor_watchdog_longest(&http->watchdog);
 }
 
 void vor_http_wake_all(struct vor_http *http)

@@ -1,5 +1,6 @@
 #include "server/http/reply.h"
 
+#include "server/base/clock.h"
 #include "server/http/request.h"
 
 #include <assert.h>
@@ -109,14 +110,16 @@ void vor_reply_stream(struct vor_request *request, int http, const char *media_t
 char *vor_reply_raw(const struct vor_request *request)
 {
     const struct vor_reply *reply = &request->reply;
-    char *text = NULL;
+    char *text = NULL, date[VOR_HTTP_DATE_SIZE];
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
 
     assert(reply->kind == VOR_REPLY_BYTES);
     if (out == NULL)
         return NULL;
-    (void)fprintf(out, "HTTP/1.1 %d Refused\r\nConnection: close\r\n", reply->http);
+    vor_clock_http_date(date);
+    (void)fprintf(out, "HTTP/1.1 %d Refused\r\nDate: %s\r\n", reply->http, date);
+    (void)fputs("Connection: close\r\nX-Content-Type-Options: nosniff\r\n", out);
     (void)fprintf(out, "Content-Length: %" PRIu64 "\r\nX-Request-Id: %s\r\n", reply->size,
                   request->id);
     if (reply->media_type != NULL)

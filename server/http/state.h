@@ -4,7 +4,7 @@
 
 #include "server/base/endpoint.h"
 #include "server/http/http.h"
-#include "server/http/turns.h"
+#include "server/http/watchdog.h"
 
 #include <stdatomic.h>
 
@@ -24,7 +24,7 @@ struct vor_http {
     int fd;           /**< listening; the library's from start to quiesce, -1 then */
     atomic_uint busy; /**< requests under way */
     atomic_bool quiesced, closing;
-    struct vor_turns turns;
+    struct vor_watchdog watchdog;
 };
 
 #endif

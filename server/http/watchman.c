@@ -6,6 +6,7 @@
 #include "server/http/watchman.h"
 
 #include "server/base/clock.h"
+#include "server/base/machine.h"
 #include "server/http/crowd.h"
 
 #include <errno.h>
@@ -275,7 +276,7 @@ vor_status vor_watchman_start(struct vor_watchman **out, const struct vor_watch_
     watchman->departures = epoll_create1(EPOLL_CLOEXEC);
     (void)pthread_mutex_init(&watchman->lock, NULL);
     if (watchman->poke < 0 || watchman->departures < 0 ||
-        pthread_create(&watchman->thread, NULL, sweep, watchman) != 0) {
+        vor_machine_thread(&watchman->thread, "vor-connections", sweep, watchman) != 0) {
         release(watchman);
         return vor_fail(err, VOR_E_NOMEM, "no thread to watch connections");
     }

@@ -1,6 +1,7 @@
 #include "server/work/crew.h"
 
 #include "server/base/clock.h"
+#include "server/base/machine.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -153,7 +154,7 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
         struct hand *hand = &crew->hand[crew->started];
 
         hand->crew = crew;
-        if (pthread_create(&hand->thread, NULL, crew_main, hand) == 0)
+        if (vor_machine_thread(&hand->thread, "vor-pool", crew_main, hand) == 0)
             continue;
         vor_crew_destroy(crew);
         return vor_fail(err, VOR_E_NOMEM, "cannot start a pool of %u threads", threads);

@@ -1,6 +1,7 @@
 /* The worker from its start to its end: recovery, threads, draining. */
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/base/machine.h"
 #include "server/work/calendar.h"
 #include "server/work/live.h"
 #include "server/work/recover.h"
@@ -87,11 +88,12 @@ static void *sweeper_main(void *arg)
 static vor_status start_threads(struct vor_worker *worker, struct vor_error *err)
 {
     while (worker->runner_count < worker->config.jobs) {
-        if (pthread_create(&worker->runners[worker->runner_count], NULL, runner_main, worker) != 0)
+        if (vor_machine_thread(&worker->runners[worker->runner_count], "vor-runner", runner_main,
+                               worker) != 0)
             return vor_fail(err, VOR_E_NOMEM, "cannot start %u runners", worker->config.jobs);
         worker->runner_count++;
     }
-    if (pthread_create(&worker->sweeper, NULL, sweeper_main, worker) != 0)
+    if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)
         return vor_fail(err, VOR_E_NOMEM, "cannot start the sweeper");
     worker->sweeper_started = 1;
     return VOR_OK;

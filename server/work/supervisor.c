@@ -7,6 +7,7 @@
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
+#include "server/base/machine.h"
 #include "server/base/metrics.h"
 #include "server/work/workplace.h"
 
@@ -478,7 +479,7 @@ static int leave_over(struct sitting *sitting)
     *left = *sitting;
     left->listener = &nobody;
     pthread_mutex_lock(&supervisor->mutex);
-    if (pthread_create(&thread, NULL, see_out, left) == 0) {
+    if (vor_machine_thread(&thread, "vor-see-out", see_out, left) == 0) {
         (void)pthread_detach(thread);
         supervisor->left_over++;
     } else {

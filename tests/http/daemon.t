@@ -31,7 +31,7 @@ for my $case (
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
     [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/no setting "-x"; see voronoid serve --help/],
-    [['--strea=0'], qr/--streams is "0"/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
+    [['--strea=0'], qr/--streams is "0"/], [['--jobs', '0x1'], qr/--jobs is "0x1", want/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
     [['--colour=red'], qr/no setting "--colour"; see/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no setting "--lisen"; did you mean --listen\?/],
 ) {
     my ($arguments, $message) = @$case;
@@ -183,6 +183,8 @@ like $head, qr{^Access-Control-Allow-Origin: https://a\.example\r$}m, 'and its p
 like $head, qr{^Access-Control-Expose-Headers: Location, ETag, Retry-After}m, 'with its headers';
 like $head, qr{^Vary: Origin\r$}m, 'and caches know';
 unlike $head, qr{Allow-Credentials}, 'but no credentials';
+is +(with('GET', '/v1/jobs', Host => 'localhost', Origin => $_->[0]))[0], $_->[1], "Origin $_->[0]"
+    for ['https://cloud.example', 200], ['https:', 403], ['https:/', 403], ['https://cloud.exampl', 403];
 ($code, $head) = with('OPTIONS', '/v1/resample', Host => 'localhost', Origin => 'https://b.example:8443',
     'Access-Control-Request-Method' => 'POST', 'Access-Control-Request-Headers' => 'prefer');
 is $code, 204, 'a preflight is answered';

@@ -44,6 +44,8 @@ ok until_closed(5, @peers), 'whoever is slow is cut';
 is $head->{got} . $line->{got}, '', 'a head that drips, however steady, also after its first line';
 like $kept->{got}, qr{\AHTTP/1\.1 200 .*alive}s, 'a kept connection that stays silent, after its answer';
 like $stops->{got}, qr{\AHTTP/1\.1 408 .*"type":"[^"]*/upload-timeout"}s, 'a body that stops, with a 408';
+like $_->{got}, qr{^Date: \w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d GMT\r\n(?:.*\n)*X-Content-Type-Options: nosniff\r}m, 'with a date'
+    for $stops, $drips;
 like $drips->{got}, qr{\AHTTP/1\.1 408 .*"retryable":true}s, 'a body that drips below the rate, with a 408';
 is $good->{got}, '', 'whoever is not is not cut';
 $good->{socket}->syswrite("0\r\n\r\n");

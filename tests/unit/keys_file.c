@@ -153,6 +153,7 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         {"alice:read:8ED3" ALPHA, "the digest has 68 characters, of which the first 1 are"},
         {"alice:read:" ALPHA ":jobs=0",
          "a quota is \"jobs=0\", want jobs=a whole number from 1 to"},
+        {"alice:read:" ALPHA ":jobs=0x1", "a quota is \"jobs=0x1\""},
         {"alice:read:" ALPHA ":jobs=1.5", "a quota is \"jobs=1.5\""},
         {"alice:read:" ALPHA ":rate=-1", "want rate=0.01 to 100000"},
         {"alice:read:" ALPHA ":rate=nan", "a quota is \"rate=nan\""},

@@ -3,7 +3,7 @@
 #include "tests/support/vt_dir.h"
 
 #include "server/base/notify.h"
-#include "server/http/turns.h"
+#include "server/http/watchdog.h"
 
 #include <pthread.h>
 #include <stddef.h>
@@ -138,16 +138,16 @@ START_TEST(the_watchdog_is_fed_twice_as_often_as_it_asks)
 }
 END_TEST
 
-static struct vor_turns turns;
+static struct vor_watchdog watchdog;
 
 static void *hang(void *ctx)
 {
     pthread_barrier_t *barrier = ctx;
 
-    vor_turn_begin(&turns);
+    vor_watchdog_enter(&watchdog);
     pthread_barrier_wait(barrier); /* it hangs */
     pthread_barrier_wait(barrier);
-    vor_turn_end(&turns);
+    vor_watchdog_leave(&watchdog);
     return NULL;
 }
 
@@ -156,19 +156,19 @@ START_TEST(a_thread_that_hangs_is_seen_beside_one_that_does_not)
     pthread_barrier_t barrier;
     pthread_t thread;
 
-    ck_assert(vor_turns_longest(&turns) == 0);
+    ck_assert(vor_watchdog_longest(&watchdog) == 0);
     ck_assert_int_eq(pthread_barrier_init(&barrier, NULL, 2), 0);
     ck_assert_int_eq(pthread_create(&thread, NULL, hang, &barrier), 0);
     pthread_barrier_wait(&barrier);
     for (int i = 0; i < 100; i++) {
-        vor_turn_begin(&turns);
-        vor_turn_end(&turns);
+        vor_watchdog_enter(&watchdog);
+        vor_watchdog_leave(&watchdog);
     }
     (void)usleep(20000);
-    ck_assert_double_ge(vor_turns_longest(&turns), 0.02);
+    ck_assert_double_ge(vor_watchdog_longest(&watchdog), 0.02);
     pthread_barrier_wait(&barrier);
     pthread_join(thread, NULL);
-    ck_assert(vor_turns_longest(&turns) == 0);
+    ck_assert(vor_watchdog_longest(&watchdog) == 0);
 }
 END_TEST
 

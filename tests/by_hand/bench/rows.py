@@ -29,7 +29,9 @@ class Daemon:
             "--threads", "1", "--queue", "100000", "--queue-bytes", "100G", "--http-threads", "2"], stderr=open(self.log, "w"))
         while not (found := re.search(r'"address":"127.0.0.1:(\d+)"', open(self.log).read())):
             time.sleep(0.02)
-        self.started, self.port = time.time() - began, int(found.group(1))
+        cpu = open("/proc/%d/stat" % self.process.pid).read().split()[13:15]
+        self.started = "%.2f s, %.2f s of CPU" % (time.time() - began, sum(map(int, cpu)) / os.sysconf("SC_CLK_TCK"))
+        self.port = int(found.group(1))
 
     def connect(self):
         return http.client.HTTPConnection("127.0.0.1", self.port)
@@ -67,7 +69,7 @@ def measure(daemon, label, cases):
         say("| %s | %s | %s |" % (label, name, times(daemon, what)))
 
 
-def fill(statement, *given):
+def fill(statement, rows=rows):
     db = sqlite3.connect(os.path.join(data, "jobs.sqlite"))
     columns = ",".join(c[1] for c in db.execute("PRAGMA table_info(job)") if c[1] not in ("seq", "id"))
     last = db.execute("SELECT max(seq) FROM job").fetchone()[0]
@@ -98,7 +100,7 @@ daemon.stop()
 fill("INSERT INTO job_blob SELECT :last + i, report, randomblob(30000) FROM n, job_blob WHERE seq = :last")
 daemon = Daemon()
 say("| beside %d jobs | what | median / p99 |\n|---|---|---|" % rows)
-say("| ended | start of the daemon | %.2f s |" % daemon.started)
+say("| ended | start of the daemon | %s |" % daemon.started)
 cases = [("/livez", lambda c: ask(c, "GET", "/livez")), ("list ?name=nosuch", lambda c: ask(c, "GET", "/v1/jobs?name=nosuch")),
          ("newest page", lambda c: ask(c, "GET", "/v1/jobs")), ("submit with a quota of bytes", submit)]
 measure(daemon, "ended", cases)
@@ -115,13 +117,13 @@ daemon.process.kill()
 daemon.process.wait()
 blobs = os.path.join(data, "blobs")
 files = [os.path.join(folder, f) for folder, _, names in os.walk(blobs) for f in names if waits in os.path.join(folder, f)]
-for number, id in enumerate(fill(None)):
+for number, id in enumerate(fill(None, rows * 99 // 100)):
     for i, f in enumerate(files):
         copy = os.path.join(os.path.dirname(f), id + os.path.basename(f)[len(id):])
         shutil.copy(f, copy) if number % 30000 == 0 else os.link(f, copy)  # a file has 65,000 names at most
         files[i] = copy
 daemon = Daemon()
-say("| waiting | start of the daemon | %.2f s |" % daemon.started)
+say("| waiting | start of the daemon | %s |" % daemon.started)
 say("| waiting | memory of the daemon | %s |" % re.search(r"VmRSS:\s*(.*)", open("/proc/%d/status" % daemon.process.pid).read()).group(1))
 measure(daemon, "waiting", cases + [("status of a job", lambda c: ask(c, "GET", "/v1/jobs/" + waits))])
 metrics = ask(daemon.connect(), "GET", "/metrics")[1].decode()
