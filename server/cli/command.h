@@ -60,7 +60,7 @@ enum {
       "files, or records and then the report. inspect prints one document")                        \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
       "No progress and no summary; jobs lists only IDs")                                           \
-    X(HELP, "help", 'h', "", "", ~0u, "Print this")
+    X(HELP, "help", 'h', "", "", ~0u, "Print this help")
 
 enum vor_option {
 #define VOR_OPTION_ENUM(id, name, letter, value, variable, commands, sentence) VOR_OPTION_##id,

@@ -150,7 +150,7 @@ void vor_complete_command(const struct vor_command *command,
 void vor_complete_serve(void (*visit)(void *ctx, const struct vor_completion *option), void *ctx)
 {
     struct vor_completion option = {
-        .name = "help", .sentence = "Print this", .letter = 'h', .value = ""};
+        .name = "help", .sentence = "Print this help", .letter = 'h', .value = ""};
     struct vor_setting_text setting;
 
     visit(ctx, &option);

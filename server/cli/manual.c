@@ -116,7 +116,7 @@ static void print_synopsis(FILE *out)
     for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
         fprintf(out, "%s.B voronoid %s\n", i > 0 ? ".br\n" : "", command.name);
         if (command.operands[0] != '\0')
-            fprintf(out, ".I %s\n", command.operands + 1);
+            fprintf(out, ".I %s\\&\n", command.operands + 1);
         fputs(".RI [ OPTION ]...\n", out);
     }
 }
@@ -138,16 +138,18 @@ static void print_commands(FILE *out)
 static void print_takers(FILE *out, int (*takes)(const struct vor_command *command, int row),
                          int row)
 {
-    char line[512] = "Of:";
+    char line[512] = "";
     struct vor_command command;
+    int count = 0;
 
     for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
         size_t at = strlen(line);
 
         if (takes(&command, row))
-            (void)snprintf(line + at, sizeof line - at, "%s %s", at > 3 ? "," : "", command.name);
+            (void)snprintf(line + at, sizeof line - at, "%s%s", count++ > 0 ? ", " : "",
+                           command.name);
     }
-    fputs(".br\n", out);
+    fputs(count == 1 ? ".br\nCommand:\n" : ".br\nCommands:\n", out);
     print_text(out, line);
 }
 
@@ -181,7 +183,7 @@ static void print_inputs(FILE *out)
         for (unsigned k = 1; process->inputs[k].name != NULL; k++) {
             print_tag(out, 0, process->inputs[k].name, "FILE");
             print_text(out, process->inputs[k].sentence);
-            fprintf(out, ".br\nOf: %s\n", process->id);
+            fprintf(out, ".br\nCommand: %s\n", process->id);
         }
 }
 
@@ -297,8 +299,8 @@ static int print_daemon_page(FILE *out)
     print_text(out, "Running jobs finish within --drain-timeout; others wait for the next start. A "
                     "second signal ends the daemon at once.");
     fputs(".TP\nSIGHUP\n", out);
-    print_text(out, "The file of --api-keys is read again; where that fails, the keys stay as they "
-                    "were.");
+    print_text(out, "The settings are read again, of which --log-level takes effect, and the file "
+                    "of --api-keys. If one of them is at fault, it stays as it was.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);
