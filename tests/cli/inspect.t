@@ -75,7 +75,7 @@ my ($line) = grep {/^loops/} split /\n/, (run(['inspect', $utm]))[1];
 like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, centre 5000\S+ 41000\S+ 42 unit of the cloud, kind rim, why the surface lies within it, turns -\S+\z/, 'its line has all of it';
 
 for my $case (
-    ['a parameter that it does not take', ['--points', 5], 'inspect: unknown parameter "points" of inspect; want outliers, intrinsic, invalid'],
+    ['a parameter that it does not take', ['--points', 5], 'inspect: --points is an option of resample, denoise, upsample, simplify, mesh, not of inspect'],
     ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none; did you mean local?'],
 ) {
     my ($name, $arguments, $line) = @$case;
