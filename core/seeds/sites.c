@@ -18,7 +18,8 @@ enum {
      * 1.5 spacings of the input. */
     ROUNDS = 18,
     /* Times that sites are moved along the line until they are evenly apart. */
-    EVENINGS = 8
+    EVENINGS = 8,
+    BLOCK = 64 /* places of one task */
 };
 
 /* Spacings of the input between places of the line. */
@@ -191,20 +192,53 @@ static void way_out(double out[3], const struct vor_domain *domain, const double
         out[c] = length != 0 ? out[c] / length : 0;
 }
 
-/* Moves a line from the last points out to where the border lies, VOR_EDGE_ROOM spacings. */
-static void move_out(struct line *line, const struct vor_domain *domain, double spacing)
-{
-    double *held = line->at;
+/* Lines that sites are being put on. */
+struct place_on {
+    struct vor_sites *sites;
+    const struct vor_domain *domain;
+    size_t n; /* points of the result */
+    double h; /* their spacing */
+    int is_edge;
+    const struct vor_run *run;
+    struct vor_cells cells;   /* the sites */
+    size_t room, places_room; /* of the sites, and their places */
+};
 
-    for (size_t j = 0; j < line->n; j++) {
+/* What threads work at: a line that moves out by a step, or walkers that become sites. */
+struct work {
+    const struct place_on *on;
+    struct line *line;
+    double step;
+    const struct walkers *walkers;
+};
+
+static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+    struct line *line = work->line;
+
+    (void)worker;
+    for (size_t j = begin; j < end; j++) {
         double out[3];
 
-        way_out(out, domain, place(line, j), place(line, j + line->n - 1), place(line, j + 1));
+        way_out(out, work->on->domain, place(line, j), place(line, j + line->n - 1),
+                place(line, j + 1));
         for (size_t c = 0; c < 3; c++)
-            line->next[3 * j + c] = line->at[3 * j + c] + VOR_EDGE_ROOM * spacing * out[c];
+            line->next[3 * j + c] = line->at[3 * j + c] + work->step * out[c];
     }
+}
+
+/* Moves a line from the last points out to where the border lies, VOR_EDGE_ROOM spacings. */
+static vor_status move_out(struct line *line, const struct place_on *on, double spacing,
+                           struct vor_error *err)
+{
+    struct work work = {.on = on, .line = line, .step = VOR_EDGE_ROOM * spacing};
+    vor_status status = vor_run_for(on->run, line->n, BLOCK, move_block, &work, err);
+    double *held = line->at;
+
     line->at = line->next;
     line->next = held;
+    return status;
 }
 
 /* The line through the points of a loop, as they are. */
@@ -218,17 +252,11 @@ static vor_status line_through(struct line *out, const struct vor_domain *domain
     return status;
 }
 
-/* n lengths, `step` apart. */
-static void even_steps(double *along, double step, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        along[i] = (double)i * step;
-}
-
 /* The line of a loop with even steps, smoothed and measured. */
-static vor_status line_of(struct line *out, const struct vor_domain *domain,
+static vor_status line_of(struct line *out, const struct place_on *on,
                           const struct vor_loops *loops, size_t l, struct vor_error *err)
 {
+    const struct vor_domain *domain = on->domain;
     const struct vor_loop *loop = &loops->loop[l];
     struct line raw = {0}, line = {0};
     size_t n = (size_t)fmax(0, loop->length / (STEP * loop->spacing)) + LEAST;
@@ -241,10 +269,15 @@ static vor_status line_of(struct line *out, const struct vor_domain *domain,
         (void)vor_fail(err, VOR_E_NOMEM, "a border of %zu places", n);
         status = VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
     } else if (status == VOR_OK) {
-        even_steps(along, measure(&raw) / (double)n, n);
+        double step = measure(&raw) / (double)n;
+
+        for (size_t i = 0; i < n; i++)
+            along[i] = (double)i * step;
         walk_along(line.at, &raw, along, n);
         smooth(&line);
-        move_out(&line, domain, loop->spacing);
+        status = move_out(&line, on, loop->spacing, err);
+    }
+    if (status == VOR_OK) {
         (void)measure(&line);
         *out = line;
         memset(&line, 0, sizeof line);
@@ -301,7 +334,8 @@ static double even_out(struct walkers *walkers, const struct line *line, size_t 
 
     walkers->gaps = gaps;
     walkers->n = line->parts == line->n ? gaps : gaps + 1;
-    even_steps(walkers->along, length / (double)gaps, walkers->n);
+    for (size_t i = 0; i < walkers->n; i++)
+        walkers->along[i] = (double)i * (length / (double)gaps);
     for (int round = 0;; round++) {
         walk_along(walkers->xyz, line, walkers->along, walkers->n);
         sum = sum_up(walkers, line);
@@ -311,37 +345,38 @@ static double even_out(struct walkers *walkers, const struct line *line, size_t 
     }
 }
 
-/* Lines that sites are being put on. */
-struct place_on {
-    struct vor_sites *sites;
-    const struct vor_domain *domain;
-    size_t n; /* points of the result */
-    double h; /* their spacing */
-    int is_edge;
-    const struct vor_run *run;
-    struct vor_cells cells;   /* the sites */
-    size_t room, places_room; /* of the sites, and their places */
-};
-
-/* Adds the places of a gap, from walker i to the next: the walker's and the one halfway. */
-static void add_places(struct vor_sites *sites, const struct place_on *on,
-                       const struct walkers *walkers, size_t i)
+/* Writes the places of gaps, from walker i to the next: the walker's and the one halfway. */
+static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const double *from = &walkers->xyz[3 * i], *to = &walkers->xyz[3 * ((i + 1) % walkers->n)];
+    const struct work *work = ctx;
+    const struct walkers *walkers = work->walkers;
+    struct vor_sites *sites = work->on->sites;
 
-    for (int half = 0; half < 2; half++) {
-        size_t at = 3 * sites->places++;
+    (void)worker;
+    for (size_t k = 2 * begin; k < 2 * end; k++) {
+        const double *from = &walkers->xyz[3 * (k / 2)],
+                     *to = &walkers->xyz[3 * ((k / 2 + 1) % walkers->n)];
+        size_t at = 3 * (sites->places + k);
         double x[3], out[3] = {0, 0, 0};
 
         for (int c = 0; c < 3; c++)
-            x[c] = half ? from[c] / 2 + to[c] / 2 : from[c];
-        if (!on->is_edge)
-            way_out(out, on->domain, x, from, to);
+            x[c] = k % 2 ? from[c] / 2 + to[c] / 2 : from[c];
+        if (!work->on->is_edge)
+            way_out(out, work->on->domain, x, from, to);
         for (size_t c = 0; c < 3; c++) {
             sites->place[at + c] = (float)x[c];
             sites->outward[at + c] = (float)out[c];
         }
     }
+}
+
+static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct work *work = ctx;
+
+    (void)worker;
+    for (size_t i = begin; i < end; i++)
+        put_onto(work->on->domain, &work->walkers->xyz[3 * i]);
 }
 
 /* Makes room for walkers and the places of their gaps, and for as many again. */
@@ -373,16 +408,18 @@ static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
                             struct vor_error *err)
 {
     struct vor_sites *sites = on->sites;
+    struct work work = {.on = on, .walkers = walkers};
     vor_status status = make_room(on, walkers, err);
 
-    for (size_t i = 0; i < walkers->gaps && status == VOR_OK; i++)
-        add_places(sites, on, walkers, i);
+    if (status == VOR_OK)
+        status = vor_run_for(on->run, walkers->gaps, BLOCK, place_block, &work, err);
+    if (status == VOR_OK && !on->is_edge)
+        status = vor_run_for(on->run, walkers->n, BLOCK, put_block, &work, err);
+    sites->places += status == VOR_OK ? 2 * walkers->gaps : 0;
     for (size_t i = 0; i < walkers->n && status == VOR_OK; i++) {
         float *to = &sites->xyz[3 * sites->n];
-        double *x = &walkers->xyz[3 * i];
+        const double *x = &walkers->xyz[3 * i];
 
-        if (!on->is_edge)
-            put_onto(on->domain, x);
         for (size_t c = 0; c < 3; c++)
             to[c] = (float)x[c];
         if (on->is_edge &&
@@ -443,7 +480,7 @@ static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops
 
     for (size_t l = 0; l < loops->count; l++) {
         struct line line = {0};
-        vor_status status = line_of(&line, on->domain, loops, l, err);
+        vor_status status = line_of(&line, on, loops, l, err);
         double more;
 
         if (status != VOR_OK)
@@ -467,7 +504,7 @@ static vor_status put_on_loops(struct place_on *on, const struct vor_loops *loop
     for (size_t l = 0; l < loops->count && status == VOR_OK; l++) {
         struct line line = {0};
 
-        status = line_of(&line, on->domain, loops, l, err);
+        status = line_of(&line, on, loops, l, err);
         if (status == VOR_OK)
             status = put_on(on, &line, err);
         line_free(&line);

@@ -45,7 +45,8 @@ struct vor_sites_for {
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED  as vor_loops_find, vor_edges_find
  *
- *  As vor_loops_find and vor_edges_find; O(n) more. The same sites for any number of threads. */
+ *  As vor_loops_find and vor_edges_find; O(n) more, fits on the run's pool. The same sites for
+ *  any number of threads. */
 VOR_NODISCARD vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain,
                                         const struct vor_sites_for *wanted,
                                         const struct vor_run *run, struct vor_error *err);

@@ -103,7 +103,7 @@ static vor_status make(struct vt_made *made)
 
 static vor_status put_sites(struct vt_made *made)
 {
-    struct vor_sites_for wanted = {.n = 64 * made->cloud.n, .edges = 1};
+    struct vor_sites_for wanted = {.n = 64 * made->cloud.n, .borders = 1, .edges = 1};
     struct vor_sites sites = {.memory = NULL};
     vor_status status = make(made);
 
