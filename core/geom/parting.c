@@ -204,7 +204,7 @@ vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, si
     parting.size = vor_malloc(memory, n, sizeof *parting.size);
     parting.parted = vor_malloc(memory, parts, 2 * sizeof *parting.parted);
     if (parting.first == NULL || parting.last == NULL || parting.has == NULL ||
-        parting.size == NULL || parting.parted == NULL)
+        parting.size == NULL || parting.parted == NULL || parts >= UINT32_MAX / 2)
         status = vor_fail(err, VOR_E_NOMEM, "groups of %zu points", n);
     else
         status = part(&parting, n, bond, count, run, err);
