@@ -366,7 +366,8 @@ void vor_blob_discard(struct vor_blob_writer *writer)
 vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                         int *fd, uint64_t *size, int *found, struct vor_error *err)
 {
-    *fd = -1;
+    if (fd != NULL)
+        *fd = -1;
     *size = 0;
     *found = 0;
     return blobs->driver->get(blobs, id, name, fd, size, found, err);

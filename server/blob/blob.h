@@ -194,6 +194,7 @@ void vor_blob_discard(struct vor_blob_writer *writer);
 
 /** Opens a blob for reading; the caller closes *fd, which stays readable after a drop.
  *
+ *  @param[out] fd     NULL: it is not opened, only looked for
  *  @param[out] found  0 when there is none; *fd is then -1
  *
  *  @retval VOR_E_IO */

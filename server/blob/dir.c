@@ -317,19 +317,21 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
 {
     char file[FILE_SIZE];
     struct stat info;
-    int opened;
+    int keep = ((struct directory *)blobs)->keep, opened = -1;
 
     file_of(file, id, name);
-    opened = openat(((struct directory *)blobs)->keep, file, O_RDONLY | O_CLOEXEC);
-    if (opened < 0)
-        return errno == ENOENT ? VOR_OK : vor_fail_errno(err, errno, file);
-    if (fstat(opened, &info) != 0) {
-        vor_status status = vor_fail_errno(err, errno, file);
+    if (fd != NULL)
+        opened = openat(keep, file, O_RDONLY | O_CLOEXEC);
+    if ((fd != NULL && opened < 0) ||
+        (fd != NULL ? fstat(opened, &info) : fstatat(keep, file, &info, 0)) != 0) {
+        vor_status status = errno == ENOENT ? VOR_OK : vor_fail_errno(err, errno, file);
 
-        close(opened);
+        if (opened >= 0)
+            close(opened);
         return status;
     }
-    *fd = opened;
+    if (fd != NULL)
+        *fd = opened;
     *size = (uint64_t)info.st_size;
     *found = 1;
     return VOR_OK;

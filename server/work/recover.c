@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
  * the worker removes at a time, which is 2, and each may have results in two formats; what a crash
@@ -28,12 +27,10 @@ static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *
 {
     char blob[VOR_BLOB_NAME_MAX + 1];
     uint64_t size;
-    int fd, found;
-    vor_status status = vor_blob_get(worker->config.blobs, id, vor_blob_of_input(name, blob), &fd,
+    int found;
+    vor_status status = vor_blob_get(worker->config.blobs, id, vor_blob_of_input(name, blob), NULL,
                                      &size, &found, why);
 
-    if (fd >= 0)
-        close(fd);
     *bytes += size;
     if (status == VOR_OK && !found)
         status =
@@ -254,12 +251,11 @@ static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob
 static uint64_t size_of(struct vor_worker *worker, const struct vor_found_blob *blob)
 {
     uint64_t size = 0;
-    int fd = -1, found;
+    int found;
 
-    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, &fd, &size, &found, NULL) ==
-            VOR_OK &&
-        fd >= 0)
-        close(fd);
+    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) !=
+        VOR_OK)
+        return 0;
     return size;
 }
 
