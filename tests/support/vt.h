@@ -11,6 +11,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/** Defined by a test program: adds its cases, which the main() of vt_main.c runs. One that wants to
+ *  do more than that has a main() of its own. */
+void vt_suite(Suite *suite);
+
 /** Runs a suite, prints TAP on stdout, returns the exit status for main(). */
 int vt_run(Suite *suite);
 

@@ -248,10 +248,8 @@ START_TEST(prefixes_are_told_from_what_is_none)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("address");
-
     vt_add(suite, an_address_is_written_in_its_shortest_form);
     vt_add(suite, what_is_no_address_is_not_read);
     vt_add(suite, the_two_families_of_a_socket_are_one);
@@ -261,5 +259,4 @@ int main(void)
     vt_add(suite, what_is_no_network_is_refused_by_name);
     vt_add(suite, hosts_are_told_from_what_is_none);
     vt_add(suite, prefixes_are_told_from_what_is_none);
-    return vt_run(suite);
 }

@@ -392,10 +392,8 @@ START_TEST(inputs_are_admitted_together_or_none_is)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("admit_files");
-
     vt_add_loop(suite, an_admitted_cloud_is_kept_as_it_was, 5);
     vt_add(suite, what_cannot_be_decoded_leaves_nothing);
     vt_add(suite, a_cloud_that_does_not_fit_is_refused_before_it_is_kept);
@@ -404,5 +402,4 @@ int main(void)
     vt_add(suite, an_upload_whose_caller_has_left_is_not_read);
     vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
     vt_add(suite, inputs_are_admitted_together_or_none_is);
-    return vt_run(suite);
 }

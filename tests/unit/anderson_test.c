@@ -207,12 +207,9 @@ START_TEST(equal_and_vanishing_residuals_leave_finite_weights)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("anderson");
-
     vt_add_loop(suite, a_linear_contraction_converges_in_less_than_half_the_iterations, SEEDS);
     vt_add_loop(suite, the_weights_minimise_the_mixed_residual, SEEDS);
     vt_add(suite, equal_and_vanishing_residuals_leave_finite_weights);
-    return vt_run(suite);
 }

@@ -176,13 +176,10 @@ START_TEST(what_is_no_metric_is_refused_with_the_names_there_or_the_first_point)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("anisotropy");
-
     vt_add_figures(suite, cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed, 4);
     vt_add_figures(suite, a_flat_face_asks_for_no_direction, 2);
     vt_add_figures(suite, a_tensor_given_counts_by_its_part_in_the_tangent_plane, 2);
     vt_add(suite, what_is_no_metric_is_refused_with_the_names_there_or_the_first_point);
-    return vt_run(suite);
 }

@@ -193,10 +193,8 @@ START_TEST(threads_share_one_cap)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("base_memory");
-
     vt_add(suite, what_is_freed_is_given_back);
     vt_add(suite, the_cap_holds_and_what_fits_under_it_is_given);
     vt_add(suite, a_product_that_overflows_is_refused);
@@ -206,5 +204,4 @@ int main(void)
     vt_add(suite, the_call_asked_to_fail_fails_and_no_other);
     vt_add(suite, a_library_s_own_bytes_count_against_the_cap);
     vt_add(suite, threads_share_one_cap);
-    return vt_run(suite);
 }

@@ -280,10 +280,8 @@ START_TEST(a_pool_has_1_to_256_threads)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("base_parallel");
-
     vt_add_loop(suite, every_row_runs_exactly_once_in_whole_blocks, COUNTS);
     vt_add_loop(suite, a_worker_s_scratch_space_is_its_own, COUNTS);
     vt_add_loop(suite, loops_of_several_callers_all_finish, COUNTS);
@@ -291,5 +289,4 @@ int main(void)
     vt_add_loop(suite, no_block_begins_after_the_watch_says_so, COUNTS);
     vt_add_loop(suite, a_watch_that_lets_go_on_changes_nothing, COUNTS);
     vt_add(suite, a_pool_has_1_to_256_threads);
-    return vt_run(suite);
 }

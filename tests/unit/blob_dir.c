@@ -313,10 +313,8 @@ START_TEST(the_bytes_of_all_blobs_are_known)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("blob_dir");
-
     vt_add(suite, a_committed_blob_comes_back_byte_for_byte);
     vt_add(suite, a_writer_knows_size_and_digest_as_it_goes);
     vt_add(suite, a_discarded_blob_leaves_nothing);
@@ -328,5 +326,4 @@ int main(void)
     vt_add(suite, a_second_opener_and_a_wrong_name_are_refused);
     vt_add(suite, the_disk_s_space_is_known);
     vt_add(suite, the_bytes_of_all_blobs_are_known);
-    return vt_run(suite);
 }

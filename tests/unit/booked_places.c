@@ -75,12 +75,9 @@ START_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("booked_places");
-
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, a_booked_place_is_that_of_who_booked_it);
     vt_add(suite, a_place_is_given_back_by_who_has_no_use_for_it);
-    return vt_run(suite);
 }

@@ -157,14 +157,11 @@ START_TEST(the_spacing_is_that_around_the_nearest_point)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("boundary");
-
     vt_add(suite, a_neighbour_is_within_a_distance_or_none_is);
     vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
-    return vt_run(suite);
 }

@@ -146,12 +146,9 @@ START_TEST(a_time_that_is_not_over_changes_no_byte)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("budget");
-
     vt_add(suite, when_time_is_over_at_once_points_are_placed_without_a_fit);
     vt_add_loop(suite, whenever_time_is_over_a_run_hands_back_its_points, VARIANTS * MOMENTS);
     vt_add(suite, a_time_that_is_not_over_changes_no_byte);
-    return vt_run(suite);
 }

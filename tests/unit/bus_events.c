@@ -310,10 +310,8 @@ START_TEST(statuses_are_found_by_their_words)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("bus_events");
-
     vt_add(suite, events_are_numbered_from_one_without_gaps);
     vt_add(suite, a_reader_who_comes_back_gets_what_it_missed);
     vt_add(suite, a_position_of_another_attempt_starts_from_the_first_event);
@@ -326,5 +324,4 @@ int main(void)
     vt_add(suite, subscribers_are_woken_once_an_event_until_they_leave);
     vt_add(suite, readers_in_threads_miss_no_wake_and_no_end);
     vt_add(suite, statuses_are_found_by_their_words);
-    return vt_run(suite);
 }

@@ -164,14 +164,11 @@ START_TEST(identifiers_do_not_repeat_and_their_random_bytes_are_even)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("callers_limits");
-
     vt_add(suite, a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on);
     vt_add(suite, a_slow_rate_still_gives_one_at_first);
     vt_add(suite, a_ticket_is_good_for_its_result_for_a_minute);
     vt_add(suite, a_ticket_that_was_changed_is_none);
     vt_add(suite, identifiers_do_not_repeat_and_their_random_bytes_are_even);
-    return vt_run(suite);
 }

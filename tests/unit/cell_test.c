@@ -243,10 +243,8 @@ START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("cell");
-
     vt_add_loop(suite, an_unclipped_patch_has_the_moments_of_its_polygon, DISCS);
     vt_add(suite, four_neighbours_leave_the_unit_square);
     vt_add(suite, an_uneven_rectangle_has_its_centroid_off_the_seed);
@@ -255,5 +253,4 @@ int main(void)
     vt_add(suite, a_seed_far_off_its_surface_may_have_no_cell);
     vt_add_loop(suite, a_sample_lies_in_the_cell, SEEDS);
     vt_add_loop(suite, a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS);
-    return vt_run(suite);
 }

@@ -220,10 +220,8 @@ START_TEST(the_summary_names_iterations_and_polish_steps)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("cli_progress");
-
     vt_add(suite, a_bar_shows_the_iteration_and_what_is_left_of_all);
     vt_add(suite, a_bar_does_not_show_limits_that_are_not_known);
     vt_add(suite, a_bar_shows_the_polish_at_its_own_pace);
@@ -232,5 +230,4 @@ int main(void)
     vt_add(suite, a_bar_is_not_drawn_for_every_record);
     vt_add(suite, a_bar_follows_a_daemon_that_tells_stages);
     vt_add(suite, the_summary_names_iterations_and_polish_steps);
-    return vt_run(suite);
 }

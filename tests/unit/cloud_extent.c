@@ -151,10 +151,8 @@ START_TEST(the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("extent of a cloud");
-
     vt_add(suite, the_box_is_in_absolute_coordinates);
     vt_add_loop(suite, the_spacing_is_estimated_within_a_factor, SEEDS);
     vt_add_loop(suite, pieces_of_a_walk_measure_the_same, SEEDS);
@@ -163,5 +161,4 @@ int main(void)
     vt_add(suite, the_step_counts_from_the_origin_and_ends_with_float32);
     vt_add(suite, the_middle_is_whole);
     vt_add(suite, the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be);
-    return vt_run(suite);
 }

@@ -319,10 +319,8 @@ START_TEST(all_that_belongs_to_a_point_moves_with_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("cloud_values");
-
     vt_add(suite, both_spellings_of_every_type_are_read);
     vt_add(suite, a_cloud_has_1_to_the_greatest_number_of_points);
     vt_add(suite, names_that_are_taken_get_a_suffix);
@@ -336,5 +334,4 @@ int main(void)
     vt_add(suite, doubles_farther_apart_than_float32_reaches_are_refused);
     vt_add(suite, a_check_finds_what_no_codec_may_hand_on);
     vt_add(suite, all_that_belongs_to_a_point_moves_with_it);
-    return vt_run(suite);
 }

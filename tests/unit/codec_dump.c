@@ -233,15 +233,12 @@ START_TEST(a_sink_that_refuses_ends_the_dump)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("codec_dump");
-
     vt_add_loop(suite, a_dump_comes_back_exactly, 40);
     vt_add(suite, a_dump_of_another_length_is_refused);
     vt_add_loop(suite, a_damaged_table_is_refused, DAMAGES);
     vt_add(suite, a_name_without_an_end_is_refused);
     vt_add(suite, reading_a_dump_survives_the_failure_of_any_allocation);
     vt_add(suite, a_sink_that_refuses_ends_the_dump);
-    return vt_run(suite);
 }

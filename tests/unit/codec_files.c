@@ -239,10 +239,9 @@ START_TEST(any_allocation_may_fail)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
     static const char *const tables[] = {"tests/data/ply.txt", "tests/data/draco.txt"};
-    Suite *suite = suite_create("codec_files");
 
     files = vt_files(tables, 2, &file_count);
     vt_add_loop(suite, a_file_is_read_as_it_says_or_refused_where_it_lies, file_count);
@@ -250,5 +249,4 @@ int main(void)
     vt_add_loop(suite, any_changed_byte_ends_in_a_cloud_or_a_refusal, PARTS);
     vt_add_loop(suite, a_dump_is_the_same, PARTS);
     vt_add_loop(suite, any_allocation_may_fail, PARTS);
-    return vt_run(suite);
 }

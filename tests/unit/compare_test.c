@@ -169,10 +169,8 @@ START_TEST(the_histogram_of_neighbors_counts_every_point)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("account");
-
     vt_add(suite, in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_diagonal);
     vt_add_figures(suite, the_border_of_a_square_has_its_length_over_the_spacing,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
@@ -180,5 +178,4 @@ int main(void)
     vt_add_figures(suite, closed_smooth_clouds_have_no_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, the_histogram_of_neighbors_counts_every_point,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    return vt_run(suite);
 }

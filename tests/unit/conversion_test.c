@@ -218,15 +218,12 @@ START_TEST(what_waits_when_the_daemon_ends_is_told_so)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("work/conversion");
-
     vor_log_open(2, VOR_LOG_OFF);
     vt_add(suite, those_who_ask_at_the_same_time_share_one_conversion);
     vt_add(suite, no_more_are_on_their_way_than_may_be);
     vt_add(suite, one_that_nobody_waits_for_any_more_is_kept_all_the_same);
     vt_add(suite, a_job_that_goes_leaves_nothing_behind);
     vt_add(suite, what_waits_when_the_daemon_ends_is_told_so);
-    return vt_run(suite);
 }

@@ -141,10 +141,8 @@ START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("cost");
-
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, ten_million_points_as_usual_are_accepted);
     vt_add(suite, a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit);
@@ -153,5 +151,4 @@ int main(void)
     vt_add_loop(suite, an_estimate_grows_with_what_is_asked_for, 6);
     vt_add(suite, a_job_that_runs_longer_than_it_may_fails_and_says_so);
     vt_add(suite, the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so);
-    return vt_run(suite);
 }

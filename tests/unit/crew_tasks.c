@@ -254,10 +254,8 @@ START_TEST(settling_gives_up_after_its_time)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("crew_tasks");
-
     vt_add(suite, tasks_begin_in_the_order_in_which_they_came);
     vt_add(suite, no_more_tasks_wait_than_may);
     vt_add(suite, a_caller_with_many_tasks_leaves_a_thread_and_room_to_others);
@@ -267,5 +265,4 @@ int main(void)
     vt_add(suite, a_key_shares_with_itself_alone_and_with_no_address);
     vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
     vt_add(suite, settling_gives_up_after_its_time);
-    return vt_run(suite);
 }

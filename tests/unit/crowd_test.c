@@ -299,10 +299,8 @@ START_TEST(pages_of_zeros_go_and_others_stay)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("crowd");
-
     vt_add(suite, the_oldest_silent_connection_goes);
     vt_add(suite, who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served);
     vt_add(suite, a_health_check_gets_in_among_those_who_are_all_served);
@@ -314,5 +312,4 @@ int main(void)
     vt_add(suite, a_timer_that_comes_first_counts_and_each_wakes_once);
     vt_add(suite, a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that_leaves);
     vt_add(suite, pages_of_zeros_go_and_others_stay);
-    return vt_run(suite);
 }

@@ -174,14 +174,11 @@ START_TEST(what_is_flat_or_no_surface_has_no_curvature)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("curvature");
-
     vt_add_loop(
         suite,
         curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all_to_a_two_hundredth,
         VT_FEWER(TRUTHS));
     vt_add(suite, what_is_flat_or_no_surface_has_no_curvature);
-    return vt_run(suite);
 }

@@ -92,11 +92,8 @@ START_TEST(a_density_between_corners_is_integrated_exactly)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("dense");
-
     vt_add_loop(suite, an_even_density_gives_the_moments_without_one, SEEDS);
     vt_add_loop(suite, a_density_between_corners_is_integrated_exactly, SEEDS);
-    return vt_run(suite);
 }

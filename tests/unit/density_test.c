@@ -123,11 +123,8 @@ START_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("density");
-
     vt_add_loop(suite, no_neighbors_differ_by_more_than_contrast_and_grading_allow, 2);
     vt_add(suite, what_is_no_density_is_refused_with_the_names_there_or_the_first_point);
-    return vt_run(suite);
 }

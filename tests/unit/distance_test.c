@@ -78,12 +78,9 @@ START_TEST(a_reference_of_fewer_than_seven_points_or_no_extent_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("distance");
-
     vt_add(suite, a_line_of_seven_has_its_hand_computed_distances);
     vt_add(suite, a_cloud_is_at_no_distance_from_itself);
     vt_add(suite, a_reference_of_fewer_than_seven_points_or_no_extent_is_refused);
-    return vt_run(suite);
 }

@@ -148,15 +148,12 @@ START_TEST(an_outlier_that_hides_all_others_is_named)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("domain");
-
     vt_add_loop(suite, every_distinct_point_is_there_once, SEEDS);
     vt_add_loop(suite, the_unit_is_a_power_of_two_and_positions_lose_nothing, SEEDS);
     vt_add_loop(suite, a_cloud_far_from_its_origin_fills_the_unit_cube, SEEDS);
     vt_add_loop(suite, coincident_points_are_dropped_for_the_first_of_them, SEEDS);
     vt_add(suite, zero_and_minus_zero_are_one_place);
     vt_add(suite, an_outlier_that_hides_all_others_is_named);
-    return vt_run(suite);
 }

@@ -141,15 +141,13 @@ START_TEST(any_allocation_of_the_writer_may_fail)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
     static const char *const table = "tests/data/draco.txt";
-    Suite *suite = suite_create("draco_gate");
 
     files = vt_files(&table, 1, &file_count);
     vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
     vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);
     vt_add(suite, any_cap_on_the_writer_ends_cleanly);
     vt_add_loop(suite, any_allocation_of_the_writer_may_fail, 2);
-    return vt_run(suite);
 }

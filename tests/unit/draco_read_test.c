@@ -279,15 +279,12 @@ START_TEST(calls_on_several_threads_share_nothing)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("draco_read");
-
     vt_add(suite, both_encodings_of_one_cloud_hold_the_same_points);
     vt_add(suite, redrocks_has_all_its_points_and_colours);
     vt_add_loop(suite, meshes_give_their_points_and_where_wanted_their_faces, 3);
     vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
     vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);
     vt_add(suite, calls_on_several_threads_share_nothing);
-    return vt_run(suite);
 }

@@ -156,14 +156,11 @@ START_TEST(a_result_that_is_none_is_told_as_our_fault)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("encode");
-
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
     vt_add_loop(suite, a_child_writes_the_bytes_that_this_process_writes, 4);
     vt_add(suite, the_memory_of_a_child_counts_as_the_job_s);
     vt_add_loop(suite, what_does_not_fit_under_the_job_s_cap_is_refused, 2);
     vt_add(suite, a_result_that_is_none_is_told_as_our_fault);
-    return vt_run(suite);
 }

@@ -169,12 +169,9 @@ START_TEST(a_square_has_the_energy_of_the_textbook)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("energy");
-
     vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
     vt_add_figures(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
     vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
-    return vt_run(suite);
 }

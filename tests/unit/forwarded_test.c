@@ -304,10 +304,8 @@ START_TEST(an_untrusted_peer_is_not_believed_a_word)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("forwarded");
-
     vt_add(suite, the_examples_of_rfc_7239_are_read);
     vt_add(suite, values_may_be_quoted_escaped_and_spaced);
     vt_add(suite, a_malformed_line_is_ignored_whole);
@@ -319,5 +317,4 @@ int main(void)
     vt_add(suite, of_forwarded_the_outermost_trusted_proxy_names_the_host);
     vt_add(suite, the_other_family_is_ignored);
     vt_add(suite, an_untrusted_peer_is_not_believed_a_word);
-    return vt_run(suite);
 }

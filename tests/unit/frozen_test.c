@@ -123,11 +123,8 @@ START_TEST(seeds_that_share_a_place_come_apart)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("frozen");
-
     vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 24);
     vt_add_figures(suite, seeds_that_share_a_place_come_apart, 3);
-    return vt_run(suite);
 }

@@ -204,10 +204,8 @@ START_TEST(a_sink_that_refuses_is_said)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("proto/gzip");
-
     vt_add_loop(suite, what_was_compressed_comes_back, 80);
     vt_add(suite, members_one_behind_the_other_are_one_body);
     vt_add(suite, what_is_cut_short_is_refused);
@@ -216,5 +214,4 @@ int main(void)
     vt_add(suite, a_bomb_stops_at_its_ratio);
     vt_add_loop(suite, other_codings_are_no_gzip, 5);
     vt_add(suite, a_sink_that_refuses_is_said);
-    return vt_run(suite);
 }

@@ -70,11 +70,8 @@ START_TEST(of_many_threads_one_holds_a_key)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("inflight_keys");
-
     vt_add(suite, a_key_has_one_holder_until_it_is_given_back);
     vt_add(suite, of_many_threads_one_holds_a_key);
-    return vt_run(suite);
 }

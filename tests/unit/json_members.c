@@ -251,10 +251,8 @@ START_TEST(a_line_of_the_table_has_a_column_for_each_member)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("json_members");
-
     vt_add(suite, a_document_follows_its_table);
     vt_add(suite, an_optional_object_is_left_out_and_what_follows_it_is_not);
     vt_add(suite, a_word_past_the_last_is_null);
@@ -263,5 +261,4 @@ int main(void)
     vt_add(suite, what_is_missing_or_wrong_is_nothing);
     vt_add(suite, a_number_that_is_not_finite_stays_so);
     vt_add(suite, a_line_of_the_table_has_a_column_for_each_member);
-    return vt_run(suite);
 }

@@ -345,10 +345,8 @@ START_TEST(a_text_needs_no_nul_behind_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("json_read");
-
     vt_add_loop(suite, hostile_text_is_refused_where_it_goes_wrong, HOSTILE);
     vt_add(suite, nul_bytes_are_refused_wherever_they_stand);
     vt_add(suite, depth_ends_at_its_limit);
@@ -360,5 +358,4 @@ int main(void)
     vt_add(suite, names_are_compared_with_their_case);
     vt_add(suite, getters_of_the_wrong_kind_yield_nothing);
     vt_add(suite, a_text_needs_no_nul_behind_it);
-    return vt_run(suite);
 }

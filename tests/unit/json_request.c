@@ -138,14 +138,11 @@ START_TEST(a_process_describes_what_it_takes)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("json_request");
-
     vt_add(suite, a_vector_comes_back_with_its_text);
     vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
                 (int)(sizeof refused / sizeof refused[0]));
     vt_add_loop(suite, a_process_describes_the_documents_that_it_gives, 5);
     vt_add_loop(suite, a_process_describes_what_it_takes, 5);
-    return vt_run(suite);
 }

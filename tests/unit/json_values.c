@@ -263,10 +263,8 @@ START_TEST(a_status_has_its_shape)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("json_values");
-
     vt_add(suite, a_record_has_its_shape);
     vt_add(suite, a_record_comes_back);
     vt_add(suite, a_stage_of_another_build_is_none_of_ours);
@@ -274,5 +272,4 @@ int main(void)
     vt_add(suite, a_measure_has_an_input_where_it_has_a_reference);
     vt_add(suite, a_problem_has_its_shape);
     vt_add(suite, a_status_has_its_shape);
-    return vt_run(suite);
 }

@@ -182,10 +182,8 @@ START_TEST(a_text_stops_at_its_cap_and_says_so)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("json_write");
-
     vt_add(suite, commas_stand_between_values_and_nowhere_else);
     vt_add(suite, a_document_after_other_text_begins_without_a_comma);
     vt_add(suite, strings_are_escaped_as_the_rfc_wants);
@@ -195,5 +193,4 @@ int main(void)
     vt_add_loop(suite, every_double_comes_back_bit_for_bit, 20);
     vt_add_loop(suite, any_bytes_make_a_valid_string, 20);
     vt_add(suite, a_text_stops_at_its_cap_and_says_so);
-    return vt_run(suite);
 }

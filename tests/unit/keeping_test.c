@@ -171,14 +171,11 @@ START_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("keeping");
-
     vor_log_open(2, VOR_LOG_OFF);
     vt_add_loop(suite, a_result_keeps_the_time_it_had_left_when_the_clock_jumps, 2);
     vt_add_loop(suite, a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does, 2);
     vt_add(suite, time_that_the_daemon_was_down_counts);
     vt_add(suite, results_beyond_their_room_go_in_the_order_in_which_they_ended);
-    return vt_run(suite);
 }

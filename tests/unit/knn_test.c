@@ -173,10 +173,8 @@ START_TEST(many_points_in_one_place_do_not_make_queries_beside_them_long)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("knn");
-
     vt_add_loop(suite, an_index_of_no_points_is_refused, 2);
     vt_add_loop(suite, a_coordinate_that_would_mislead_the_index_is_refused_by_name, 2);
     vt_add_loop(suite, an_index_is_charged_to_its_allocator_and_given_back, 2);
@@ -185,5 +183,4 @@ int main(void)
     vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
     vt_add_loop(suite, points_all_in_one_place_do_not_make_a_query_long, 2);
     vt_add_loop(suite, many_points_in_one_place_do_not_make_queries_beside_them_long, 2);
-    return vt_run(suite);
 }

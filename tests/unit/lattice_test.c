@@ -264,10 +264,8 @@ START_TEST(a_result_lies_nearer_to_the_surface_than_without)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lattice");
-
     vt_add_figures(suite, known_lattices_are_found, VT_FEWER(SEEDS));
     vt_add_figures(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
     vt_add_figures(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));
@@ -276,5 +274,4 @@ int main(void)
     vt_add_figures(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
     vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    return vt_run(suite);
 }

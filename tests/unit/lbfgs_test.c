@@ -187,14 +187,11 @@ START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lbfgs");
-
     vt_add_loop(suite, a_stretched_bowl_is_descended_to_its_lowest_point, SEEDS);
     vt_add_loop(suite, a_known_bend_makes_the_first_step_the_last, SEEDS);
     vt_add_loop(suite, a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS);
     vt_add_loop(suite, a_value_that_is_no_number_is_stepped_back_from, SEEDS);
     vt_add_loop(suite, a_failure_is_handed_on_at_the_last_place_taken, SEEDS);
-    return vt_run(suite);
 }

@@ -149,10 +149,8 @@ START_TEST(a_system_that_is_not_a_number_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("linalg");
-
     vt_add(suite, a_diagonal_matrix_keeps_its_entries_and_axes);
     vt_add(suite, repeated_eigenvalues_have_orthonormal_vectors);
     vt_add_loop(suite, eigenvectors_rebuild_the_matrix_at_every_scale, SEEDS);
@@ -160,5 +158,4 @@ int main(void)
     vt_add(suite, the_measure_of_rank_is_the_smallest_relative_pivot);
     vt_add(suite, a_system_below_the_rank_asked_for_is_refused_untouched);
     vt_add(suite, a_system_that_is_not_a_number_is_refused);
-    return vt_run(suite);
 }

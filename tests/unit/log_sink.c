@@ -245,10 +245,8 @@ START_TEST(a_reader_who_keeps_up_leaves_the_queue_untouched)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("the log's sink");
-
     vt_add(suite, nobody_waits_for_a_log_that_nobody_reads);
     vt_add(suite, the_last_lines_are_written_where_the_reader_reads);
     vt_add(suite, a_log_that_nobody_reads_is_given_up_at_the_end);
@@ -260,5 +258,4 @@ int main(void)
 #else
     vt_add_figures(suite, a_reader_who_keeps_up_leaves_the_queue_untouched, 0);
 #endif
-    return vt_run(suite);
 }

@@ -217,14 +217,11 @@ START_TEST(the_polish_pushes_no_point_over_an_open_border)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lop_insert");
-
     vt_add(suite, points_between_others_stay_on_their_side_of_an_edge);
     vt_add(suite, points_that_all_coincide_leave_no_place);
     vt_add(suite, powers_are_those_of_pow);
     vt_add_loop(suite, the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20));
     vt_add(suite, the_polish_pushes_no_point_over_an_open_border);
-    return vt_run(suite);
 }

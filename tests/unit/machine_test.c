@@ -108,10 +108,8 @@ START_TEST(a_container_finds_its_limit_at_the_top)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("machine");
-
     vt_add(suite, a_machine_has_cores_and_memory);
     vt_add(suite, the_least_limit_of_the_groups_around_holds);
     vt_add(suite, a_container_finds_its_limit_at_the_top);
@@ -119,5 +117,4 @@ int main(void)
                                                                      */
     vt_add(suite, large_pieces_go_back_each_time);
 #endif
-    return vt_run(suite);
 }

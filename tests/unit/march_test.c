@@ -130,13 +130,10 @@ START_TEST(several_sources_are_the_nearest_of_each)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("march");
-
     vt_add_loop(suite, distances_are_those_along_the_surface,
                 VT_ONCE(SHAPES * VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, points_that_no_chain_leads_to_are_infinitely_far, SEEDS);
     vt_add_loop(suite, several_sources_are_the_nearest_of_each, SEEDS);
-    return vt_run(suite);
 }

@@ -152,14 +152,11 @@ START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_direction
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("metric");
-
     vt_add_loop(suite, a_tensor_of_a_plane_survives_space, SEEDS);
     vt_add_loop(suite, a_tensor_is_scaled_and_capped_and_keeps_its_directions, SEEDS);
     vt_add(suite, a_tensor_that_is_not_positive_becomes_that_of_all_directions);
     vt_add(suite, curvature_asks_for_the_root_of_the_ratio_of_its_sizes);
     vt_add(suite, the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions);
-    return vt_run(suite);
 }

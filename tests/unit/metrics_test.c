@@ -178,15 +178,12 @@ START_TEST(names_end_in_their_unit_and_counters_in_total)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("metrics");
-
     vt_add(suite, what_was_never_counted_is_not_written);
     vt_add(suite, counters_of_different_labels_are_apart);
     vt_add(suite, a_label_s_value_is_escaped_and_cut);
     vt_add(suite, a_histogram_counts_up_to_each_bound);
     vt_add(suite, threads_that_count_at_once_lose_nothing);
     vt_add(suite, names_end_in_their_unit_and_counters_in_total);
-    return vt_run(suite);
 }

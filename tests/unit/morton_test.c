@@ -58,11 +58,8 @@ START_TEST(neighbours_in_the_order_are_near_in_space)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("morton");
-
     vt_add(suite, the_corners_of_a_cube_come_with_x_fastest);
     vt_add_loop(suite, neighbours_in_the_order_are_near_in_space, SEEDS);
-    return vt_run(suite);
 }

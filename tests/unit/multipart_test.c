@@ -310,10 +310,8 @@ START_TEST(a_form_is_told_by_its_media_type)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("proto/multipart");
-
     vt_add_loop(suite, a_form_comes_to_its_parts_in_pieces_of_any_size,
                 sizeof sound / sizeof sound[0]);
     vt_add_loop(suite, what_is_no_form_is_refused_at_the_same_byte_in_pieces_of_any_size,
@@ -322,5 +320,4 @@ int main(void)
     vt_add(suite, a_failure_of_the_reader_ends_the_feed);
     vt_add_loop(suite, random_parts_come_back_in_random_pieces, 200);
     vt_add(suite, a_form_is_told_by_its_media_type);
-    return vt_run(suite);
 }

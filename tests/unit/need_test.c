@@ -177,13 +177,10 @@ START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("need");
-
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add_loop(suite, the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0]);
     vt_add(suite, jobs_that_fit_alone_but_not_together_wait_for_each_other);
     vt_add(suite, a_job_larger_than_all_memory_is_refused_with_the_numbers);
-    return vt_run(suite);
 }

@@ -128,13 +128,10 @@ START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("order");
-
     vt_add(suite, of_three_points_the_farther_one_is_second);
     vt_add(suite, points_in_one_place_come_last_by_index);
     vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
     vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
-    return vt_run(suite);
 }

@@ -193,10 +193,8 @@ START_TEST(only_draco_takes_an_origin)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("origin of a result");
-
     vt_add(suite, auto_is_absolute_as_long_as_float32_is_fine_enough);
     vt_add_loop(suite, the_frame_does_not_depend_on_the_number_of_points, 60);
     vt_add(suite, numbers_are_taken_as_they_are);
@@ -206,5 +204,4 @@ int main(void)
     vt_add(suite, an_origin_beyond_float32_is_refused_whatever_the_spacing);
     vt_add(suite, an_origin_is_written_as_it_is_read);
     vt_add(suite, only_draco_takes_an_origin);
-    return vt_run(suite);
 }

@@ -344,10 +344,8 @@ START_TEST(iterations_without_a_number_end_where_they_usually_do)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("pace");
-
     vt_add(suite, steps_of_all_stages_count_alike);
     vt_add(suite, a_run_may_be_seen_from_its_middle);
     vt_add(suite, more_than_was_allowed_is_all);
@@ -363,5 +361,4 @@ int main(void)
     vt_add(suite, how_slow_one_part_is_tells_half_of_how_slow_others_are);
     vt_add(suite, the_last_steps_on_a_dense_input_take_longer);
     vt_add(suite, iterations_without_a_number_end_where_they_usually_do);
-    return vt_run(suite);
 }

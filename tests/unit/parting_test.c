@@ -45,10 +45,7 @@ START_TEST(two_lattices_are_two_groups_though_some_pairs_are_wrong)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("parting");
-
     vt_add_loop(suite, two_lattices_are_two_groups_though_some_pairs_are_wrong, 3);
-    return vt_run(suite);
 }

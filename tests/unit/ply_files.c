@@ -178,14 +178,12 @@ START_TEST(survey_coordinates_keep_their_last_digit)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("ply_files");
     int count = read_scans();
 
     vt_add_loop(suite, a_scan_has_its_points_box_and_attributes, count);
     vt_add_loop(suite, a_scan_survives_being_written_and_read, count);
     vt_add(suite, ascii_and_binary_bunny_are_the_same_points);
     vt_add(suite, survey_coordinates_keep_their_last_digit);
-    return vt_run(suite);
 }

@@ -288,10 +288,8 @@ START_TEST(the_file_is_never_held_as_a_whole)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("ply_writer");
-
     vt_add(suite, a_float_cloud_has_these_bytes);
     vt_add(suite, a_double_cloud_has_these_bytes);
     vt_add(suite, a_float_cloud_with_an_origin_is_written_in_absolute_coordinates);
@@ -301,5 +299,4 @@ int main(void)
     vt_add(suite, the_widest_cloud_is_written_whole);
     vt_add(suite, a_sink_that_refuses_ends_the_writing);
     vt_add(suite, the_file_is_never_held_as_a_whole);
-    return vt_run(suite);
 }

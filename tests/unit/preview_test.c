@@ -209,15 +209,12 @@ START_TEST(a_preview_shows_the_last_frame_that_was_put)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("preview_test");
-
     vt_add(suite, points_are_picked_evenly_and_put_into_their_frame);
     vt_add(suite, a_board_shows_what_was_written_last_and_once);
     vt_add(suite, a_count_that_makes_no_sense_reads_nothing_beyond);
     vt_add(suite, what_nobody_looks_at_any_more_takes_no_memory);
     vt_add(suite, a_frame_that_is_read_is_whole);
     vt_add(suite, a_preview_shows_the_last_frame_that_was_put);
-    return vt_run(suite);
 }

@@ -268,10 +268,8 @@ START_TEST(a_closed_queue_hands_out_and_books_nothing)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("queue_order");
-
     vt_add_loop(suite, the_queue_agrees_with_a_sorted_list, 6);
     vt_add(suite, tenants_take_turns);
     vt_add_loop(suite, positions_come_true_and_nobody_has_three_turns_between_two_of_another, 6);
@@ -280,5 +278,4 @@ int main(void)
     vt_add(suite, jobs_of_a_former_run_fit_beyond_the_bound);
     vt_add(suite, every_job_is_popped_exactly_once_by_several_threads);
     vt_add(suite, a_closed_queue_hands_out_and_books_nothing);
-    return vt_run(suite);
 }

@@ -138,10 +138,8 @@ START_TEST(of_a_record_without_it_the_best_is_not_known)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("report");
-
     vt_add_loop(suite, every_row_has_a_name_of_its_own_and_a_sentence, TABLES);
     vt_add_loop(suite, the_rows_of_an_object_stand_next_to_each_other, TABLES);
     vt_add(suite, a_record_has_numbers_and_words_only);
@@ -150,5 +148,4 @@ int main(void)
     vt_add(suite, every_reason_to_stop_has_a_word_of_its_own);
     vt_add(suite, a_stage_that_is_gone_through_twice_is_told_once);
     vt_add(suite, of_a_record_without_it_the_best_is_not_known);
-    return vt_run(suite);
 }

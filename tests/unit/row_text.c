@@ -109,12 +109,9 @@ START_TEST(origins_of_outputs_are_kept_to_the_bit)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("row_text");
-
     vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
     vt_add(suite, outputs_beside_the_main_one_are_kept_by_name);
     vt_add(suite, origins_of_outputs_are_kept_to_the_bit);
-    return vt_run(suite);
 }

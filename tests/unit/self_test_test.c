@@ -74,12 +74,9 @@ START_TEST(what_is_wrong_is_told)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("self_test");
-
     vt_add_loop(suite, the_engine_works, 3);
     vt_add(suite, a_run_that_fails_says_why);
     vt_add(suite, what_is_wrong_is_told);
-    return vt_run(suite);
 }

@@ -266,10 +266,8 @@ START_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("serve_disk");
-
     vt_add(suite, nobody_waits_for_the_disk_of_somebody_else_s_dismissal);
     vt_add(suite, nobody_waits_for_the_disk_when_a_caller_leaves);
     vt_add_loop(suite, dismissals_at_the_same_time_are_answered_as_one_after_another, 2);
@@ -277,5 +275,4 @@ int main(void)
     vt_add(suite, a_dismissal_whose_caller_left_is_done_all_the_same);
     vt_add(suite, a_dismissal_with_a_body_is_answered);
     vt_add(suite, a_dismissal_under_way_is_answered_before_the_daemon_ends);
-    return vt_run(suite);
 }

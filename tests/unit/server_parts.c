@@ -361,10 +361,8 @@ START_TEST(a_lock_names_its_holder_and_dies_with_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("server_parts");
-
     vt_add(suite, sha256_gives_the_published_digests);
     vt_add(suite, identifiers_are_version_7_and_never_repeat);
     vt_add(suite, an_identifier_made_later_sorts_later);
@@ -377,5 +375,4 @@ int main(void)
     vt_add(suite, directories_are_made_with_their_parents);
     vt_add(suite, a_folder_of_another_user_is_named_with_what_mends_it);
     vt_add(suite, a_lock_names_its_holder_and_dies_with_it);
-    return vt_run(suite);
 }

@@ -156,12 +156,9 @@ START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("soup");
-
     vt_add_figures(suite, polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
     vt_add_figures(suite, cells_of_a_square_end_where_it_does, 0);
     vt_add_figures(suite, corners_have_the_values_of_their_point_and_faces_its_side, 0);
-    return vt_run(suite);
 }

@@ -81,13 +81,10 @@ START_TEST(a_step_of_ours_has_the_trace_and_an_id_of_its_own)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("traceparent");
-
     vt_add(suite, a_traceparent_is_read_and_written_again);
     vt_add(suite, later_versions_are_read_as_far_as_they_are_known);
     vt_add(suite, what_is_no_traceparent_is_none);
     vt_add(suite, a_step_of_ours_has_the_trace_and_an_id_of_its_own);
-    return vt_run(suite);
 }

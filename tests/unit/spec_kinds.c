@@ -327,10 +327,8 @@ START_TEST(a_value_that_is_not_given_has_no_form_and_no_text)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("spec_kinds");
-
     vt_add_loop(suite, a_text_is_read_as_its_value_and_written_back,
                 (int)(sizeof taken / sizeof taken[0]));
     vt_add_loop(suite, what_is_not_of_the_kind_is_refused,
@@ -340,5 +338,4 @@ int main(void)
     vt_add_loop(suite, a_kind_says_what_it_wants, VOR_KINDS);
     vt_add_loop(suite, a_word_that_is_not_allowed_is_no_word, 2);
     vt_add_loop(suite, a_value_that_is_not_given_has_no_form_and_no_text, 9);
-    return vt_run(suite);
 }

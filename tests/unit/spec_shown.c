@@ -145,15 +145,12 @@ START_TEST(a_walk_over_values_ends)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("spec_shown");
-
     vt_add_loop(suite, a_parameter_has_a_title_of_its_own, VOR_PARAMETER_COUNT);
     vt_add_loop(suite, few_parameters_of_a_process_are_basic, 16);
     vt_add_loop(suite, a_preset_is_a_request_that_can_be_made, 5);
     vt_add(suite, every_preset_is_of_a_process_that_there_is);
     vt_add_loop(suite, a_parameter_hangs_on_words_of_another, VOR_PARAMETER_COUNT);
     vt_add(suite, a_walk_over_values_ends);
-    return vt_run(suite);
 }

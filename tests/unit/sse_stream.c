@@ -251,10 +251,8 @@ START_TEST(a_restart_keeps_the_last_complete_id_and_the_retry)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("sse_stream");
-
     vt_add_loop(suite, the_grammar_is_the_standards, (int)(sizeof examples / sizeof examples[0]));
     vt_add(suite, an_id_with_a_nul_is_ignored);
     vt_add(suite, a_name_is_cut_at_a_nul);
@@ -264,5 +262,4 @@ int main(void)
     vt_add(suite, an_event_ends_at_its_limit);
     vt_add(suite, the_handler_can_end_the_feed);
     vt_add(suite, a_restart_keeps_the_last_complete_id_and_the_retry);
-    return vt_run(suite);
 }

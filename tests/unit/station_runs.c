@@ -240,14 +240,11 @@ START_TEST(an_input_that_is_no_dump_fails_the_run_and_not_the_worker)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("station_runs");
-
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
     vt_add_loop(suite, a_run_in_another_process_gives_what_one_in_this_gives, 4);
     vt_add(suite, an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it);
     vt_add(suite, a_run_that_is_cancelled_does_not_wait_for_its_encoder);
     vt_add(suite, an_input_that_is_no_dump_fails_the_run_and_not_the_worker);
-    return vt_run(suite);
 }

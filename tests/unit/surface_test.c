@@ -322,10 +322,8 @@ START_TEST(a_weight_counts_like_so_many_points)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("surface");
-
     vt_add_loop(suite, a_quadric_is_recovered_exactly_from_its_samples, SEEDS);
     vt_add_loop(suite, no_other_quadric_over_the_plane_fits_better, SEEDS);
     vt_add_loop(suite, points_of_a_plane_give_that_plane, SEEDS);
@@ -337,5 +335,4 @@ int main(void)
     vt_add_loop(suite, beyond_its_reach_a_quadric_goes_on_straight_without_a_kink, SEEDS);
     vt_add_loop(suite, a_projected_point_is_the_foot_of_its_perpendicular, SEEDS);
     vt_add_loop(suite, a_weight_counts_like_so_many_points, SEEDS);
-    return vt_run(suite);
 }

@@ -264,13 +264,10 @@ START_TEST(a_damaged_trace_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("trace");
-
     vt_add_loop(suite, a_trace_comes_back_as_it_was, 20);
     vt_add(suite, records_with_other_members_are_read);
     vt_add(suite, a_stage_that_there_is_not_is_refused);
     vt_add(suite, a_damaged_trace_is_refused);
-    return vt_run(suite);
 }

@@ -165,15 +165,12 @@ START_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("turns");
-
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, turns_that_fit_together_run_together);
     vt_add(suite, a_turn_larger_than_everything_runs_once_nothing_else_does);
     vt_add(suite, a_turn_alone_has_nothing_beside_it);
     vt_add(suite, a_guarded_queue_hands_out_its_first_job_once_the_guard_allows_it);
     vt_add(suite, what_ran_in_a_crash_runs_with_nothing_beside_it);
-    return vt_run(suite);
 }

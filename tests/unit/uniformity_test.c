@@ -130,10 +130,8 @@ START_TEST(white_noise_has_the_uniformity_of_a_rayleigh_distance)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("uniformity");
-
     vt_add(suite, three_distances_have_their_hand_computed_uniformity);
     vt_add(suite, points_all_in_one_place_have_no_distances);
     vt_add(suite, coincident_points_are_counted);
@@ -141,5 +139,4 @@ int main(void)
     vt_add_loop(suite, epsilon_is_the_cosine_between_the_distances_and_their_mean, SEEDS);
     vt_add(suite, a_lattice_is_perfectly_even_and_its_spacing_is_its_own);
     vt_add_loop(suite, white_noise_has_the_uniformity_of_a_rayleigh_distance, 3);
-    return vt_run(suite);
 }

@@ -407,10 +407,8 @@ START_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("zygote");
-
     vt_add_loop(suite, a_message_arrives_whole_with_its_descriptors, 3);
     vt_add(suite, a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing);
     vt_add(suite, what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread);
@@ -421,5 +419,4 @@ int main(void)
     vt_add(suite, threads_that_spawn_beside_each_other_get_a_child_of_their_own_each);
     vt_add(suite, a_zygote_that_died_is_told_by_every_call);
     vt_add(suite, a_front_that_is_killed_leaves_no_process_and_no_lock);
-    return vt_run(suite);
 }
