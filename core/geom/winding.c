@@ -4,112 +4,104 @@
 
 #include <string.h>
 
-/* Figures are of white noise of 30,000 points: gains of patches of armadillo (twelve draws) that
- * are wrong, and of patches that are right. */
-
 enum {
     BLOCK = 64,   /* points that far away count as one. Not measured. */
     TASK = 16,    /* blocks of one task */
-    SAMPLES = 32, /* places on a patch, and on the rest, where numbers are taken. */
-    OTHER = 0,    /* which points there are beside those of two sides: other components */
-    REST = 1,
-    PATCH = 2
+    SAMPLES = 32, /* places on a piece where numbers are taken */
+    PIECES = VOR_SPAN_JOINS + 1
 };
 
 /* Distance beyond which a block counts as one, over its radius. */
 #define FAR 3.0
-/* A patch is turned if that lowers the mean square of how far its numbers are from those of the
- * rest, to less than this share, */
-#define SHARE 0.4
-/* and by more than this. Wrong patches gain 0.022 to 0.9, the least of them with little support;
- * right ones up to 0.016 with a support of 0.35. */
-#define GAIN 0.02
-/* And by more than this times the fourth power of the support: of patches that all edges hold,
- * wrong ones gain 0.11 and 0.9, right ones of fandisk with noise 0.041. */
-#define GAIN_SURE 0.08
+/* What turning a part has to gain, over the product of its share of the area and that of the rest,
+ */
+#define GAIN 0.15
+/* and times the fourth power of the support. Faces of a wedge and a tetrahedron that all edges hold
+ * on the wrong side gain 0.53 and more; small patches that are right, among noise, up to 0.4. */
+#define GAIN_SURE 0.45
 #define PI 3.14159265358979
 
-/* Consecutive points: the middle and the square of the radius, and of the rest and of the patch
- * the sum of normals by area. */
+/* Points of one piece that lie together. */
 struct block {
-    double middle[3], radius2, sum[2][3];
+    size_t begin, end; /* in member */
+    unsigned piece;
+    double middle[3], radius2, sum[3]; /* sum: of the normals, by area */
 };
 
-/* One patch at work. */
+/* One component at work. Piece 0 is in no patch, piece j + 1 in that of join j and in none before.
+ */
 struct winding {
-    struct vor_span *span;
+    const struct vor_span *span;
     const struct vor_winding_points *points;
-    unsigned char *side; /* OTHER, REST or PATCH of each point */
+    unsigned char *piece;            /* of each point */
+    uint32_t *member;                /* points, piece by piece */
+    size_t start[PIECES + 1];        /* in member */
+    uint64_t inside[VOR_SPAN_JOINS]; /* the pieces of each patch, a bit each */
     struct block *block;
     size_t blocks;
-    unsigned samples; /* of the patch; as many of the rest follow */
-    uint32_t at[2 * SAMPLES];
-    double number[2 * SAMPLES][2]; /* what the rest and the patch give there */
+    double area[PIECES]; /* shares of the whole */
+    size_t samples, first[PIECES + 1];
+    uint32_t at[PIECES * SAMPLES];
+    float number[PIECES * SAMPLES][PIECES]; /* what each piece gives there */
 };
 
-static void make_block(struct block *out, const struct winding *winding, size_t begin, size_t end)
+static void make_block(struct block *block, const struct winding *winding)
 {
     const float *xyz = winding->points->xyz, *normal = winding->points->normal;
 
-    memset(out, 0, sizeof *out);
-    for (size_t i = begin; i < end; i++)
+    for (size_t k = block->begin; k < block->end; k++)
         for (size_t c = 0; c < 3; c++)
-            out->middle[c] += (double)xyz[3 * i + c] / (double)(end - begin);
-    for (size_t i = begin; i < end; i++) {
+            block->middle[c] += (double)xyz[3 * (size_t)winding->member[k] + c] /
+                                (double)(block->end - block->begin);
+    for (size_t k = block->begin; k < block->end; k++) {
+        size_t i = winding->member[k];
         double from[3], area = (double)winding->points->area[i];
-        unsigned side = winding->side[i];
 
         for (size_t c = 0; c < 3; c++) {
-            from[c] = (double)xyz[3 * i + c] - out->middle[c];
-            if (side != OTHER)
-                out->sum[side - 1][c] +=
-                    (winding->span->odd[i] ? -area : area) * (double)normal[3 * i + c];
+            from[c] = (double)xyz[3 * i + c] - block->middle[c];
+            block->sum[c] += (winding->span->odd[i] ? -area : area) * (double)normal[3 * i + c];
         }
-        out->radius2 = fmax(out->radius2, vor_dot(from, from));
+        block->radius2 = fmax(block->radius2, vor_dot(from, from));
     }
 }
 
 static void make_blocks(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct winding *winding = ctx;
-    size_t n = winding->span->n;
 
     (void)worker;
     for (size_t b = begin; b < end; b++)
-        make_block(&winding->block[b], winding, b * BLOCK,
-                   (b + 1) * BLOCK < n ? (b + 1) * BLOCK : n);
+        make_block(&winding->block[b], winding);
 }
 
-/* Adds what the points of a block give at point p. */
-static void add_near(double number[2], const struct winding *winding, size_t b, uint32_t p)
+/* What the points of a block give at point p. */
+static double near_number(const struct winding *winding, const struct block *block, size_t p)
 {
     const struct vor_winding_points *points = winding->points;
-    size_t n = winding->span->n, end = (b + 1) * BLOCK < n ? (b + 1) * BLOCK : n;
+    double number = 0;
 
-    for (size_t i = b * BLOCK; i < end; i++) {
+    for (size_t k = block->begin; k < block->end; k++) {
+        size_t i = winding->member[k];
         double to[3], normal[3], area = (double)points->area[i], r2;
 
-        if (winding->side[i] == OTHER || i == p)
-            continue;
         for (size_t c = 0; c < 3; c++) {
-            to[c] = (double)points->xyz[3 * i + c] - (double)points->xyz[3 * (size_t)p + c];
+            to[c] = (double)points->xyz[3 * i + c] - (double)points->xyz[3 * p + c];
             normal[c] = (double)points->normal[3 * i + c];
         }
         /* What lies nearer than a spacing counts as if it were a spacing away. */
         r2 = fmax(fmax(vor_dot(to, to), (double)points->area[p]), 1e-300);
-        number[winding->side[i] - 1] +=
-            (winding->span->odd[i] ? -area : area) * vor_dot(to, normal) / (r2 * sqrt(r2));
+        number += (winding->span->odd[i] ? -area : area) * vor_dot(to, normal) / (r2 * sqrt(r2));
     }
+    return number;
 }
 
-static void take_number(void *ctx, size_t begin, size_t end, unsigned worker)
+static void take_numbers(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct winding *winding = ctx;
 
     (void)worker;
     for (size_t k = begin; k < end; k++) {
         const float *x = &winding->points->xyz[3 * (size_t)winding->at[k]];
-        double number[2] = {0, 0};
 
         for (size_t b = 0; b < winding->blocks; b++) {
             const struct block *block = &winding->block[b];
@@ -118,133 +110,226 @@ static void take_number(void *ctx, size_t begin, size_t end, unsigned worker)
             for (int c = 0; c < 3; c++)
                 to[c] = block->middle[c] - (double)x[c];
             r2 = vor_dot(to, to);
-            if (r2 <= FAR * FAR * block->radius2)
-                add_near(number, winding, b, winding->at[k]);
-            else
-                for (int side = 0; side < 2; side++)
-                    number[side] += vor_dot(to, block->sum[side]) / (r2 * sqrt(r2));
+            winding->number[k][block->piece] +=
+                (float)((r2 <= FAR * FAR * block->radius2
+                             ? near_number(winding, block, winding->at[k])
+                             : vor_dot(to, block->sum) / (r2 * sqrt(r2))) /
+                        (4 * PI));
         }
-        winding->number[k][0] = number[0] / (4 * PI);
-        winding->number[k][1] = number[1] / (4 * PI);
     }
 }
 
-/* Says which side each point is on, and chooses the samples. Returns whether there are some of the
- * rest. */
-static int choose(struct winding *winding, const struct vor_span_join *join)
+/* Lists the points of the component of point `one`, or all, by pieces. */
+static void list_members(struct winding *winding, const uint32_t *one)
 {
     const struct vor_span *span = winding->span;
-    uint32_t p = join->first;
-    size_t next = 0;
+    size_t at[PIECES + 1] = {0};
 
-    winding->samples = join->count < SAMPLES ? join->count : SAMPLES;
-    for (size_t i = 0; i < span->n; i++)
-        winding->side[i] = span->first[i] == span->first[p] ? REST : OTHER;
-    for (uint32_t k = 0; k < join->count; k++, p = span->next[p]) {
-        winding->side[p] = PATCH;
-        if (next < winding->samples && k >= (uint64_t)next * join->count / winding->samples)
-            winding->at[next++] = p;
-    }
-    for (unsigned k = 0; k < winding->samples; k++) {
-        size_t i = (uint64_t)k * span->n / winding->samples, tried = 0;
+    memset(winding->piece, 0, span->n);
+    memset(winding->inside, 0, sizeof winding->inside);
+    for (unsigned j = 0; one != NULL && j < span->joins; j++) {
+        uint32_t p = span->join[j].first;
 
-        while (winding->side[i] != REST && tried++ < span->n)
-            i = (i + 1) % span->n;
-        if (winding->side[i] != REST)
-            return 0;
-        winding->at[winding->samples + k] = (uint32_t)i;
+        for (uint32_t k = 0; k < span->join[j].count; k++, p = span->next[p]) {
+            if (winding->piece[p] == 0)
+                winding->piece[p] = (unsigned char)(j + 1);
+            winding->inside[j] |= 1ULL << winding->piece[p];
+        }
     }
+    for (int write = 0; write < 2; write++) {
+        for (size_t i = 0; i < span->n; i++)
+            if (one == NULL || span->first[i] == span->first[*one]) {
+                if (write)
+                    winding->member[at[winding->piece[i]]++] = (uint32_t)i;
+                else
+                    at[winding->piece[i] + 1]++;
+            }
+        for (unsigned p = 0; !write && p < PIECES; p++)
+            at[p + 1] += at[p];
+        if (!write)
+            memcpy(winding->start, at, sizeof at);
+    }
+}
+
+/* Cuts the pieces into blocks, and chooses samples. */
+static void cut(struct winding *winding)
+{
+    double whole = 0;
+
+    winding->blocks = winding->samples = 0;
+    memset(winding->area, 0, sizeof winding->area);
+    for (unsigned p = 0; p < PIECES; p++) {
+        size_t begin = winding->start[p], end = winding->start[p + 1];
+        size_t samples = end - begin < SAMPLES ? end - begin : SAMPLES;
+
+        for (size_t k = begin; k < end; k++)
+            winding->area[p] += (double)winding->points->area[winding->member[k]];
+        for (size_t k = begin; k < end; k += BLOCK)
+            winding->block[winding->blocks++] =
+                (struct block){.begin = k, .end = k + BLOCK < end ? k + BLOCK : end, .piece = p};
+        winding->first[p] = winding->samples;
+        for (size_t k = 0; k < samples; k++)
+            winding->at[winding->samples++] = winding->member[begin + k * (end - begin) / samples];
+        winding->first[p + 1] = winding->samples;
+        whole += winding->area[p];
+    }
+    for (unsigned p = 0; p < PIECES; p++)
+        winding->area[p] /= fmax(whole, 1e-300);
+}
+
+/* Where the numbers stand if the pieces of a set are turned. */
+static struct vor_winding_found found_with(const struct winding *winding, uint64_t turned)
+{
+    double mean = 0, square = 0, miss;
+    float sign[PIECES];
+
+    for (unsigned p = 0; p < PIECES; p++)
+        sign[p] = turned >> p & 1 ? -1 : 1;
+    for (unsigned p = 0; p < PIECES; p++) {
+        size_t first = winding->first[p], last = winding->first[p + 1];
+
+        for (size_t k = first; k < last; k++) {
+            double weight = winding->area[p] / (double)(last - first);
+            float number = 0;
+
+            for (unsigned q = 0; q < PIECES; q++)
+                number += sign[q] * winding->number[k][q];
+            mean += weight * (double)number;
+            square += weight * (double)number * (double)number;
+        }
+    }
+    miss = fmax(0, .5 - fabs(mean));
+    return (struct vor_winding_found){mean, square - mean * mean + miss * miss};
+}
+
+/* What turning the pieces of a set has to gain, for it to be done against the edges. */
+static double wanted(const struct winding *winding, uint64_t pieces, double support)
+{
+    double share = 0;
+
+    for (unsigned p = 0; p < PIECES; p++)
+        share += pieces >> p & 1 ? winding->area[p] : 0;
+    return share * (1 - share) * fmax(GAIN, GAIN_SURE * pow(support, 4));
+}
+
+/* Adds to the pieces that are turned those whose turning gains most. Returns whether there are any.
+ */
+static int turn_best(uint64_t *turned, struct vor_winding_found *found,
+                     const struct winding *winding)
+{
+    struct vor_winding_found best = *found;
+    uint64_t with = *turned;
+
+    for (unsigned m = 0; m < winding->span->joins + PIECES; m++) {
+        int patch = m < winding->span->joins; /* or a single piece */
+        uint64_t pieces = patch ? winding->inside[m] : 1ULL << (m - winding->span->joins);
+        double least = wanted(winding, pieces, patch ? winding->span->join[m].support : 1);
+        struct vor_winding_found now;
+
+        if (pieces == 0 || least <= 0)
+            continue;
+        now = found_with(winding, *turned ^ pieces);
+        if (found->apart - now.apart > least && now.apart < best.apart) {
+            best = now;
+            with = *turned ^ pieces;
+        }
+    }
+    if (with == *turned)
+        return 0;
+    *turned = with;
+    *found = best;
     return 1;
 }
 
-/* Whether the numbers say that the patch faces the wrong way. */
-static int is_wrong(const struct winding *winding, double support)
+static vor_status measure(struct winding *winding, const uint32_t *one, const struct vor_run *run,
+                          struct vor_error *err)
 {
-    double wanted = 0, now = 0, turned = 0, support2 = support * support, whole;
-    unsigned n = winding->samples;
-
-    for (unsigned k = n; k < 2 * n; k++)
-        wanted += (winding->number[k][0] + winding->number[k][1]) / n;
-    for (unsigned k = 0; k < n; k++) {
-        double rest = winding->number[k][0] - wanted, patch = winding->number[k][1];
-
-        now += (rest + patch) * (rest + patch) / n;
-        turned += (rest - patch) * (rest - patch) / n;
-    }
-    whole = fmax(0.25, wanted * wanted);
-    return turned < SHARE * now &&
-           now - turned > 4 * whole * fmax(GAIN, GAIN_SURE * support2 * support2);
-}
-
-static vor_status judge(struct winding *winding, const struct vor_span_join *join,
-                        const struct vor_run *run, struct vor_error *err)
-{
-    uint32_t p = join->first;
     vor_status status;
 
-    if (!choose(winding, join))
-        return VOR_OK;
+    list_members(winding, one);
+    cut(winding);
+    memset(winding->number, 0, sizeof winding->number);
     status = vor_run_for(run, winding->blocks, TASK, make_blocks, winding, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, 2 * (size_t)winding->samples, 1, take_number, winding, err);
-    if (status == VOR_OK && is_wrong(winding, join->support))
-        for (uint32_t k = 0; k < join->count; k++, p = winding->span->next[p])
-            winding->span->odd[p] ^= 1;
+        status = vor_run_for(run, winding->samples, 1, take_numbers, winding, err);
     return status;
 }
 
-static vor_status begin(struct winding *winding, struct vor_span *span,
+static vor_status begin(struct winding **out, const struct vor_span *span,
                         const struct vor_winding_points *points, const struct vor_run *run,
                         struct vor_error *err)
 {
-    *winding = (struct winding){.span = span, .points = points};
-    winding->blocks = (span->n - 1) / BLOCK + 1;
-    winding->side = vor_malloc(run->memory, span->n, sizeof *winding->side);
-    winding->block = vor_malloc(run->memory, winding->blocks, sizeof *winding->block);
-    if (winding->side == NULL || winding->block == NULL)
+    struct winding *winding = *out = vor_calloc(run->memory, 1, sizeof *winding);
+
+    if (winding == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
+    winding->span = span;
+    winding->points = points;
+    winding->piece = vor_malloc(run->memory, span->n, sizeof *winding->piece);
+    winding->member = vor_malloc(run->memory, span->n, sizeof *winding->member);
+    winding->block = vor_malloc(run->memory, span->n / BLOCK + PIECES, sizeof *winding->block);
+    if (winding->piece == NULL || winding->member == NULL || winding->block == NULL)
         return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
     return VOR_OK;
 }
 
 static void end(struct winding *winding, const struct vor_run *run)
 {
+    if (winding == NULL)
+        return;
     vor_free(run->memory, winding->block);
-    vor_free(run->memory, winding->side);
+    vor_free(run->memory, winding->member);
+    vor_free(run->memory, winding->piece);
+    vor_free(run->memory, winding);
+}
+
+/* Turns the pieces of the component of point `one` that face the wrong way. */
+static vor_status turn_component(struct winding *winding, struct vor_span *span, uint32_t one,
+                                 const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = measure(winding, &one, run, err);
+    struct vor_winding_found found;
+    uint64_t turned = 0;
+
+    if (status != VOR_OK)
+        return status;
+    found = found_with(winding, 0);
+    while (turn_best(&turned, &found, winding))
+        ;
+    for (size_t k = 0; k < winding->start[PIECES]; k++)
+        span->odd[winding->member[k]] ^= turned >> winding->piece[winding->member[k]] & 1;
+    return VOR_OK;
 }
 
 vor_status vor_winding_turn(struct vor_span *span, const struct vor_winding_points *points,
                             const struct vor_run *run, struct vor_error *err)
 {
-    struct winding winding;
+    struct winding *winding;
     vor_status status = begin(&winding, span, points, run, err);
 
-    for (unsigned k = 0; k < span->joins && status == VOR_OK; k++)
-        status = judge(&winding, &span->join[k], run, err);
-    end(&winding, run);
+    for (unsigned j = 0; j < span->joins && status == VOR_OK; j++) {
+        unsigned before = 0;
+
+        while (span->first[span->join[before].first] != span->first[span->join[j].first])
+            before++;
+        if (before == j)
+            status = turn_component(winding, span, span->join[j].first, run, err);
+    }
+    end(winding, run);
     return status;
 }
 
-vor_status vor_winding_mean(double *out, struct vor_span *span,
+vor_status vor_winding_find(struct vor_winding_found *out, const struct vor_span *span,
                             const struct vor_winding_points *points, const struct vor_run *run,
                             struct vor_error *err)
 {
-    struct winding winding;
-    size_t samples = span->n < 2 * SAMPLES ? span->n : 2 * SAMPLES;
-    double mean = 0;
+    struct winding *winding;
     vor_status status = begin(&winding, span, points, run, err);
 
-    if (status == VOR_OK) {
-        memset(winding.side, REST, span->n);
-        for (size_t k = 0; k < samples; k++)
-            winding.at[k] = (uint32_t)(k * span->n / samples);
-        status = vor_run_for(run, winding.blocks, TASK, make_blocks, &winding, err);
-    }
     if (status == VOR_OK)
-        status = vor_run_for(run, samples, 1, take_number, &winding, err);
-    for (size_t k = 0; k < samples && status == VOR_OK; k++)
-        mean += winding.number[k][0] / (double)samples;
-    end(&winding, run);
+        status = measure(winding, NULL, run, err);
     if (status == VOR_OK)
-        *out = mean;
+        *out = found_with(winding, 0);
+    end(winding, run);
     return status;
 }

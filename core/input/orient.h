@@ -12,9 +12,12 @@
  *  0.02 are on the wrong side, with it 3 or fewer (three draws).
  *  Departure: where the surface is closed, all edges between two patches vote, winding numbers turn
  *  patches that edges cannot tell (geom/span.h, geom/winding.h), neighbours outvote single points,
- *  and a few points that were cut off join what is beside them. On open scans this did
- *  harm, and so it did where noise makes fits take more points than lists have (igea655k_noisy 7 of
- *  10,000 results instead of 0): both keep the first signs.
+ *  and a few points that were cut off join what is beside them. On open scans this did harm, and so
+ *  it did where noise makes fits take more points than lists have (igea655k_noisy 7 of 10,000
+ *  results instead of 0): both keep the first signs. Where the numbers say that the surface is not
+ *  closed, signs are spread anew, across the points last that lie off their own fit, as beside an
+ *  edge sharper than 90 degrees; these are kept if they close it. Without, of prisms with an edge
+ *  of 70 and of 50 degrees 29 and 38 % of the points face inward, with it fewer than 0.5 %.
  *  Measured, of 30,000 points of white noise those whose normal leads into the face they were drawn
  *  from, and in brackets those of which all faces within a spacing agree on it; the others lie on
  *  blades and creases, where the fit is that of another face. Armadillo, ten draws: 12 to 57 (0 in
@@ -59,7 +62,7 @@ struct vor_orient_how {
  *
  *  @param[out] out  free with vor_orientation_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 156 bytes for each point that is left do not fit: the graph's 94, and 62
+ *  @retval VOR_E_NOMEM 166 bytes for each point that is left do not fit: the graph's 94, and 72
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same bytes for any number of threads. Measured on one thread,

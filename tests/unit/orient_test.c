@@ -219,6 +219,33 @@ START_TEST(meshes_face_outward)
 }
 END_TEST
 
+/* Prisms about the origin, the edge at the top with 70, 60 or 50 degrees: fits there have a normal
+ * of neither face. */
+START_TEST(sharp_prisms_face_outward)
+{
+    static uint32_t face[] = {0, 1, 2, 3, 4, 5, 0, 1, 4, 0, 4, 3,
+                              1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5};
+    static const double wide[] = {1.05, 0.87, 0.7};
+    double w = wide[_i % 3],
+           xyz[] = {0, 1, -1, w, -0.5, -1, -w, -0.5, -1, 0, 1, 1, w, -0.5, 1, -w, -0.5, 1};
+    const struct vt_mesh mesh = {6, 8, xyz, face};
+    struct vor_cloud cloud;
+    struct oriented oriented;
+    size_t wrong = 0;
+
+    vt_cloud_make(&cloud, 3 * (size_t)N);
+    vt_mesh_sample(cloud.xyz, NULL, &mesh, (uint64_t)_i, cloud.n);
+    orient_on(&oriented, &cloud, 2);
+    for (size_t i = 0; i < oriented.domain.n; i++)
+        wrong += along(&oriented.found.normal[3 * i],
+                       &cloud.xyz[3 * (size_t)oriented.domain.source[i]]) < 0;
+    ck_assert_uint_le(wrong, cloud.n / 200);
+    done(&oriented);
+    vor_cloud_free(&cloud);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
 {
     static const double widths[] = {0.8, 0.2};
@@ -329,6 +356,7 @@ int main(void)
 
     vt_add_figures(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, meshes_face_outward, VT_ONCE(DRAWS + 2));
+    vt_add_figures(suite, sharp_prisms_face_outward, VT_ONCE(3));
     vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
