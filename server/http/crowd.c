@@ -126,7 +126,7 @@ static void date_again(char *reply)
 
     vor_clock_http_date(date);
     if (at != NULL)
-        memcpy(at + strlen(name), date, strlen(date));
+        memcpy(at + sizeof name - 1, date, sizeof date - 1);
 }
 
 void vor_crowd_cut(struct vor_watchman *watchman, struct vor_peer *peer, bool is_late)
