@@ -209,7 +209,7 @@ static double wanted(const struct winding *winding, uint64_t pieces, double supp
 
     for (unsigned p = 0; p < PIECES; p++)
         share += pieces >> p & 1 ? winding->area[p] : 0;
-    return share * (1 - share) * fmax(GAIN, GAIN_SURE * pow(support, 4));
+    return share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
 }
 
 /* Adds to the pieces that are turned those whose turning gains most. Returns whether there are any.
