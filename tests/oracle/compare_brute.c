@@ -121,10 +121,8 @@ START_TEST(of_many_points_200000_stand_for_all)
     ck_assert_double_le(report.ref_to_out.max, all.max * (1 + 1e-6));
     ck_assert_double_gt(report.ref_to_out.max, 0.9 * all.max);
     ck_assert_uint_eq(report.out_to_ref.points, FEW);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

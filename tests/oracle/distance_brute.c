@@ -111,10 +111,8 @@ START_TEST(the_distances_are_those_of_a_look_at_every_pair)
     ck_assert_double_eq_tol(found.far_over_knn6_mean, far / knn6, 1e-5);
     ck_assert_double_eq_tol(found.far_over_knn6_p999, far / p999, 1e-5);
     free(d);
-    vor_cloud_free(&reference);
-    vor_cloud_free(&cloud);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&reference, &cloud);
 }
 END_TEST
 

@@ -178,9 +178,7 @@ START_TEST(voxels_have_the_errors_of_a_look_at_every_pair)
         reference.xyz[i] = floorf(reference.xyz[i] * side);
     unit_normals(&reference, seed);
     compare(&cloud, &reference);
-    vor_cloud_free(&reference);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&reference, &cloud);
 }
 END_TEST
 
@@ -196,9 +194,7 @@ START_TEST(spheres_have_the_errors_of_a_look_at_every_pair)
     for (size_t i = 0; i < 3 * n; i++)
         cloud.xyz[i] *= 1.03f;
     compare(&cloud, &reference);
-    vor_cloud_free(&reference);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&reference, &cloud);
 }
 END_TEST
 

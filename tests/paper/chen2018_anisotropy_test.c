@@ -222,9 +222,7 @@ START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
                       report.metric_off_high <= 0.3,
                   "%s: report: delta %g, off by %g, one in ten by %g", shapes[_i].name,
                   report.delta, report.metric_off, report.metric_off_high);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -272,9 +270,7 @@ START_TEST(cells_follow_a_planted_field_of_tensors)
                   off[n / 2], off[n * 9 / 10]);
     ck_assert_double_eq_tol(report.metric_median, 4, 0.1);
     ck_assert_double_le(report.delta, 0.08);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -126,9 +126,7 @@ START_TEST(spacing_follows_curvature_to_the_power_of_a_quarter)
     slope = slope_of(point, OUT);
     ck_assert_msg(fabs(slope + 0.25) <= 0.02, "slope %g", slope);
     ck_assert_msg(report.delta <= 0.03, "delta %g", report.delta);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -181,9 +179,7 @@ START_TEST(a_planted_attribute_decides_about_the_spacing)
                       sum[bin] / count[bin] / (all / points));
     ck_assert_double_eq_tol(report.density_most / report.density_least, 3, 0.05);
     ck_assert_double_lt(report.delta, 0.06);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -182,9 +182,7 @@ START_TEST(contrast_one_is_an_even_spread)
     vt_cloud_box(&in, 2, IN / 5);
     run(&out, &report, &in, BOX / 5, "1");
     ck_assert_double_eq_tol(times_of(&report), 1, 1e-6);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

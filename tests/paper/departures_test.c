@@ -98,9 +98,7 @@ START_TEST(the_default_halves_the_delta_of_a_converged_tessellation_and_covers_a
     ck_assert_msg(worse < 1.03, "%s: the surface is %g times as far from the points", name, worse);
     vor_cloud_free(&polished);
     vor_cloud_free(&converged);
-    vor_cloud_free(&surface);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&surface, &in);
 }
 END_TEST
 

@@ -78,9 +78,7 @@ START_TEST(inserted_points_lie_on_the_two_planes_of_a_wedge)
                    0.1 * vt_wedge_spacing(out.n);
     }
     ck_assert_msg(off <= out.n / 50, "%zu points lie off both planes", off);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -199,9 +197,7 @@ START_TEST(a_surface_with_one_side_finishes_and_says_so)
     ck_assert_int_eq(report.orientation, VOR_ORIENTED_ONE_SIDED);
     ck_assert_uint_eq(report.warnings_count, 1);
     ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_ONE_SIDED);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -109,9 +109,7 @@ START_TEST(the_outliers_of_the_bunny_are_found)
     ck_assert_msg((double)right >= 0.98 * (double)all && (double)right >= 0.99 * (double)dropped,
                   "%zu of %zu dropped, %zu others", right, all, dropped - right);
     free(moved);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -31,10 +31,8 @@ START_TEST(the_result_is_the_same_with_baselines_beside_it)
     ck_assert_int_eq(without.has_baselines, 0);
     ck_assert_double_eq(with.delta, without.delta);
     ck_assert_double_eq(with.ref_to_out.max, without.ref_to_out.max);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -64,10 +62,8 @@ START_TEST(each_is_as_even_as_its_method_is_known_to_be)
     ck_assert_double_lt(report.farthest.ref_to_out.max, 0.6 * report.random.ref_to_out.max);
     ck_assert_double_lt(report.ref_to_out.mean, report.random.ref_to_out.mean);
     ck_assert_uint_eq(report.random.ref_to_out.points, N);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -92,10 +88,8 @@ START_TEST(kmeans_is_the_method_of_that_name)
     ck_assert_double_eq_tol(beside.kmeans.six_share, own.six_share, 0.03);
     ck_assert_double_eq(beside.kmeans.ref_to_out.mean, own.ref_to_out.mean);
     ck_assert_double_eq(beside.kmeans.ref_to_out.max, own.ref_to_out.max);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -126,10 +120,8 @@ START_TEST(records_tell_each_baseline_after_the_polish)
     }
     ck_assert_int_eq(report.stages[report.stages_count - 1].stage, VOR_RUN_STAGE_BASELINES);
     ck_assert_uint_eq(report.stages[report.stages_count - 1].steps, 4);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -150,10 +142,8 @@ START_TEST(of_fewer_input_points_all_are_taken)
     ck_assert_uint_ge(report.voxel.points, 290);
     ck_assert_double_eq(report.random.delta, report.farthest.delta);
     ck_assert_double_eq(report.farthest.ref_to_out.max, 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -170,10 +160,8 @@ START_TEST(filters_alone_have_no_baselines_beside_them)
     vt_engine_resample(&engine, &out, &report, &in);
     ck_assert_uint_eq(out.n, 800);
     ck_assert_int_eq(report.has_baselines, 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -197,10 +185,8 @@ START_TEST(a_run_that_is_stopped_has_no_baselines)
     ck_assert_uint_eq(out.n, 40);
     ck_assert_int_eq(report.stopped, VOR_STOPPED_CALLER);
     ck_assert_int_eq(report.has_baselines, 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -74,9 +74,7 @@ START_TEST(lossless_is_bit_exact)
     ck_assert_uint_eq(back.attribute_count, cloud.attribute_count);
     for (size_t i = 0; i < cloud.attribute_count; i++)
         draco_assert_same(&back, &cloud, cloud.attributes[i].name, NULL);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 
@@ -128,9 +126,7 @@ START_TEST(quantised_points_move_by_at_most_half_a_cell)
         if (cloud.attributes[i].type != VOR_FLOAT32)
             draco_assert_same(&back, &cloud, cloud.attributes[i].name, numbers);
     free(numbers);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 
@@ -162,9 +158,7 @@ START_TEST(float_attributes_are_exact_on_a_grid_and_close_off_it)
     for (size_t i = 0; i < 500; i++)
         must_be_near(off[i], was[numbers[i]], (double)range / 65535 / 2 + 2e-5);
     free(numbers);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 
@@ -217,9 +211,7 @@ START_TEST(auto_never_makes_points_coincide)
     ck_assert_uint_eq(distinct(&back), distinct(&cloud));
     free(numbers);
     free(bytes.data);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 

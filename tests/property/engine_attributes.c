@@ -93,9 +93,7 @@ START_TEST(every_attribute_comes_from_the_nearest_input_point)
         ck_assert_str_eq(out.attributes[k].name, kinds[k].name);
         assert_nearest(&out, &in, kinds[k].name);
     }
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -138,9 +136,7 @@ START_TEST(dropped_attributes_are_gone)
     vor_cloud_free(&out);
     run(&out, &in, 1, "nearest", "fit");
     ck_assert_uint_eq(out.attribute_count, 8);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

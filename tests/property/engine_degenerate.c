@@ -136,10 +136,8 @@ static void run_shape(int shape, size_t points, size_t n, const char *boundary)
                       vt_err.message);
         ck_assert(vt_err.message[0] != '\0' && out.n == 0);
     }
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 
 START_TEST(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not)

@@ -58,9 +58,7 @@ START_TEST(the_density_of_the_input_does_not_show)
     ck_assert_double_le(delta, reached + 0.02);
     ck_assert_uint_ge(below, TO / 2 - TO / 25);
     ck_assert_uint_le(below, TO / 2 + TO / 25);
-    vor_cloud_free(&even);
-    vor_cloud_free(&uneven);
-    vt_assert_no_leak();
+    vt_free_last(&even, &uneven);
 }
 END_TEST
 
@@ -94,9 +92,7 @@ START_TEST(points_on_exact_planes_have_a_place)
     vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=1500 polish=0", 2});
     for (size_t i = 0; i < 3 * out.n; i++)
         ck_assert(isfinite(out.xyz[i]) && fabsf(out.xyz[i]) < 2);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

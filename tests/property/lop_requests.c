@@ -44,9 +44,7 @@ START_TEST(there_are_exactly_as_many_points_as_asked_for)
     ck_assert_uint_eq(vt_coincident(&out), 0);
     for (size_t i = 0; i < 3 * out.n; i++)
         ck_assert(isfinite(out.xyz[i]));
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -59,9 +57,7 @@ START_TEST(a_polish_between_edges_ends_in_time)
     vt_wedge_make(&in, &wedge, 3);
     vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=280 polish=100", 1});
     ck_assert_uint_eq(report.polish_steps, VOR_LOP_EVEN_MOST);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -91,9 +87,7 @@ START_TEST(a_surface_that_bends_gets_even_points)
     make_screw(&in, (uint64_t)_i);
     vt_ask(&out, &report, &(struct vt_ask){&in, "method=ear points=1200", 2});
     ck_assert_double_lt(report.delta, 0.085);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -154,9 +148,7 @@ START_TEST(points_inserted_follow_near_ones)
     for (size_t i = 1; i < out.n; i++)
         sum += sqrt(vor_distance2f(&out.xyz[3 * i], &out.xyz[3 * i - 3]));
     ck_assert_double_lt(sum / (double)out.n, 0.1);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -223,9 +215,7 @@ START_TEST(a_flat_cloud_and_few_points_give_as_many_points_as_asked_for)
         ck_assert(isfinite(out.xyz[3 * i]) && isfinite(out.xyz[3 * i + 1]));
         ck_assert_double_eq_tol((double)out.xyz[3 * i + 2], 0, 1e-5);
     }
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -268,9 +258,7 @@ START_TEST(insertion_alone_keeps_points_of_the_input)
         kept += vt_nearest2(&in, x, NULL) < 1e-12;
     }
     ck_assert_uint_eq(kept, row->kept);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -312,9 +300,7 @@ START_TEST(a_sigma_below_the_spacing_is_warned_of)
     }
     ck_assert_int_eq(report.orientation,
                      _i < 3 && _i % 3 != 1 ? VOR_ORIENTED_CONSISTENT : VOR_ORIENTED_NOT_ASKED);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -330,9 +316,7 @@ START_TEST(a_delta_that_is_reached_ends_the_polish)
     ck_assert_int_eq(report.stopped, VOR_STOPPED_DELTA);
     ck_assert_uint_lt(report.polish_steps, 50);
     ck_assert_double_le(report.delta, 0.22);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

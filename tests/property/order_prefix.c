@@ -164,9 +164,7 @@ START_TEST(it_is_the_same_points_of_which_the_first_are_even_by_themselves)
     }
     vor_cloud_free(&progressive);
     free(drawn);
-    vor_cloud_free(&spatial);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&spatial, &in);
 }
 END_TEST
 
@@ -224,9 +222,7 @@ START_TEST(draco_keeps_the_order)
     }
     trip(&back, &cloud, "spatial", "auto");
     ck_assert_uint_ge(out_of_place(&cloud, &back), OUT / 2);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 

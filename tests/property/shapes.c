@@ -330,10 +330,8 @@ START_TEST(points_lie_on_the_sheets_and_normals_lead_outward)
                   shapes[shape].name, figures.between);
     ck_assert_msg(figures.inward <= rows[k].inward, "%s: %zu normals inward", shapes[shape].name,
                   figures.inward);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -65,6 +65,13 @@ void vt_assert_no_leak(void)
     ck_assert_uint_eq(atomic_load(&vt_memory.used), 0);
 }
 
+void vt_free_last(struct vor_cloud *one, struct vor_cloud *other)
+{
+    vor_cloud_free(one);
+    vor_cloud_free(other);
+    vt_assert_no_leak();
+}
+
 void vt_fail_each(vor_status (*attempt)(void *ctx), void *ctx)
 {
     size_t used = atomic_load(&vt_memory.used), call = 0;

@@ -100,6 +100,9 @@ extern struct vor_error vt_err;
 extern struct vor_memory vt_memory;
 void vt_assert_no_leak(void);
 
+/** Frees the last two clouds of a test, after which nothing may be left in vt_memory. */
+void vt_free_last(struct vor_cloud *one, struct vor_cloud *other);
+
 /** Calls attempt with the first allocation of vt_memory failing, then the second, until it returns
  *  VOR_OK, which frees what it made. Asserts that it wants memory, returns VOR_E_NOMEM each time
  *  before, and leaves as many bytes in use as there were. */

@@ -33,13 +33,6 @@ static vor_status measure(struct vor_distortion *out, const struct vor_cloud *cl
     return status;
 }
 
-static void close_pair(struct vor_cloud *cloud, struct vor_cloud *reference)
-{
-    vor_cloud_free(cloud);
-    vor_cloud_free(reference);
-    vt_assert_no_leak();
-}
-
 /* From the reference: 1 and 1, along the normals 1 and 0.36. From the cloud: 1, 1 and 9, along the
  * normals 1, 0.36 and 5.76. */
 START_TEST(the_larger_direction_is_the_error)
@@ -55,7 +48,7 @@ START_TEST(the_larger_direction_is_the_error)
     ck_assert_double_eq_tol(d.d1_mse, 11.0 / 3, 1e-12);
     ck_assert_double_eq_tol(d.d2_mse, 7.12 / 3, 1e-6);
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -75,7 +68,7 @@ START_TEST(equally_near_points_share_normals_and_errors)
     ck_assert_double_eq_tol(d.d1_mse, 41, 1e-12);
     ck_assert_double_eq_tol(d.d2_mse, 10.4375, 1e-6);
     ck_assert_double_eq_tol(d.peak, 10, 1e-12);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -92,7 +85,7 @@ START_TEST(carried_normals_that_point_against_each_other_cancel)
     make(&reference, 2, to, normals);
     vt_assert_ok(measure(&d, &cloud, &reference));
     ck_assert_double_eq_tol(d.d2_mse, 1, 1e-12);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -110,7 +103,7 @@ START_TEST(coincident_points_count_once_with_the_first_ones_normal)
     ck_assert_double_eq_tol(d.d1_mse, 11.0 / 3, 1e-12);
     ck_assert_double_eq_tol(d.d2_mse, 7.12 / 3, 1e-6);
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -138,7 +131,7 @@ START_TEST(normals_that_a_reference_lacks_are_fitted)
     vt_assert_ok(measure(&some, &cloud, &reference));
     ck_assert(some.d1_mse == all.d1_mse);
     ck_assert_double_eq_tol(some.d2_mse, all.d2_mse, 1e-6);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -158,7 +151,7 @@ START_TEST(normals_that_are_not_finite_are_fitted)
         ((double *)normal->data)[i] = i % 2 ? (double)NAN : 1e300;
     vt_assert_ok(measure(&d, &cloud, &reference));
     ck_assert_double_eq_tol(d.d2_mse, 0.0625, 1e-6);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -175,7 +168,7 @@ START_TEST(where_no_normal_is_to_be_had_all_of_the_distance_counts)
     ck_assert_double_eq_tol(d.d1_mse, (5 + 4 + 8) / 3.0, 1e-12);
     ck_assert_double_eq_tol(d.d2_mse, d.d1_mse, 1e-12);
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 
@@ -207,7 +200,7 @@ START_TEST(no_points_and_a_reference_in_one_place_are_refused)
     ck_assert(d.peak == -1);
     reference.n = 3;
     vt_assert_ok(measure(&d, &reference, &cloud));
-    close_pair(&cloud, &reference);
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 

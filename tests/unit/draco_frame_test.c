@@ -78,9 +78,7 @@ START_TEST(positions_survive_a_change_of_frame)
             must_be_near(y[c], x[c], cell / 2 + step);
     }
     free(bytes.data);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 

@@ -56,9 +56,7 @@ static void check_full(int bits, int keep_order)
         ck_assert_msg(!keep_order || i == j, "point %zu is not in its place", i);
     }
     free(numbers);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 
 /* By the kd-tree, by sequential encoding in order, by auto. */
@@ -156,9 +154,7 @@ START_TEST(values_that_are_not_finite_are_kept_as_they_are)
     value[19] = -3e38f;
     draco_trip(&back, &cloud, 12, 0);
     draco_assert_same(&back, &cloud, "value", NULL);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&back, &cloud);
 }
 END_TEST
 

@@ -350,10 +350,8 @@ START_TEST(a_measure_has_its_hand_computed_values)
     ck_assert_double_eq_tol(m.out_to_ref_max, 0.5, 1e-6);
     ck_assert_double_eq_tol(m.ref_to_out_max, hypot(3, 0.5), 1e-6);
     ck_assert_double_eq_tol(m.hausdorff_relative, hypot(3, 0.5) / 6, 1e-6);
-    vor_cloud_free(&reference);
-    vor_cloud_free(&cloud);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&reference, &cloud);
 }
 END_TEST
 
@@ -377,10 +375,8 @@ START_TEST(a_measure_of_no_extent_is_refused)
     vt_assert_fails(VOR_E_DEGENERATE,
                     vor_measure_clouds(&m, &cloud, &reference, 0, &engine.run, &vt_err));
     ck_assert_uint_eq(m.n, 77);
-    vor_cloud_free(&cloud);
-    vor_cloud_free(&reference);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&cloud, &reference);
 }
 END_TEST
 

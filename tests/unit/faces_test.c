@@ -75,9 +75,7 @@ START_TEST(a_triangle_gets_its_share_of_the_area)
                       counts[t], want);
     }
     ck_assert_uint_eq(counts[7], 0);
-    vor_cloud_free(&in);
-    vor_cloud_free(&out);
-    vt_assert_no_leak();
+    vt_free_last(&in, &out);
 }
 END_TEST
 
@@ -208,9 +206,7 @@ START_TEST(attributes_are_interpolated_or_those_of_the_nearest_corner)
     ck_assert_uint_eq(out.attribute_count, 6);
     for (size_t i = 0; i < out.n; i++)
         check_attributes(&in, &out, i);
-    vor_cloud_free(&in);
-    vor_cloud_free(&out);
-    vt_assert_no_leak();
+    vt_free_last(&in, &out);
 }
 END_TEST
 
@@ -269,9 +265,7 @@ START_TEST(points_that_do_not_fit_leave_nothing)
     vt_memory.fail_at = 0;
     vt_assert_ok(status);
     ck_assert_uint_gt(at, 1);
-    vor_cloud_free(&in);
-    vor_cloud_free(&out);
-    vt_assert_no_leak();
+    vt_free_last(&in, &out);
 }
 END_TEST
 

@@ -27,9 +27,7 @@ START_TEST(every_point_keeps_its_place_in_the_order_and_its_attributes)
             moved = fmax(moved, fabs((double)out.xyz[3 * i + c] - (double)in.xyz[3 * i + c]));
         ck_assert_double_lt(moved, 0.12);
     }
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -65,9 +63,7 @@ START_TEST(points_that_share_a_place_stay_together)
         pairs++;
     }
     ck_assert_uint_gt(pairs, N / 6);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -99,9 +95,7 @@ START_TEST(the_report_measures_the_result_and_tells_of_no_step)
     ck_assert_double_gt(report.out_to_ref.rms, 0);
     ck_assert_double_lt(report.out_to_ref.max, 0.2);
     vt_engine_close(&engine);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -161,9 +155,7 @@ START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
     vt_filter(&out, &report, &in, "outliers", "drop");
     ck_assert_uint_eq(report.outliers, ISLAND);
     ck_assert_uint_eq(vt_number_of(&out, 0), ISLAND);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -181,9 +173,7 @@ START_TEST(double_positions_far_from_the_origin_stay_exact)
     ck_assert_uint_eq(out.n, SMALL);
     ck_assert_int_eq(out.position_type, VOR_FLOAT64);
     ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&in));
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

@@ -54,9 +54,7 @@ START_TEST(exact_planes_and_spheres_stay_where_they_are)
     vt_filter(&out, &report, &in, "mls", "keep");
     ck_assert_double_lt(vt_rms_off_sphere(&out), 2e-4);
     ck_assert_double_lt(report.out_to_ref.rms, 2e-4);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -81,9 +79,7 @@ START_TEST(the_filter_outliers_drops_strays_and_moves_no_other_point)
     }
     ck_assert_uint_le(strays, VT_STRAYS / 50);
     ck_assert(report.ref_to_out.max == 0 && report.out_to_ref.max == 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -104,9 +100,7 @@ START_TEST(pull_moves_strays_onto_the_surface_and_keeps_every_point)
         off += vt_off_sphere(&out, i) > 0.01;
     }
     ck_assert_msg(off <= VT_STRAYS / 50, "%zu are off", off);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -122,9 +116,7 @@ START_TEST(a_resampling_takes_pulled_points_for_a_part_of_the_surface)
     ck_assert_uint_eq(out.n, 800);
     ck_assert_uint_ge(report.outliers, VT_STRAYS * 49 / 50);
     ck_assert_double_lt(vt_rms_off_sphere(&out), 0.005);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -173,9 +165,7 @@ START_TEST(thin_evens_the_density_and_leaves_no_twins)
     ck_assert_uint_eq(vt_coincident(&out), 0);
     ck_assert_msg(north[1] * south[0] * 3 < 2 * north[0] * south[1], "%zu and %zu of %zu and %zu",
                   north[1], south[1], north[0], south[0]);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -206,9 +196,7 @@ START_TEST(noisy_sheets_are_not_pulled_together)
     }
     ck_assert_msg(between <= MANY / 1000, "%zu points in between", between);
     ck_assert_double_lt(sqrt(sum / (double)inside), 0.05 * gap);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

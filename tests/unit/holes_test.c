@@ -157,9 +157,7 @@ START_TEST(holes_of_a_ball_are_closed)
                       count, wanted);
         ck_assert_double_eq_tol(filled.report.holes[k].centre[2] / z[k], 1, 0.1);
     }
-    vor_cloud_free(&filled.out);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&filled.out, &cloud);
 }
 END_TEST
 
@@ -183,9 +181,7 @@ START_TEST(the_rim_of_a_sheet_stays_open)
     filled = fill(&cloud, "holeMax", "0.5");
     ck_assert_uint_eq(filled.report.holes_filled, 0);
     assert_hole(&filled, 1, VOR_LOOP_HOLE, VOR_HOLE_TOO_LONG);
-    vor_cloud_free(&filled.out);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&filled.out, &cloud);
 }
 END_TEST
 
@@ -220,9 +216,7 @@ START_TEST(an_end_of_a_tube_is_capped_if_it_is_named)
     ck_assert_uint_gt(inside, TO / 20); /* a disc in its place has a ninth of the area */
     ck_assert_uint_gt(beyond, TO / 50); /* the tube goes on, so that the cap is a dome */
     ck_assert_uint_eq(loops_of(&filled.out), 1);
-    vor_cloud_free(&filled.out);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&filled.out, &cloud);
 }
 END_TEST
 

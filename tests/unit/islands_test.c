@@ -146,9 +146,7 @@ START_TEST(points_beside_islands_are_as_even_as_without_any)
     ck_assert_uint_eq(without.islands, 0);
     ck_assert_double_eq(without.delta_beside, without.delta);
     ck_assert_double_eq_tol(with.delta_beside / without.delta, 1, 0.08);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -198,9 +196,7 @@ START_TEST(a_coarse_part_of_the_surface_is_no_islands)
     }
     resample(&out, &report, &in, 300, "keep");
     ck_assert_uint_eq(report.islands, 0);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -215,9 +211,7 @@ START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
     ck_assert_uint_eq(count_at(&out, &in, SCAN, 1 + 4 + 8), 0);
     ck_assert_uint_eq(count_at(&out, &in, SCAN + 13, 30), 30);
     ck_assert_uint_eq(report.islands, 1);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -231,9 +225,7 @@ START_TEST(drop_keeps_an_input_of_small_parts)
     ck_assert_uint_eq(report.outliers, 0);
     for (size_t i = 0; i < 50; i++)
         ck_assert_uint_eq(count_at(&out, &in, 15 * i, 15), 10);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -273,10 +265,8 @@ START_TEST(their_points_bring_attributes_and_normals_in_any_order)
             off++;
         }
     ck_assert_uint_eq(off, report.on_islands);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -294,10 +284,8 @@ START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
     ck_assert_double_eq_tol(report.area, 4 * 3.14159, 0.3);
     ck_assert_double_eq_tol((double)(out.n - report.on_islands), 12.566 / (0.8660 * 0.0025), 150);
     ck_assert_uint_eq(report.on_islands, off_sphere(&out));
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 

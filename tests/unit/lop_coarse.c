@@ -33,9 +33,7 @@ START_TEST(a_layer_as_thick_as_fits_are_wide_has_fewer_points)
     vor_domain_free(&few);
     vor_domain_free(&whole);
     vt_engine_close(&engine);
-    vor_cloud_free(&other);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    vt_free_last(&other, &cloud);
 }
 END_TEST
 

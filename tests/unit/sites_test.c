@@ -100,9 +100,7 @@ START_TEST(the_border_of_a_square_has_the_spacing_inside)
     ck_assert_msg(fabs(edge / inside - 1) < 0.05, "%g at the edge, %g inside", edge, inside);
     ck_assert_msg(report.delta < 0.04, "delta %g", report.delta);
     ck_assert_msg(widest_gap(&out) < 0.8 * SPACING, "a gap of %g", widest_gap(&out) / SPACING);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
@@ -195,9 +193,7 @@ START_TEST(sites_stay_whatever_else_is_asked_for)
     (void)resample(&out, &in, with[_i][0], with[_i][1]);
     edge = spacing_of(&out, is_at_edge);
     ck_assert_msg(fabs(edge / (0.97 * SPACING) - 1) < 0.06, "%g spacings", edge / SPACING);
-    vor_cloud_free(&out);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
+    vt_free_last(&out, &in);
 }
 END_TEST
 
