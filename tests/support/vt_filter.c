@@ -1,6 +1,7 @@
 #include "tests/support/vt_filter.h"
 
 #include <math.h>
+#include <stdio.h>
 
 void vt_number(struct vor_cloud *cloud)
 {
@@ -54,24 +55,11 @@ double vt_rms_off_sphere(const struct vor_cloud *cloud)
     return sqrt(sum / (double)cloud->n);
 }
 
-vor_status vt_filter_try(struct vor_cloud *out, struct vor_report *report,
-                         const struct vor_cloud *in, unsigned threads, const char *const options[])
-{
-    struct vt_engine engine;
-    vor_status status;
-
-    vt_engine_open(&engine, threads);
-    for (size_t i = 0; options[i] != NULL; i += 2)
-        vt_engine_set(&engine, options[i], options[i + 1]);
-    status = vt_engine_try(&engine, out, report, in);
-    vt_engine_close(&engine);
-    return status;
-}
-
 void vt_filter(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                const char *filters, const char *outliers)
 {
-    const char *const options[] = {"filters", filters, "outliers", outliers, NULL};
+    char options[80];
 
-    vt_assert_ok(vt_filter_try(out, report, in, 2, options));
+    (void)snprintf(options, sizeof options, "filters=%s outliers=%s", filters, outliers);
+    vt_ask(out, report, &(struct vt_ask){in, options, 2});
 }

@@ -2,7 +2,7 @@
 #ifndef VT_FILTER_H
 #define VT_FILTER_H
 
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 enum { VT_STRAYS = 60 };
 
@@ -23,11 +23,7 @@ void vt_stray(struct vor_cloud *cloud, uint64_t seed);
 double vt_off_sphere(const struct vor_cloud *cloud, size_t i);
 double vt_rms_off_sphere(const struct vor_cloud *cloud);
 
-/** One request to resample: names and values in turn, up to a NULL. */
-vor_status vt_filter_try(struct vor_cloud *out, struct vor_report *report,
-                         const struct vor_cloud *in, unsigned threads, const char *const options[]);
-
-/** The same with these filters and outliers, two threads, and no failure. */
+/** One request to resample with these filters and outliers, on two threads; none may fail. */
 void vt_filter(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                const char *filters, const char *outliers);
 

@@ -101,8 +101,6 @@ END_TEST
 
 START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
 {
-    const char *const options[] = {"filters", "mls", "normals", "fit", NULL};
-
     for (int inward = 0; inward < 2; inward++) {
         struct vor_attribute *carried;
         struct vor_cloud in, out;
@@ -116,7 +114,7 @@ START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
             for (size_t i = 0; i < 3 * (size_t)N; i++)
                 ((float *)carried->data)[i] = -in.xyz[i];
         }
-        vt_assert_ok(vt_filter_try(&out, &report, &in, 2, options));
+        vt_ask(&out, &report, &(struct vt_ask){&in, "filters=mls normals=fit", 2});
         ck_assert_uint_eq(out.attribute_count, 1);
         normal = vor_cloud_find(&out, VOR_NORMAL)->data;
         for (size_t i = 0; i < N; i++) {
@@ -179,18 +177,18 @@ END_TEST
 
 START_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
 {
-    static const char *const options[] = {"filters", "mls,outliers,thin", NULL};
     struct vor_cloud in, out;
+    const struct vt_ask request = {&in, "filters=mls,outliers,thin", 1};
     struct vor_report report;
 
     vt_cloud_make(&in, 30);
     for (size_t i = 0; i < 90; i++)
         in.xyz[i] = (float)(i / 3);
-    vt_assert_fails(VOR_E_DEGENERATE, vt_filter_try(&out, &report, &in, 1, options));
+    vt_assert_fails(VOR_E_DEGENERATE, vt_ask_try(&out, &report, &request));
     vor_cloud_free(&in);
     for (size_t n = 4; n < 25; n++) {
         vt_cloud_sphere(&in, n, n);
-        vt_assert_ok(vt_filter_try(&out, &report, &in, 1, options));
+        vt_ask(&out, &report, &request);
         ck_assert_uint_ge(out.n, n < 20 ? n : 20);
         vor_cloud_free(&out);
         vor_cloud_free(&in);

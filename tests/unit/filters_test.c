@@ -106,13 +106,12 @@ END_TEST
 
 START_TEST(a_resampling_takes_pulled_points_for_a_part_of_the_surface)
 {
-    const char *const options[] = {"points", "800", "outliers", "pull", "polish", "5", NULL};
     struct vor_cloud in, out;
     struct vor_report report;
 
     vt_cloud_sphere(&in, (uint64_t)_i, N);
     vt_stray(&in, (uint64_t)_i);
-    vt_assert_ok(vt_filter_try(&out, &report, &in, 2, options));
+    vt_ask(&out, &report, &(struct vt_ask){&in, "points=800 outliers=pull polish=5", 2});
     ck_assert_uint_eq(out.n, 800);
     ck_assert_uint_ge(report.outliers, VT_STRAYS * 49 / 50);
     ck_assert_double_lt(vt_rms_off_sphere(&out), 0.005);
@@ -122,7 +121,8 @@ END_TEST
 
 START_TEST(mls_before_a_resampling_brings_it_nearer_to_the_surface)
 {
-    static const char *const filters[2] = {"none", "mls"};
+    static const char *const options[2] = {"points=800 neighbors=20 polish=5 filters=none",
+                                           "points=800 neighbors=20 polish=5 filters=mls"};
     struct vor_cloud in, out;
     struct vor_report report;
     double off[2];
@@ -130,10 +130,7 @@ START_TEST(mls_before_a_resampling_brings_it_nearer_to_the_surface)
     vt_cloud_sphere(&in, (uint64_t)_i, N);
     vt_noise_radial(&in, (uint64_t)_i, 0.02, 1);
     for (int k = 0; k < 2; k++) {
-        const char *const options[] = {"points", "800",    "filters", filters[k], "neighbors",
-                                       "20",     "polish", "5",       NULL};
-
-        vt_assert_ok(vt_filter_try(&out, &report, &in, 2, options));
+        vt_ask(&out, &report, &(struct vt_ask){&in, options[k], 2});
         ck_assert_uint_eq(out.n, 800);
         off[k] = vt_rms_off_sphere(&out);
         vor_cloud_free(&out);
