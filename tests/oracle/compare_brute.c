@@ -1,5 +1,5 @@
 /* Oracle: the distances in a report against a look at every pair of points. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 
@@ -39,24 +39,18 @@ static void assert_same(const struct vor_apart *found, const struct vor_apart *w
  * an outlier. */
 static void check(const struct vor_cloud *in, size_t strays, size_t points, const char *outliers)
 {
-    struct vt_engine engine;
     struct vor_report report;
     struct vor_cloud out;
     struct vor_apart forth, back;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "iterations", "4");
-    vt_engine_set(&engine, "polish", "10");
-    vt_engine_set(&engine, "outliers", outliers);
-    vt_engine_resample(&engine, &out, &report, in);
+    vt_resample(&out, &report, in, "points=%zu iterations=4 polish=10 outliers=%s", points,
+                outliers);
     forth = look(in, in->n - strays, &out, out.n);
     back = look(&out, out.n, in, in->n - strays);
     assert_same(&report.ref_to_out, &forth);
     assert_same(&report.out_to_ref, &back);
     ck_assert_double_gt(fabs(forth.mean - back.mean), 1e-3 * forth.mean);
     vor_cloud_free(&out);
-    vt_engine_close(&engine);
 }
 
 START_TEST(the_distances_are_those_of_a_look_at_every_pair)
@@ -103,17 +97,12 @@ END_TEST
 /* Mean and rms of a part of them are close, and no point of it is farther than the farthest. */
 START_TEST(of_many_points_200000_stand_for_all)
 {
-    struct vt_engine engine;
     struct vor_report report;
     struct vor_cloud in, out;
     struct vor_apart all;
 
     vt_cloud_dome(&in, 1, DENSE);
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", FEW);
-    vt_engine_set(&engine, "iterations", "2");
-    vt_engine_set(&engine, "polish", "0");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "points=%d iterations=2 polish=0", FEW);
     all = look(&in, DENSE, &out, FEW);
     ck_assert_uint_eq(report.ref_to_out.points, 200000);
     ck_assert_double_eq_tol(report.ref_to_out.mean, all.mean, 1e-3 * all.mean);
@@ -121,7 +110,6 @@ START_TEST(of_many_points_200000_stand_for_all)
     ck_assert_double_le(report.ref_to_out.max, all.max * (1 + 1e-6));
     ck_assert_double_gt(report.ref_to_out.max, 0.9 * all.max);
     ck_assert_uint_eq(report.out_to_ref.points, FEW);
-    vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
 END_TEST

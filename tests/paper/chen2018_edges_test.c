@@ -2,7 +2,7 @@
  * lie closer along edges, by contrast, as far as grading lets them. */
 #include "core/knn/knn.h"
 #include "core/metrics/uniformity.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_mesh.h"
 
 #include <math.h>
@@ -88,14 +88,8 @@ static double spacing_of(const struct vor_cloud *cloud, const struct edges *edge
 static void run(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                 size_t points, const char *contrast)
 {
-    struct vt_engine engine;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "density", "edges");
-    vt_engine_set(&engine, "contrast", contrast);
-    vt_engine_resample(&engine, out, report, in);
-    vt_engine_close(&engine);
+    vt_resample(out, report, in, "points=%zu density=edges contrast=%s", points, contrast);
 }
 
 static double times_of(const struct vor_report *report)

@@ -1,6 +1,6 @@
 /* Chen 2018, Sec. 4.3.3 and 5.3, Fig. 10b: with p of 8 and the principal directions as axes, points
  * lie in squares along these (rows C6, C7, C8, C15). */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_trace.h"
 
 #include <complex.h>
@@ -235,22 +235,16 @@ START_TEST(fig_10a_euclidean_cells_stretch_less_than_their_metric)
 {
     struct vor_report report;
     struct vor_cloud in, out;
-    struct vt_engine engine;
 
     make_tube(&in, IN);
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", OUT);
-    vt_engine_set(&engine, "cells", "euclid");
-    vt_engine_set(&engine, "metric", _i ? "anisotropic" : "isotropic");
-    vt_engine_set(&engine, "maxAspect", "4");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "points=%d cells=euclid metric=%s maxAspect=4", OUT,
+                _i ? "anisotropic" : "isotropic");
     ck_assert_uint_eq(report.polish_steps, 0);
     ck_assert_double_lt(report.descent_worst, 1);
     ck_assert_double_gt(report.descent_aspect, _i ? 1.8 : 1);
     ck_assert_double_lt(report.descent_aspect, _i ? 3.5 : 1.15);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_engine_close(&engine);
 }
 END_TEST
 

@@ -1,7 +1,7 @@
 /* What we repeat of Lv et al. 2022, "Intrinsic and isotropic resampling for 3D point clouds", Sec.
  * 3.1 and 6.1: noise and outliers as vt_noise.h makes them on the bunny. */
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_data.h"
-#include "tests/support/vt_engine.h"
 #include "tests/support/vt_noise.h"
 
 #include <math.h>
@@ -25,13 +25,9 @@ static int open_bunny(struct vor_cloud *cloud)
 
 static void filter(struct vor_cloud *out, const struct vor_cloud *in, const char *filters)
 {
-    struct vt_engine engine;
     struct vor_report report;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "filters", filters);
-    vt_engine_resample(&engine, out, &report, in);
-    vt_engine_close(&engine);
+    vt_resample(out, &report, in, "filters=%s", filters);
 }
 
 /* Rms distance of a cloud's points to the tangent planes of the clean cloud at their own points. */

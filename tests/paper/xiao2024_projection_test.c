@@ -1,5 +1,5 @@
 /* Xiao et al. 2024, Sec. IV-D, IV-E and V: projection, the border, holes, colours. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,16 +9,9 @@ enum { SEEDS = 3 };
 static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                      size_t points, const char *iterations, const char *boundary)
 {
-    struct vt_engine engine;
-
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "iterations", iterations);
-    vt_engine_set(&engine, "anderson", "4"); /* as in the paper, and no polish */
-    vt_engine_set(&engine, "polish", "0");
-    vt_engine_set(&engine, "boundary", boundary);
-    vt_engine_resample(&engine, out, report, in);
-    vt_engine_close(&engine);
+    /* anderson as in the paper, and no polish */
+    vt_resample(out, report, in, "points=%zu iterations=%s anderson=4 polish=0 boundary=%s", points,
+                iterations, boundary);
 }
 
 /* --- Sec. IV-D, row X12 -------------------------------------------------------------------------

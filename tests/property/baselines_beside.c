@@ -1,5 +1,6 @@
 /* The simple methods beside a result: the same result, numbers that can be measured
  * again, and what a stop leaves of them. */
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
@@ -150,17 +151,12 @@ END_TEST
 START_TEST(filters_alone_have_no_baselines_beside_them)
 {
     struct vor_report report;
-    struct vt_engine engine;
     struct vor_cloud in, out;
 
     vt_cloud_sphere(&in, 1, 800);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "baselines", "true");
-    vt_engine_set(&engine, "filters", "mls");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "baselines=true filters=mls");
     ck_assert_uint_eq(out.n, 800);
     ck_assert_int_eq(report.has_baselines, 0);
-    vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
 END_TEST

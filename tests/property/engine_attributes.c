@@ -1,5 +1,5 @@
 /* What an output point carries is what the nearest input point carries (row X15). */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,17 +36,10 @@ static void add_attributes(struct vor_cloud *cloud, uint64_t seed)
 static void run(struct vor_cloud *out, const struct vor_cloud *in, uint64_t seed,
                 const char *attributes, const char *normals)
 {
-    struct vt_engine engine;
     struct vor_report report;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", OUT);
-    vt_engine_count(&engine, "seed", (size_t)seed);
-    vt_engine_set(&engine, "iterations", "5");
-    vt_engine_set(&engine, "attributes", attributes);
-    vt_engine_set(&engine, "normals", normals);
-    vt_engine_resample(&engine, out, &report, in);
-    vt_engine_close(&engine);
+    vt_resample(out, &report, in, "points=%d seed=%zu iterations=5 attributes=%s normals=%s", OUT,
+                (size_t)seed, attributes, normals);
 }
 
 /* One attribute of every output point against the nearest input point's. Where two input points are

@@ -1,5 +1,5 @@
 /* Exactly as many points as asked for, in distinct places, evenly laid. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -31,23 +31,17 @@ static void assert_finite(const struct vor_cloud *cloud)
 
 static void check_count(const struct vor_cloud *in, size_t n, uint64_t seed, const char *iterations)
 {
-    struct vt_engine engine;
     struct vor_cloud out;
     struct vor_report report;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", n);
-    vt_engine_count(&engine, "seed", (size_t)seed);
-    vt_engine_set(&engine, "iterations", iterations);
-    vt_engine_set(&engine, "polish", "6");
-    vt_engine_resample(&engine, &out, &report, in);
+    vt_resample(&out, &report, in, "points=%zu seed=%zu iterations=%s polish=6", n, (size_t)seed,
+                iterations);
     ck_assert_uint_eq(out.n, n);
     ck_assert_uint_eq(report.points_out, n);
     assert_finite(&out);
     if (n <= in->n)
         ck_assert_uint_eq(vt_coincident(&out), 0);
     vor_cloud_free(&out);
-    vt_engine_close(&engine);
 }
 
 START_TEST(the_result_has_exactly_the_points_asked_for)
@@ -136,20 +130,15 @@ END_TEST
  * a little below that of the hexagonal lattice. */
 START_TEST(the_result_has_about_the_spacing_asked_for)
 {
-    struct vt_engine engine;
     struct vor_cloud in, out;
     struct vor_report report;
 
     vt_cloud_sphere(&in, (uint64_t)_i, 5000);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "spacing", "0.12");
-    vt_engine_set(&engine, "iterations", "30");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "spacing=0.12 iterations=30");
     ck_assert_double_ge(report.spacing_mean, 0.12 * 0.88);
     ck_assert_double_le(report.spacing_mean, 0.12 * 1.02);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_engine_close(&engine);
 }
 END_TEST
 

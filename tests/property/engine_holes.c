@@ -1,5 +1,5 @@
 /* Holes of a regular input stay open, however narrow; the gaps of one that is all gaps do not. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 
@@ -50,19 +50,14 @@ static double farthest(const struct vor_cloud *out, const struct vor_cloud *in)
 
 static double resampled_farthest(const struct vor_cloud *in, const char *polish, double *delta)
 {
-    struct vt_engine engine;
     struct vor_report report;
     struct vor_cloud out;
     double far;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", POINTS);
-    vt_engine_set(&engine, "polish", polish);
-    vt_engine_resample(&engine, &out, &report, in);
+    vt_resample(&out, &report, in, "points=%d polish=%s", POINTS, polish);
     far = farthest(&out, in);
     *delta = report.delta;
     vor_cloud_free(&out);
-    vt_engine_close(&engine);
     return far;
 }
 

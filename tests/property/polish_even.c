@@ -1,7 +1,7 @@
 /* The polish: how much more even the points get, and what it must not cost: no wider holes, no
  * farther from the surface, no farther out at a border. */
 #include "core/metrics/measure.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -25,15 +25,9 @@ struct pair {
 static void run(struct vor_cloud *out, struct vor_report *report, const struct pair *pair, size_t n,
                 const char *polish, size_t seed)
 {
-    struct vt_engine engine;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", n);
-    vt_engine_set(&engine, "iterations", "20");
-    vt_engine_set(&engine, "polish", polish);
-    vt_engine_count(&engine, "seed", seed);
-    vt_engine_resample(&engine, out, report, &pair->in);
-    vt_engine_close(&engine);
+    vt_resample(out, report, &pair->in, "points=%zu iterations=20 polish=%s seed=%zu", n, polish,
+                seed);
 }
 
 /* pair->in is there already. What holds on every cloud is asserted here. */
@@ -120,23 +114,17 @@ END_TEST
 
 START_TEST(a_start_alone_gets_as_even)
 {
-    struct vt_engine engine;
     struct vor_cloud in, out;
     struct vor_report report;
 
     vt_cloud_sphere(&in, (uint64_t)_i, 4000);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "800");
-    vt_engine_set(&engine, "iterations", "0");
-    vt_engine_count(&engine, "seed", (size_t)_i);
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "points=800 iterations=0 seed=%zu", (size_t)_i);
     ck_assert_uint_eq(report.iterations, 0);
     ck_assert_uint_eq(report.polish_steps, 100);
     ck_assert_double_lt(report.delta, EVEN);
     ck_assert_uint_eq(vt_coincident(&out), 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_engine_close(&engine);
 }
 END_TEST
 

@@ -1,5 +1,6 @@
 #include "tests/support/vt_ask.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -34,4 +35,16 @@ vor_status vt_ask_try(struct vor_cloud *out, struct vor_report *report,
 void vt_ask(struct vor_cloud *out, struct vor_report *report, const struct vt_ask *request)
 {
     vt_assert_ok(vt_ask_try(out, report, request));
+}
+
+void vt_resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
+                 const char *format, ...)
+{
+    char options[256];
+    va_list rest;
+
+    va_start(rest, format);
+    ck_assert_int_lt(vsnprintf(options, sizeof options, format, rest), (int)sizeof options);
+    va_end(rest);
+    vt_ask(out, report, &(struct vt_ask){in, options, 2});
 }

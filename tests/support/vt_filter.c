@@ -1,7 +1,6 @@
 #include "tests/support/vt_filter.h"
 
 #include <math.h>
-#include <stdio.h>
 
 void vt_number(struct vor_cloud *cloud)
 {
@@ -58,8 +57,5 @@ double vt_rms_off_sphere(const struct vor_cloud *cloud)
 void vt_filter(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                const char *filters, const char *outliers)
 {
-    char options[80];
-
-    (void)snprintf(options, sizeof options, "filters=%s outliers=%s", filters, outliers);
-    vt_ask(out, report, &(struct vt_ask){in, options, 2});
+    vt_resample(out, report, in, "filters=%s outliers=%s", filters, outliers);
 }

@@ -1,5 +1,5 @@
 /* Inputs of so few points that they do not say how the surface goes on beyond them. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 
@@ -46,15 +46,12 @@ START_TEST(few_points_give_a_result_near_their_box)
     uint64_t seed = 1 + (uint64_t)(_i / 3) / (MOST - FEWEST + 1);
     struct vor_cloud in, out;
     struct vor_report report;
-    struct vt_engine engine;
     struct box before, after;
     double side = 0;
 
     few_points(&in, seed, shape, n);
     before = box_of(&in);
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", 5 * n);
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "points=%zu", 5 * n);
     after = box_of(&out);
     for (int c = 0; c < 3; c++)
         side = fmax(side, before.high[c] - before.low[c]);
@@ -66,7 +63,6 @@ START_TEST(few_points_give_a_result_near_their_box)
     ck_assert_uint_eq(vt_coincident(&out), 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_engine_close(&engine);
 }
 END_TEST
 

@@ -1,8 +1,8 @@
 /* Small parts of the input, clear of all others. */
 #include "core/base/linalg.h"
 #include "core/input/islands.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_data.h"
-#include "tests/support/vt_engine.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -87,16 +87,10 @@ static size_t off_sphere(const struct vor_cloud *out)
 static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                      size_t points, const char *outliers)
 {
-    struct vt_engine engine;
 
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "polish", "8");
-    vt_engine_set(&engine, "outliers", outliers);
-    vt_engine_resample(&engine, out, report, in);
+    vt_resample(out, report, in, "points=%zu polish=8 outliers=%s", points, outliers);
     ck_assert_uint_eq(out->n, points);
     ck_assert_uint_eq(report->points_out, points);
-    vt_engine_close(&engine);
 }
 
 START_TEST(each_gets_at_most_its_own_points_in_their_places)
@@ -242,7 +236,6 @@ static void number(struct vor_cloud *cloud)
 
 START_TEST(their_points_bring_attributes_and_normals_in_any_order)
 {
-    struct vt_engine engine;
     struct vor_cloud in, out;
     struct vor_report report;
     const uint32_t *carried;
@@ -250,12 +243,7 @@ START_TEST(their_points_bring_attributes_and_normals_in_any_order)
 
     make_scan(&in, 3, SCAN);
     number(&in);
-    vt_engine_open(&engine, 2);
-    vt_engine_count(&engine, "points", SCAN);
-    vt_engine_set(&engine, "polish", "5");
-    vt_engine_set(&engine, "order", "progressive");
-    vt_engine_set(&engine, "normals", "fit");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "points=%d polish=5 order=progressive normals=fit", SCAN);
     ck_assert_uint_eq(out.n, SCAN);
     ck_assert_ptr_nonnull(vor_cloud_find(&out, VOR_NORMAL));
     carried = (const uint32_t *)out.attributes[0].data;
@@ -265,26 +253,20 @@ START_TEST(their_points_bring_attributes_and_normals_in_any_order)
             off++;
         }
     ck_assert_uint_eq(off, report.on_islands);
-    vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
 END_TEST
 
 START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
 {
-    struct vt_engine engine;
     struct vor_cloud in, out;
     struct vor_report report;
 
     make_scan(&in, 2, SCAN);
-    vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "spacing", "0.05");
-    vt_engine_set(&engine, "polish", "5");
-    vt_engine_resample(&engine, &out, &report, &in);
+    vt_resample(&out, &report, &in, "spacing=0.05 polish=5");
     ck_assert_double_eq_tol(report.area, 4 * 3.14159, 0.3);
     ck_assert_double_eq_tol((double)(out.n - report.on_islands), 12.566 / (0.8660 * 0.0025), 150);
     ck_assert_uint_eq(report.on_islands, off_sphere(&out));
-    vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
 END_TEST

@@ -1,5 +1,5 @@
 /* Points along borders: how evenly they lie there, beside those inside. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -204,15 +204,10 @@ START_TEST(any_number_of_points_comes)
 
     vt_cloud_square(&in, 3, 3000);
     for (size_t n = 1; n < 40; n += n < 12 ? 1 : 9) {
-        struct vt_engine engine;
         struct vor_cloud out;
         struct vor_report report;
 
-        vt_engine_open(&engine, 2);
-        vt_engine_count(&engine, "points", n);
-        vt_engine_set(&engine, "boundary", "sites");
-        vt_engine_resample(&engine, &out, &report, &in);
-        vt_engine_close(&engine);
+        vt_resample(&out, &report, &in, "points=%zu boundary=sites", n);
         ck_assert_uint_eq(out.n, n);
         vor_cloud_free(&out);
     }
