@@ -198,13 +198,10 @@ START_TEST(a_power_of_two_scales_the_result_and_changes_nothing_else)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine_bytes");
-
     vt_add_loop(suite, one_two_three_and_eight_threads_give_the_same_bytes, VT_ONCE(3));
     vt_add(suite, runs_that_share_a_pool_give_the_bytes_they_give_alone);
     vt_add_figures(suite, a_shift_moves_the_result_and_changes_nothing_else, 0);
     vt_add_figures(suite, a_power_of_two_scales_the_result_and_changes_nothing_else, 0);
-    return vt_run(suite);
 }

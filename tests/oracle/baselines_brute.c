@@ -171,11 +171,8 @@ START_TEST(a_voxel_grid_has_the_means_of_its_cells)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("baselines_brute");
-
     vt_add_loop(suite, each_point_is_the_farthest_from_those_before, SEEDS);
     vt_add_loop(suite, a_voxel_grid_has_the_means_of_its_cells, SEEDS);
-    return vt_run(suite);
 }

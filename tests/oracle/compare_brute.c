@@ -114,13 +114,10 @@ START_TEST(of_many_points_200000_stand_for_all)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("account_brute");
-
     vt_add_loop(suite, the_distances_are_those_of_a_look_at_every_pair, VT_FEWER(SEEDS));
     vt_add_loop(suite, points_in_one_place_count_once, 2);
     vt_add_loop(suite, outliers_that_were_ignored_do_not_count, 2);
     vt_add(suite, of_many_points_200000_stand_for_all);
-    return vt_run(suite);
 }

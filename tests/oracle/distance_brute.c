@@ -116,10 +116,7 @@ START_TEST(the_distances_are_those_of_a_look_at_every_pair)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("distance_brute");
-
     vt_add_loop(suite, the_distances_are_those_of_a_look_at_every_pair, SEEDS);
-    return vt_run(suite);
 }

@@ -198,11 +198,8 @@ START_TEST(spheres_have_the_errors_of_a_look_at_every_pair)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("distortion_brute");
-
     vt_add_loop(suite, voxels_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS));
     vt_add_loop(suite, spheres_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS));
-    return vt_run(suite);
 }

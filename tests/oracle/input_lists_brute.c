@@ -189,12 +189,9 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("near");
-
     vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
     vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
     vt_add_loop(suite, what_a_list_tells_of_places_around_is_true, 4);
-    return vt_run(suite);
 }

@@ -144,11 +144,8 @@ START_TEST(each_iterate_is_that_of_a_look_at_every_seed)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("kmeans_brute");
-
     vt_add_loop(suite, it_starts_at_input_points_no_two_alike, SEEDS);
     vt_add_loop(suite, each_iterate_is_that_of_a_look_at_every_seed, SEEDS);
-    return vt_run(suite);
 }

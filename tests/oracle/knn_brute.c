@@ -202,12 +202,9 @@ START_TEST(many_points_are_found)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("knn_brute");
-
     vt_add_loop(suite, the_index_finds_what_a_look_at_every_point_finds, VT_FEWER(SEEDS));
     vt_add(suite, many_points_are_found);
     vt_add(suite, every_point_is_found_when_all_are_asked_for);
-    return vt_run(suite);
 }

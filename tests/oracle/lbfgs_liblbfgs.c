@@ -129,10 +129,7 @@ START_TEST(it_ends_where_liblbfgs_ends_in_about_as_many_evaluations)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lbfgs_liblbfgs");
-
     vt_add_loop(suite, it_ends_where_liblbfgs_ends_in_about_as_many_evaluations, 3 * SEEDS);
-    return vt_run(suite);
 }

@@ -270,11 +270,8 @@ START_TEST(points_come_in_the_order_that_looking_at_every_pair_gives)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lop_insert_brute");
-
     vt_add_loop(suite, points_come_in_the_order_that_looking_at_every_pair_gives,
                 VT_SOAK_LOOPS(9, 60));
-    return vt_run(suite);
 }

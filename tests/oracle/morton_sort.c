@@ -155,11 +155,8 @@ START_TEST(the_box_is_that_of_looking_at_every_point)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("morton_sort");
-
     vt_add_loop(suite, the_order_is_that_of_qsort_for_any_number_of_threads, VT_FEWER(SHAPES));
     vt_add(suite, the_box_is_that_of_looking_at_every_point);
-    return vt_run(suite);
 }

@@ -299,11 +299,8 @@ START_TEST(small_steps_are_answered_from_the_lists)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("swarm_brute");
-
     vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, VT_FEWER(28));
     vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
-    return vt_run(suite);
 }

@@ -268,14 +268,11 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("seeds_brute");
-
     vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS);
     vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
     vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
-    return vt_run(suite);
 }

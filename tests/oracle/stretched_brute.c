@@ -197,11 +197,8 @@ START_TEST(nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("stretched_brute");
-
     vt_add_loop(suite, a_cell_in_a_metric_is_clipped_by_all_seeds, SEEDS);
     vt_add_loop(suite, nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed, SEEDS);
-    return vt_run(suite);
 }

@@ -274,11 +274,8 @@ START_TEST(cells_follow_a_planted_field_of_tensors)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("chen2018_anisotropy");
-
     vt_add_loop(suite, cells_are_as_long_as_the_curvatures_of_the_shape_ask_for, 2);
     vt_add(suite, cells_follow_a_planted_field_of_tensors);
-    return vt_run(suite);
 }

@@ -183,11 +183,8 @@ START_TEST(a_planted_attribute_decides_about_the_spacing)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("chen2018_density");
-
     vt_add(suite, spacing_follows_curvature_to_the_power_of_a_quarter);
     vt_add(suite, a_planted_attribute_decides_about_the_spacing);
-    return vt_run(suite);
 }

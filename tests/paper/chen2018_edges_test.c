@@ -210,13 +210,10 @@ START_TEST(what_has_no_edge_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("chen2018_edges");
-
     vt_add(suite, a_box_has_its_points_closer_along_its_edges);
     vt_add(suite, fandisk_has_its_points_closer_along_its_edges);
     vt_add(suite, contrast_one_is_an_even_spread);
     vt_add_loop(suite, what_has_no_edge_is_refused, 2);
-    return vt_run(suite);
 }

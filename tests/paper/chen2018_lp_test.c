@@ -289,13 +289,10 @@ START_TEST(a_run_ends_when_points_hardly_move_or_after_its_iterations)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("chen2018_lp");
-
     vt_add_figures(suite, fig_10b_points_lie_in_squares_along_the_directions_of_curvature, 2);
     vt_add_figures(suite, fig_10a_euclidean_cells_stretch_less_than_their_metric, 2);
     vt_add(suite, the_report_says_that_each_inner_loop_lowered_the_energy);
     vt_add_loop(suite, a_run_ends_when_points_hardly_move_or_after_its_iterations, 3);
-    return vt_run(suite);
 }

@@ -102,14 +102,11 @@ START_TEST(the_default_halves_the_delta_of_a_converged_tessellation_and_covers_a
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("departures");
-
     vt_add_loop(suite,
                 momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fewer_than_fifty,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
     vt_add_loop(suite, the_default_halves_the_delta_of_a_converged_tessellation_and_covers_as_well,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    return vt_run(suite);
 }

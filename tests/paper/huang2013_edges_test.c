@@ -201,15 +201,12 @@ START_TEST(a_surface_with_one_side_finishes_and_says_so)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("huang2013_edges");
-
     vt_add_loop(suite, normals_near_the_edge_of_a_wedge_are_those_of_its_faces, ROWS);
     vt_add(suite, inserted_points_lie_on_the_two_planes_of_a_wedge);
     vt_add(suite, more_points_come_near_an_edge_the_larger_rho);
     vt_add(suite, a_gap_is_kept_or_filled_as_asked);
     vt_add(suite, two_close_sheets_do_not_mix);
     vt_add(suite, a_surface_with_one_side_finishes_and_says_so);
-    return vt_run(suite);
 }

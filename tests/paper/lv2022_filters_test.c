@@ -109,11 +109,8 @@ START_TEST(the_outliers_of_the_bunny_are_found)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lv2022_filters");
-
     vt_add(suite, mls_more_than_halves_the_noise_of_the_bunny);
     vt_add(suite, the_outliers_of_the_bunny_are_found);
-    return vt_run(suite);
 }

@@ -67,12 +67,9 @@ START_TEST(no_window_makes_the_iteration_diverge)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("xiao2024_anderson");
-
     vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one,
                 VT_FEWER(SEEDS));
     vt_add_loop(suite, no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS));
-    return vt_run(suite);
 }

@@ -260,14 +260,11 @@ START_TEST(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("xiao2024_lloyd");
-
     vt_add_loop(suite, fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane, SEEDS);
     vt_add(suite, eq_5_a_hexagonal_lattice_in_a_plane_stands_still);
     vt_add_loop(suite, the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below, SEEDS);
     vt_add_loop(suite, fig_6e_energy_and_delta_fall_overall, SEEDS);
     vt_add_loop(suite, fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud, SEEDS);
-    return vt_run(suite);
 }

@@ -166,15 +166,12 @@ START_TEST(sec_v_a_a_wider_hole_shrinks_with_every_pass)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("xiao2024_projection");
-
     vt_add_loop(suite, sec_iv_d_the_distance_to_the_surface_does_not_accumulate, SEEDS);
     vt_add_loop(suite, fig_7_no_point_drifts_beyond_the_rim_and_without_the_restriction_some_do,
                 SEEDS);
     vt_add_loop(suite, sec_iv_e_on_a_closed_cloud_at_most_one_point_in_a_thousand_is_held, SEEDS);
     vt_add_loop(suite, sec_iv_e_a_hole_narrower_than_three_spacings_is_filled, SEEDS);
     vt_add_loop(suite, sec_v_a_a_wider_hole_shrinks_with_every_pass, SEEDS);
-    return vt_run(suite);
 }

@@ -96,14 +96,11 @@ START_TEST(a_bound_is_never_reached)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("base_rng");
-
     vt_add(suite, the_finaliser_gives_the_published_numbers);
     vt_add(suite, draws_never_change);
     vt_add_loop(suite, draws_fill_their_range_evenly, 10);
     vt_add_loop(suite, neighbouring_draws_have_nothing_to_do_with_each_other, 10);
     vt_add(suite, a_bound_is_never_reached);
-    return vt_run(suite);
 }

@@ -186,10 +186,8 @@ START_TEST(a_run_that_is_stopped_has_no_baselines)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("baselines_beside");
-
     vt_add_figures(suite, the_result_is_the_same_with_baselines_beside_it, 0);
     vt_add_figures(suite, each_is_as_even_as_its_method_is_known_to_be, 2);
     vt_add_figures(suite, kmeans_is_the_method_of_that_name, 0);
@@ -197,5 +195,4 @@ int main(void)
     vt_add_figures(suite, of_fewer_input_points_all_are_taken, 0);
     vt_add_figures(suite, filters_alone_have_no_baselines_beside_them, 0);
     vt_add(suite, a_run_that_is_stopped_has_no_baselines);
-    return vt_run(suite);
 }

@@ -166,10 +166,7 @@ START_TEST(the_last_best_is_the_report_s)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("best_told");
-
     vt_add_loop(suite, the_last_best_is_the_report_s, VT_ONCE(INPUTS));
-    return vt_run(suite);
 }

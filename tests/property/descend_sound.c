@@ -62,10 +62,7 @@ START_TEST(any_shape_gives_the_points_asked_for_whatever_the_threads)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("descend_sound");
-
     vt_add_loop(suite, any_shape_gives_the_points_asked_for_whatever_the_threads, SHAPES);
-    return vt_run(suite);
 }

@@ -238,14 +238,11 @@ START_TEST(auto_takes_no_bit_more_than_it_must)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("draco_roundtrip");
-
     vt_add_loop(suite, lossless_is_bit_exact, 60);
     vt_add_loop(suite, quantised_points_move_by_at_most_half_a_cell, 90);
     vt_add_loop(suite, float_attributes_are_exact_on_a_grid_and_close_off_it, 20);
     vt_add_loop(suite, auto_never_makes_points_coincide, 24);
     vt_add_loop(suite, auto_takes_no_bit_more_than_it_must, 20);
-    return vt_run(suite);
 }

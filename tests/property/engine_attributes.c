@@ -201,15 +201,12 @@ START_TEST(carried_normals_of_every_type_decide_the_side_also_off_the_origin)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine_attributes");
-
     vt_add_figures(suite, every_attribute_comes_from_the_nearest_input_point, VT_ONCE(SEEDS));
     vt_add_figures(suite, of_coincident_input_points_the_first_gives_the_attributes,
                    VT_ONCE(SEEDS));
     vt_add_figures(suite, dropped_attributes_are_gone, 0);
     vt_add_figures(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
                    VOR_TYPE_COUNT);
-    return vt_run(suite);
 }

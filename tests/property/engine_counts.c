@@ -142,14 +142,11 @@ START_TEST(the_result_has_about_the_spacing_asked_for)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine_counts");
-
     vt_add_figures(suite, the_result_has_exactly_the_points_asked_for,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, a_ratio_is_of_the_inputs_points);
     vt_add_figures(suite, a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS));
     vt_add_figures(suite, the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS));
-    return vt_run(suite);
 }

@@ -198,13 +198,10 @@ START_TEST(four_points_make_one_to_sixty_four)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine_degenerate");
-
     vt_add_loop(suite, a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not,
                 VT_ONCE(SHAPES));
     vt_add(suite, a_cloud_without_a_surface_is_refused_at_every_size);
     vt_add(suite, four_points_make_one_to_sixty_four);
-    return vt_run(suite);
 }

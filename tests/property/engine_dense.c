@@ -192,15 +192,12 @@ START_TEST(nobody_is_left_beyond_a_border)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("dense");
-
     vt_add_figures(suite, the_result_lies_on_all_of_the_input, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_run_without_limits_ends_as_even_as_one_on_few_points,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
     vt_add_figures(suite, a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOTH));
     vt_add_loop(suite, stopped_at_any_record_it_hands_back_points_of_the_whole, 1);
     vt_add_figures(suite, nobody_is_left_beyond_a_border, VT_FEWER(SEEDS));
-    return vt_run(suite);
 }

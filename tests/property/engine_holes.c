@@ -90,11 +90,8 @@ START_TEST(the_gaps_between_scan_lines_are_filled)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine holes");
-
     vt_add_loop(suite, no_point_lies_in_a_hole_of_a_regular_input, VT_FEWER(SEEDS));
     vt_add_loop(suite, the_gaps_between_scan_lines_are_filled, VT_FEWER(SEEDS));
-    return vt_run(suite);
 }

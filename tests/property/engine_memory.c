@@ -169,12 +169,9 @@ START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine_memory");
-
     vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, VT_FEWER(VT_SOAK_LOOPS(9, 10)));
     vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3));
     vt_add(suite, a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs);
-    return vt_run(suite);
 }

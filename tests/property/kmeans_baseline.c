@@ -75,11 +75,8 @@ START_TEST(more_points_than_the_input_has_are_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("kmeans_baseline");
-
     vt_add(suite, it_gives_exactly_n_points_on_the_surface);
     vt_add(suite, more_points_than_the_input_has_are_refused);
-    return vt_run(suite);
 }

@@ -96,12 +96,9 @@ START_TEST(points_on_exact_planes_have_a_place)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lop_density");
-
     vt_add_loop(suite, the_density_of_the_input_does_not_show, METHODS);
     vt_add(suite, a_surface_without_edges_gets_no_more_points_where_it_bends);
     vt_add(suite, points_on_exact_planes_have_a_place);
-    return vt_run(suite);
 }

@@ -320,10 +320,8 @@ START_TEST(a_delta_that_is_reached_ends_the_polish)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lop_requests");
-
     vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
     vt_add_loop(suite, a_polish_between_edges_ends_in_time, 1);
     vt_add_loop(suite, a_surface_that_bends_gets_even_points, 3);
@@ -336,5 +334,4 @@ int main(void)
     vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
     vt_add_loop(suite, a_sigma_below_the_spacing_is_warned_of, 6);
     vt_add(suite, a_delta_that_is_reached_ends_the_polish);
-    return vt_run(suite);
 }

@@ -24,12 +24,9 @@ START_TEST(a_stop_at_any_question_gives_all_points)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("methods interrupted");
-
     vt_add_loop(suite, whichever_allocation_fails_nothing_is_left, vt_methods_count());
     vt_add_loop(suite, a_cancel_at_any_question_ends_with_nothing, vt_methods_count());
     vt_add_loop(suite, a_stop_at_any_question_gives_all_points, vt_methods_count());
-    return vt_run(suite);
 }

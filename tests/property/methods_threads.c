@@ -56,12 +56,9 @@ START_TEST(every_process_and_method_has_a_row)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("methods at three threads");
-
     vt_add_loop(suite, one_and_three_threads_give_the_same_bytes, vt_methods_count());
     vt_add(suite, another_seed_gives_other_bytes);
     vt_add(suite, every_process_and_method_has_a_row);
-    return vt_run(suite);
 }

@@ -226,12 +226,9 @@ START_TEST(draco_keeps_the_order)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("order_prefix");
-
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
                    VT_FEWER(VT_SOAK_LOOPS(2, SHAPES)));
     vt_add_figures(suite, draco_keeps_the_order, 0);
-    return vt_run(suite);
 }

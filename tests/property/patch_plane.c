@@ -51,10 +51,7 @@ START_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("patch_plane");
-
     vt_add(suite, a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is);
-    return vt_run(suite);
 }

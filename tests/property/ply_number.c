@@ -230,10 +230,8 @@ START_TEST(whole_numbers_of_64_bits_meet_their_range)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("ply_number");
-
     vt_add_loop(suite, random_decimals_are_rounded_as_the_library_rounds_them, SEEDS);
     vt_add_loop(suite, printed_bit_patterns_come_back, SEEDS);
     vt_add_loop(suite, half_way_cases_are_rounded_once, SEEDS);
@@ -242,5 +240,4 @@ int main(void)
     vt_add_loop(suite, mutated_numbers_are_taken_only_when_they_are_decimals, SEEDS);
     vt_add(suite, whole_numbers_meet_the_range_of_their_type);
     vt_add(suite, whole_numbers_of_64_bits_meet_their_range);
-    return vt_run(suite);
 }

@@ -384,12 +384,9 @@ START_TEST(writing_survives_the_failure_of_any_allocation)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("ply_roundtrip");
-
     vt_add_loop(suite, what_we_write_comes_back_bit_for_bit, SEEDS);
     vt_add_loop(suite, what_others_write_is_read_in_every_encoding, 3 * SEEDS);
     vt_add_loop(suite, writing_survives_the_failure_of_any_allocation, 8);
-    return vt_run(suite);
 }

@@ -184,11 +184,8 @@ START_TEST(a_delta_reached_during_the_polish_ends_it)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("polish_told");
-
     vt_add(suite, every_tenth_step_and_the_last_are_told);
     vt_add(suite, a_delta_reached_during_the_polish_ends_it);
-    return vt_run(suite);
 }

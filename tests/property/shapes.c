@@ -335,11 +335,8 @@ START_TEST(points_lie_on_the_sheets_and_normals_lead_outward)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("shapes");
-
     vt_add_figures(suite, points_lie_on_the_sheets_and_normals_lead_outward,
                    VT_SOAK_LOOPS(ROWS, SEEDS * ROWS));
-    return vt_run(suite);
 }

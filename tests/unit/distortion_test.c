@@ -204,10 +204,8 @@ START_TEST(no_points_and_a_reference_in_one_place_are_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("distortion");
-
     vt_add(suite, the_larger_direction_is_the_error);
     vt_add(suite, equally_near_points_share_normals_and_errors);
     vt_add(suite, carried_normals_that_point_against_each_other_cancel);
@@ -217,5 +215,4 @@ int main(void)
     vt_add(suite, where_no_normal_is_to_be_had_all_of_the_distance_counts);
     vt_add(suite, psnr_is_three_squared_peaks_over_the_error);
     vt_add(suite, no_points_and_a_reference_in_one_place_are_refused);
-    return vt_run(suite);
 }

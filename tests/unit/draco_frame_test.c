@@ -190,15 +190,12 @@ START_TEST(an_origin_counts_for_positions_in_double)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("draco_frame");
-
     vt_add(suite, an_origin_is_written_as_single_doubles);
     vt_add_loop(suite, positions_survive_a_change_of_frame, 12);
     vt_add(suite, a_frame_that_does_not_change_costs_no_bit);
     vt_add(suite, points_that_the_frame_merges_do_not_cost_more_bits);
     vt_add(suite, a_frame_that_does_not_fit_into_memory_is_an_error);
     vt_add(suite, an_origin_counts_for_positions_in_double);
-    return vt_run(suite);
 }

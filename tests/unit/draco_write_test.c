@@ -361,10 +361,8 @@ START_TEST(clouds_without_points_or_with_nan_are_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("draco_write");
-
     vt_add_loop(suite, everything_survives, 3);
     vt_add(suite, the_kd_tree_is_used_where_it_can_be_and_only_there);
     vt_add(suite, integers_of_every_size_are_exact_up_to_their_ends);
@@ -378,5 +376,4 @@ int main(void)
     vt_add(suite, large_numbers_do_not_take_large_memory);
     vt_add(suite, a_sink_that_refuses_is_an_io_error);
     vt_add(suite, clouds_without_points_or_with_nan_are_refused);
-    return vt_run(suite);
 }

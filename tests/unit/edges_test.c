@@ -275,10 +275,8 @@ START_TEST(a_point_takes_44_bytes)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("edges");
-
     vt_add_figures(suite, the_edges_of_a_cube_are_found_and_nothing_else,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
@@ -290,5 +288,4 @@ int main(void)
     vt_add_figures(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
     vt_add(suite, a_point_takes_44_bytes);
-    return vt_run(suite);
 }

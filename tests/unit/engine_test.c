@@ -380,10 +380,8 @@ START_TEST(a_measure_of_no_extent_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("engine");
-
     vt_add(suite, explicit_iterations_are_run_to_the_last);
     vt_add(suite, a_plateau_ends_the_default_only);
     vt_add(suite, a_request_without_more_iterates_briefly_and_is_polished);
@@ -396,5 +394,4 @@ int main(void)
     vt_add(suite, a_number_of_points_out_of_range_is_refused_by_value_and_range);
     vt_add(suite, a_measure_has_its_hand_computed_values);
     vt_add(suite, a_measure_of_no_extent_is_refused);
-    return vt_run(suite);
 }

@@ -380,10 +380,8 @@ START_TEST(a_cloud_without_faces_is_refused)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("faces");
-
     vt_add_loop(suite, a_triangle_gets_its_share_of_the_area, 40);
     vt_add_loop(suite, places_in_a_triangle_are_alike, 6);
     vt_add_loop(suite, points_of_a_triangle_keep_clear_of_each_other, 20);
@@ -395,5 +393,4 @@ int main(void)
     vt_add(suite, spacing_and_ratio_say_how_many);
     vt_add(suite, vertices_bound_only_what_adds_no_points);
     vt_add(suite, a_cloud_without_faces_is_refused);
-    return vt_run(suite);
 }

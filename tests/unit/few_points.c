@@ -66,10 +66,7 @@ START_TEST(few_points_give_a_result_near_their_box)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("few_points");
-
     vt_add_loop(suite, few_points_give_a_result_near_their_box, 3 * (MOST - FEWEST + 1) * SEEDS);
-    return vt_run(suite);
 }

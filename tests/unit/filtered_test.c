@@ -197,10 +197,8 @@ START_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("filtered");
-
     vt_add_figures(suite, every_point_keeps_its_place_in_the_order_and_its_attributes,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, points_that_share_a_place_stay_together,
@@ -211,5 +209,4 @@ int main(void)
     vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
     vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);
     vt_add(suite, clouds_without_a_surface_are_refused_as_ever_and_few_points_pass);
-    return vt_run(suite);
 }

@@ -197,10 +197,8 @@ START_TEST(noisy_sheets_are_not_pulled_together)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("filters");
-
     vt_add_figures(suite, noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, exact_planes_and_spheres_stay_where_they_are,
@@ -214,5 +212,4 @@ int main(void)
     vt_add_loop(suite, thin_evens_the_density_and_leaves_no_twins,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));
-    return vt_run(suite);
 }

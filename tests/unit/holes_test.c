@@ -314,10 +314,8 @@ START_TEST(a_spline_has_the_quadrics)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("holes");
-
     vt_add_figures(suite, holes_of_a_ball_are_closed, VT_FEWER(SEEDS));
     vt_add_figures(suite, the_rim_of_a_sheet_stays_open, 0);
     vt_add_figures(suite, an_end_of_a_tube_is_capped_if_it_is_named, 0);
@@ -325,5 +323,4 @@ int main(void)
     vt_add_figures(suite, a_number_that_no_loop_has_is_refused, 0);
     vt_add_figures(suite, a_closed_input_stays_as_it_is, 0);
     vt_add_figures(suite, a_spline_has_the_quadrics, 0);
-    return vt_run(suite);
 }

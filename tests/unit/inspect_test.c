@@ -245,10 +245,8 @@ START_TEST(edges_are_told_in_the_unit_of_the_cloud)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("inspect");
-
     vt_add_figures(suite, an_even_sphere_is_one_part_without_noise_sheets_or_lattice, 3);
     vt_add_figures(suite, spacing_is_that_of_white_noise, SEEDS);
     vt_add_figures(suite, noise_is_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
@@ -259,5 +257,4 @@ int main(void)
     vt_add_figures(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
     vt_add_figures(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
-    return vt_run(suite);
 }

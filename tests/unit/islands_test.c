@@ -294,10 +294,8 @@ START_TEST(a_real_scan_has_no_islands)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("islands");
-
     vt_add_figures(suite, each_gets_at_most_its_own_points_in_their_places,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, points_beside_islands_are_as_even_as_without_any,
@@ -309,5 +307,4 @@ int main(void)
     vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
     vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
     vt_add_figures(suite, a_real_scan_has_no_islands, 4);
-    return vt_run(suite);
 }

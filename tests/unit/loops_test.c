@@ -250,10 +250,8 @@ START_TEST(places_far_from_zero_keep_their_digits)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("loops");
-
     vt_add_figures(suite, a_square_has_one_rim, SEEDS);
     vt_add_figures(suite, a_tube_has_two_rims, SEEDS);
     vt_add_figures(suite, holes_are_told_with_length_and_centre, VT_SOAK_LOOPS(SEEDS, 8 * SEEDS));
@@ -261,5 +259,4 @@ int main(void)
     vt_add_figures(suite, hardly_any_closed_surface_has_a_loop, VT_SMOOTH);
     vt_add_figures(suite, a_small_sheet_over_a_large_one_hides_no_rim, 3);
     vt_add_figures(suite, places_far_from_zero_keep_their_digits, VT_ONCE(1));
-    return vt_run(suite);
 }

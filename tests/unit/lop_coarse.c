@@ -65,11 +65,8 @@ START_TEST(samples_far_from_an_even_spread_are_dropped)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("lop_coarse");
-
     vt_add_loop(suite, a_layer_as_thick_as_fits_are_wide_has_fewer_points, 3);
     vt_add(suite, samples_far_from_an_even_spread_are_dropped);
-    return vt_run(suite);
 }

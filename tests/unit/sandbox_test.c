@@ -482,10 +482,8 @@ START_TEST(a_large_cloud_comes_whole_through_the_ring)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("sandbox");
-
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
     if (!is_spared()) {
         vt_add_loop(suite, whatever_a_child_may_not_do_is_stopped_and_the_cause_is_told, 2);
@@ -495,5 +493,4 @@ int main(void)
     vt_add(suite, a_child_that_sleeps_ends_with_its_time_or_its_caller);
     vt_add(suite, a_child_decodes_and_refuses_as_the_calling_thread_does);
     vt_add(suite, a_large_cloud_comes_whole_through_the_ring);
-    return vt_run(suite);
 }

@@ -216,14 +216,11 @@ START_TEST(any_number_of_points_comes)
 }
 END_TEST
 
-int main(void)
+void vt_suite(Suite *suite)
 {
-    Suite *suite = suite_create("sites");
-
     vt_add_figures(suite, the_border_of_a_square_has_the_spacing_inside, VT_FEWER(SEEDS));
     vt_add_figures(suite, the_edges_of_a_cube_are_kept, 0);
     vt_add_figures(suite, a_closed_surface_is_spread_as_without, 0);
     vt_add_figures(suite, sites_stay_whatever_else_is_asked_for, VT_FEWER(6));
     vt_add_figures(suite, any_number_of_points_comes, 0);
-    return vt_run(suite);
 }
