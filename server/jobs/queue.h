@@ -47,10 +47,11 @@ VOR_NODISCARD vor_status vor_queue_restore(struct vor_queue *queue, struct vor_j
 /** Waits for the next job; the caller gets its reference. NULL once the queue is closed. */
 struct vor_job *vor_queue_pop(struct vor_queue *queue);
 
-/** Takes a job out; false when it does not wait. */
+/** Takes a job out, of which the caller holds a reference; false when it does not wait. */
 int vor_queue_remove(struct vor_queue *queue, const struct vor_job *job);
 
-/** How many would leave before it if no other came; -1 when it does not wait. */
+/** How many would leave before a job if no other came; -1 when it does not wait. The caller holds a
+ *  reference to it. */
 long vor_queue_position(struct vor_queue *queue, const struct vor_job *job);
 
 /** When the job that is next was accepted (wall clock, ms); 0 when none waits. */

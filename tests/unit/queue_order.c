@@ -140,7 +140,7 @@ START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another
         int tenant = (int)(vt_unit((uint64_t)_i, (uint64_t)i) * TENANTS);
         char name[2] = {(char)('a' + tenant), '\0'};
 
-        jobs[i] = enqueue_of(queue, name, i + 1);
+        jobs[i] = vor_job_retain(enqueue_of(queue, name, i + 1));
         waits[tenant]++;
         if (i % 7 == 6)
             waits[pop_letter(queue) - 'a']--;
@@ -162,6 +162,8 @@ START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another
         }
         vor_job_release(job);
     }
+    for (int i = 0; i < JOBS; i++)
+        vor_job_release(jobs[i]);
     vor_queue_destroy(queue);
 }
 END_TEST
