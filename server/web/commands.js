@@ -24,7 +24,7 @@ function curl(request) {
 function cli(request) {
     const parts = [`voronoid ${request.process} ${shell(named(request.file))}`];
     for (const [name, value] of Object.entries({ ...request.others, ...request.values }))
-        parts.push(`--${name}=${shell(value)}`);
+        parts.push(`--${name.replace(/[A-Z]/g, (one) => `-${one.toLowerCase()}`)}=${shell(value)}`);
     parts.push(`--server ${shell(String(request.root).replace(/\/$/, ''))}`, `-o ${shell(named(request.out))}`);
     return parts.join(' \\\n    ');
 }

@@ -158,7 +158,7 @@ async function turns(answers) {
     equal(answers.map((one) => one.call), [1, 3], 'while a large cloud is measured, another one is read');
     await self.onmessage({ data: { call: 4, what: 'drop', number: 2 } });
     await measured;
-    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'That cloud was let go.'], 'and one that is let go is measured no more');
+    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'That cloud was removed.'], 'and one that is let go is measured no more');
 }
 
 /* Points of a view that is turned, in a browser that draws as many thousands of them in 1 ms. */
@@ -198,6 +198,8 @@ function commands() {
         execFileSync('python3', ['-c', `import ast; ast.parse(open("${folder}/it.py").read())`]);
     }
     ok(true, 'the programs are ones');
+    const options = command('cli', { ...request, values: { maxAspect: '4', sigmaN: '20' } });
+    ok(options.includes('--max-aspect=4') && options.includes('--sigma-n=20'), 'options are written as the command line writes them', options);
 }
 
 async function main() {
