@@ -77,4 +77,45 @@ my @libraries = map { s/^lib//r } split ' ', (slurp('Makefile') =~ /^PKGS := (.*
 is_deeply [grep { $text !~ /$_/i } @libraries], [], 'and every library';
 my %problem = map { $_ => 1 } map { slurp($_) =~ /"([a-z]+(?:-[a-z]+)+)"/g } qw(core/base/status.h server/api/problem.h);
 is_deeply [grep { !$problem{$_} } slurp('openapi.yaml') =~ /\(([a-wyz]\w+-[a-z-]+)[),;]/g], [], 'openapi.yaml names problems that exist';
+# Figures of texts, and where the code or the image has them. A text has each once, and the same one.
+sub figure {
+    my ($path, $pattern) = @_;
+    my @found = slurp($path) =~ /$pattern/;
+    my %factor = (million => 1e6, M => 1e6, K => 1024, minutes => 60);
+    my %word = (four => 4, ten => 10);
+    my ($number, $unit) = @found == 1 ? $found[0] =~ /^([\d.,:]+|[a-z]+)\s*(\w*)$/i : ();
+    return "$path has not one $pattern" if !defined $number;
+    $number = $word{ lc $number } // $number =~ tr/,//dr;
+    return $factor{$unit} ? $number * $factor{$unit} : $number;
+}
+my ($help, $config, $tables) = ('server/cli/help', 'server/base/config.h', 'core/spec/tables.h');
+my ($most, $usual) = ([$tables, qr/X\(RESAMPLE,[^\n]*\s0, (\d+), VOR/], [$tables, qr/X\(UPSAMPLE, RATIO, (\d+)\)/]);
+my ($body, $in, $out) = ([$config, qr/"body-limit".*?"(\d+)G"/s], [$config, qr/"points-limit".*?"(\d+)"/s], [$tables, qr/X\(POINTS, .*?, 1, (\d+)/]);
+my ($listen, $checks) = ([$config, qr/"listen", .*?"127\.0\.0\.1:(\d+)"/s], ['docker/Dockerfile', qr/ADMIN_LISTEN=127\.0\.0\.1:(\d+)/]);
+my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
+for (
+    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/(\d+ million) points in/, $in], ['README.md', qr/(\d+ million) out/, $out],
+    ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/(\d+ million) points,/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
+    ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/Up to (\d+) times/, $most],
+    ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/(\w+) times as many, and/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
+    [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/at most (\d+), or 100 without/]],
+    ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+) requests per/, $rate], ['server/cli/command.h', qr/wait or run \((\d+)\)/, $jobs],
+    ['server/cli/command.h', qr/"per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+) seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
+    ["$help/reports.txt", qr/more than ([\d,]+) input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
+    ["$help/reports.txt", qr/median of (\d+) places/, ['core/input/conditioning.h', qr/NEIGHBORS_PLACES = (\d+)/]], ["$help/data.txt", qr/once\s+in\s+(\w+\s+minutes)/, ['server/work/verify.c', qr/sound_seconds = (\d+)/]],
+    ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
+    ["$help/container.txt", qr/ends with status (\d+)/, ['server/cli/say.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/say.h', qr/X\(INTERRUPTED, (\d+),/]],
+    ["$help/metrics.txt", qr/127\.0\.0\.1:(\d+)/, $checks], ['docker/compose.yaml', qr/127\.0\.0\.1:(\d+):/, $listen], ['docker/Dockerfile', qr/^EXPOSE (\d+)/m, $listen],
+    ['server/cli/server.c', qr/LISTEN_DEFAULT "127\.0\.0\.1:(\d+)"/, $listen], ['openapi.yaml', qr{url: http://127\.0\.0\.1:(\d+)}, $listen],
+) {
+    my ($path, $pattern, $source) = @$_;
+    is figure($path, $pattern), figure(@$source), "$path: $pattern is that of $source->[0]";
+}
+for (['README.md', 200], ['ARCHITECTURE.md', 150], ['CHANGELOG.md', 120]) {
+    my ($path, $most) = @$_;
+    my @lines = split /\n/, slurp($path);
+    utf8::decode($_) for @lines;
+    cmp_ok scalar @lines, '<=', $most, "$path has at most $most lines";
+    is join("\n", grep { length > 120 } @lines), '', 'of at most 120 columns';
+}
 done_testing;
