@@ -66,7 +66,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Steps of this stage done")                                           \
     X(U32, of, "of", "",                                                                           \
-      "Largest number of steps of this stage; 0 if it is not known and step is 1 or more")         \
+      "Largest number of steps of this stage; 0 after the first step if it is not known")          \
     X(U32, ahead, "ahead", "", "Largest number of steps of all later stages")                      \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Iteration of the best result so far, which the run would return now")                       \
@@ -126,7 +126,7 @@ struct vor_stage_done {
 /** What a run did. Lengths are in the unit of the cloud. The engine sets all but the seconds of
  *  reading and writing and the origin, which the caller sets. */
 #define VOR_REPORT_TABLE(X)                                                                        \
-    X(U64, points_in, "points.in", "points", "Points of the input, of a mesh its vertices")        \
+    X(U64, points_in, "points.in", "points", "Points of the input, or vertices if it is a mesh")   \
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result: the relative standard deviation of the distances to the nearest " \
@@ -175,7 +175,8 @@ struct vor_stage_done {
       "Separate parts with fewer points than two fits need")                                       \
     X(U64, in_islands, "islands.points_in", "points", "Input points on islands")                   \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Points of the result on islands, at most as many, at positions of input points; 0 if "      \
+      "Points of the result on islands, at positions of input points; at most as many as those; "  \
+      "0 if "                                                                                      \
       "filters alone make the result")                                                             \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the points of the result that are not on islands; delta of all points includes "   \
@@ -191,8 +192,8 @@ struct vor_stage_done {
       "The loops, at most 100: if there are more, those that could not be closed and the longest") \
     X(OPTIONAL, has_density, "density", "", "How the result follows the density; only with one")   \
     X(REAL, density_span, "density.span", "",                                                      \
-      "95th percentile of the density over its 5th among places of the surface, after contrast "   \
-      "and grading")                                                                               \
+      "Ratio of the 95th to the 5th percentile of the density on the surface, after contrast and " \
+      "grading")                                                                                   \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
     X(OPTIONAL, has_metric, "metric", "", "How the result follows the metric; only with one")      \
@@ -269,8 +270,7 @@ struct vor_stage_done {
     X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only for a process that makes them")         \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
-      "Polygons of the cells, with soup; points then counts the corners of all, and the other "    \
-      "members are 0")                                                                             \
+      "Polygons, with soup; points then counts all their corners, and the other members are 0")    \
     X(U64, mesh_points, "mesh.points", "points",                                                   \
       "Points of the result that are corners of triangles")                                        \
     X(U64, mesh_components, "mesh.components", "", "Connected components")                         \
@@ -287,7 +287,7 @@ struct vor_stage_done {
       "Mean quality of the triangles, 6 S / (sqrt(3) p h) of area S, half the perimeter p and "    \
       "longest edge h: 1 where all edges are equal")                                               \
     X(REAL, mesh_quality_p001, "mesh.quality_p001", "",                                            \
-      "Quality that one triangle in a thousand is below")                                          \
+      "Quality below which one triangle in a thousand lies")                                       \
     X(REAL, mesh_quality_min, "mesh.quality_min", "", "The least")                                 \
     X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
     X(U64, mesh_loops, "mesh.loops", "", "Border loops of the mesh: rims and holes of the input")  \
@@ -295,8 +295,8 @@ struct vor_stage_done {
       "Small loops that were filled because the input continues under them")                       \
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Triangles that may connect two sheets of the input that cross or lie too close together: "  \
-      "the surface at one corner misses another corner by more than a fifth of the distance to "   \
-      "it")                                                                                        \
+      "the surface fitted at one corner misses another corner by more than a fifth of their "      \
+      "distance")                                                                                  \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Triangles left out if the input has several sheets nearly everywhere: those at points "     \
       "where two sheets meet, those that pass through others, and pieces that this cuts off")      \
@@ -484,7 +484,7 @@ struct vor_loop_told {
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
       "Whether sheets lie closer together than a fit reaches, on much of the cloud")               \
     X(REAL, own, "sheets.own", "",                                                                 \
-      "Share of the points that have neighbours other than simply the nearest points")             \
+      "Share of the points of which the neighbours are not simply the nearest points")             \
     X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
     X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
     X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")  \

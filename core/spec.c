@@ -336,7 +336,7 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
                               name, word);
     if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
         return vor_fail_param(err, VOR_E_PARAM, name,
-                              "%s is %s, which follows no density, want density uniform", name,
+                              "%s is %s, which supports no density, want density uniform", name,
                               word);
     return VOR_OK;
 }

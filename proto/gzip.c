@@ -96,7 +96,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
         return refuse_excess(z, err);
     z->out += got;
     if (got > 0 && z->sink->write(z->sink->ctx, z->block, got) != 0)
-        return vor_fail(err, VOR_E_IO, "what the gzip body inflates to cannot be kept");
+        return vor_fail(err, VOR_E_IO, "the inflated gzip body cannot be kept");
     if (code == Z_STREAM_END)
         return end_member(z, done, err);
     if (code == Z_MEM_ERROR)

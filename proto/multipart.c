@@ -190,7 +190,7 @@ static const char *take_name(struct vor_multipart *scanner, const struct paramet
     if (scanner->name[0] != '\0')
         return "a part has two names";
     if (parameter->length == 0 || parameter->length > VOR_MULTIPART_NAME_MAX)
-        return "a part's name has no character, or more than 64";
+        return "a part's name is empty or longer than 64 characters";
     memcpy(scanner->name, parameter->value, parameter->length + 1);
     return NULL;
 }
@@ -457,5 +457,5 @@ vor_status vor_multipart_finish(const struct vor_multipart *scanner, struct vor_
     /* A CR behind the last boundary whose LF did not come is a body cut short as well. */
     if (scanner->state == VOR_MULTIPART_CLOSED && scanner->matched != 1)
         return VOR_OK;
-    return refuse(err, scanner->offset, "it ends before its last boundary does");
+    return refuse(err, scanner->offset, "it ends without a last boundary");
 }

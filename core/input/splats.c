@@ -31,9 +31,9 @@ vor_status vor_splats_check(const struct vor_cloud *cloud, const struct vor_spec
     if (spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_DROP || moves_no_point(spec) ||
         !is_splats(cloud))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_SPLATS, "attributes",
-                          "the cloud is a 3D Gaussian splat (f_dc_0, opacity, scale_0, rot_0), of "
-                          "which the scales and rotations are wrong at other places; "
-                          "attributes=drop resamples its points without them, filters=outliers "
-                          "removes outliers and keeps the other splats");
+    return vor_fail_param(
+        err, VOR_E_SPLATS, "attributes",
+        "the cloud is a 3D Gaussian splat (f_dc_0, opacity, scale_0, rot_0); its scales and "
+        "rotations would be wrong at other places: attributes=drop resamples the points alone, "
+        "filters=outliers removes outliers and keeps the other splats");
 }

@@ -273,10 +273,10 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
 
     if (vor_field_is(&domain->field))
         return vor_fail_param(err, VOR_E_DENSITY, "density",
-                              "method kmeans follows no density, want uniform, or method cvt");
+                              "method kmeans supports no density, want uniform, or method cvt");
     if (vor_tensors_are(&domain->tensors))
         return vor_fail_param(err, VOR_E_METRIC, "metric",
-                              "method kmeans follows no metric, want isotropic, or method cvt");
+                              "method kmeans supports no metric, want isotropic, or method cvt");
     if (spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES)
         return vor_fail_param(err, VOR_E_PARAM, "boundary",
                               "method kmeans has no sites, want boundary keep, free or fill, or "

@@ -359,7 +359,8 @@ vor_status vor_distortion_measure(struct vor_distortion *out,
     vor_status status;
 
     if (pair->n == 0 || pair->m == 0)
-        return vor_fail(err, VOR_E_DEGENERATE, "%zu points and a reference of %zu, want some",
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "the cloud has %zu points and the reference %zu, want at least 1 each",
                         pair->n, pair->m);
     if (carried != NULL && carried->components < 3)
         carried = NULL;

@@ -82,7 +82,7 @@ enum vor_warning_kind {
     X(WARNING_ABOUT, about, "about", "",                                                           \
       "Parameter or member of the report that the warning is about")                               \
     X(REAL, value, "value", "", "Its value, in its unit, or a count")                              \
-    X(REAL, limit, "limit", "", "Value from which on there is no warning")                         \
+    X(REAL, limit, "limit", "", "Limit; from this value on there is no warning")                   \
     X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
 
 struct vor_warning {
@@ -153,8 +153,8 @@ struct vor_hole_told {
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Points made: as many as the result has, but at most those of the input; a voxel grid "      \
-      "makes about as many")                                                                       \
+      "Number of points: that of the result, but at most that of the input; about as many for a "  \
+      "voxel grid")                                                                                \
     X(REAL, delta, "delta", "", "delta, as of the result")                                         \
     X(REAL, sigma, "sigma", "unit of the cloud", "sigma, as of the result")                        \
     X(REAL, epsilon, "epsilon", "", "epsilon, as of the result")                                   \

@@ -105,7 +105,7 @@ static vor_status read_faces(struct faces *faces, size_t header_bytes, struct vo
     if (!is_ours(element) || header->encoding != VOR_PLY_LITTLE)
         return vor_ply_at(
             err, element->offset,
-            vor_fail(err, VOR_E_FORMAT, "the second element of the PLY file is none of our faces"));
+            vor_fail(err, VOR_E_FORMAT, "the second element of the PLY file is not the faces"));
     body->at = header->body;
     body->encoding = header->encoding;
     status = vor_ply_binary_skip(body, &header->elements[0], err);

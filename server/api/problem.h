@@ -25,7 +25,7 @@
     X("not-running", 409, 0, 0, "The job is not running")                                          \
     X("idempotency-in-flight", 409, 1, 0, "A request with this key is in progress")                \
     X("job-expired", 410, 0, 0, "The results of the job have been deleted")                        \
-    X("precondition-failed", 412, 0, 0, "The ETag is another one")                                 \
+    X("precondition-failed", 412, 0, 0, "The ETag does not match")                                 \
     X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
     X("idempotency-key-reused", 422, 0, 0, "The key belongs to another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \

@@ -29,8 +29,8 @@ enum vor_setting_kind {
  *  over the file. */
 #define VOR_SETTING_TABLE(X)                                                                       \
     X(CONFIG, "config", TEXT, "FILE", 0, 0, "",                                                    \
-      "Settings, a line \"name = value\" each, for what neither flags nor the environment give; "  \
-      "else " VOR_CONFIG_PLACE " where there is one")                                              \
+      "File of settings, one line \"name = value\" each, which flags and the environment "         \
+      "override. Default: " VOR_CONFIG_PLACE " where there is one")                                \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
       "Check the settings, report every error and exit")                                           \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
@@ -82,7 +82,7 @@ enum vor_setting_kind {
       "Total size of these files; the oldest are deleted first")                                   \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Space held in reserve, in a file beside --store, so that jobs can still be finished and "   \
-      "deleted when the disk is full. Uploads leave as much free besides")                         \
+      "deleted when the disk is full. Uploads leave the same space free again")                    \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
       "path that a trusted proxy sends, else http:// and the Host header")                         \

@@ -299,9 +299,9 @@ static int print_daemon_page(FILE *out)
     print_text(out, "Running jobs finish within --drain-timeout; others wait for the next start. A "
                     "second signal ends the daemon at once.");
     fputs(".TP\nSIGHUP\n", out);
-    print_text(out, "The settings are read again, of which --log-level takes effect, and then the "
-                    "file of --api-keys. A setting at fault changes nothing; a fault in that file "
-                    "leaves the keys as they were.");
+    print_text(out, "Reads the settings again, of which only --log-level takes effect, then the "
+                    "file of --api-keys. If a setting is wrong, nothing changes; if that file is "
+                    "wrong, the keys stay as they were.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);

@@ -135,7 +135,7 @@ static void add_fields(struct vor_request *request, struct MHD_Response *respons
 static void apply_conditions(struct vor_request *request)
 {
     const struct vor_refusal failed = {412, "precondition-failed",
-                                       "If-Match names no ETag that this has now", 0, 0};
+                                       "no ETag in If-Match is the current one", 0, 0};
     const struct vor_reply *reply = &request->reply;
     int http = 200;
 

@@ -69,7 +69,7 @@ function numbers(buffer, head) {
     };
     next.table = ({ properties, count }, sinks) => {
         const stride = properties.reduce((sum, one) => sum + READERS[one.type][1], 0);
-        if (at + stride * count > buffer.byteLength) throw new RangeError('the file is over');
+        if (at + stride * count > buffer.byteLength) throw new RangeError('The file ends too early.');
         properties.forEach((one, k) => {
             const [get, size] = READERS[one.type];
             if (sinks[k]) readColumn(view, get, little, { at, stride, count }, sinks[k]);
@@ -90,7 +90,7 @@ function words(bytes, at) {
         while (at < bytes.length && bytes[at] <= 32) at++;
         const begin = at;
         while (at < bytes.length && bytes[at] > 32) at++;
-        if (begin === at) throw new RangeError('the file is over');
+        if (begin === at) throw new RangeError('The file ends too early.');
         return Number(String.fromCharCode.apply(null, bytes.subarray(begin, at)));
     };
 }

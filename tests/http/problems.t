@@ -109,11 +109,11 @@ refused($daemon->post('/v1/resample?points=10&density=edges', $cloud), 422, 'unu
 refused($daemon->post('/v1/resample?points=10&metric=attribute:shape', $cloud), 422, 'unusable-metric',
     qr/no tensors shape, want six scalars NAME_xx, .*; its tensors are none/, 'a metric that is not there');
 refused($daemon->post('/v1/resample?points=3&method=kmeans&metric=anisotropic', $cloud), 422, 'unusable-metric',
-    qr/kmeans follows no metric/, 'a metric that the method does not follow');
+    qr/kmeans supports no metric/, 'a metric that the method does not follow');
 my $splats = $line =~ s/end_header\n.*//sr . join('', map { "property float $_\n" } qw(f_dc_0 opacity scale_0 rot_0)) . "end_header\n";
 $splats =~ s/vertex 9/vertex 500/;
 $splats .= join '', map { join(' ', cos($_), sin($_), $_ / 500, 1 .. 4) . "\n" } 1 .. 500;
-refused($daemon->post("/v1/$_", $splats), 422, 'gaussian-splats', qr/^the cloud is a 3D Gaussian splat .*; attributes=drop resamples its points/,
+refused($daemon->post("/v1/$_", $splats), 422, 'gaussian-splats', qr/^the cloud is a 3D Gaussian splat .*: attributes=drop resamples the points alone/,
     "splats would move: $_") for 'resample?points=10', 'denoise?filters=mls';
 is $daemon->post("/v1/$_", $splats)->{status}, 200, "and here they do not: $_"
     for 'resample?points=10&attributes=drop', 'denoise?filters=outliers', 'convert?format=drc', 'measure', 'inspect';
@@ -121,8 +121,8 @@ for my $case (
     ['metric=lp&method=kmeans', qr/^metric is lp, which only method cvt supports$/, 'a metric with kmeans'],
     ['edges=sites&method=wlop', qr/^edges is sites, which method wlop does not support, want ignore/, 'sites with wlop'],
     ['cells=euclid&method=kmeans', qr/^cells is euclid, which only method cvt supports$/, 'cells with kmeans'],
-    ['metric=lp&density=curvature', qr/^metric is lp, which follows no density, want density uniform$/, 'a metric with a density'],
-    ['cells=euclid&density=curvature', qr/^cells is euclid, which follows no density/, 'cells with a density'],
+    ['metric=lp&density=curvature', qr/^metric is lp, which supports no density, want density uniform$/, 'a metric with a density'],
+    ['cells=euclid&density=curvature', qr/^cells is euclid, which supports no density/, 'cells with a density'],
 ) {
     my ($query, $detail, $name) = @$case;
     refused($daemon->post("/v1/resample?points=10&$query", $cloud), 400, 'invalid-parameter', $detail, $name);
