@@ -7,7 +7,7 @@ import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path.insert(0, os.path.join(HERE, "..", "page"))
+sys.path.insert(0, os.path.join(HERE, "..", "..", "page"))
 os.environ["VORONOID"] = sys.argv[1]
 import pictures  # noqa: E402
 from browser import Browser, By, Daemon, wait  # noqa: E402
