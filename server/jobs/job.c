@@ -1,7 +1,6 @@
 #include "server/jobs/job.h"
 
 #include "server/base/machine.h"
-#include "server/jobs/need.h"
 #include "server/jobs/pace.h"
 
 #include <ctype.h>
@@ -13,13 +12,10 @@
 
 struct vor_job {
     atomic_uint references;
-    atomic_int asked;    /* enum vor_answer */
-    _Atomic int64_t seq; /* as in the view */
+    atomic_int asked; /* enum vor_answer */
     struct vor_bus *bus;
     struct vor_preview *preview;
     struct vor_uuid id;
-    struct vor_turn turn;
-    char tenant[VOR_JOB_PRINCIPAL_SIZE];
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
@@ -77,10 +73,6 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
     job->id = row->id;
-    atomic_init(&job->seq, row->seq);
-    job->turn = (struct vor_turn){.bytes = vor_need_bytes(&row->spec, row->inputs, row->input),
-                                  .alone = row->alone};
-    memcpy(job->tenant, row->key.principal, sizeof job->tenant);
     job->view = *row;
     job->view.queue_position = -1;
     if (row->attempt > 1)
@@ -122,16 +114,6 @@ struct vor_preview *vor_job_preview(const struct vor_job *job)
     return job->preview;
 }
 
-const struct vor_turn *vor_job_turn(const struct vor_job *job)
-{
-    return &job->turn;
-}
-
-const char *vor_job_tenant(const struct vor_job *job)
-{
-    return job->tenant;
-}
-
 int vor_job_is_over(struct vor_job *job)
 {
     int is_over;
@@ -157,7 +139,7 @@ static void describe_step(struct vor_job_view *view)
 
 /* A process without a method places no points: all of its work is done before the first record, and
  * a stop changes nothing. */
-static void describe(struct vor_job_view *view, enum vor_answer asked)
+void vor_job_describe(struct vor_job_view *view, enum vor_answer asked)
 {
     static const char *const sentences[VOR_STAGES] = {
         [VOR_STAGE_QUEUED] = "Waiting for its turn",
@@ -183,20 +165,7 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
     out->eta_seconds = estimate(job);
     pthread_mutex_unlock(&job->state);
     if (!vor_job_status_over(out->status))
-        describe(out, vor_job_asked(job));
-}
-
-void vor_job_set_seq(struct vor_job *job, int64_t seq)
-{
-    atomic_store(&job->seq, seq);
-    pthread_mutex_lock(&job->state);
-    job->view.seq = seq;
-    pthread_mutex_unlock(&job->state);
-}
-
-int64_t vor_job_seq(const struct vor_job *job)
-{
-    return atomic_load(&job->seq);
+        vor_job_describe(out, vor_job_asked(job));
 }
 
 /* Begins a change; false, and nothing is held, when the job is over. */
@@ -262,7 +231,7 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
     job->view.stage = VOR_STAGE_QUEUED;
     job->view.updated = now_ms;
     if (is_suspect)
-        job->view.alone = job->turn.alone = 1;
+        job->view.alone = 1;
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_STATUS, now_ms);
     end_change(job);

@@ -6,7 +6,6 @@
 #include "core/report.h"
 #include "server/jobs/bus.h"
 #include "server/jobs/preview.h"
-#include "server/jobs/turns.h"
 #include "server/store/row.h"
 
 #include <stdint.h>
@@ -40,21 +39,14 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job);
 struct vor_bus *vor_job_bus(const struct vor_job *job);
 struct vor_preview *vor_job_preview(const struct vor_job *job);
 
-/** What it needs to run; borrowed. Only vor_job_restart changes it. */
-const struct vor_turn *vor_job_turn(const struct vor_job *job);
-
-/** Whose it is (vor_job_key.principal). Borrowed; does not change. */
-const char *vor_job_tenant(const struct vor_job *job);
-
 /** True from its END on. */
 int vor_job_is_over(struct vor_job *job);
 
-/** A snapshot; queue_position is -1 (vor_worker_get knows it). Never waits for an fsync. */
-void vor_job_view(struct vor_job *job, struct vor_job_view *out);
+/** Says what a job does, in its message: of a row that is not over, as of a live job. */
+void vor_job_describe(struct vor_job_view *view, enum vor_answer asked);
 
-/** Gives a job the place in the order of acceptance that the store found for it. */
-void vor_job_set_seq(struct vor_job *job, int64_t seq);
-int64_t vor_job_seq(const struct vor_job *job);
+/** A snapshot; queue_position is -1 (the store knows it). Never waits for an fsync. */
+void vor_job_view(struct vor_job *job, struct vor_job_view *out);
 
 /* What follows publishes events; the locks that a subscriber's wake takes must not be held. All but
  * vor_job_end do nothing once the job is over. */

@@ -3,8 +3,8 @@
  *
  *  A driver keeps its statements and its schema to itself. Every
  *  function may be called from any thread, and a change is durable when its function returns.
- *  Whoever runs a job names, in each change of its row, the attempt that claim gave him; once the
- *  job has been given to somebody else, such a change does nothing. */
+ *  Whoever runs a job names, in each change of its row, the attempt that claim_next gave him; once
+ *  the job has been given to somebody else, such a change does nothing. */
 #ifndef VOR_SERVER_STORE_DRIVER_H
 #define VOR_SERVER_STORE_DRIVER_H
 
@@ -77,13 +77,28 @@ struct vor_evictions {
     size_t max, count;
 };
 
-/** That the process of a run has ended without a word, and not the daemon. */
-struct vor_crashed_run {
-    uint32_t attempt; /**< the caller's, as the next two */
-    int was_alone;    /**< nothing ran beside it */
+/** Who claims a job, and what may be claimed. */
+struct vor_claim {
+    const char *owner; /**< borrowed: of this life of a daemon alone */
     int64_t now_ms;
+    uint64_t memory;  /**< bytes: a job that needs more is not claimed; UINT64_MAX for any */
+    int may_be_alone; /**< also one that is to have nothing beside it (vor_job_view.alone) */
+};
+
+/** A run that came to nothing, whose job is to wait again. */
+struct vor_hand_back {
+    uint32_t attempt; /**< the caller's, as the next three */
+    int64_t now_ms;
+    int is_crash;     /**< its process has ended without a word: the job is to run alone */
+    int was_alone;    /**< and nothing ran beside it, which counts against the job */
     int changed;      /**< the store's: 0 when this is not the running attempt */
-    unsigned crashes; /**< of the job, this one included, with nothing beside it */
+    unsigned crashes; /**< that count against the job, this one included */
+};
+
+/** What waits. */
+struct vor_waiting {
+    uint64_t jobs, decoded; /**< how many, and the bytes of their decoded inputs */
+    int64_t oldest_ms;      /**< when the one that is next was accepted; 0 when none waits */
 };
 
 /** The functions of a driver. Each does what the function of store.h with its name promises. */
@@ -97,15 +112,13 @@ struct vor_store_driver {
     vor_status (*check)(struct vor_store *store, struct vor_error *err);
     vor_status (*insert)(struct vor_store *store, struct vor_job_view *row,
                          struct vor_ledger *ledger, struct vor_error *err);
-    vor_status (*claim)(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
-                        uint32_t *attempt, int *changed, struct vor_error *err);
+    vor_status (*claim_next)(struct vor_store *store, const struct vor_claim *claim,
+                             struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*beat)(struct vor_store *store, const struct vor_job_view *row,
                        struct vor_error *err);
-    vor_status (*release)(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
-                          int64_t now_ms, int *changed, struct vor_error *err);
+    vor_status (*hand_back)(struct vor_store *store, const struct vor_uuid *id,
+                            struct vor_hand_back *run, struct vor_error *err);
     /** ending is not NULL here. */
-    vor_status (*crashed)(struct vor_store *store, const struct vor_uuid *id,
-                          struct vor_crashed_run *run, struct vor_error *err);
     vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
                          const struct vor_store_ending *ending, int *changed,
                          struct vor_error *err);
@@ -124,15 +137,13 @@ struct vor_store_driver {
     vor_status (*list)(struct vor_store *store, const struct vor_job_filter *filter,
                        int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                        struct vor_error *err);
-    vor_status (*waiting)(struct vor_store *store,
-                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
-                          struct vor_error *err);
+    vor_status (*waiting)(struct vor_store *store, struct vor_waiting *out, struct vor_error *err);
     vor_status (*evict)(struct vor_store *store, enum vor_evict why, int64_t limit,
                         struct vor_evictions *evictions, struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-    vor_status (*recover)(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
-                          struct vor_error *err);
+    vor_status (*reap)(struct vor_store *store, const char *owner, int64_t now_ms, uint64_t *reaped,
+                       struct vor_error *err);
 };
 
 #endif

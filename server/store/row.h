@@ -115,7 +115,9 @@ struct vor_job_view {
     unsigned inputs;      /**< bit i: input i of the process came along; the main one always does */
     struct vor_job_input input[VOR_INPUTS_MAX];    /**< in the order of the process's inputs */
     struct vor_job_output output[VOR_OUTPUTS_MAX]; /**< likewise of its outputs; successful */
-    uint64_t kept; /**< bytes of its uploads that are kept; 0 when they are not, or no more */
+    uint64_t kept;    /**< bytes of its uploads that are kept; 0 when they are not, or no more */
+    uint64_t memory;  /**< bytes that a run takes, as estimated */
+    uint64_t decoded; /**< bytes of its decoded inputs */
     int has_record;
     struct vor_record record; /**< the latest */
     struct vor_error problem; /**< failed; status VOR_OK otherwise */

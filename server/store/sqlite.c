@@ -109,14 +109,19 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         vor_sqlite_of(store), take_seq, &seq, err,
         "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
         " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-        " traceparent, principal, idem_key, fingerprint, kept)"
-        " VALUES (?, ?, 'accepted', ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
-        " RETURNING seq",
-        "tttttiiitriittttti", row->id.text, row->process, row->message, text->request.data,
+        " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, turn)"
+        " VALUES (?1, ?2, 'accepted', ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?11, ?12, ?13, ?14,"
+        " ?15, ?16, ?17, ?18, ?19, max((SELECT coalesce(max(turn), 0) FROM ledger),"
+        " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE status = 'accepted'),"
+        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE status = 'accepted'"
+        "  AND principal = ?14),"
+        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14), 0))) RETURNING seq",
+        "tttttiiitritttttiii", row->id.text, row->process, row->message, text->request.data,
         text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
-        input->sha256, input->seconds, row->created, row->created, row->name,
+        input->sha256, input->seconds, row->created, row->name,
         vor_span_text(&row->span, traceparent), row->key.principal,
-        row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept);
+        row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept,
+        (int64_t)row->memory, (int64_t)row->decoded);
 
     if (status == VOR_OK)
         row->seq = seq;
@@ -130,7 +135,7 @@ static vor_status insert(struct vor_store *store, struct vor_job_view *row,
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sqlite_begin(vor_sqlite_of(store), err);
+        status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_DURABLE, err);
     if (status != VOR_OK)
         goto done;
     if (ledger != NULL) {
@@ -147,35 +152,6 @@ done:
     return status;
 }
 
-struct claimed {
-    int changed;
-    uint32_t attempt;
-};
-
-static void take_attempt(void *ctx, struct vor_sqlite_row *row)
-{
-    struct claimed *claimed = ctx;
-
-    claimed->changed = 1;
-    claimed->attempt = (uint32_t)vor_sqlite_number(row);
-}
-
-static vor_status claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
-                        uint32_t *attempt, int *changed, struct vor_error *err)
-{
-    struct claimed claimed = {0};
-    vor_status status = vor_sqlite_change_each(
-        vor_sqlite_of(store), take_attempt, &claimed, err,
-        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
-        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END"
-        " WHERE id = ?1 AND status = 'accepted' RETURNING attempt",
-        "ti", id->text, now_ms);
-
-    *changed = claimed.changed;
-    *attempt = claimed.attempt;
-    return status;
-}
-
 static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
                        struct vor_error *err)
 {
@@ -184,23 +160,39 @@ static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
+        status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_LAZY, err);
+    if (status == VOR_OK) {
         status = vor_sqlite_change(
             vor_sqlite_of(store), &changed, err,
             "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
             " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
             "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
             row->updated);
+        status = vor_sqlite_end(vor_sqlite_of(store), status, err);
+    }
     vor_row_text_free(&text);
     return status;
 }
 
-static vor_status release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
-                          int64_t now_ms, int *changed, struct vor_error *err)
+static void take_crashes(void *ctx, struct vor_sqlite_row *row)
 {
-    return vor_sqlite_change(vor_sqlite_of(store), changed, err,
-                             "UPDATE job SET status = 'accepted', updated = ?3"
-                             " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
-                             "tii", id->text, (int64_t)attempt, now_ms);
+    struct vor_hand_back *run = ctx;
+
+    run->changed = 1;
+    run->crashes = (unsigned)vor_sqlite_number(row);
+}
+
+static vor_status hand_back(struct vor_store *store, const struct vor_uuid *id,
+                            struct vor_hand_back *run, struct vor_error *err)
+{
+    run->changed = 0;
+    run->crashes = 0;
+    return vor_sqlite_change_each(
+        vor_sqlite_of(store), take_crashes, run, err,
+        "UPDATE job SET status = 'accepted', alone = max(alone, ?4), crashes = crashes + ?5,"
+        " updated = ?3 WHERE id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes",
+        "tiiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->is_crash != 0),
+        (int64_t)(run->is_crash && run->was_alone));
 }
 
 /* Bytes of the outputs that are blobs. */
@@ -248,7 +240,7 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
 {
     int64_t seq = 0;
     int rows;
-    vor_status status = vor_sqlite_begin(vor_sqlite_of(store), err);
+    vor_status status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_DURABLE, err);
 
     *changed = 0;
     if (status != VOR_OK)
@@ -279,7 +271,14 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " report_bytes,"                                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
-    " name, traceparent, principal, idem_key, fingerprint, kept, alone"
+    " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded"
+
+/* How many leave before a row that waits; -1 for others. */
+#define POSITION                                                                                   \
+    ", CASE status WHEN 'accepted' THEN (SELECT coalesce(sum(jobs), 0) FROM round"                 \
+    " WHERE number < job.turn >> 8) + (SELECT count(*) FROM job AS other INDEXED BY job_ready"     \
+    " WHERE other.status = 'accepted' AND other.turn >= job.turn >> 8 << 8"                        \
+    " AND (other.turn, other.seq) < (job.turn, job.seq)) ELSE -1 END"
 
 /* How far a job got, as far as its row tells. */
 static enum vor_stage stage_of(const struct vor_job_view *row)
@@ -331,7 +330,7 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 {
     struct vor_row_columns columns;
 
-    *out = (struct vor_job_view){.queue_position = -1, .eta_seconds = -1};
+    *out = (struct vor_job_view){.eta_seconds = -1};
     vor_sqlite_copy(row, out->id.text, sizeof out->id.text);
     out->seq = vor_sqlite_number(row);
     vor_sqlite_copy(row, out->process, sizeof out->process);
@@ -362,6 +361,9 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     vor_sqlite_copy(row, out->key.fingerprint, sizeof out->key.fingerprint);
     out->kept = (uint64_t)vor_sqlite_number(row);
     out->alone = (int)vor_sqlite_number(row);
+    out->memory = (uint64_t)vor_sqlite_number(row);
+    out->decoded = (uint64_t)vor_sqlite_number(row);
+    out->queue_position = (long)vor_sqlite_number(row);
     out->stage = stage_of(out);
 }
 
@@ -384,7 +386,7 @@ static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, con
 {
     struct taken taken = {.row = out};
     vor_status status = vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
-                                         "SELECT " ROW_COLUMNS " FROM job WHERE id = ?1"
+                                         "SELECT " ROW_COLUMNS POSITION " FROM job WHERE id = ?1"
                                          " AND (?2 IS NULL OR principal = ?2)",
                                          "tt", id->text, tenant);
 
@@ -396,10 +398,10 @@ static vor_status find_key(struct vor_store *store, const struct vor_job_key *ke
                            struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status =
-        vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
-                         "SELECT " ROW_COLUMNS " FROM job WHERE principal = ? AND idem_key = ?",
-                         "tt", key->principal, key->text);
+    vor_status status = vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
+                                         "SELECT " ROW_COLUMNS POSITION
+                                         " FROM job WHERE principal = ? AND idem_key = ?",
+                                         "tt", key->principal, key->text);
 
     *found = taken.found;
     return status;
@@ -496,7 +498,7 @@ static void status_words(char *out, size_t size, unsigned statuses)
 
 /* The rows of a list, found in an index alone. */
 #define LIST(index, first)                                                                         \
-    "SELECT " ROW_COLUMNS " FROM job WHERE seq IN (SELECT seq FROM job INDEXED BY " index          \
+    "SELECT " ROW_COLUMNS POSITION " FROM job WHERE seq IN (SELECT seq FROM job INDEXED BY " index \
     " WHERE expired = 0" first " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"             \
     " AND (?2 IS NULL OR process_id = ?2) AND seq < ?3"                                            \
     " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"                                             \
@@ -504,18 +506,6 @@ static void status_words(char *out, size_t size, unsigned statuses)
     " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
     " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
     " ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
-
-static vor_status waiting(struct vor_store *store,
-                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
-                          struct vor_error *err)
-{
-    struct listing listing = {.each = each, .ctx = ctx};
-
-    return vor_sqlite_query(vor_sqlite_of(store), list_row, &listing, err,
-                            "SELECT " ROW_COLUMNS
-                            " FROM job WHERE status = 'accepted' AND expired = 0 ORDER BY seq",
-                            "");
-}
 
 static vor_status list_rows(struct vor_store *store, const struct vor_job_filter *filter,
                             int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
@@ -534,6 +524,37 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
                             filter->duration_min, filter->duration_max, filter->now, filter->name,
                             filter->tenant);
+}
+
+static void take_claimed(void *ctx, struct vor_sqlite_row *row)
+{
+    struct taken *taken = ctx;
+
+    read_row(taken->row, row);
+    taken->found = 1;
+}
+
+static vor_status claim_next(struct vor_store *store, const struct vor_claim *claim,
+                             struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
+    struct taken taken = {.row = out};
+    vor_status status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_LAZY, err);
+
+    *found = 0;
+    if (status != VOR_OK)
+        return status;
+    status = vor_sqlite_change_each(
+        vor_sqlite_of(store), take_claimed, &taken, err,
+        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
+        " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE status = 'accepted'"
+        " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS
+        ", -1",
+        "tiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0));
+    status = vor_sqlite_end(vor_sqlite_of(store), status, err);
+    *found = status == VOR_OK && taken.found;
+    return status;
 }
 
 static int take_ledger_of(void *ctx, struct vor_sqlite_row *row)
@@ -558,10 +579,9 @@ const struct vor_store_driver vor_store_sqlite = {
     .close = close_store,
     .check = check,
     .insert = insert,
-    .claim = claim,
+    .claim_next = claim_next,
     .beat = beat,
-    .release = release,
-    .crashed = vor_sqlite_crashed,
+    .hand_back = hand_back,
     .finish = finish,
     .remove = remove_row,
     .get_of = get_of,
@@ -570,9 +590,9 @@ const struct vor_store_driver vor_store_sqlite = {
     .report = get_report,
     .trace = get_trace,
     .list = list_rows,
-    .waiting = waiting,
+    .waiting = vor_sqlite_waiting,
     .evict = vor_sqlite_evict,
     .shift = vor_sqlite_shift,
     .newest = vor_sqlite_newest,
-    .recover = vor_sqlite_recover,
+    .reap = vor_sqlite_reap,
 };

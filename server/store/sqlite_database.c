@@ -34,6 +34,7 @@ struct vor_sqlite {
     atomic_int broken;
     atomic_uint next_reader; /* to wait for where none is free */
     struct connection writer, reader[READERS];
+    int is_lazy; /* the writer's transaction need not be durable */
 };
 
 struct vor_sqlite_row {
@@ -331,14 +332,27 @@ vor_status vor_sqlite_change_each(struct vor_sqlite *db,
     return status;
 }
 
-vor_status vor_sqlite_begin(struct vor_sqlite *db, struct vor_error *err)
+static void release_writer(struct vor_sqlite *db)
+{
+    if (db->is_lazy)
+        (void)sqlite3_exec(db->writer.handle, "PRAGMA synchronous=FULL", NULL, NULL, NULL);
+    db->is_lazy = 0;
+    pthread_mutex_unlock(&db->writer.mutex);
+}
+
+vor_status vor_sqlite_begin(struct vor_sqlite *db, enum vor_sqlite_how how, struct vor_error *err)
 {
     vor_status status;
 
     pthread_mutex_lock(&db->writer.mutex);
-    status = vor_sqlite_broken(db) ? refuse(err) : run(db, &db->writer, "BEGIN IMMEDIATE", err);
+    db->is_lazy = how == VOR_SQLITE_LAZY;
+    status = vor_sqlite_broken(db) ? refuse(err)
+                                   : run(db, &db->writer,
+                                         db->is_lazy ? "PRAGMA synchronous=NORMAL; BEGIN IMMEDIATE"
+                                                     : "BEGIN IMMEDIATE",
+                                         err);
     if (status != VOR_OK)
-        pthread_mutex_unlock(&db->writer.mutex);
+        release_writer(db);
     return status;
 }
 
@@ -348,7 +362,7 @@ vor_status vor_sqlite_end(struct vor_sqlite *db, vor_status status, struct vor_e
         status = run(db, &db->writer, "COMMIT", err);
     if (status != VOR_OK && !sqlite3_get_autocommit(db->writer.handle))
         (void)sqlite3_exec(db->writer.handle, "ROLLBACK", NULL, NULL, NULL);
-    pthread_mutex_unlock(&db->writer.mutex);
+    release_writer(db);
     return status;
 }
 

@@ -48,8 +48,13 @@ int vor_sqlite_take_number(void *ctx, struct vor_sqlite_row *row);
  *  @param[in] status  of what was done between; unless it is VOR_OK all is taken back, and it is
  *                     what is returned
  *
+ *  @param[in] how     lazy: a kill of the process undoes nothing, a crash of the machine may undo
+ *                     the change, unless a durable one has followed
+ *
  *  @retval VOR_E_IO   of begin: nothing has begun, and no end may follow */
-VOR_NODISCARD vor_status vor_sqlite_begin(struct vor_sqlite *db, struct vor_error *err);
+enum vor_sqlite_how { VOR_SQLITE_DURABLE, VOR_SQLITE_LAZY };
+VOR_NODISCARD vor_status vor_sqlite_begin(struct vor_sqlite *db, enum vor_sqlite_how how,
+                                          struct vor_error *err);
 VOR_NODISCARD vor_status vor_sqlite_end(struct vor_sqlite *db, vor_status status,
                                         struct vor_error *err);
 

@@ -86,36 +86,38 @@ vor_status vor_sqlite_newest(struct vor_store *store, int64_t *newest_ms, struct
         "");
 }
 
-vor_status vor_sqlite_recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+static int take_waiting(void *ctx, struct vor_sqlite_row *row)
+{
+    struct vor_waiting *waiting = ctx;
+
+    waiting->jobs = (uint64_t)vor_sqlite_number(row);
+    waiting->decoded = (uint64_t)vor_sqlite_number(row);
+    waiting->oldest_ms = vor_sqlite_number(row);
+    return 1;
+}
+
+vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,
                               struct vor_error *err)
+{
+    *out = (struct vor_waiting){.jobs = 0};
+    return vor_sqlite_query(
+        vor_sqlite_of(store), take_waiting, out, err,
+        "SELECT coalesce(sum(jobs), 0), coalesce(sum(decoded), 0), coalesce((SELECT created FROM"
+        " job INDEXED BY job_ready WHERE status = 'accepted' ORDER BY turn, seq LIMIT 1), 0)"
+        " FROM round",
+        "");
+}
+
+vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t now_ms,
+                           uint64_t *reaped, struct vor_error *err)
 {
     int changed = 0;
     vor_status status =
         vor_sqlite_change(vor_sqlite_of(store), &changed, err,
-                          "UPDATE job SET status = 'accepted', updated = ?1, alone = 1"
-                          " WHERE status = 'running' AND expired = 0",
-                          "i", now_ms);
+                          "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
+                          " WHERE status = 'running' AND expired = 0 AND owner <> ?1",
+                          "ti", owner, now_ms);
 
-    *requeued = (uint64_t)changed;
+    *reaped = (uint64_t)changed;
     return status;
-}
-
-static void take_crashes(void *ctx, struct vor_sqlite_row *row)
-{
-    struct vor_crashed_run *run = ctx;
-
-    run->changed = 1;
-    run->crashes = (unsigned)vor_sqlite_number(row);
-}
-
-vor_status vor_sqlite_crashed(struct vor_store *store, const struct vor_uuid *id,
-                              struct vor_crashed_run *run, struct vor_error *err)
-{
-    run->changed = 0;
-    run->crashes = 0;
-    return vor_sqlite_change_each(
-        vor_sqlite_of(store), take_crashes, run, err,
-        "UPDATE job SET status = 'accepted', alone = 1, crashes = crashes + ?4, updated = ?3"
-        " WHERE id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes",
-        "tiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->was_alone != 0));
 }

@@ -22,9 +22,9 @@ vor_status vor_sqlite_evict(struct vor_store *store, enum vor_evict why, int64_t
                             struct vor_evictions *evictions, struct vor_error *err);
 vor_status vor_sqlite_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err);
 vor_status vor_sqlite_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-vor_status vor_sqlite_recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
+vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,
                               struct vor_error *err);
-vor_status vor_sqlite_crashed(struct vor_store *store, const struct vor_uuid *id,
-                              struct vor_crashed_run *run, struct vor_error *err);
+vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t now_ms,
+                           uint64_t *reaped, struct vor_error *err);
 
 #endif

@@ -1,12 +1,14 @@
 #include "server/store/sqlite_schema.h"
 
-/* Version 7 is the first that is kept: what comes later goes on from it. A store of version 6 is
- * brought up to it; versions 1 to 5 were never released. */
-enum { SCHEMA_VERSION = 7, SCHEMA_BEFORE = 6 };
+/* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
+ * brought up to it; versions 1 to 5 and 7 were never released. */
+enum { SCHEMA_VERSION = 8, SCHEMA_BEFORE = 6 };
 
 /* A row of job is short and is written when the state changes. What is long and is asked for by
- * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, kept by
- * triggers too, so that it changes in the transaction of whatever changes a job. */
+ * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, and the
+ * turn of its job that was claimed last; round is how much waits in each 256 turns, by which a
+ * place in the queue is counted. Triggers keep both, so that they change in the transaction of
+ * whatever changes a job. */
 #define TABLES                                                                                     \
     "CREATE TABLE job ("                                                                           \
     " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"   \
@@ -28,13 +30,20 @@ enum { SCHEMA_VERSION = 7, SCHEMA_BEFORE = 6 };
     " fingerprint TEXT NOT NULL DEFAULT '',"                                                       \
     " kept INTEGER NOT NULL DEFAULT 0," /* bytes of inputs */                                      \
     " held INTEGER NOT NULL DEFAULT 0," /* bytes of results */                                     \
-    " alone INTEGER NOT NULL DEFAULT 0, traceparent TEXT NOT NULL DEFAULT '');"                    \
+    " alone INTEGER NOT NULL DEFAULT 0, traceparent TEXT NOT NULL DEFAULT '',"                     \
+    " turn INTEGER NOT NULL DEFAULT 0, memory INTEGER NOT NULL DEFAULT 0,"                         \
+    " decoded INTEGER NOT NULL DEFAULT 0, owner TEXT NOT NULL DEFAULT '');"                        \
     "CREATE TABLE job_blob (seq INTEGER PRIMARY KEY, report TEXT, trace BLOB);"                    \
     "CREATE TABLE ledger (principal TEXT PRIMARY KEY, jobs INTEGER NOT NULL, kept INTEGER NOT"     \
-    " NULL, held INTEGER NOT NULL) WITHOUT ROWID;"
+    " NULL, held INTEGER NOT NULL, turn INTEGER NOT NULL DEFAULT -1) WITHOUT ROWID;"               \
+    "CREATE TABLE round (number INTEGER PRIMARY KEY, jobs INTEGER NOT NULL,"                       \
+    " decoded INTEGER NOT NULL);"
 
 /* Each index of a list holds all columns that lists are about. */
 #define INDEXES                                                                                    \
+    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
+    "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
+    "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
     "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
     "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
     "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
@@ -47,34 +56,37 @@ enum { SCHEMA_VERSION = 7, SCHEMA_BEFORE = 6 };
     "CREATE INDEX job_owned ON job"                                                                \
     " (principal, seq, status, process_id, created, started, finished, name) WHERE expired = 0;"
 
-#define IS_LIVE(row) "(" row ".status IN ('accepted', 'running'))"
+/* clang-format off */
+#define WAITS(row) "(" row ".status = 'accepted')"
+#define LIVES(row) "(" row ".status IN ('accepted', 'running'))"
+#define COUNT(row, by)                                                                             \
+    " INSERT INTO round SELECT " row ".turn >> 8, " by ", (" by ") * " row ".decoded"              \
+    " WHERE " by " <> 0 ON CONFLICT (number)"                                                      \
+    " DO UPDATE SET jobs = jobs + excluded.jobs, decoded = decoded + excluded.decoded;"            \
+    " DELETE FROM round WHERE number = " row ".turn >> 8 AND jobs = 0;"
 
 #define TRIGGERS                                                                                   \
     "CREATE TRIGGER job_added AFTER INSERT ON job BEGIN"                                           \
-    " INSERT INTO ledger VALUES (new.principal, " IS_LIVE(                                         \
-        "new") ", new.kept, new.held)"                                                             \
-               " ON CONFLICT (principal) DO UPDATE SET jobs = jobs + excluded.jobs,"               \
-               " kept = kept + excluded.kept, held = held + excluded.held; END;"                   \
-               "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job WHEN "        \
-               "new.kept <>"                                                                       \
-               " old.kept OR new.held <> old.held OR " IS_LIVE("new") " <> " IS_LIVE(              \
-                   "old") " BEGIN"                                                                 \
-                          " UPDATE ledger SET jobs = jobs + " IS_LIVE("new") " - " IS_LIVE(        \
-                              "old") ","                                                           \
-                                     " kept = kept + new.kept - old.kept, held = held + new.held " \
-                                     "- old.held"                                                  \
-                                     " WHERE principal = new.principal; END;"                      \
-                                     "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job "  \
-                                     "WHEN new.expired BEGIN"                                      \
-                                     " DELETE FROM job_blob WHERE seq = new.seq; END;"             \
-                                     "CREATE TRIGGER job_removed AFTER DELETE ON job BEGIN"        \
-                                     " UPDATE ledger SET jobs = jobs - " IS_LIVE(                  \
-                                         "old") ", kept = kept - old.kept,"                        \
-                                                " held = held - old.held WHERE principal = "       \
-                                                "old.principal;"                                   \
-                                                " DELETE FROM job_blob WHERE seq = old.seq; END;"
+    " INSERT INTO ledger (principal, jobs, kept, held)"                                            \
+    " VALUES (new.principal, " LIVES("new") ", new.kept, new.held)"                                \
+    " ON CONFLICT (principal) DO UPDATE SET jobs = jobs + excluded.jobs,"                          \
+    " kept = kept + excluded.kept, held = held + excluded.held;"                                   \
+    COUNT("new", WAITS("new")) " END;"                                                             \
+    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job"                         \
+    " WHEN new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status BEGIN"         \
+    " UPDATE ledger SET jobs = jobs + " LIVES("new") " - " LIVES("old") ","                        \
+    " kept = kept + new.kept - old.kept, held = held + new.held - old.held,"                       \
+    " turn = CASE new.status WHEN 'running' THEN max(turn, new.turn) ELSE turn END"                \
+    " WHERE principal = new.principal;"                                                            \
+    COUNT("new", WAITS("new") " - " WAITS("old")) " END;"                                          \
+    "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job WHEN new.expired BEGIN"             \
+    " DELETE FROM job_blob WHERE seq = new.seq; END;"                                              \
+    "CREATE TRIGGER job_removed AFTER DELETE ON job BEGIN"                                         \
+    " UPDATE ledger SET jobs = jobs - " LIVES("old") ", kept = kept - old.kept,"                   \
+    " held = held - old.held WHERE principal = old.principal;"                                     \
+    " DELETE FROM job_blob WHERE seq = old.seq; END;"
 
-#define END "PRAGMA user_version=7; COMMIT;"
+#define END "PRAGMA user_version=8; COMMIT;"
 
 static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
 
@@ -86,19 +98,23 @@ static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
     " expires, expired, inputs, outputs, name, principal, idem_key, fingerprint, kept, held,"      \
     " alone, traceparent"
 
-/* The numbers of acceptance go on where they were, as lists go by them. */
+/* The numbers of acceptance go on where they were, as lists go by them. Jobs that wait take turns
+ * from the first on. */
 static const char migration[] =
-    "BEGIN; ALTER TABLE job RENAME TO job_before;" TABLES "INSERT INTO job (" COLUMNS
-    ", report_bytes) SELECT " COLUMNS ","
-    " coalesce(length(CAST(report AS BLOB)), 0) FROM job_before ORDER BY seq;"
+    "BEGIN; ALTER TABLE job RENAME TO job_before;" TABLES
+    "INSERT INTO job (" COLUMNS ", report_bytes, turn) SELECT " COLUMNS ","
+    " coalesce(length(CAST(report AS BLOB)), 0),"
+    " CASE status WHEN 'accepted' THEN row_number() OVER (PARTITION BY principal, status"
+    " ORDER BY seq) - 1 ELSE 0 END FROM job_before ORDER BY seq;"
     "INSERT INTO job_blob SELECT seq, report, trace FROM job_before"
     " WHERE report IS NOT NULL OR trace IS NOT NULL ORDER BY seq;"
-    "INSERT INTO ledger SELECT principal, sum(" IS_LIVE(
-        "job") "), sum(kept), sum(held) FROM job"
-               " GROUP BY principal;"
-               "DELETE FROM sqlite_sequence WHERE name = 'job';"
-               "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
-               "DROP TABLE job_before;" INDEXES TRIGGERS END;
+    "INSERT INTO ledger (principal, jobs, kept, held)"
+    " SELECT principal, sum(" LIVES("job") "), sum(kept), sum(held) FROM job GROUP BY principal;"
+    "INSERT INTO round SELECT turn >> 8, count(*), 0 FROM job WHERE status = 'accepted' GROUP BY 1;"
+    "DELETE FROM sqlite_sequence WHERE name = 'job';"
+    "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
+    "DROP TABLE job_before;" INDEXES TRIGGERS END;
+/* clang-format on */
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {

@@ -141,10 +141,10 @@ vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
     return store->driver->insert(store, row, ledger, err);
 }
 
-vor_status vor_store_claim(struct vor_store *store, const struct vor_uuid *id, int64_t now_ms,
-                           uint32_t *attempt, int *changed, struct vor_error *err)
+vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim *claim,
+                                struct vor_job_view *out, int *found, struct vor_error *err)
 {
-    return store->driver->claim(store, id, now_ms, attempt, changed, err);
+    return store->driver->claim_next(store, claim, out, found, err);
 }
 
 vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *row,
@@ -153,20 +153,13 @@ vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *ro
     return store->driver->beat(store, row, err);
 }
 
-vor_status vor_store_release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt,
-                             int64_t now_ms, int *changed, struct vor_error *err)
+vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                               struct vor_hand_back *run, struct vor_error *err)
 {
-    vor_status status = store->driver->release(store, id, attempt, now_ms, changed, err);
+    vor_status status = store->driver->hand_back(store, id, run, err);
 
-    return made_room(store->reserve, status, err)
-               ? store->driver->release(store, id, attempt, now_ms, changed, err)
-               : status;
-}
-
-vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
-                             struct vor_crashed_run *run, struct vor_error *err)
-{
-    return store->driver->crashed(store, id, run, err);
+    return made_room(store->reserve, status, err) ? store->driver->hand_back(store, id, run, err)
+                                                  : status;
 }
 
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
@@ -230,11 +223,10 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
     return store->driver->list(store, filter, each, ctx, err);
 }
 
-vor_status vor_store_waiting(struct vor_store *store,
-                             int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
                              struct vor_error *err)
 {
-    return store->driver->waiting(store, each, ctx, err);
+    return store->driver->waiting(store, out, err);
 }
 
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
@@ -269,12 +261,12 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
     return store->driver->newest(store, newest_ms, err);
 }
 
-vor_status vor_store_recover(struct vor_store *store, int64_t now_ms, uint64_t *requeued,
-                             struct vor_error *err)
+vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t now_ms,
+                          uint64_t *reaped, struct vor_error *err)
 {
-    vor_status status = store->driver->recover(store, now_ms, requeued, err);
+    vor_status status = store->driver->reap(store, owner, now_ms, reaped, err);
 
     return made_room(store->reserve, status, err)
-               ? store->driver->recover(store, now_ms, requeued, err)
+               ? store->driver->reap(store, owner, now_ms, reaped, err)
                : status;
 }

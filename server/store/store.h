@@ -29,8 +29,8 @@ VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *wher
 
 /** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
  *  next opening however full it gets, if it has a disk here, from now
- *  on: on a full one they are given up for vor_store_finish, _release, _remove, _evict and
- *  _recover, and when it is opened. */
+ *  on: on a full one they are given up for vor_store_finish, _hand_back, _remove, _evict and
+ *  _reap, and when it is opened. */
 void vor_store_set_reserve(struct vor_store *store, uint64_t bytes);
 
 /** Makes the reserve again once there is room, or only says whether it is there (for HTTP threads).
@@ -58,27 +58,31 @@ VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_err
 VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
                                           struct vor_ledger *ledger, struct vor_error *err);
 
-/** accepted -> running.
+/** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
  *
- *  @param[out] attempt  the number of this start, from 1
- *  @param[out] changed  0 when the job is not accepted (any more) */
-VOR_NODISCARD vor_status vor_store_claim(struct vor_store *store, const struct vor_uuid *id,
-                                         int64_t now_ms, uint32_t *attempt, int *changed,
-                                         struct vor_error *err);
+ *  Principals take turns, a job each a round, and those of one leave in the order of acceptance.
+ *  One whose first job comes while others have many waiting has its turn in the round that goes on,
+ *  so that it waits for no more of theirs than run at that moment. A row has its round (turn) from
+ *  its insert on: it leaves before those of later rounds, and before those of its round that were
+ *  accepted later.
+ *
+ *  @param[out] out    the row as it is now; its attempt is the number of this start, from 1
+ *  @param[out] found  0 when none waits, or the next one may not be claimed; *out is then untouched
+ *
+ *  Cost: one look at an index, however many wait. A crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_claim_next(struct vor_store *store,
+                                              const struct vor_claim *claim,
+                                              struct vor_job_view *out, int *found,
+                                              struct vor_error *err);
 
 /** Notes how far a running job is; nothing happens when the attempt is not the current one. */
 VOR_NODISCARD vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *row,
                                         struct vor_error *err);
 
-/** running -> accepted: the daemon goes down in good order. Counts as no crash. */
-VOR_NODISCARD vor_status vor_store_release(struct vor_store *store, const struct vor_uuid *id,
-                                           uint32_t attempt, int64_t now_ms, int *changed,
-                                           struct vor_error *err);
-
-/** running -> accepted, to run alone: the process of the run has crashed. Counts against the job if
- *  nothing ran beside it. */
-VOR_NODISCARD vor_status vor_store_crashed(struct vor_store *store, const struct vor_uuid *id,
-                                           struct vor_crashed_run *run, struct vor_error *err);
+/** running -> accepted, in its place: the daemon goes down in good order, or the run's process has
+ *  ended. */
+VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                                             struct vor_hand_back *run, struct vor_error *err);
 
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished, expires and kept of the row.
@@ -90,7 +94,9 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
                                           uint32_t attempt, const struct vor_store_ending *ending,
                                           int *changed, struct vor_error *err);
 
-/** @param[out] found  0 when there is no such job; *out is then untouched */
+/** @param[out] found  0 when there is no such job; *out is then untouched
+ *
+ *  Cost: of a job that waits also some hundred steps over an index, for its place in the queue. */
 VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
                                        struct vor_job_view *out, int *found, struct vor_error *err);
 
@@ -129,11 +135,9 @@ VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
                                         int (*each)(void *ctx, const struct vor_job_view *row),
                                         void *ctx, struct vor_error *err);
 
-/** Calls each for every accepted job, in the order of acceptance. each must not call the store and
- *  ends the list by returning 0. */
-VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store,
-                                           int (*each)(void *ctx, const struct vor_job_view *row),
-                                           void *ctx, struct vor_error *err);
+/** How much waits. Cost: one step for each 256 jobs of the one who has most. */
+VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                                           struct vor_error *err);
 
 /** Removes a job that is over.
  *
@@ -159,12 +163,12 @@ VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
 VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
                                           struct vor_error *err);
 
-/** The daemon has ended while these jobs ran: every running job becomes accepted again, to be run
- *  with nothing beside it (vor_job_view.alone). What ran in another process cannot be why the
- * daemon ended, so nothing counts against a job. Call it at start before anything else.
+/** Daemons have ended while these jobs ran: every running job of another owner becomes accepted
+ *  again, to be run with nothing beside it (vor_job_view.alone). What ran in another process cannot
+ *  be why a daemon ended, so nothing counts against a job.
  *
- *  @param[out] requeued  how many */
-VOR_NODISCARD vor_status vor_store_recover(struct vor_store *store, int64_t now_ms,
-                                           uint64_t *requeued, struct vor_error *err);
+ *  @param[out] reaped  how many */
+VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t now_ms,
+                                        uint64_t *reaped, struct vor_error *err);
 
 #endif

@@ -12,39 +12,64 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Jobs that wait or have a place booked. The mutex is held, here and below. */
+static int64_t depth_of(const struct vor_worker *worker)
+{
+    int64_t depth = worker->places.waiting + worker->places.booked;
+
+    return depth > 0 ? depth : 0;
+}
+
+static enum vor_job_outcome room_of(const struct vor_worker *worker)
+{
+    if (worker->draining)
+        return VOR_DRAINING;
+    return (uint64_t)depth_of(worker) < worker->config.queue ? VOR_DONE : VOR_FULL;
+}
+
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
 {
-    int draining;
+    enum vor_job_outcome room;
 
     pthread_mutex_lock(&worker->mutex);
-    draining = worker->draining;
+    room = room_of(worker);
+    if (worker->places.bytes >= worker->config.queue_bytes && room == VOR_DONE)
+        room = VOR_FULL;
     pthread_mutex_unlock(&worker->mutex);
-    if (draining)
-        return VOR_DRAINING;
-    if (vor_worker_waiting_bytes(worker) >= worker->config.queue_bytes)
-        return VOR_FULL;
-    return vor_queue_depth(worker->queue) < vor_queue_capacity(worker->queue) ? VOR_DONE : VOR_FULL;
+    return room;
 }
 
 enum vor_job_outcome vor_worker_book(struct vor_worker *worker)
 {
-    return vor_queue_reserve(worker->queue);
+    enum vor_job_outcome room;
+
+    pthread_mutex_lock(&worker->mutex);
+    room = room_of(worker);
+    worker->places.booked += room == VOR_DONE;
+    pthread_mutex_unlock(&worker->mutex);
+    return room;
 }
 
 void vor_worker_unbook(struct vor_worker *worker)
 {
-    vor_queue_cancel(worker->queue);
+    pthread_mutex_lock(&worker->mutex);
+    worker->places.booked--;
+    pthread_mutex_unlock(&worker->mutex);
 }
 
 void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
 {
-    out->waiting = vor_queue_depth(worker->queue);
-    out->oldest_ms = vor_queue_oldest(worker->queue);
+    struct vor_waiting waiting;
+
+    if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
+        waiting.oldest_ms = 0;
+    out->oldest_ms = waiting.oldest_ms;
     pthread_mutex_lock(&worker->mutex);
+    out->waiting = (size_t)depth_of(worker);
     out->running = worker->running;
+    out->reserved = worker->used;
     pthread_mutex_unlock(&worker->mutex);
-    out->reserved = vor_turns_used(&worker->turns);
-    out->budget = worker->turns.budget;
+    out->budget = worker->config.budget;
 }
 
 /* --- accepting -------------------------------------------------------------------------------- */
@@ -66,13 +91,14 @@ static vor_status check_cost(const struct vor_worker *worker, const struct vor_j
                           worker->config.job_seconds, err);
 }
 
-/* Likewise what could never run: row has its inputs. */
-static vor_status check_need(const struct vor_worker *worker, const struct vor_job_view *row,
+/* Likewise what could never run: row has its inputs. A run never has more memory than its cap. */
+static vor_status check_need(const struct vor_worker *worker, struct vor_job_view *row,
                              struct vor_error *err)
 {
     uint64_t need = vor_need_bytes(&row->spec, row->inputs, row->input),
-             budget = worker->turns.budget;
+             budget = worker->config.budget;
 
+    row->memory = need < worker->config.memory ? need : worker->config.memory;
     if (need <= budget)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_NOMEM,
@@ -171,64 +197,59 @@ enum vor_job_outcome vor_worker_quota(struct vor_worker *worker, const char *ten
     return vor_ledger_fits(ledger, bytes) ? VOR_DONE : refuse(tenant, ledger, bytes, err);
 }
 
-/* Makes the row durable and a remembered job wait, if its inputs still fit into the queue. */
-static enum vor_job_outcome push_job(struct vor_worker *worker, struct vor_job *job,
-                                     struct vor_job_view *row, struct vor_ledger *ledger,
-                                     uint64_t bytes, struct vor_error *err)
+/* Makes the row durable, if its inputs still fit into the queue, for a place in it that is booked.
+ * Then it waits. */
+static enum vor_job_outcome accept_row(struct vor_worker *worker, struct vor_job_view *row,
+                                       struct vor_ledger *ledger, struct vor_error *err)
 {
-    if (!vor_worker_charge(worker, job, bytes, worker->config.queue_bytes))
+    struct vor_places *places = &worker->places;
+    uint64_t most = worker->config.queue_bytes;
+    enum vor_job_outcome outcome = VOR_DONE;
+    int fits;
+
+    pthread_mutex_lock(&worker->mutex);
+    fits = places->bytes <= most && row->decoded <= most - places->bytes;
+    places->bytes += fits ? row->decoded : 0;
+    pthread_mutex_unlock(&worker->mutex);
+    if (!fits)
         return VOR_FULL;
     if (vor_store_insert(worker->config.store, row, ledger, err) != VOR_OK)
-        return VOR_FAILED;
-    if (ledger->is_over)
-        return refuse(row->key.principal, ledger, row->kept, err);
-    vor_queue_push(worker->queue, job, row->seq);
-    return VOR_DONE;
-}
-
-/* The same with a job that is live from now on, for a place in the queue that is booked. */
-static enum vor_job_outcome accept_job(struct vor_worker *worker, struct vor_job_view *row,
-                                       struct vor_ledger *ledger, uint64_t bytes,
-                                       struct vor_error *err)
-{
-    struct vor_job *job = vor_job_create(row);
-    enum vor_job_outcome outcome = VOR_FAILED;
-
-    if (job == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "a job");
-        return VOR_FAILED;
+        outcome = VOR_FAILED;
+    else if (ledger->is_over)
+        outcome = refuse(row->key.principal, ledger, row->kept, err);
+    pthread_mutex_lock(&worker->mutex);
+    if (outcome == VOR_DONE) {
+        places->booked--;
+        places->waiting++;
+        worker->news++;
+        pthread_cond_signal(&worker->ready);
+    } else {
+        places->bytes -= row->decoded;
     }
-    if (vor_worker_remember(worker, job, err) == VOR_OK) {
-        outcome = push_job(worker, job, row, ledger, bytes, err);
-        if (outcome != VOR_DONE)
-            vor_worker_forget(worker, job);
-    }
-    vor_job_release(job);
+    pthread_mutex_unlock(&worker->mutex);
     return outcome;
 }
 
 /* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
 static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
-                              uint64_t *bytes, struct vor_error *err)
+                              struct vor_job_view *row, struct vor_error *err)
 {
     uint64_t most = worker->config.queue_bytes;
 
-    *bytes = 0;
     for (unsigned i = 0; i < admitted->count; i++)
-        *bytes += admitted->item[i].decoded;
-    if (*bytes <= most)
+        row->decoded += admitted->item[i].decoded;
+    if (row->decoded <= most)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_BYTES, "the decoded inputs have %llu bytes, want at most %llu",
-                   (unsigned long long)*bytes, (unsigned long long)most);
+                   (unsigned long long)row->decoded, (unsigned long long)most);
     err->limit = most;
-    err->got = *bytes;
+    err->got = row->decoded;
     return VOR_E_BYTES;
 }
 
 /* For a job that has a place in the queue, and keeps it when VOR_DONE is returned. */
 static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
-                                   const struct vor_job_label *label, uint64_t bytes,
-                                   struct vor_error *err)
+                                   const struct vor_job_label *label, struct vor_error *err)
 {
     struct vor_ledger ledger = {.jobs_max = label != NULL ? label->jobs_max : 0,
                                 .bytes_max = label != NULL ? label->bytes_max : 0};
@@ -239,7 +260,7 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         (void)vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
         return VOR_FAILED;
     }
-    outcome = accept_job(worker, row, &ledger, bytes, err);
+    outcome = accept_row(worker, row, &ledger, err);
     if (outcome != VOR_DONE)
         return outcome;
     vor_count_accepted(row);
@@ -259,11 +280,10 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     enum vor_job_outcome outcome = VOR_FAILED;
     int booked = label != NULL && label->booked;
     struct vor_job_view row;
-    uint64_t bytes;
 
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
-        check_bytes(worker, admitted, &bytes, err) == VOR_OK &&
+        check_bytes(worker, admitted, &row, err) == VOR_OK &&
         check_target(spec, &row.input[0], err) == VOR_OK &&
         check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK) {
@@ -271,7 +291,7 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
         booked = outcome == VOR_DONE;
     }
     if (outcome == VOR_DONE)
-        outcome = submit(worker, &row, label, bytes, err);
+        outcome = submit(worker, &row, label, err);
     if (outcome != VOR_DONE) {
         if (booked)
             vor_worker_unbook(worker);
@@ -284,5 +304,3 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
         *out = row;
     return VOR_DONE;
 }
-
-/* --- looking ---------------------------------------------------------------------------------- */

@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The view of a live job; false when there is none of that id. */
+/* The view of a live job; false when there is none of that id, or its place in the queue is asked
+ * for, which its row knows. */
 static int live_view(struct vor_worker *worker, const struct vor_uuid *id, struct vor_job_view *out)
 {
     struct vor_job *job = vor_worker_find(worker, id);
@@ -17,40 +18,37 @@ static int live_view(struct vor_worker *worker, const struct vor_uuid *id, struc
     if (job == NULL)
         return 0;
     vor_job_view(job, out);
-    out->queue_position = vor_queue_position(worker->queue, job);
     vor_job_release(job);
-    return 1;
+    return out->status != VOR_JOB_ACCEPTED;
 }
 
+/* tenant may be NULL: of any. */
 static enum vor_job_outcome row_view(struct vor_worker *worker, const struct vor_uuid *id,
-                                     struct vor_job_view *out, struct vor_error *err)
+                                     const char *tenant, struct vor_job_view *out,
+                                     struct vor_error *err)
 {
     int found;
 
-    if (vor_store_get(worker->config.store, id, out, &found, err) != VOR_OK)
+    if (vor_store_get_of(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
         return VOR_FAILED;
+    if (found && !vor_job_status_over(out->status))
+        vor_job_describe(out, VOR_CONTINUE);
     return found ? VOR_DONE : VOR_UNKNOWN;
 }
 
 enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
                                     struct vor_job_view *out, struct vor_error *err)
 {
-    return live_view(worker, id, out) ? VOR_DONE : row_view(worker, id, out, err);
+    return vor_worker_get_of(worker, id, NULL, out, err);
 }
 
 enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker, const struct vor_uuid *id,
                                        const char *tenant, struct vor_job_view *out,
                                        struct vor_error *err)
 {
-    int found;
-
-    if (tenant == NULL)
-        return vor_worker_get(worker, id, out, err);
-    if (live_view(worker, id, out))
-        return strcmp(out->key.principal, tenant) == 0 ? VOR_DONE : VOR_UNKNOWN;
-    if (vor_store_get_of(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
-        return VOR_FAILED;
-    return found ? VOR_DONE : VOR_UNKNOWN;
+    if (!live_view(worker, id, out))
+        return row_view(worker, id, tenant, out, err);
+    return tenant == NULL || strcmp(out->key.principal, tenant) == 0 ? VOR_DONE : VOR_UNKNOWN;
 }
 
 enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker, const struct vor_job_key *key,
@@ -76,9 +74,13 @@ static int list_one(void *ctx, const struct vor_job_view *row)
     struct listing *listing = ctx;
     struct vor_job_view live;
 
-    if (!vor_job_status_over(row->status) && live_view(listing->worker, &row->id, &live))
-        row = &live;
-    return listing->each(listing->ctx, row);
+    if (vor_job_status_over(row->status))
+        return listing->each(listing->ctx, row);
+    if (row->status != VOR_JOB_RUNNING || !live_view(listing->worker, &row->id, &live)) {
+        live = *row;
+        vor_job_describe(&live, VOR_CONTINUE);
+    }
+    return listing->each(listing->ctx, &live);
 }
 
 vor_status vor_worker_list(struct vor_worker *worker, const struct vor_job_filter *filter,
@@ -117,33 +119,60 @@ static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_vie
     return VOR_OK;
 }
 
-enum vor_job_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
-                                       struct vor_followed *out, struct vor_error *err)
+/* Makes a job that waits a live one, which its runner will find. One that has ended since its row
+ * was read is none: whatever its runner had is gone. */
+static enum vor_job_outcome follow_waiting(struct vor_worker *worker, const struct vor_uuid *id,
+                                           struct vor_followed *out, struct vor_error *err)
 {
     enum vor_job_outcome outcome;
 
+    out->job = vor_worker_enliven(worker, &out->row);
+    if (out->job == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "the events of a job");
+        return VOR_FAILED;
+    }
+    outcome = row_view(worker, id, NULL, &out->row, err);
+    if (outcome == VOR_DONE && !vor_job_status_over(out->row.status))
+        return VOR_DONE;
+    vor_worker_forget(worker, out->job);
+    vor_job_release(out->job);
+    out->job = NULL;
+    return outcome;
+}
+
+enum vor_job_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
+                                       struct vor_followed *out, struct vor_error *err)
+{
+    enum vor_job_outcome outcome = VOR_DONE;
+
     out->bus = NULL;
     out->job = vor_worker_find(worker, id);
-    if (out->job != NULL) {
-        out->bus = vor_bus_retain(vor_job_bus(out->job));
-        vor_worker_followed(worker, out, &out->row);
-        return VOR_DONE;
-    }
-    outcome = row_view(worker, id, &out->row, err);
+    if (out->job == NULL)
+        outcome = row_view(worker, id, NULL, &out->row, err);
+    if (out->job == NULL && outcome == VOR_DONE && !vor_job_status_over(out->row.status))
+        outcome = follow_waiting(worker, id, out, err);
     if (outcome != VOR_DONE)
         return outcome;
-    return stored_bus(worker, &out->row, &out->bus, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
+    if (out->job == NULL)
+        return stored_bus(worker, &out->row, &out->bus, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
+    out->bus = vor_bus_retain(vor_job_bus(out->job));
+    vor_worker_followed(worker, out, &out->row);
+    return VOR_DONE;
 }
 
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
                          struct vor_job_view *out)
 {
+    struct vor_job_view row;
+
     if (followed->job == NULL) {
         *out = followed->row;
         return;
     }
     vor_job_view(followed->job, out);
-    out->queue_position = vor_queue_position(worker->queue, followed->job);
+    if (out->status == VOR_JOB_ACCEPTED &&
+        row_view(worker, vor_job_id(followed->job), NULL, &row, NULL) == VOR_DONE)
+        out->queue_position = row.queue_position;
 }
 
 void vor_worker_unfollow(struct vor_followed *followed)
@@ -199,17 +228,10 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
     if (!changed)
         return VOR_CONFLICT;
     vor_job_ask(job, VOR_CANCEL);
-    if (vor_queue_remove(worker->queue, job)) {
-        vor_worker_forget(worker, job);                          /* else a runner has it and will */
-        vor_worker_drop_outputs(worker, &out->id, out->process); /* of an attempt before a crash */
-    }
-    vor_worker_drop_inputs(worker, &out->id, out->process);
-    vor_worker_drop_uploads(worker, &out->id, out->process);
-    vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(out), VOR_TEXT("why", why));
     return VOR_DONE;
 }
 
-/* Dismisses a job that waits for the next start of the daemon: VOR_CONFLICT when it is over. */
+/* Dismisses a job that is not live: VOR_CONFLICT when it is over. */
 static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *why,
                                         struct vor_job_view *row, struct vor_error *err)
 {
@@ -224,10 +246,20 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     explain(row, why);
     if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
+    return changed ? VOR_DONE : VOR_CONFLICT;
+}
+
+/* A job that runs has its outputs dropped by its runner; one that waits may have some of an attempt
+ * before a crash. */
+static void dismissed(struct vor_worker *worker, const struct vor_job_view *row, int runs)
+{
     vor_worker_drop_inputs(worker, &row->id, row->process);
     vor_worker_drop_uploads(worker, &row->id, row->process);
-    vor_worker_drop_outputs(worker, &row->id, row->process);
-    return changed ? VOR_DONE : VOR_CONFLICT;
+    if (!runs) {
+        vor_worker_drop_outputs(worker, &row->id, row->process);
+        vor_worker_count_waiting(worker, row, -1);
+    }
+    vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(row), VOR_TEXT("why", row->message));
 }
 
 /* Dismisses a job that is not over, live or not; *out gets its last view in any case but
@@ -236,16 +268,27 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
                                     const char *why, struct vor_job_view *out,
                                     struct vor_error *err)
 {
-    struct vor_job *job = vor_worker_find(worker, id);
     enum vor_job_outcome outcome = VOR_CONFLICT;
+    struct vor_job *job;
+    int runs;
 
+    pthread_mutex_lock(&worker->claim); /* what waits does not begin meanwhile */
+    job = vor_worker_find(worker, id);
+    runs = job != NULL && vor_worker_is_running(worker, job);
     if (job != NULL)
         outcome = dismiss_live(worker, job, why, out, err);
+    if (outcome == VOR_CONFLICT) {
+        outcome = row_view(worker, id, NULL, out, err);
+        if (outcome == VOR_DONE)
+            outcome = dismiss_row(worker, why, out, err);
+    }
+    if (outcome == VOR_DONE)
+        dismissed(worker, out, runs);
+    if (outcome == VOR_DONE && job != NULL && !runs)
+        vor_worker_forget(worker, job); /* else its runner will */
+    pthread_mutex_unlock(&worker->claim);
     vor_job_release(job);
-    if (outcome != VOR_CONFLICT)
-        return outcome;
-    outcome = row_view(worker, id, out, err);
-    return outcome == VOR_DONE ? dismiss_row(worker, why, out, err) : outcome;
+    return outcome;
 }
 
 static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row)
@@ -360,6 +403,6 @@ enum vor_job_outcome vor_worker_stop(struct vor_worker *worker, const struct vor
         vor_job_release(job);
         return view.status == VOR_JOB_RUNNING ? VOR_DONE : VOR_CONFLICT;
     }
-    outcome = row_view(worker, id, &view, err);
+    outcome = row_view(worker, id, NULL, &view, err);
     return outcome == VOR_DONE ? VOR_CONFLICT : outcome;
 }

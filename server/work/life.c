@@ -19,45 +19,109 @@ enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
 
-/* A run never has more memory than its cap. A suspect need not wait where it is apart anyway. */
-static struct vor_turn turn_of(const struct vor_worker *worker, const struct vor_job *job)
+/* What may be claimed beside what runs; false when nothing may. */
+static int may_claim(struct vor_worker *worker, struct vor_claim *claim)
 {
-    struct vor_turn turn = *vor_job_turn(job);
+    int may;
 
-    if (turn.bytes > worker->config.memory)
-        turn.bytes = worker->config.memory;
-    if (worker->config.executor->is_apart)
-        turn.alone = 0;
-    return turn;
+    *claim = (struct vor_claim){.owner = worker->owner.text, .now_ms = vor_clock_wall_ms()};
+    pthread_mutex_lock(&worker->mutex);
+    may = worker->places.waiting > 0 && !worker->draining && !atomic_load(&worker->is_late) &&
+          !(worker->running > 0 && worker->runs_alone);
+    if (worker->running == 0)
+        claim->memory = UINT64_MAX;
+    else if (worker->used < worker->config.budget)
+        claim->memory = worker->config.budget - worker->used;
+    /* A suspect need not wait where it is apart anyway. */
+    claim->may_be_alone = worker->running == 0 || worker->config.executor->is_apart;
+    pthread_mutex_unlock(&worker->mutex);
+    return may;
 }
 
-/* The queue asks this before it hands out a job. */
-static int may_run(void *ctx, struct vor_job *job)
+/* A claimed row becomes what its runner runs. */
+static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
 {
-    struct vor_worker *worker = ctx;
-    const struct vor_turn turn = turn_of(worker, job);
+    struct vor_worker *worker = runner->worker;
+    struct vor_job *job = vor_worker_enliven(worker, row);
+    struct vor_hand_back back = {.attempt = row->attempt, .now_ms = row->updated};
+    struct vor_error err;
 
-    return vor_turns_begin(&worker->turns, &turn);
+    if (job == NULL) {
+        vor_log(VOR_LOG_ERROR, "no memory for a job, which waits on", VOR_OF_JOB(row));
+        if (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK)
+            vor_log(VOR_LOG_ERROR, "it waits for the next start", VOR_OF_JOB(row),
+                    VOR_TEXT("error", err.message));
+        return 0;
+    }
+    pthread_mutex_lock(&worker->mutex);
+    worker->places.waiting--;
+    worker->places.bytes -= row->decoded;
+    worker->running++;
+    worker->used += row->memory;
+    worker->runs_alone = row->alone && !worker->config.executor->is_apart;
+    runner->job = job;
+    pthread_mutex_unlock(&worker->mutex);
+    return 1;
+}
+
+/* accepted -> running of the next job, which the runner then has; false when there is none, or it
+ * may not run yet. */
+static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
+{
+    struct vor_worker *worker = runner->worker;
+    struct vor_claim claim;
+    struct vor_error err;
+    vor_status status = VOR_OK;
+    int found = 0;
+
+    pthread_mutex_lock(&worker->claim);
+    if (may_claim(worker, &claim))
+        status = vor_store_claim_next(worker->config.store, &claim, row, &found, &err);
+    found = found && take_job(runner, row);
+    pthread_mutex_unlock(&worker->claim);
+    if (status == VOR_OK)
+        return found;
+    vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
+    return !vor_worker_pause(worker, look_seconds) && claim_next(runner, row);
+}
+
+static void leave(struct vor_runner *runner, const struct vor_job_view *row)
+{
+    struct vor_worker *worker = runner->worker;
+
+    pthread_mutex_lock(&worker->mutex);
+    runner->job = NULL;
+    worker->running--;
+    worker->used -= row->memory;
+    worker->runs_alone = 0; /* who was alone was the only one */
+    worker->news++;
+    pthread_cond_broadcast(&worker->ready);
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->mutex);
 }
 
 static void *runner_main(void *arg)
 {
-    struct vor_worker *worker = arg;
-    struct vor_job *job;
+    struct vor_runner *runner = arg;
+    struct vor_worker *worker = runner->worker;
+    struct vor_job_view row;
+    unsigned heard = 0;
+    int draining = 0;
 
-    while ((job = vor_queue_pop(worker->queue)) != NULL) {
-        const struct vor_turn turn = turn_of(worker, job);
+    while (!draining) {
+        while (claim_next(runner, &row)) {
+            struct vor_job *job = runner->job;
 
-        if (vor_worker_enter(worker, job)) {
-            if (vor_worker_run(worker, job))
-                vor_worker_requeue(worker, job);
-            else
-                vor_worker_forget(worker, job);
-            vor_worker_leave(worker);
+            vor_worker_run(runner, &row);
+            leave(runner, &row);
+            vor_job_release(job);
         }
-        vor_turns_end(&worker->turns, &turn);
-        vor_queue_look(worker->queue);
-        vor_job_release(job);
+        pthread_mutex_lock(&worker->mutex);
+        while (!worker->draining && heard == worker->news)
+            pthread_cond_wait(&worker->ready, &worker->mutex);
+        heard = worker->news;
+        draining = worker->draining;
+        pthread_mutex_unlock(&worker->mutex);
     }
     return NULL;
 }
@@ -88,8 +152,10 @@ static void *sweeper_main(void *arg)
 static vor_status start_threads(struct vor_worker *worker, struct vor_error *err)
 {
     while (worker->runner_count < worker->config.jobs) {
-        if (vor_machine_thread(&worker->runners[worker->runner_count], "vor-runner", runner_main,
-                               worker) != 0)
+        struct vor_runner *runner = &worker->runners[worker->runner_count];
+
+        runner->worker = worker;
+        if (vor_machine_thread(&runner->thread, "vor-runner", runner_main, runner) != 0)
             return vor_fail(err, VOR_E_NOMEM, "cannot start %u runners", worker->config.jobs);
         worker->runner_count++;
     }
@@ -103,7 +169,9 @@ static void init_locks(struct vor_worker *worker)
 {
     pthread_condattr_t monotonic;
 
+    pthread_mutex_init(&worker->claim, NULL);
     pthread_mutex_init(&worker->mutex, NULL);
+    pthread_cond_init(&worker->ready, NULL);
     pthread_condattr_init(&monotonic);
     pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_cond_init(&worker->changed, &monotonic);
@@ -114,19 +182,16 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
                              struct vor_error *err)
 {
     struct vor_worker *worker = calloc(1, sizeof *worker);
-    vor_status status = VOR_OK;
+    vor_status status;
 
     assert(config->jobs >= 1 && config->jobs <= VOR_WORKER_JOBS_MAX && config->queue >= 1);
     if (worker == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the worker");
     worker->config = *config;
     init_locks(worker);
-    vor_turns_init(&worker->turns, config->budget > 0 ? config->budget : UINT64_MAX);
-    worker->queue = vor_queue_create(config->queue);
-    if (worker->queue == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the queue");
-    else
-        vor_queue_guard(worker->queue, may_run, worker);
+    if (config->budget == 0)
+        worker->config.budget = UINT64_MAX;
+    status = vor_uuid_make(&worker->owner, err);
     if (status == VOR_OK)
         status = vor_worker_recover(worker, err);
     if (status == VOR_OK)
@@ -147,20 +212,21 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
 static void abort_running(struct vor_worker *worker)
 {
     worker->aborting = 1;
-    for (struct vor_live *live = worker->live; live != NULL; live = live->next)
-        if (live->running)
-            vor_job_ask(live->job, VOR_CANCEL);
+    for (unsigned i = 0; i < worker->runner_count; i++)
+        if (worker->runners[i].job != NULL)
+            vor_job_ask(worker->runners[i].job, VOR_CANCEL);
 }
 
 void vor_worker_drain(struct vor_worker *worker, double seconds)
 {
     double deadline = vor_clock_seconds() + seconds;
 
-    if (worker->queue != NULL)
-        vor_queue_close(worker->queue);
+    pthread_mutex_lock(&worker->claim); /* nobody is between a look at `draining` and his run */
     pthread_mutex_lock(&worker->mutex);
     worker->draining = 1;
+    pthread_mutex_unlock(&worker->claim);
     pthread_cond_broadcast(&worker->changed);
+    pthread_cond_broadcast(&worker->ready);
     while (worker->running > 0 && !vor_worker_wait_until(worker, deadline))
         continue;
     abort_running(worker);
@@ -177,14 +243,13 @@ void vor_worker_destroy(struct vor_worker *worker)
     vor_crew_destroy(worker->readers);
     vor_crew_destroy(worker->crew);
     for (unsigned i = 0; i < worker->runner_count; i++)
-        pthread_join(worker->runners[i], NULL);
+        pthread_join(worker->runners[i].thread, NULL);
     if (worker->sweeper_started)
         pthread_join(worker->sweeper, NULL);
     vor_found_free(&worker->found);
-    vor_queue_destroy(worker->queue);
-    while (worker->live != NULL)
-        vor_worker_forget(worker, worker->live->job);
-    vor_turns_free(&worker->turns);
+    vor_worker_forget_all(worker);
+    pthread_cond_destroy(&worker->ready);
+    pthread_mutex_destroy(&worker->claim);
     pthread_cond_destroy(&worker->changed);
     pthread_mutex_destroy(&worker->mutex);
     free(worker);

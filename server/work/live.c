@@ -4,106 +4,72 @@
 #include "server/base/log.h"
 #include "server/jobs/trace.h"
 
-#include <assert.h>
 #include <errno.h>
 #include <search.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
-/* --- the list of live jobs -------------------------------------------------------------------- */
+/* --- live jobs -------------------------------------------------------------------------------- */
+
+struct live {
+    struct vor_uuid id;
+    struct vor_job *job;
+};
 
 static int compare_ids(const void *a, const void *b)
 {
-    return strcmp(((const struct vor_live *)a)->id, ((const struct vor_live *)b)->id);
-}
-
-/* The job of that id; NULL when there is none. The mutex is held. */
-static struct vor_live *live_of(struct vor_worker *worker, const struct vor_uuid *id)
-{
-    const struct vor_live key = {.id = id->text};
-    void *found = tfind(&key, &worker->live_by_id, compare_ids);
-
-    return found != NULL ? *(struct vor_live **)found : NULL;
-}
-
-/* A job starts, or waits again; live may be NULL. The mutex is held. */
-static void set_running(struct vor_worker *worker, struct vor_live *live, int running)
-{
-    if (live == NULL || live->running == running)
-        return;
-    live->running = running;
-    if (running)
-        worker->waiting_bytes -= live->bytes;
-    else
-        worker->waiting_bytes += live->bytes;
-}
-
-void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job)
-{
-    struct vor_job_view view;
-    struct vor_error err;
-
-    pthread_mutex_lock(&worker->mutex);
-    set_running(worker, live_of(worker, vor_job_id(job)), 0);
-    pthread_mutex_unlock(&worker->mutex);
-    vor_job_view(job, &view);
-    if (vor_queue_restore(worker->queue, job, view.seq, &err) == VOR_OK)
-        return;
-    vor_log(VOR_LOG_ERROR, "a job waits for the next start", VOR_TEXT("job", view.id.text),
-            VOR_TEXT("error", err.message));
-    vor_worker_forget(worker, job);
+    return strcmp(((const struct live *)a)->id.text, ((const struct live *)b)->id.text);
 }
 
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
 {
-    struct vor_job *job;
-    struct vor_live *live;
+    const struct live key = {.id = *id};
+    struct live **found;
+    struct vor_job *job = NULL;
 
     pthread_mutex_lock(&worker->mutex);
-    live = live_of(worker, id);
-    job = live != NULL ? vor_job_retain(live->job) : NULL;
+    found = tfind(&key, &worker->live, compare_ids);
+    if (found != NULL)
+        job = vor_job_retain((*found)->job);
     pthread_mutex_unlock(&worker->mutex);
     return job;
 }
 
-vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
-                               struct vor_error *err)
+struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_job_view *row)
 {
-    struct vor_live *live = malloc(sizeof *live);
-    int is_added = 0;
+    struct vor_job_view waits = *row;
+    struct live *live = malloc(sizeof *live), **found = NULL;
+    struct vor_job *job = NULL;
 
-    if (live == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    *live = (struct vor_live){.job = job, .id = vor_job_id(job)->text};
-    pthread_mutex_lock(&worker->mutex);
-    if (tsearch(live, &worker->live_by_id, compare_ids) != NULL) {
-        (void)vor_job_retain(job);
-        live->next = worker->live;
-        if (live->next != NULL)
-            live->next->before = live;
-        worker->live = live;
-        is_added = 1;
+    waits.status = VOR_JOB_ACCEPTED;
+    waits.stage = VOR_STAGE_QUEUED;
+    if (live != NULL)
+        *live = (struct live){row->id, vor_job_create(&waits)};
+    if (live != NULL && live->job != NULL) {
+        pthread_mutex_lock(&worker->mutex);
+        found = tsearch(live, &worker->live, compare_ids);
+        if (found != NULL)
+            job = vor_job_retain((*found)->job);
+        pthread_mutex_unlock(&worker->mutex);
     }
-    pthread_mutex_unlock(&worker->mutex);
-    if (is_added)
-        return VOR_OK;
-    free(live);
-    return vor_fail(err, VOR_E_NOMEM, "a job");
+    if (live != NULL && (found == NULL || *found != live)) {
+        vor_job_release(live->job);
+        free(live);
+    }
+    return job;
 }
 
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
 {
-    struct vor_live *live;
+    const struct live key = {.id = *vor_job_id(job)};
+    struct live **found, *live = NULL;
 
     pthread_mutex_lock(&worker->mutex);
-    live = live_of(worker, vor_job_id(job));
-    if (live != NULL) {
-        set_running(worker, live, 1); /* which waits no longer */
-        (void)tdelete(live, &worker->live_by_id, compare_ids);
-        *(live->before != NULL ? &live->before->next : &worker->live) = live->next;
-        if (live->next != NULL)
-            live->next->before = live->before;
+    found = tfind(&key, &worker->live, compare_ids);
+    if (found != NULL && (*found)->job == job) {
+        live = *found;
+        (void)tdelete(&key, &worker->live, compare_ids);
     }
     pthread_mutex_unlock(&worker->mutex);
     if (live != NULL)
@@ -111,32 +77,38 @@ void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
     free(live);
 }
 
-int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
-                      uint64_t most)
+void vor_worker_forget_all(struct vor_worker *worker)
 {
-    struct vor_live *live;
-    int fits;
-
-    pthread_mutex_lock(&worker->mutex);
-    fits = worker->waiting_bytes <= most && bytes <= most - worker->waiting_bytes;
-    live = live_of(worker, vor_job_id(job));
-    if (fits && live != NULL) {
-        assert(!live->running && live->bytes == 0); /* once, before the queue has it */
-        live->bytes = bytes;
-        worker->waiting_bytes += bytes;
-    }
-    pthread_mutex_unlock(&worker->mutex);
-    return fits;
+    while (worker->live != NULL)
+        vor_worker_forget(worker, (*(struct live **)worker->live)->job);
 }
 
-uint64_t vor_worker_waiting_bytes(struct vor_worker *worker)
+void vor_worker_let_go(struct vor_runner *runner)
 {
-    uint64_t bytes;
+    pthread_mutex_lock(&runner->worker->mutex);
+    runner->job = NULL;
+    pthread_mutex_unlock(&runner->worker->mutex);
+}
+
+int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job)
+{
+    int is_running = 0;
 
     pthread_mutex_lock(&worker->mutex);
-    bytes = worker->waiting_bytes;
+    for (unsigned i = 0; i < worker->runner_count; i++)
+        is_running |= worker->runners[i].job == job;
     pthread_mutex_unlock(&worker->mutex);
-    return bytes;
+    return is_running;
+}
+
+void vor_worker_count_waiting(struct vor_worker *worker, const struct vor_job_view *row, int by)
+{
+    pthread_mutex_lock(&worker->mutex);
+    worker->places.waiting += by;
+    worker->places.bytes += by > 0 ? row->decoded : -row->decoded;
+    worker->news++;
+    pthread_cond_signal(&worker->ready);
+    pthread_mutex_unlock(&worker->mutex);
 }
 
 void vor_found_free(struct vor_found *found)
@@ -166,28 +138,6 @@ int vor_worker_pause(struct vor_worker *worker, double seconds)
     down = worker->draining;
     pthread_mutex_unlock(&worker->mutex);
     return down;
-}
-
-int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job)
-{
-    int allowed;
-
-    pthread_mutex_lock(&worker->mutex);
-    allowed = !worker->draining;
-    if (allowed) {
-        worker->running++;
-        set_running(worker, live_of(worker, vor_job_id(job)), 1);
-    }
-    pthread_mutex_unlock(&worker->mutex);
-    return allowed;
-}
-
-void vor_worker_leave(struct vor_worker *worker)
-{
-    pthread_mutex_lock(&worker->mutex);
-    worker->running--;
-    pthread_cond_broadcast(&worker->changed);
-    pthread_mutex_unlock(&worker->mutex);
 }
 
 /* --- ending ----------------------------------------------------------------------------------- */

@@ -3,7 +3,6 @@
 #ifndef VOR_SERVER_WORK_LIVE_H
 #define VOR_SERVER_WORK_LIVE_H
 
-#include "server/jobs/queue.h"
 #include "server/work/worker.h"
 
 #include <pthread.h>
@@ -11,13 +10,10 @@
 
 #define VOR_WORKER_JOBS_MAX 64
 
-/** A job that waits or runs. */
-struct vor_live {
-    struct vor_job *job;
-    const char *id; /* of the job */
-    int running;
-    uint64_t bytes; /* of its decoded inputs */
-    struct vor_live *next, *before;
+/** What of the queue is taken. */
+struct vor_places {
+    int64_t waiting, booked; /* jobs; waiting may be 1 too few while one of them is claimed */
+    uint64_t bytes;          /* of decoded inputs, of those that wait or are being stored */
 };
 
 /** The blobs that were there at the start. */
@@ -41,23 +37,33 @@ struct vor_calendar {
     int unsure;           /**< the clock does not continue the store */
 };
 
-/** Locks are taken in this order: a job's change, the store's, `mutex`, a job's state, the queue's.
- */
+/** A thread that runs jobs, one after the other. */
+struct vor_runner {
+    struct vor_worker *worker;
+    pthread_t thread;
+    struct vor_job *job; /* NULL while it has none */
+};
+
+/** Jobs wait in the store, and nowhere else. Live ones run, or are followed while they wait. Locks
+ *  are taken in this order: `claim`, a job's change, the store's, `mutex`, a job's state. */
 struct vor_worker {
     struct vor_worker_config config;
-    struct vor_queue *queue;
-    struct vor_turns turns;   /* of the jobs that run */
+    struct vor_uuid owner;    /* in the rows that run in this life */
     struct vor_crew *crew;    /* for what HTTP threads hand over */
     struct vor_crew *readers; /* for what reads the store alone, which waits for no fsync */
+    pthread_mutex_t claim;    /* a job begins to run, waits again, or is dismissed while it waits */
     pthread_mutex_t mutex;    /* everything below */
     pthread_cond_t changed;   /* running, draining, aborting; on the monotonic clock */
-    struct vor_live *live;
-    void *live_by_id;       /* the same, as a tree of search.h */
-    uint64_t waiting_bytes; /* sum of those on the list that do not run */
+    pthread_cond_t ready;     /* something waits, or may run, that could not before: `news` */
+    unsigned news;
+    void *live;               /* struct vor_job, as a tree of search.h */
+    struct vor_places places; /* in the queue */
     size_t running;
-    int draining; /* nothing is claimed or accepted any more */
-    int aborting; /* what runs was asked to end; its rows go back to accepted */
-    pthread_t runners[VOR_WORKER_JOBS_MAX];
+    uint64_t used;  /* bytes of memory, of what runs */
+    int runs_alone; /* what runs is to have nothing beside it */
+    int draining;   /* nothing is claimed or accepted any more */
+    int aborting;   /* what runs was asked to end; its rows go back to accepted */
+    struct vor_runner runners[VOR_WORKER_JOBS_MAX];
     unsigned runner_count;
     pthread_t sweeper;
     int sweeper_started;
@@ -65,36 +71,29 @@ struct vor_worker {
     struct vor_calendar calendar;
     int is_full;        /* the store has no reserve, and the log says so */
     int has_failed;     /* config.failed was called */
-    int is_reset;       /* rows that a former life left running are accepted again */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
 
 /** The live job of that id with a reference for the caller, NULL when there is none. */
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id);
 
-/** Adds a job to the list of live ones, or takes it off. The list has a reference of its own.
- *
- *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_worker_remember(struct vor_worker *worker, struct vor_job *job,
-                                             struct vor_error *err);
+/** The live job of a row that is not over, with a reference for the caller: a new one where there
+ *  is none. NULL when memory is out. */
+struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_job_view *row);
 
+/** Takes a job off the live ones, or all once no thread is left. It may have been taken off before.
+ */
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+void vor_worker_forget_all(struct vor_worker *worker);
 
-/** Notes how many bytes the decoded inputs of a remembered job have, unless those that wait would
- *  have more than `most` together; then it answers false. */
-int vor_worker_charge(struct vor_worker *worker, const struct vor_job *job, uint64_t bytes,
-                      uint64_t most);
+/** A runner has no job any more. */
+void vor_worker_let_go(struct vor_runner *runner);
 
-/** Bytes of the decoded inputs of all jobs that wait. */
-uint64_t vor_worker_waiting_bytes(struct vor_worker *worker);
+/** True when a runner has the job. */
+int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
 
-/** Puts a job that did not get to its end back into the queue, in its place. */
-void vor_worker_requeue(struct vor_worker *worker, struct vor_job *job);
-
-/** Counts a job as running, until vor_worker_leave. False when the daemon goes down; the job must
- *  not be run then. */
-int vor_worker_enter(struct vor_worker *worker, const struct vor_job *job);
-void vor_worker_leave(struct vor_worker *worker);
+/** Counts a row that waits from now on (1), or does no longer (-1), and tells the runners. */
+void vor_worker_count_waiting(struct vor_worker *worker, const struct vor_job_view *row, int by);
 
 /** Waits until something changed or the deadline (vor_clock_seconds) is over; the mutex is held.
  *  True when it is over. */

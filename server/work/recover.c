@@ -17,143 +17,6 @@
  * of the machine brings back beyond that is set aside as well. More is a damaged table. */
 enum { ORPHANS_OF_CRASH = 8 };
 
-static int64_t expiry(const struct vor_worker *worker, int64_t now)
-{
-    return now + (int64_t)(worker->config.ttl_seconds * 1000);
-}
-
-static vor_status check_input(struct vor_worker *worker, const struct vor_uuid *id,
-                              const char *name, uint64_t *bytes, struct vor_error *why)
-{
-    char blob[VOR_BLOB_NAME_MAX + 1];
-    uint64_t size;
-    int found;
-    vor_status status = vor_blob_get(worker->config.blobs, id, vor_blob_of_input(name, blob), NULL,
-                                     &size, &found, why);
-
-    *bytes += size;
-    if (status == VOR_OK && !found)
-        status =
-            vor_fail(why, VOR_E_INTERNAL, "the job's input %s was lost with the last run", name);
-    return status;
-}
-
-/* Why a job cannot be run again; VOR_OK when it can. */
-static vor_status check_row(struct vor_worker *worker, const struct vor_job_view *row,
-                            uint64_t *bytes, struct vor_error *why)
-{
-    const struct vor_artefact_info *inputs = row->spec.process->inputs;
-    vor_status status = VOR_OK;
-
-    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
-        if ((row->inputs >> i & 1) != 0)
-            status = check_input(worker, &row->id, inputs[i].name, bytes, why);
-    if (status != VOR_OK)
-        return status;
-    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
-        vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
-        return vor_fail(why, VOR_E_INTERNAL, "the job's request cannot be read by this version");
-    return VOR_OK;
-}
-
-static vor_status fail_row(struct vor_worker *worker, struct vor_job_view *row,
-                           const struct vor_error *why, struct vor_error *err)
-{
-    int changed;
-
-    row->status = VOR_JOB_FAILED;
-    row->problem = *why;
-    row->finished = vor_job_now(row, vor_clock_wall_ms());
-    row->expires = expiry(worker, row->finished);
-    (void)snprintf(row->message, sizeof row->message, "%.*s", (int)sizeof row->message - 1,
-                   why->message);
-    vor_log(VOR_LOG_WARN, "job lost", VOR_OF_JOB(row), VOR_TEXT("error", why->message));
-    return vor_store_finish(worker->config.store, row, 0, NULL, &changed, err);
-}
-
-static vor_status requeue(struct vor_worker *worker, const struct vor_job_view *row, uint64_t bytes,
-                          struct vor_error *err)
-{
-    struct vor_job *job = vor_job_create(row);
-    vor_status status;
-
-    if (job == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a job");
-    status = vor_worker_remember(worker, job, err);
-    if (status == VOR_OK)
-        (void)vor_worker_charge(worker, job, bytes, UINT64_MAX); /* all were accepted once */
-    if (status == VOR_OK)
-        status = vor_queue_restore(worker->queue, job, row->seq, err);
-    vor_job_release(job);
-    return status;
-}
-
-/* --- the queue -------------------------------------------------------------------------------- */
-
-/* A job that cannot be run again, and why. */
-struct lost {
-    struct vor_job_view row;
-    struct vor_error why;
-    struct lost *next;
-};
-
-struct recovery {
-    struct vor_worker *worker;
-    struct lost *lost; /* to be told to the store once the list is read */
-    vor_status status;
-    struct vor_error *err;
-};
-
-static vor_status note_lost(struct recovery *recovery, const struct vor_job_view *row,
-                            const struct vor_error *why)
-{
-    struct lost *lost = malloc(sizeof *lost);
-
-    if (lost == NULL)
-        return vor_fail(recovery->err, VOR_E_NOMEM, "a job");
-    *lost = (struct lost){.row = *row, .why = *why, .next = recovery->lost};
-    recovery->lost = lost;
-    return VOR_OK;
-}
-
-/* A recovery that failed midway begins again, and leaves alone what it has put in line already. */
-static int recover_one(void *ctx, const struct vor_job_view *row)
-{
-    struct recovery *recovery = ctx;
-    struct vor_job *live = vor_worker_find(recovery->worker, &row->id);
-    struct vor_error why;
-    uint64_t bytes = 0;
-
-    vor_job_release(live);
-    if (live != NULL)
-        return 1;
-    if (check_row(recovery->worker, row, &bytes, &why) != VOR_OK)
-        recovery->status = note_lost(recovery, row, &why);
-    else
-        recovery->status = requeue(recovery->worker, row, bytes, recovery->err);
-    return recovery->status == VOR_OK;
-}
-
-static vor_status recover_queue(struct vor_worker *worker, struct vor_error *err)
-{
-    struct recovery recovery = {.worker = worker, .err = err};
-    vor_status status = vor_store_waiting(worker->config.store, recover_one, &recovery, err);
-
-    if (status == VOR_OK)
-        status = recovery.status;
-    while (recovery.lost != NULL) {
-        struct lost *lost = recovery.lost;
-
-        recovery.lost = lost->next;
-        if (status == VOR_OK)
-            status = fail_row(worker, &lost->row, &lost->why, err);
-        if (status == VOR_E_IO && vor_error_storage_full(err))
-            status = VOR_OK; /* it stays as it is until the next start */
-        free(lost);
-    }
-    return status;
-}
-
 /* --- the blobs -------------------------------------------------------------------------------- */
 
 static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
@@ -303,22 +166,26 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
     return status;
 }
 
-/* Rows of a former life, and the queue. */
+/* Rows of a former life, and what waits. */
 static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
+    struct vor_waiting waiting;
     uint64_t requeued = 0;
-    vor_status status = VOR_OK;
+    vor_status status = vor_store_reap(worker->config.store, worker->owner.text,
+                                       vor_clock_wall_ms(), &requeued, err);
 
-    if (!worker->is_reset) /* once: what runs later runs in this life */
-        status = vor_store_recover(worker->config.store, vor_clock_wall_ms(), &requeued, err);
-    worker->is_reset = worker->is_reset || status == VOR_OK;
     if (status == VOR_OK)
-        status = recover_queue(worker, err);
+        status = vor_store_waiting(worker->config.store, &waiting, err);
+    if (status != VOR_OK)
+        return status;
+    pthread_mutex_lock(&worker->mutex);
+    worker->places.waiting = (int64_t)waiting.jobs;
+    worker->places.bytes = waiting.decoded;
+    pthread_mutex_unlock(&worker->mutex);
     vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));
-    if (status == VOR_OK)
-        vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", vor_queue_depth(worker->queue)),
-                VOR_COUNT("requeued", requeued));
-    return status;
+    vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", waiting.jobs),
+            VOR_COUNT("requeued", requeued));
+    return VOR_OK;
 }
 
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
@@ -344,8 +211,11 @@ void vor_worker_recover_late(struct vor_worker *worker)
     if (!atomic_load(&worker->is_late))
         return;
     if (recover_rows(worker, &err) == VOR_OK) {
-        vor_queue_look(worker->queue);
         atomic_store(&worker->is_late, 0);
+        pthread_mutex_lock(&worker->mutex);
+        worker->news++;
+        pthread_cond_broadcast(&worker->ready);
+        pthread_mutex_unlock(&worker->mutex);
     } else if (!vor_error_storage_full(&err)) {
         vor_log(VOR_LOG_ERROR, "jobs are not recovered", VOR_TEXT("error", err.message));
     }

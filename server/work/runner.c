@@ -19,6 +19,7 @@ static const double retry_seconds_max = 16; /* at most, as encoding costs cores 
 
 struct run {
     struct vor_worker *worker;
+    struct vor_runner *runner;
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
     uint32_t attempt;
@@ -328,64 +329,67 @@ static void explain(struct run *run, struct vor_error *problem)
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
+    struct vor_hand_back back = {.attempt = run->attempt, .now_ms = vor_clock_wall_ms()};
     struct vor_error err;
-    int changed;
 
-    if (vor_store_release(run->worker->config.store, &run->view.id, run->attempt,
-                          vor_clock_wall_ms(), &changed, &err) != VOR_OK)
+    if (vor_store_hand_back(run->worker->config.store, &run->view.id, &back, &err) != VOR_OK)
         vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
-    else if (changed)
+    else if (back.changed)
         vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
 }
 
-/* running -> accepted in the store; *crashes gets how often the job has crashed with nothing beside
- * it. False when the job is over, or the store cannot be told: the next start of the daemon then
- * runs it. */
-static int put_back(struct run *run, enum vor_run_end end, unsigned *crashes)
+/* running -> accepted in the store, and in the live job unless it has crashed too often. */
+static vor_status put_back(struct run *run, struct vor_hand_back *back, int *again,
+                           struct vor_error *err)
 {
-    struct vor_crashed_run crashed = {.attempt = run->attempt,
-                                      .was_alone = end == VOR_RUN_CRASHED_ALONE,
-                                      .now_ms = vor_clock_wall_ms()};
-    struct vor_store *store = run->worker->config.store;
-    const struct vor_uuid *id = &run->view.id;
-    struct vor_error err;
+    struct vor_worker *worker = run->worker;
     vor_status status;
 
-    do {
-        status =
-            end == VOR_RUN_DISTURBED
-                ? vor_store_release(store, id, run->attempt, crashed.now_ms, &crashed.changed, &err)
-                : vor_store_crashed(store, id, &crashed, &err);
-        if (status == VOR_OK)
-            break;
-        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_TEXT("job", id->text),
-                VOR_TEXT("error", err.message));
-    } while (!vor_worker_pause(run->worker, retry_seconds));
-    *crashes = crashed.crashes;
-    return status == VOR_OK && crashed.changed;
+    pthread_mutex_lock(&worker->claim);
+    status = vor_store_hand_back(worker->config.store, &run->view.id, back, err);
+    *again = status == VOR_OK && back->changed &&
+             !(back->was_alone && back->crashes >= worker->config.faults_max) &&
+             vor_job_restart(run->job, back->is_crash, vor_clock_wall_ms());
+    if (*again) {
+        vor_worker_let_go(run->runner); /* another runner may have it at once */
+        vor_worker_count_waiting(worker, &run->view, 1);
+    }
+    pthread_mutex_unlock(&worker->claim);
+    return status;
 }
 
-/* The process of the run has ended under it. True when the job is to be run again. */
+/* The process of the run has ended under it. True when the job is to be run again. While the store
+ * cannot be told, the job goes on as running: the next start of the daemon then runs it. */
 static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error *problem)
 {
-    unsigned crashes;
+    struct vor_hand_back back = {.attempt = run->attempt,
+                                 .now_ms = vor_clock_wall_ms(),
+                                 .is_crash = end != VOR_RUN_DISTURBED,
+                                 .was_alone = end == VOR_RUN_CRASHED_ALONE};
+    struct vor_error err;
+    int again;
 
     vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view), VOR_COUNT("attempt", run->attempt),
             VOR_TEXT("error", problem->message));
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
         (void)vor_worker_pause(run->worker, retry_seconds);
-    if (!put_back(run, end, &crashes))
-        return 0;
-    if (end != VOR_RUN_CRASHED_ALONE || crashes < run->worker->config.faults_max) {
-        vor_count_again();
-        return vor_job_restart(run->job, end != VOR_RUN_DISTURBED, vor_clock_wall_ms());
+    while (put_back(run, &back, &again, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", err.message));
+        if (vor_worker_pause(run->worker, retry_seconds))
+            return 0;
     }
-    (void)vor_fail(problem, VOR_E_INTERNAL,
-                   "crashed: the worker ended %u times while it worked on this job alone", crashes);
-    run->attempt = 0; /* it does not run any more */
-    finish(run, problem);
-    return 0;
+    if (again) {
+        vor_count_again();
+    } else if (back.changed) {
+        (void)vor_fail(problem, VOR_E_INTERNAL,
+                       "crashed: the worker ended %u times while it worked on this job alone",
+                       back.crashes);
+        run->attempt = 0; /* it does not run any more */
+        finish(run, problem);
+    }
+    return again;
 }
 
 /* Ends the job, or finds that it is to be run again: then true. */
@@ -426,47 +430,42 @@ static void clean_up(struct run *run, double began)
             VOR_REAL("dur_s", round((vor_clock_seconds() - began) * 1e6) / 1e6));
 }
 
-/* accepted -> running in the store; false when the job was dismissed or the daemon goes down. */
-static int claim(struct run *run)
+/* Why a row cannot be run; VOR_OK when it can. */
+static vor_status check_row(const struct vor_job_view *row, struct vor_error *why)
 {
-    struct vor_error err;
-    int changed;
-
-    while (vor_store_claim(run->worker->config.store, &run->view.id, vor_clock_wall_ms(),
-                           &run->attempt, &changed, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be claimed", VOR_OF_JOB(&run->view),
-                VOR_TEXT("error", err.message));
-        if (vor_worker_pause(run->worker, retry_seconds))
-            return 0;
-    }
-    return changed;
+    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
+        vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
+        return vor_fail(why, VOR_E_INTERNAL, "the job's request cannot be read by this version");
+    return VOR_OK;
 }
 
-int vor_worker_run(struct vor_worker *worker, struct vor_job *job)
+void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
 {
+    struct vor_worker *worker = runner->worker;
     double began = vor_clock_seconds();
-    struct run run = {.worker = worker, .job = job, .beat = began};
+    struct run run = {.worker = worker,
+                      .runner = runner,
+                      .job = runner->job,
+                      .view = *row,
+                      .attempt = row->attempt,
+                      .beat = began};
     struct vor_error problem;
-    enum vor_run_end end;
-    int again = 0;
+    enum vor_run_end end = VOR_RUN_FAILED;
 
     vor_text_init(&run.kept, 0);
     atomic_init(&run.late, 0);
     atomic_init(&run.stops, 0);
-    vor_job_view(job, &run.view);
-    if (claim(&run)) {
-        vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(&run.view),
-                VOR_COUNT("attempt", run.attempt));
-        vor_job_begin(job, vor_clock_wall_ms());
-        vor_count_begun(&run.view, run.attempt, worker->config.memory);
-        set_limits(&run);
+    vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", run.attempt));
+    vor_job_begin(run.job, vor_clock_wall_ms());
+    vor_count_begun(row, run.attempt, worker->config.memory);
+    set_limits(&run);
+    if (check_row(row, &problem) == VOR_OK)
         end = execute(&run, &problem);
-        vor_count_ended(&run.view,
-                        end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
-                        worker->config.memory, vor_clock_seconds() - began);
-        again = conclude(&run, end, &problem);
+    vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
+                    worker->config.memory, vor_clock_seconds() - began);
+    if (!conclude(&run, end, &problem)) {
+        clean_up(&run, began);
+        vor_worker_forget(worker, run.job);
     }
-    clean_up(&run, began);
     vor_text_free(&run.kept);
-    return again;
 }

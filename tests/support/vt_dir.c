@@ -95,7 +95,14 @@ struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const c
 
 struct vor_store *vt_dir_store(const char *path)
 {
-    return vt_dir_store_of(vor_store_driver_at(0), path);
+    const char *scheme = getenv("VT_STORE");
+    const struct vor_store_driver *driver = vor_store_driver_at(0);
+
+    for (unsigned i = 1; scheme != NULL && driver != NULL && strcmp(driver->scheme, scheme) != 0;
+         i++)
+        driver = vor_store_driver_at(i);
+    ck_assert_msg(driver != NULL, "there is no store %s", scheme);
+    return vt_dir_store_of(driver, path);
 }
 
 struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, size_t size)
@@ -137,6 +144,18 @@ struct vor_job_view vt_row(unsigned points)
     row.eta_seconds = -1;
     row.problem.byte_offset = -1;
     return row;
+}
+
+uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id)
+{
+    const struct vor_claim claim = {"a former life", vor_clock_wall_ms(), UINT64_MAX, 1};
+    struct vor_job_view row;
+    int found;
+
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    if (found && id != NULL)
+        ck_assert_str_eq(row.id.text, id->text);
+    return found ? row.attempt : 0;
 }
 
 void vt_killed(void (*act)(void *ctx), void *ctx)

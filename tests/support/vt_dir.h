@@ -15,7 +15,7 @@ const char *vt_dir_make(void);
 int vt_dir_count(const char *path, const char *name);
 
 /** Blobs and store of a daemon with that data directory; fails the test when they cannot be opened.
- */
+ *  The store is of the driver that $VT_STORE names, by its scheme, or of the first one. */
 struct vor_blobs *vt_dir_blobs(const char *path);
 struct vor_store *vt_dir_store(const char *path);
 
@@ -30,6 +30,10 @@ struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, si
 
 /** A row to insert: id fresh, `points` asked for of a cloud of 100. */
 struct vor_job_view vt_row(unsigned points);
+
+/** Claims the job that is next: its attempt, or 0 when there is none. id, if it is not NULL, is the
+ *  one that it must be. */
+uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id);
 
 /** Runs act(ctx) in a child that must die by its own SIGKILL. */
 void vt_killed(void (*act)(void *ctx), void *ctx);

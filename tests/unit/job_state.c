@@ -232,7 +232,6 @@ START_TEST(a_job_that_begins_anew_waits_again_and_forgets_its_events)
     ck_assert_int_eq(view.stage, VOR_STAGE_QUEUED);
     ck_assert_uint_eq(view.attempt, 2);
     ck_assert_int_eq(view.alone, _i);
-    ck_assert_int_eq(vor_job_turn(job)->alone, _i);
     event = next_event(job, &position);
     ck_assert_int_eq(event.kind, VOR_EVENT_REPLACED);
     ck_assert_int_eq(event.stage, VOR_STAGE_OPTIMIZE);

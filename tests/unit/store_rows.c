@@ -32,15 +32,6 @@ static struct vor_job_view get(struct vor_store *store, const struct vor_uuid *i
     return row;
 }
 
-static uint32_t claim(struct vor_store *store, const struct vor_uuid *id)
-{
-    uint32_t attempt = 0;
-    int changed;
-
-    vt_assert_ok(vor_store_claim(store, id, vor_clock_wall_ms(), &attempt, &changed, &vt_err));
-    return changed ? attempt : 0;
-}
-
 static int finish(struct vor_store *store, struct vor_job_view row, enum vor_job_status status,
                   uint32_t attempt)
 {
@@ -55,10 +46,10 @@ static int finish(struct vor_store *store, struct vor_job_view row, enum vor_job
 
 static int release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt)
 {
-    int changed;
+    struct vor_hand_back back = {.attempt = attempt, .now_ms = 1};
 
-    vt_assert_ok(vor_store_release(store, id, attempt, 1, &changed, &vt_err));
-    return changed;
+    vt_assert_ok(vor_store_hand_back(store, id, &back, &vt_err));
+    return back.changed;
 }
 
 static int remove_row(struct vor_store *store, const struct vor_uuid *id)
@@ -172,7 +163,7 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     int changed;
 
     row.status = VOR_JOB_SUCCESSFUL;
-    row.attempt = claim(store, &row.id);
+    row.attempt = vt_claim(store, &row.id);
     row.progress = 100;
     row.has_record = 1;
     row.record = (struct vor_record){.iteration = 42,
@@ -255,10 +246,10 @@ START_TEST(only_the_running_attempt_may_end_beat_or_release)
     struct vor_job_view row = insert(store, 10);
 
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1)); /* still waits */
-    ck_assert_uint_eq(claim(store, &row.id), 1);
+    ck_assert_uint_eq(vt_claim(store, &row.id), 1);
     ck_assert(release(store, &row.id, 1));
     ck_assert_uint_eq(get(store, &row.id).attempt, 2); /* the next one */
-    ck_assert_uint_eq(claim(store, &row.id), 2);
+    ck_assert_uint_eq(vt_claim(store, &row.id), 2);
     ck_assert(!release(store, &row.id, 1));
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1));
     row.attempt = 1;
@@ -314,8 +305,10 @@ START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
 
     for (int i = 0; i < 10; i++)
         rows[i] = insert(store, 10);
-    (void)claim(store, &rows[2].id);
-    (void)claim(store, &rows[5].id);
+    for (int i = 0; i < 6; i++)
+        (void)vt_claim(store, &rows[i].id);
+    for (int i = 0; i < 5; i++)
+        ck_assert(i == 2 || release(store, &rows[i].id, 1));
     ck_assert(finish(store, rows[5], VOR_JOB_FAILED, 1));
 
     seen = list(store, (struct vor_job_filter){.limit = 3}, 0);
@@ -337,31 +330,6 @@ START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
     ck_assert_uint_eq(seen.count, 10);
     seen = list(store, (struct vor_job_filter){.limit = 64, .process = "' OR 1=1 --"}, 0);
     ck_assert_uint_eq(seen.count, 0);
-    vor_store_close(store);
-}
-END_TEST
-
-START_TEST(what_waits_comes_in_the_order_of_acceptance)
-{
-    const char *dir = vt_dir_make();
-    struct vor_store *store = vt_dir_store(dir);
-    static const int order[] = {1, 2, 3, 5};
-    struct seen seen = {.stop_after = 0};
-    struct vor_job_view rows[6];
-
-    for (int i = 0; i < 6; i++)
-        rows[i] = insert(store, 10);
-    (void)claim(store, &rows[0].id);
-    (void)claim(store, &rows[3].id);
-    ck_assert(release(store, &rows[3].id, 1)); /* back to its place */
-    ck_assert(finish(store, rows[4], VOR_JOB_DISMISSED, 0));
-    vt_assert_ok(vor_store_waiting(store, see, &seen, &vt_err));
-    ck_assert_uint_eq(seen.count, 4);
-    for (size_t i = 0; i < seen.count; i++)
-        ck_assert_int_eq(seen.seqs[i], rows[order[i]].seq);
-    seen = (struct seen){.stop_after = 2};
-    vt_assert_ok(vor_store_waiting(store, see, &seen, &vt_err));
-    ck_assert_uint_eq(seen.count, 2);
     vor_store_close(store);
 }
 END_TEST
@@ -417,18 +385,18 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view runs = insert(store, 10);
-    struct vor_crashed_run crashed = {.attempt = 1, .now_ms = 77};
+    struct vor_hand_back crashed = {.attempt = 1, .now_ms = 77, .is_crash = 1};
 
-    vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+    vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
     ck_assert(!crashed.changed); /* it does not run */
     for (uint32_t attempt = 1; attempt <= 3; attempt++) {
-        ck_assert_uint_eq(claim(store, &runs.id), attempt);
-        crashed = (struct vor_crashed_run){.attempt = attempt + 1, .now_ms = 77};
-        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        ck_assert_uint_eq(vt_claim(store, &runs.id), attempt);
+        crashed = (struct vor_hand_back){.attempt = attempt + 1, .now_ms = 77, .is_crash = 1};
+        vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
         ck_assert(!crashed.changed); /* another attempt */
         crashed.attempt = attempt;
         crashed.was_alone = attempt > 1;
-        vt_assert_ok(vor_store_crashed(store, &runs.id, &crashed, &vt_err));
+        vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
         ck_assert(crashed.changed);
         ck_assert_uint_eq(crashed.crashes, attempt - 1);
         ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
@@ -456,7 +424,7 @@ static void act_until_killed(void *ctx)
 
     vt_assert_ok(vor_store_insert(store, &killed->row, NULL, &vt_err));
     if (killed->point >= AFTER_CLAIM)
-        (void)claim(store, &killed->row.id);
+        (void)vt_claim(store, &killed->row.id);
     if (killed->point >= AFTER_FINISH)
         (void)finish(store, killed->row, VOR_JOB_SUCCESSFUL, 1);
     if (killed->point >= AFTER_REMOVE)
@@ -589,7 +557,6 @@ int main(void)
     vt_add(suite, a_failure_comes_back_with_its_problem);
     vt_add(suite, only_the_running_attempt_may_end_beat_or_release);
     vt_add(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor);
-    vt_add(suite, what_waits_comes_in_the_order_of_acceptance);
     vt_add(suite, results_expire_then_are_forgotten);
     vt_add(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was);
     vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS);

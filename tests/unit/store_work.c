@@ -65,7 +65,6 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
     static uint8_t trace[TRACE];
     const struct vor_store_ending ending = {report, trace, TRACE};
     struct vor_job_view row = vt_row(10);
-    uint32_t attempt;
     int changed;
 
     memset(report, 'r', REPORT);
@@ -74,12 +73,12 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
     (void)snprintf(row.name, sizeof row.name, "%s", name);
     row.kept = 1000;
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
-    vt_assert_ok(vor_store_claim(store, &row.id, row.created, &attempt, &changed, &vt_err));
+    row.attempt = vt_claim(store, &row.id);
     vt_assert_ok(vor_store_beat(store, &row, &vt_err));
     row.status = VOR_JOB_SUCCESSFUL;
     row.finished = row.created + 1;
     row.expires = row.created + 1000000000;
-    vt_assert_ok(vor_store_finish(store, &row, attempt, &ending, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &row, row.attempt, &ending, &changed, &vt_err));
     ck_assert(changed);
     return row;
 }
@@ -120,16 +119,18 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     struct vor_ledger ledger;
     uint64_t requeued;
     int64_t newest;
-    int found, waiting = 0;
+    struct vor_waiting waiting;
+    int found;
 
     ck_assert_int_le(pages(), 150); /* a row of its own, and its way down each index */
     vt_assert_ok(vor_store_find_key(store, &row.key, &back, &found, &vt_err));
     ck_assert(found);
     vt_assert_ok(vor_store_get_of(store, &row.id, "alice", &back, &found, &vt_err));
     ck_assert(found);
-    vt_assert_ok(vor_store_waiting(store, count_row, &waiting, &vt_err));
+    vt_assert_ok(vor_store_waiting(store, &waiting, &vt_err));
+    ck_assert_uint_eq(vt_claim(store, NULL), 0);
     vt_assert_ok(vor_store_newest(store, &newest, &vt_err));
-    vt_assert_ok(vor_store_recover(store, row.created, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "x", row.created, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 0);
     ck_assert_int_le(pages(), 60);
     vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));

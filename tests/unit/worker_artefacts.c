@@ -424,9 +424,9 @@ START_TEST(a_job_that_lost_an_input_fails_and_names_it)
     vt_assert_ok(vor_blob_drop(blobs, &id, vor_blob_of_input(inputs[_i], blob), &vt_err));
     vor_blobs_close(blobs);
     vt_daemon_start(&daemon, dir, NULL);
-    view = vt_daemon_get(&daemon, &id);
+    view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
-    (void)snprintf(says, sizeof says, "the job's input %s was lost with the last run", inputs[_i]);
+    (void)snprintf(says, sizeof says, "the job's input %s is gone", inputs[_i]);
     ck_assert_str_eq(view.message, says);
     while (vt_daemon_kept(&daemon) > 0) /* the other one: the sweeper's work */
         vt_nap();
@@ -454,7 +454,7 @@ START_TEST(a_job_whose_request_cannot_be_read_is_not_run)
     ck_assert_int_eq(sqlite3_changes(db), 1);
     sqlite3_close(db);
     vt_daemon_start(&daemon, dir, NULL);
-    view = vt_daemon_get(&daemon, &id);
+    view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_str_eq(view.message, "the job's request cannot be read by this version");
     while (vt_daemon_kept(&daemon) > 0)

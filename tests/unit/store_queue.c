@@ -1,0 +1,196 @@
+/* The queue in the store: who is claimed next, and what a place in it is. */
+#include "server/store/store.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct vor_job_view get(struct vor_store *store, const struct vor_uuid *id)
+{
+    struct vor_job_view row;
+    int found;
+
+    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
+    ck_assert(found);
+    return row;
+}
+
+static void dismiss(struct vor_store *store, struct vor_job_view row)
+{
+    int changed;
+
+    row.status = VOR_JOB_DISMISSED;
+    row.finished = row.expires = 1;
+    vt_assert_ok(vor_store_finish(store, &row, 0, NULL, &changed, &vt_err));
+    ck_assert(changed);
+}
+
+static void hand_back(struct vor_store *store, const struct vor_uuid *id)
+{
+    struct vor_hand_back back = {.attempt = 1, .now_ms = 1};
+
+    vt_assert_ok(vor_store_hand_back(store, id, &back, &vt_err));
+    ck_assert(back.changed);
+}
+
+static struct vor_job_view insert_of(struct vor_store *store, const char *tenant, size_t length)
+{
+    struct vor_job_view row = vt_row(10);
+
+    (void)snprintf(row.key.principal, sizeof row.key.principal, "%.*s", (int)length, tenant);
+    row.decoded = 7;
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
+    return row;
+}
+
+/* The first letter of whose job is claimed; 0 when none waits. */
+static char claim_letter(struct vor_store *store)
+{
+    const struct vor_claim claim = {"x", 1, UINT64_MAX, 1};
+    struct vor_job_view row;
+    int found;
+
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    return found ? row.key.principal[0] : '\0';
+}
+
+/* Vector: letters are jobs that come, a dot claims the next one; whose that is, is told below. */
+START_TEST(tenants_take_turns)
+{
+    static const struct {
+        const char *steps, *out;
+    } vectors[] = {
+        {"aaabbb......", "ababab"}, /* a flood is met halfway */
+        {"aaaa.b....", "abaaa"},    /* who comes while another's job runs is next */
+        {"aaaa.bb.....", "ababaa"}, /* and then takes turns */
+        {"aaaa..b....", "aabaa"},   /* with two that run as well */
+        {"abcabc......", "abcabc"}, /* all alike: in the order of acceptance */
+        {"aa.b.b.b...", "ababb"},   /* one at a time is no way to be first always */
+        {"aaa...a.b.", "aaaab"},    /* alone, a tenant owes nothing */
+        {"aaa...bba...", "aaabba"}, /* but has had the round that goes on */
+        {"bc.a.a.a....", "bcaaa"},  /* who has had his job of the round waits for the others */
+    };
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    char out[16] = "";
+    size_t at = 0;
+
+    for (const char *step = vectors[_i].steps; *step != '\0'; step++) {
+        if (*step != '.')
+            (void)insert_of(store, step, 1);
+        else
+            out[at++] = claim_letter(store);
+    }
+    ck_assert_str_eq(out, vectors[_i].out);
+    vor_store_close(store);
+}
+END_TEST
+
+/* Property: whatever tenants come and are dismissed, each one's jobs leave in order, a position is
+ * told as it comes out when nobody else comes, and between two jobs of a tenant who waits, and who
+ * gave up no turn, no other has three. A job that is handed back keeps its place. */
+START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another)
+{
+    enum { TENANTS = 5, JOBS = 70 };
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    struct vor_job_view rows[JOBS];
+    struct vor_waiting waiting;
+    long told[JOBS];
+    int since[TENANTS][TENANTS] = {{0}}; /* jobs of the second since the last of the first */
+    int waits[TENANTS] = {0}, gone = 0;
+    char letter;
+
+    for (int i = 0; i < JOBS; i++) {
+        int tenant = (int)(vt_unit((uint64_t)_i, (uint64_t)i) * TENANTS);
+
+        rows[i] = insert_of(store, &"abcde"[tenant], 1);
+        waits[tenant]++;
+        if (i % 7 == 6)
+            waits[claim_letter(store) - 'a']--;
+        if (_i % 2 == 0 || i % 10 != 9 || get(store, &rows[i - 5].id).status != VOR_JOB_ACCEPTED)
+            continue;
+        dismiss(store, rows[i - 5]);
+        waits[rows[i - 5].key.principal[0] - 'a']--;
+        gone++;
+    }
+    for (int i = 0; i < JOBS; i++)
+        told[i] = get(store, &rows[i].id).queue_position;
+    vt_assert_ok(vor_store_waiting(store, &waiting, &vt_err));
+    ck_assert_uint_eq(waiting.jobs, (size_t)(JOBS - JOBS / 7 - gone));
+    ck_assert_uint_eq(waiting.decoded, 7 * waiting.jobs);
+    for (long left = 0; (letter = claim_letter(store)) != '\0'; left++) {
+        int tenant = letter - 'a', next = 0;
+
+        while (next < JOBS && told[next] != left)
+            next++;
+        ck_assert_int_eq(rows[next].key.principal[0], letter);
+        hand_back(store, &rows[next].id);
+        ck_assert_int_eq(get(store, &rows[next].id).queue_position, 0);
+        ck_assert_int_eq(claim_letter(store), letter);
+        waits[tenant]--;
+        for (int other = 0; other < TENANTS; other++) {
+            since[tenant][other] = 0;
+            since[other][tenant] += other != tenant && waits[other] > 0;
+            ck_assert(gone > 0 || since[other][tenant] <= 2);
+        }
+    }
+    vor_store_close(store);
+}
+END_TEST
+
+/* Places far behind are counted by rounds. */
+START_TEST(a_place_in_a_long_queue_is_counted_right)
+{
+    enum { JOBS = 600 };
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    struct vor_uuid ids[JOBS];
+
+    for (int i = 0; i < JOBS; i++)
+        ids[i] = insert_of(store, "", 0).id;
+    for (int claimed = 0; claimed < 3; claimed++) {
+        for (int i = claimed; i < JOBS; i += 37)
+            ck_assert_int_eq(get(store, &ids[i]).queue_position, i - claimed);
+        ck_assert_uint_eq(vt_claim(store, &ids[claimed]), 1);
+        ck_assert_int_eq(get(store, &ids[claimed]).queue_position, -1);
+    }
+    vor_store_close(store);
+}
+END_TEST
+
+START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
+{
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    struct vor_job_view rows[2] = {vt_row(10), vt_row(10)}, row;
+    struct vor_claim claim = {"me", 1, 99, 0};
+    uint64_t reaped;
+    int found;
+
+    rows[0].memory = 100;
+    rows[1].memory = 1;
+    for (int i = 0; i < 2; i++)
+        vt_assert_ok(vor_store_insert(store, &rows[i], NULL, &vt_err));
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(!found); /* the small one does not overtake it */
+    claim.memory = 100;
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(found && strcmp(row.id.text, rows[0].id.text) == 0 && row.memory == 100);
+    vt_assert_ok(vor_store_reap(store, "me", 1, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 0); /* what runs in this life */
+    vt_assert_ok(vor_store_reap(store, "the next one", 1, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 1);
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(!found); /* it is to be alone */
+    claim.may_be_alone = 1;
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(found && row.alone && row.attempt == 2);
+    vor_store_close(store);
+}
+END_TEST
+
+void vt_suite(Suite *suite)
+{
+    vt_add_loop(suite, tenants_take_turns, 9);
+    vt_add_loop(suite, positions_come_true_and_nobody_has_three_turns_between_two_of_another, 4);
+    vt_add(suite, a_place_in_a_long_queue_is_counted_right);
+    vt_add(suite, the_next_job_is_claimed_once_it_may_and_none_before_it);
+}
