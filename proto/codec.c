@@ -15,9 +15,9 @@
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
     [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, 0, vor_ply_read,
-                        vor_ply_write, vor_ply_read_mesh, 0, 1},
+                        vor_ply_write, 0, 1},
     [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, 1,
-                        vor_draco_read, vor_draco_write, vor_draco_read_mesh, 1, 0},
+                        vor_draco_read, vor_draco_write, 1, 0},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };
@@ -119,26 +119,6 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
         status = vor_faces_check(out, err);
     if (status != VOR_OK)
         vor_cloud_free(out);
-    return status;
-}
-
-vor_status vor_codec_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
-                               size_t size, const struct vor_limits *limits, struct vor_error *err)
-{
-    const struct vor_format *found = vor_format_sniff(bytes, size);
-    vor_status status;
-
-    if (found == NULL)
-        return unknown_format(bytes, size, err);
-    status = found->read_mesh(out, mesh, bytes, size, limits, err);
-    if (status != VOR_OK)
-        return status;
-    out->notes.format = (unsigned)(found - formats);
-    status = vor_cloud_check(out, err);
-    if (status != VOR_OK) {
-        vor_mesh_free(mesh);
-        vor_cloud_free(out);
-    }
     return status;
 }
 

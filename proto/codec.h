@@ -31,15 +31,6 @@ VOR_NODISCARD vor_status vor_codec_read(struct vor_cloud *out, const struct vor_
                                         const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** The same for a file that we wrote, with its faces: *mesh, initialised and empty, stays so for a
- *  file without any, and on failure.
- *
- *  @retval as vor_codec_read, and as vor_format.read_mesh */
-VOR_NODISCARD vor_status vor_codec_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
-                                             const uint8_t *bytes, size_t size,
-                                             const struct vor_limits *limits,
-                                             struct vor_error *err);
-
 /** What the file of a result follows from besides the request. */
 struct vor_result_facts {
     struct vor_extent input; /**< of the main input */

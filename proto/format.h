@@ -30,10 +30,6 @@ struct vor_write_options {
 /** One format. Readers take a whole file in memory (the caller maps it), never trust it, allocate
  *  only from cloud->memory, and leave an initialised, empty cloud on failure.
  *
- *  read_mesh is read for a file that we wrote: *mesh, initialised and empty, gets its faces, over
- *  the points of *out. Points with a coordinate that is not finite are refused, whatever
- *  limits->drop_invalid says.
- *
  *  read:  @retval VOR_E_FORMAT (byte_offset says where), VOR_E_EMPTY, VOR_E_NONFINITE, VOR_E_LIMIT
  *         (limit and got), VOR_E_NOMEM
  *  write: @retval VOR_E_IO the sink refused, VOR_E_NOMEM, VOR_E_INTERNAL the library failed */
@@ -50,8 +46,6 @@ struct vor_format {
                        const struct vor_limits *limits, struct vor_error *err);
     vor_status (*write)(const struct vor_sink *sink, const struct vor_cloud *cloud,
                         const struct vor_write_options *options, struct vor_error *err);
-    vor_status (*read_mesh)(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
-                            size_t size, const struct vor_limits *limits, struct vor_error *err);
     int takes_origin; /**< its positions are float32, relative to an origin; else absolute */
     int has_polygons; /**< faces may have more than three corners, or else are cut into triangles */
 };

@@ -34,14 +34,6 @@
 VOR_NODISCARD vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                         const struct vor_limits *limits, struct vor_error *err);
 
-/** The same with the faces of a mesh. Faces of one point are left out.
- *
- *  As vor_format.read_mesh. */
-VOR_NODISCARD vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
-                                             const uint8_t *bytes, size_t size,
-                                             const struct vor_limits *limits,
-                                             struct vor_error *err);
-
 /** Writes a point cloud as bitstream 2.3, or a mesh as 2.2, in one call of the sink.
  *
  *  Signature and failures as vor_format.write; also VOR_E_EMPTY and VOR_E_NONFINITE as

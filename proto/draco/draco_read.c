@@ -18,13 +18,12 @@ static const size_t MEMORY_PER_POINT = 40;
 struct load {
     const struct vor_draco_decoded *decoded;
     struct vor_cloud *cloud;
-    struct vor_mesh *mesh; /* that gets the faces; NULL: they are dropped */
+    const struct vor_limits *limits;
     size_t n;
     unsigned position; /* index of the attribute */
     int has_origin;    /* in the metadata, with the type that positions had */
     double origin[3];
     char type[16];
-    int drop_invalid, keep_faces, keep_doubles;
     struct vor_error *err;
 };
 
@@ -152,12 +151,12 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     if (status != VOR_OK)
         goto done;
     widen(xyz, raw, type, 3 * load->n);
-    status = vor_cloud_sift(load->cloud, xyz, load->drop_invalid, load->err);
+    status = vor_cloud_sift(load->cloud, xyz, load->limits->drop_invalid, load->err);
     for (size_t i = 0; status == VOR_OK && load->has_origin && i < 3 * load->cloud->n; i++)
         xyz[i] += load->origin[i % 3];
     if (status == VOR_OK)
         status = vor_cloud_set_double(load->cloud, xyz, load->err);
-    if (status == VOR_OK && load->keep_doubles)
+    if (status == VOR_OK && load->limits->keep_doubles)
         vor_cloud_keep_double(load->cloud, &xyz);
 done:
     vor_free(memory, xyz);
@@ -177,7 +176,7 @@ static vor_status load_positions(const struct load *load)
         return load_wide_positions(load, (enum vor_type)info.scalar);
     status = copy_values(load, load->position, load->cloud->xyz);
     if (status == VOR_OK)
-        status = vor_cloud_sift(load->cloud, NULL, load->drop_invalid, load->err);
+        status = vor_cloud_sift(load->cloud, NULL, load->limits->drop_invalid, load->err);
     if (status == VOR_OK)
         restore_origin(load);
     return status;
@@ -288,7 +287,7 @@ static vor_status load_faces(const struct load *load)
     size_t faces = vor_draco_faces(load->decoded);
 
     cloud->notes.faces = faces;
-    if (!load->keep_faces) {
+    if (!load->limits->keep_faces) {
         vor_dropped_add(cloud->notes.dropped, &cloud->notes.dropped_count, "face", faces);
         return VOR_OK;
     }
@@ -298,38 +297,25 @@ static vor_status load_faces(const struct load *load)
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
-    if (load->keep_faces == VOR_FACES_KEPT)
+    if (load->limits->keep_faces == VOR_FACES_KEPT)
         cloud->triangle_count = drop_filling(cloud->triangles, faces);
     return VOR_OK;
 }
 
-static vor_status load_mesh(const struct load *load)
+static vor_status load_cloud(struct load *load)
 {
-    size_t count = vor_draco_faces(load->decoded);
-
-    load->mesh->triangle = vor_malloc(load->mesh->memory, count, 3 * sizeof *load->mesh->triangle);
-    if (load->mesh->triangle == NULL)
-        return vor_fail(load->err, VOR_E_NOMEM, "%zu faces", count);
-    if (vor_draco_corners(load->decoded, load->mesh->triangle) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
-    load->mesh->count = drop_filling(load->mesh->triangle, count);
-    return VOR_OK;
-}
-
-static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
-{
+    size_t most = load->limits->points;
     vor_status status = find_position(load);
 
     load->n = vor_draco_points(load->decoded);
     find_origin(load);
     if (status != VOR_OK)
         return status;
-    if (load->n > limits->points) {
-        status =
-            vor_fail(load->err, VOR_E_LIMIT, "the Draco file holds %zu points, want at most %zu",
-                     load->n, limits->points);
+    if (load->n > most) {
+        status = vor_fail(load->err, VOR_E_LIMIT,
+                          "the Draco file holds %zu points, want at most %zu", load->n, most);
         if (load->err != NULL) {
-            load->err->limit = limits->points;
+            load->err->limit = most;
             load->err->got = load->n;
         }
         return status;
@@ -344,53 +330,26 @@ static vor_status load_cloud(struct load *load, const struct vor_limits *limits)
         status = load_faces(load);
     if (status == VOR_OK)
         status = load_positions(load);
-    if (status == VOR_OK && load->mesh != NULL && vor_draco_faces(load->decoded) > 0)
-        status = load_mesh(load);
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
-static vor_status read_file(struct load *load, const uint8_t *bytes, size_t size,
-                            const struct vor_limits *limits, struct vor_error *err)
+vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
+                          const struct vor_limits *limits, struct vor_error *err)
 {
-    struct vor_cloud *out = load->cloud;
     struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
     struct vor_draco_decoded *decoded = NULL;
+    struct load load = {.cloud = out, .limits = limits, .err = err};
     vor_status status = vor_draco_gate(bytes, size, limits, err);
 
     if (status != VOR_OK)
         return status;
     purse.most += MEMORY_PER_POINT * vor_draco_points_max(size, limits);
     status = decode(&decoded, &purse, bytes, size, err);
-    if (status != VOR_OK)
-        goto done;
-    load->decoded = decoded;
-    status = load_cloud(load, limits);
-done:
+    load.decoded = decoded;
+    if (status == VOR_OK)
+        status = load_cloud(&load);
     vor_draco_free(decoded);
     if (status != VOR_OK)
         vor_cloud_free(out);
-    return status;
-}
-
-vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
-                          const struct vor_limits *limits, struct vor_error *err)
-{
-    struct load load = {.cloud = out,
-                        .drop_invalid = limits->drop_invalid,
-                        .keep_faces = limits->keep_faces,
-                        .keep_doubles = limits->keep_doubles,
-                        .err = err};
-
-    return read_file(&load, bytes, size, limits, err);
-}
-
-vor_status vor_draco_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh, const uint8_t *bytes,
-                               size_t size, const struct vor_limits *limits, struct vor_error *err)
-{
-    struct load load = {.cloud = out, .mesh = mesh, .err = err};
-    vor_status status = read_file(&load, bytes, size, limits, err);
-
-    if (status != VOR_OK)
-        vor_mesh_free(mesh);
     return status;
 }

@@ -36,16 +36,6 @@
 VOR_NODISCARD vor_status vor_ply_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                                       const struct vor_limits *limits, struct vor_error *err);
 
-/** Reads a file of vor_ply_write with its faces.
- *
- *  As vor_format.read_mesh.
- *
- *  @retval VOR_E_FORMAT also where the faces are not as vor_ply_write writes them, or have a corner
- *                       that is no point */
-VOR_NODISCARD vor_status vor_ply_read_mesh(struct vor_cloud *out, struct vor_mesh *mesh,
-                                           const uint8_t *bytes, size_t size,
-                                           const struct vor_limits *limits, struct vor_error *err);
-
 /** Writes binary_little_endian. Of options, which may be NULL, the mesh alone is looked at.
  *
  *  Signature and failures as vor_format.write. Coordinates are absolute, of the cloud's position

@@ -80,18 +80,21 @@ static vor_status decode(struct vor_codec_facts *facts, const struct vor_sink *s
 /* A result as it was written. */
 struct result {
     struct vor_cloud cloud;
-    struct vor_mesh mesh;
+    struct vor_mesh mesh; /* its triangles are the cloud's, or the engine's */
 };
 
 /* What we wrote ourselves and cannot read is our fault, not a caller's. */
 static vor_status read_result(struct result *result, const struct vor_codec_order *order,
                               const uint8_t *bytes, struct vor_error *err)
 {
-    const struct vor_limits limits = {.points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24};
+    const struct vor_limits limits = {
+        .points = VOR_POINTS_MAX, .header_bytes = (size_t)1 << 24, .keep_faces = VOR_FACES_KEPT};
+    struct vor_cloud *cloud = &result->cloud;
     struct vor_error why;
-    vor_status status = vor_codec_read_mesh(&result->cloud, &result->mesh, bytes,
-                                            (size_t)order->size, &limits, &why);
+    vor_status status = vor_codec_read(cloud, NULL, bytes, (size_t)order->size, &limits, &why);
 
+    result->mesh = (struct vor_mesh){
+        .triangle = cloud->triangles, .count = cloud->triangle_count, .polygons = cloud->polygons};
     if (status == VOR_OK)
         return VOR_OK;
     return vor_fail(err, status == VOR_E_NOMEM ? VOR_E_NOMEM : VOR_E_INTERNAL,
@@ -134,11 +137,9 @@ static vor_status convert(struct vor_codec_facts *facts, const struct vor_sink *
 
     vor_memory_init(&memory, order->memory);
     vor_cloud_init(&result.cloud, &memory);
-    vor_mesh_init(&result.mesh, &memory);
     status = read_result(&result, order, bytes, err);
     if (status == VOR_OK)
         status = write_result(facts, sink, order, &result, err);
-    vor_mesh_free(&result.mesh);
     vor_cloud_free(&result.cloud);
     return status;
 }

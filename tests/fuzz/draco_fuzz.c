@@ -1,6 +1,6 @@
 /* Whatever the bytes, vor_draco_read ends with a checked cloud or a clean error, inside its cap and
- * with nothing left behind; so does vor_draco_read_mesh, with faces whose corners are points; and
- * what they read, vor_draco_write can write.
+ * with nothing left behind; the corners of its faces are points; and what it reads, vor_draco_write
+ * can write.
  *
  * Build with -fsanitize=fuzzer,address,undefined; the Draco library itself is not instrumented. */
 #include "proto/draco/draco.h"
@@ -31,12 +31,6 @@ static void write_back(const struct vor_cloud *cloud, const struct vor_mesh *mes
     assert(status == VOR_OK || status == VOR_E_NOMEM);
 }
 
-static void check_faces(const struct vor_mesh *mesh, size_t n)
-{
-    for (size_t k = 0; k < 3 * mesh->count; k++)
-        assert(mesh->triangle[k] < n);
-}
-
 static void try(const uint8_t *bytes, size_t size, int keep_faces)
 {
     unsigned salt = size > 0 ? bytes[size - 1] : 0;
@@ -47,27 +41,24 @@ static void try(const uint8_t *bytes, size_t size, int keep_faces)
     struct vor_error err;
     vor_status status;
 
-    limits.keep_faces = keep_faces;
+    limits.keep_faces = keep_faces && (salt & 2) != 0 ? VOR_FACES_KEPT : keep_faces;
     limits.keep_doubles = keep_faces;
     vor_memory_init(&memory, (size_t)256 << 20);
     vor_cloud_init(&cloud, &memory);
-    vor_mesh_init(&mesh, &memory);
-    status = (salt & 2) != 0 ? vor_draco_read_mesh(&cloud, &mesh, bytes, size, &limits, &err)
-                             : vor_draco_read(&cloud, bytes, size, &limits, &err);
+    status = vor_draco_read(&cloud, bytes, size, &limits, &err);
     if (status == VOR_OK) {
         assert(cloud.n > 0 && vor_cloud_check(&cloud, &err) == VOR_OK);
         assert(keep_faces || cloud.triangles == NULL);
         for (size_t i = 0; i < 3 * cloud.triangle_count; i++)
             assert(cloud.triangles[i] < cloud.n);
-        check_faces(&mesh, cloud.n);
+        mesh = (struct vor_mesh){NULL, cloud.triangles, cloud.triangle_count, cloud.polygons};
         write_back(&cloud, &mesh, salt);
     } else {
         assert(err.status == status && cloud.n == 0 && cloud.attribute_count == 0);
-        assert(mesh.count == 0 && mesh.triangle == NULL);
+        assert(cloud.triangles == NULL);
         assert(status == VOR_E_FORMAT || status == VOR_E_EMPTY || status == VOR_E_LIMIT ||
                status == VOR_E_NOMEM || status == VOR_E_NONFINITE);
     }
-    vor_mesh_free(&mesh);
     vor_cloud_free(&cloud);
     assert(atomic_load(&memory.used) == 0);
 }
