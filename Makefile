@@ -56,10 +56,12 @@ SRC := $(sort $(shell find core proto server -name '*.c' -o -name '*.cc'))
 # What fuzzers read with calls nothing else: a further file is named here when the link asks for it.
 FUZZED := core/base/% core/cloud/% core/spec% core/report% proto/% server/base/address.c server/http/forwarded.c \
     server/http/gate.c server/api/handlers/range.c
-LIB_SRC := $(if $(filter fuzz,$(config)),$(filter $(FUZZED),$(SRC)),$(filter-out server/main.c,$(SRC)))
+MAIN_SRC := server/main.c server/cli/pages.c
+LIB_SRC := $(if $(filter fuzz,$(config)),$(filter $(FUZZED),$(SRC)),$(filter-out $(MAIN_SRC),$(SRC)))
 obj = $(addprefix $(B)/,$(addsuffix .o,$(basename $(1))))
 LIB := $(B)/libvoronoid.a
 BIN := $(B)/voronoid
+MAIN := $(call obj,$(MAIN_SRC))
 
 # A C file in a test room is a test program; of tests/support it gets what it calls. ThreadSanitizer is spared the rooms, and the
 # scripts of documents, that check what is computed and not how threads meet; AddressSanitizer the papers' figures, README and
@@ -205,7 +207,22 @@ $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@
 	@$(AR) rcs $@ $^
 
-$(BIN): $(B)/server/main.o $(LIB)
+# Manual and completions are made of the tables by a program of its own, then embedded. For arm64 those of the release build.
+PAGES := $(addprefix $(if $(filter arm64,$(config)),build/release,$(B))/pages/voronoid.,1 8 bash zsh fish)
+$(B)/server/cli/pages.o: $(PAGES)
+$(B)/server/cli/pages.o: OWN_CFLAGS = -Wa,-I$(dir $(firstword $(PAGES)))
+
+ifneq ($(config),arm64)
+$(B)/docker/pages/pages: $(call obj,$(wildcard docker/pages/*.c)) $(LIB)
+	@echo "  LINK $@"
+	@$(LINK_TEST) $^ -o $@ $(LIBS)
+
+$(B)/pages/voronoid.%: $(B)/docker/pages/pages $(wildcard docker/pages/voronoid.*)
+	@mkdir -p $(@D)
+	@{ cat $(wildcard docker/pages/voronoid.$*) /dev/null && $< $*; } >$@
+endif
+
+$(BIN): $(MAIN) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
@@ -243,7 +260,7 @@ $(B)/tests/counted/%: $(B)/tests/counted/%.o $(COUNTED_OBJ) $(SUPPORT) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
-$(B)/tests/poison/voronoid: $(B)/server/main.o $(POISON_OBJ) $(LIB)
+$(B)/tests/poison/voronoid: $(MAIN) $(POISON_OBJ) $(LIB)
 	@mkdir -p $(@D)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
@@ -364,16 +381,14 @@ contract: ## openapi.yaml before redocly, spectral and TypeScript, which npm ins
 	@tests/contract/contract.sh $(BIN) build/contract
 
 format: ## clang-format every C file
-	clang-format -i $(shell find core proto server tests -name '*.[ch]' -o -name '*.cc')
+	clang-format -i $(shell find core proto server docker tests -name '*.[ch]' -o -name '*.cc')
 
 image: all ## what the container image holds, in build/rootfs, and a try of it
 	@docker/rootfs.sh $(BIN) build/rootfs
 	@docker/try.sh build/rootfs
 
-# The manual and the completions are what the binary says of its tables.
 PREFIX ?= /usr/local
-SHARE := $(B)/share
-PAGES := $(addprefix $(SHARE)/,voronoid.1 voronoid.8 voronoid.bash voronoid.zsh voronoid.fish)
+SHARE := $(B)/pages
 root := $(DESTDIR)$(PREFIX)
 # Where a debugger looks for the symbols of a binary that is stripped.
 SYMBOLS := .debug/voronoid.debug
@@ -381,11 +396,7 @@ INSTALLED := bin/voronoid bin/$(SYMBOLS) share/man/man1/voronoid.1 share/man/man
     share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid \
     share/fish/vendor_completions.d/voronoid.fish share/doc/voronoid/LICENSE
 
-$(SHARE)/voronoid.%: $(BIN)
-	@mkdir -p $(@D)
-	@$(BIN) $(if $(filter 1 8,$*),--man,--completion) $* >$@
-
-install: all $(PAGES) ## copy binary (stripped, its symbols beside it), manual, completions and license to DESTDIR/PREFIX (/usr/local)
+install: all ## copy binary (stripped, its symbols beside it), manual, completions and license to DESTDIR/PREFIX (/usr/local)
 	install -d $(root)/bin/.debug
 	objcopy --only-keep-debug $(BIN) $(root)/bin/$(SYMBOLS)
 	objcopy --strip-unneeded --add-gnu-debuglink=$(root)/bin/$(SYMBOLS) $(BIN) $(root)/bin/voronoid

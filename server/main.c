@@ -1,8 +1,7 @@
 #include "server/base/config_help.h"
 #include "server/cli/cli.h"
-#include "server/cli/complete.h"
 #include "server/cli/help.h"
-#include "server/cli/manual.h"
+#include "server/cli/pages.h"
 #include "server/cli/say.h"
 #include "server/cli/topic.h"
 #include "server/serve.h"
@@ -55,10 +54,8 @@ int main(int argc, char **argv)
         printf("voronoid %s\n", VOR_VERSION);
         return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
     }
-    if (strcmp(word, "--completion") == 0)
-        return vor_cli_complete(stdout, argc > 2 ? argv[2] : "");
-    if (strcmp(word, "--man") == 0)
-        return vor_cli_manual(stdout, argc > 2 ? argv[2] : "");
+    if (is(word, "--completion", "--man"))
+        return vor_cli_page(stdout, word, argc > 2 ? argv[2] : "");
     if (strcmp(word, "serve") != 0)
         return vor_cli_main(argc - 1, argv + 1);
     return wants_help(argc - 1, argv + 1) ? help(word) : vor_serve_main(argc - 1, argv + 1);

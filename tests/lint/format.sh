@@ -1,7 +1,7 @@
 #!/bin/bash
 # usage: format.sh: formatting, shell and YAML: no findings, no baseline. Needs no build and takes seconds.
 set -euo pipefail
-mapfile -t c_files < <(git ls-files -co --exclude-standard core proto server tests | grep -E '\.([ch]|cc)$')
+mapfile -t c_files < <(git ls-files -co --exclude-standard core proto server docker tests | grep -E '\.([ch]|cc)$')
 mapfile -t scripts < <(git ls-files -co --exclude-standard | xargs grep -lE '^#!(/bin/sh|/bin/bash|/usr/bin/env bash)' --)
 printf '%s\n' "${c_files[@]}" | xargs -P "$(nproc)" -n 64 clang-format --dry-run --Werror
 shellcheck -x "${scripts[@]}"

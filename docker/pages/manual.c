@@ -1,5 +1,5 @@
-#include "server/cli/manual.h"
-
+/* The manual: pages in roff's man macros. */
+#include "docker/pages/pages.h"
 #include "server/base/topics.h"
 #include "server/cli/cli.h"
 #include "server/cli/help.h"
@@ -308,17 +308,9 @@ static int print_daemon_page(FILE *out)
     return 0;
 }
 
-int vor_cli_manual(FILE *out, const char *section)
+int vor_page_manual(FILE *out, const char *section)
 {
-    int failed;
-
-    if (strcmp(section, "1") == 0) {
-        failed = print_commands_page(out);
-    } else if (strcmp(section, "8") == 0) {
-        failed = print_daemon_page(out);
-    } else {
-        vor_cli_say("--man", "want 1 (the commands) or 8 (the daemon)");
-        return VOR_EXIT_USAGE;
-    }
-    return failed == 0 && fflush(out) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    return strcmp(section, "1") == 0   ? print_commands_page(out)
+           : strcmp(section, "8") == 0 ? print_daemon_page(out)
+                                       : -1;
 }

@@ -1,4 +1,4 @@
-#include "server/cli/complete_words.h"
+#include "docker/pages/options.h"
 
 #include "server/base/config_help.h"
 #include "server/base/reference.h"
@@ -49,15 +49,15 @@ static enum vor_value_kind kind_of(const struct vor_parameter_info *info, const 
     return vor_kind_form(info->kind, 0) == VOR_FORM_LIST ? VOR_VALUE_LIST : VOR_VALUE_WORD;
 }
 
-static struct vor_completion of_parameter(const struct vor_process_info *process,
-                                          enum vor_parameter parameter,
-                                          char name[VOR_REFERENCE_NAME_SIZE])
+static struct vor_page_option of_parameter(const struct vor_process_info *process,
+                                           enum vor_parameter parameter,
+                                           char name[VOR_REFERENCE_NAME_SIZE])
 {
     const struct vor_parameter_info info = vor_process_parameter(process, parameter);
-    struct vor_completion out = {.name = vor_reference_option(name, parameter),
-                                 .sentence = info.sentence,
-                                 .letter = parameter == VOR_PARAM_POINTS ? 'n' : '\0',
-                                 .value = "VALUE"};
+    struct vor_page_option out = {.name = vor_reference_option(name, parameter),
+                                  .sentence = info.sentence,
+                                  .letter = parameter == VOR_PARAM_POINTS ? 'n' : '\0',
+                                  .value = "VALUE"};
 
     add_words(out.words, &info);
     out.kind = kind_of(&info, out.words);
@@ -95,14 +95,14 @@ static void add_presets(char out[VOR_VALUE_WORDS_SIZE], const struct vor_command
         add_word(out, preset->name, strlen(preset->name));
 }
 
-static struct vor_completion of_option(const struct vor_command *command, enum vor_option option)
+static struct vor_page_option of_option(const struct vor_command *command, enum vor_option option)
 {
     const struct vor_option_info *info = vor_option_info(option);
-    struct vor_completion out = {.name = info->name,
-                                 .sentence = info->sentence,
-                                 .letter = info->letter,
-                                 .value = info->value,
-                                 .kind = VOR_VALUE_ANY};
+    struct vor_page_option out = {.name = info->name,
+                                  .sentence = info->sentence,
+                                  .letter = info->letter,
+                                  .value = info->value,
+                                  .kind = VOR_VALUE_ANY};
 
     if (info->value[0] == '\0')
         out.kind = VOR_VALUE_NONE;
@@ -121,18 +121,18 @@ static struct vor_completion of_option(const struct vor_command *command, enum v
     return out;
 }
 
-void vor_complete_command(const struct vor_command *command,
-                          void (*visit)(void *ctx, const struct vor_completion *option), void *ctx)
+void vor_page_command(const struct vor_command *command,
+                      void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx)
 {
     const struct vor_process_info *process = command->process;
-    struct vor_completion option;
+    struct vor_page_option option;
     char name[VOR_REFERENCE_NAME_SIZE];
 
     for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++) {
-        option = (struct vor_completion){.name = process->inputs[i].name,
-                                         .sentence = process->inputs[i].sentence,
-                                         .value = "FILE",
-                                         .kind = VOR_VALUE_FILE};
+        option = (struct vor_page_option){.name = process->inputs[i].name,
+                                          .sentence = process->inputs[i].sentence,
+                                          .value = "FILE",
+                                          .kind = VOR_VALUE_FILE};
         visit(ctx, &option);
     }
     for (int i = 0; i < VOR_OPTION_COUNT; i++) {
@@ -147,15 +147,15 @@ void vor_complete_command(const struct vor_command *command,
     }
 }
 
-void vor_complete_serve(void (*visit)(void *ctx, const struct vor_completion *option), void *ctx)
+void vor_page_serve(void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx)
 {
-    struct vor_completion option = {
+    struct vor_page_option option = {
         .name = "help", .sentence = "Print this help", .letter = 'h', .value = ""};
     struct vor_setting_text setting;
 
     visit(ctx, &option);
     for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
-        option = (struct vor_completion){
+        option = (struct vor_page_option){
             .name = setting.flag, .sentence = setting.sentence, .value = setting.value};
         add_word(option.words, setting.words, strlen(setting.words));
         option.kind = setting.value[0] == '\0'             ? VOR_VALUE_NONE

@@ -1,7 +1,7 @@
 /** What can be completed on a command line, whatever the shell: every option with what may follow
  *  it. */
-#ifndef VOR_CLI_COMPLETE_WORDS_H
-#define VOR_CLI_COMPLETE_WORDS_H
+#ifndef VOR_PAGES_OPTIONS_H
+#define VOR_PAGES_OPTIONS_H
 
 #include "server/cli/options.h"
 
@@ -20,7 +20,7 @@ enum vor_value_kind {
 #define VOR_VALUE_WORDS_SIZE 512
 
 /** An option as a shell sees it. */
-struct vor_completion {
+struct vor_page_option {
     const char *name, *sentence;
     char letter;       /**< 0 for none */
     const char *value; /**< how the help names the value */
@@ -29,10 +29,10 @@ struct vor_completion {
 };
 
 /** Calls visit for each option of a command: inputs, options, parameters. */
-void vor_complete_command(const struct vor_command *command,
-                          void (*visit)(void *ctx, const struct vor_completion *option), void *ctx);
+void vor_page_command(const struct vor_command *command,
+                      void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx);
 
 /** The same for each setting of serve. */
-void vor_complete_serve(void (*visit)(void *ctx, const struct vor_completion *option), void *ctx);
+void vor_page_serve(void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx);
 
 #endif
