@@ -175,8 +175,7 @@ struct vor_stage_done {
       "Separate parts with fewer points than two fits need")                                       \
     X(U64, in_islands, "islands.points_in", "points", "Input points on islands")                   \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Points of the result on islands, at positions of input points; at most as many as those; "  \
-      "0 if "                                                                                      \
+      "Points of the result on islands, each at the position of an input point; 0 if "             \
       "filters alone make the result")                                                             \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the points of the result that are not on islands; delta of all points includes "   \

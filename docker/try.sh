@@ -7,6 +7,12 @@ if [ "$(id -u)" != 0 ]; then
     echo "try.sh: skipped, not root"
     exit 0
 fi
+megabytes=$(($(du -sb "$root" | cut -f1) / 1000000)) # before the daemon keeps its reserve of the disk there
+stated=$(sed -n 's/.* \([0-9]*\) MB.*/\1/p' server/cli/help/container.txt)
+if [ $((megabytes - stated)) -gt 2 ] || [ $((stated - megabytes)) -gt 2 ]; then
+    echo "try.sh: the image has $megabytes MB, and help container says $stated" >&2
+    exit 1
+fi
 work=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 awk 'BEGIN { srand(3); print "ply\nformat ascii 1.0\nelement vertex 3000\nproperty float x\nproperty float y\nproperty float z\nend_header"
@@ -42,4 +48,4 @@ if [ "$status" != 2 ] || ! grep -q -- '--api-keys FILE .*--no-auth' <<<"$said"; 
     echo "try.sh: the image starts without keys, or does not say how it would ($status): $said" >&2
     exit 1
 fi
-echo "try.sh: the image's file system serves as uid 65532 ($(du -sh "$root" | cut -f1))"
+echo "try.sh: the image's file system serves as uid 65532 ($megabytes MB)"
