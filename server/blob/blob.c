@@ -229,6 +229,11 @@ static void extend_promise(struct vor_blob_writer *writer, size_t size)
     assert(writer->failure.status != VOR_OK);
 }
 
+void vor_blob_be_lazy(struct vor_blob_writer *writer)
+{
+    writer->is_lazy = 1;
+}
+
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,
                            struct vor_error *err)
 {

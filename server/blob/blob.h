@@ -162,6 +162,11 @@ int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE]);
 VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256,
                                           const char *name, struct vor_error *err);
 
+/** The commit will not wait for the disk: a crash of the machine soon after it may leave less of
+ * the bytes than there were, or none. For bytes whose digest is checked when they are read, and
+ * that no job needs. */
+void vor_blob_be_lazy(struct vor_blob_writer *writer);
+
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);
 

@@ -213,11 +213,12 @@ static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
 }
 
 /* Makes a name in keep durable, or takes it away. */
-static vor_status sync_name(struct directory *directory, const char *file, struct vor_error *err)
+static vor_status sync_name(struct vor_blob_writer *base, const char *file, struct vor_error *err)
 {
+    struct directory *directory = (struct directory *)base->blobs;
     vor_status status;
 
-    if (fsync(directory->keep) == 0)
+    if (base->is_lazy || fsync(directory->keep) == 0)
         return VOR_OK;
     status = vor_fail_errno(err, errno, "making a blob's name durable");
     (void)unlinkat(directory->keep, file, 0);
@@ -274,17 +275,17 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
     if (writer->from[0] != '\0') {
         /* Not on every file system, and not once the other blob is dropped. */
         if (linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
-            return sync_name(directory, file, err);
+            return sync_name(base, file, err);
         status = copy_source(directory, writer, err);
         if (status != VOR_OK)
             return status;
     }
-    if (fsync(base->fd) != 0)
+    if (!base->is_lazy && fsync(base->fd) != 0)
         return vor_fail_errno(err, errno, "making a blob durable");
     if (renameat(directory->tmp, writer->file, directory->keep, file) != 0)
         return vor_fail_errno(err, errno, "naming a blob");
     writer->file[0] = '\0';
-    return sync_name(directory, file, err);
+    return sync_name(base, file, err);
 }
 
 static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,

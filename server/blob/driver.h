@@ -46,6 +46,7 @@ struct vor_blob_writer {
     struct vor_blobs *blobs;
     int fd; /**< open for reading and writing; the driver closes it */
     uint64_t size;
+    int is_lazy;                  /**< the commit need not be durable */
     int is_promised;              /**< every byte needs a promise (vor_blob_promise) */
     uint64_t promised;            /**< bytes that are still to come */
     struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
@@ -68,7 +69,7 @@ struct vor_blob_driver {
     /** Makes a writer whose fd reads that blob, and whose size is its size. */
     vor_status (*reopen)(struct vor_blobs *blobs, const struct vor_blob_source *from,
                          struct vor_blob_writer **out, int *found, struct vor_error *err);
-    /** Makes its bytes durable; discard follows in any case. */
+    /** Makes its bytes durable, unless it is lazy; discard follows in any case. */
     vor_status (*commit)(struct vor_blob_writer *writer, const struct vor_uuid *id,
                          const char *name, struct vor_error *err);
     /** Frees the writer, and removes its bytes unless they were committed. */

@@ -133,6 +133,7 @@ void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *uploa
         vor_blob_discard(upload);
         return;
     }
+    vor_blob_be_lazy(upload); /* the job has its own bytes */
     input->is_kept = vor_blob_commit(upload, &admitted->id, vor_blob_of_upload(input->name, blob),
                                      &err) == VOR_OK;
     if (!input->is_kept)

@@ -53,11 +53,10 @@ VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const cha
                                         const struct vor_admit_limits *limits,
                                         struct vor_error *err);
 
-/** Keeps the upload that the input added last came from, durably, if the limits allow. Else, and
- * when the disk refuses, which is logged, the job does without. upload is gone either way; it may
- * be NULL, and then nothing is kept.
- *
- *  Cost: an fsync. */
+/** Keeps the upload that the input added last came from, if the limits allow. Else, and when the
+ *  disk refuses, which is logged, the job does without. upload is gone either way; it may be NULL,
+ *  and then nothing is kept. The job does not need it, so nobody waits until it is durable: after a
+ *  crash of the machine it may be damaged, which is found when it is read. */
 void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
                     const struct vor_admit_limits *limits);
 

@@ -6,6 +6,7 @@
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
+#include "tests/support/vt_sync.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -118,6 +119,27 @@ static struct vor_uuid submit(struct vt_daemon *daemon, int iterations)
                      VOR_DONE);
     return admitted.id;
 }
+
+/* Before the answer the decoded input, its name and the row, later the result, its name and the
+ * last row; a claim and a kept upload wait for no disk. */
+START_TEST(a_job_waits_for_the_disk_six_times)
+{
+    struct vt_daemon daemon;
+    struct vor_uuid id;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.keep = 1 << 20});
+    id = submit(&daemon, 3); /* the first one begins a log of the store as well */
+    (void)vt_daemon_wait_over(&daemon, &id);
+    vt_daemon_wait_idle(&daemon);
+    vt_sync_close_after(6);
+    id = submit(&daemon, 3);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_wait_idle(&daemon);
+    ck_assert_int_eq(vt_sync_waiting(), 0);
+    ck_assert(vt_sync_open());
+    vt_daemon_stop(&daemon);
+}
+END_TEST
 
 static int is_there(const char *dir, const struct vor_uuid *id)
 {
@@ -295,6 +317,7 @@ int main(void)
     vt_add(suite, a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays);
     vt_add(suite, an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted);
     vt_add(suite, the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs);
+    vt_add(suite, a_job_waits_for_the_disk_six_times);
     vt_add(suite, a_dismissal_drops_the_upload_and_a_failure_keeps_it);
     vt_add_loop(suite, the_next_start_drops_the_uploads_that_no_row_counts_and_no_others, LEFTS);
     return vt_run(suite);
