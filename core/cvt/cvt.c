@@ -3,9 +3,7 @@
 #include "core/cvt/descend.h"
 #include "core/cvt/lloyd.h"
 #include "core/input/thin.h"
-#include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
-#include "core/seeds/attach.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/start.h"
@@ -50,29 +48,6 @@ static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
     return status;
 }
 
-/* Attaches the seeds to the input, evens them out, and attaches them to the whole of it. */
-static vor_status even_out(struct vor_seeds *seeds, struct vor_outcome *told,
-                           const struct vor_spec *spec, const struct vor_run *run,
-                           struct vor_error *err)
-{
-    double before = vor_run_clock(run);
-    int keep_holes = 0;
-    int hurry = told->stopped == VOR_STOPPED_CALLER &&
-                vor_stop_out_of_time(spec, 1, vor_run_seconds(run), 0);
-    vor_status status = hurry ? vor_attach_fast(seeds, err) : vor_attach(seeds, &keep_holes, err);
-
-    if (status == VOR_OK && !vor_spec_descends(spec))
-        status = vor_repel(seeds, told, keep_holes, spec, run, err);
-    if (status == VOR_OK)
-        status = vor_attach_to_whole(seeds, keep_holes, err);
-    if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
-        status = vor_attach_last(seeds, err);
-    if (status == VOR_OK)
-        vor_attach_to_box(seeds);
-    told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
-    return status;
-}
-
 vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
@@ -87,7 +62,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, spec, run, err)
                                          : vor_lloyd_run(&seeds, told, spec, run, err);
     if (status == VOR_OK)
-        status = even_out(&seeds, told, spec, run, err);
+        status = vor_polish(&seeds, told, spec, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

@@ -4,9 +4,8 @@
 #include "core/geom/boundary.h"
 #include "core/geom/integrate.h"
 #include "core/opt/anderson.h"
-#include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
-#include "core/seeds/tell.h"
+#include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -63,27 +62,24 @@ struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
     const struct vor_run *run; /* a stop ends it */
-    struct vor_outcome *told;
-    uint32_t iterations; /* done */
+    struct vor_stage stage;
     size_t blocks;
     struct block_sums *sums, total;
-    struct vor_keep_best best;
     float *lloyd, *mix; /* candidates, n x 3 each */
     float *normal;      /* of the surface at the projected centroid, n x 3; NULL: no mix */
     float *step;        /* the last one of each seed, n x 3; NULL: no momentum */
-    float *nearest;     /* scratch: distance of each seed to its nearest neighbour */
     unsigned char *flags;
     struct vor_anderson anderson;
     double past[PLATEAU_WINDOW]; /* best delta of the last iterations */
-    double last_seconds;         /* since the run began, at the last record */
-    uint32_t limit;              /* of the iterations */
     int level;                   /* a plateau was reached */
 };
 
 /* How many of the last iterations run on the whole of the input. */
 static uint32_t on_whole(const struct cvt *cvt)
 {
-    return cvt->limit / ON_WHOLE_SHARE < ON_WHOLE ? cvt->limit / ON_WHOLE_SHARE : ON_WHOLE;
+    uint32_t share = cvt->stage.record.of / ON_WHOLE_SHARE;
+
+    return share < ON_WHOLE ? share : ON_WHOLE;
 }
 
 static int polish_follows(const struct cvt *cvt)
@@ -98,10 +94,9 @@ static void free_cvt(struct cvt *cvt)
     if (cvt->anderson.length > 0)
         vor_anderson_free(&cvt->anderson);
     vor_free(memory, cvt->flags);
-    vor_free(memory, cvt->nearest);
     vor_free(memory, cvt->step);
     vor_free(memory, cvt->normal);
-    vor_keep_best_free(&cvt->best);
+    vor_stage_free(&cvt->stage);
     vor_free(memory, cvt->mix);
     vor_free(memory, cvt->lloyd);
     vor_free(memory, cvt->sums);
@@ -113,15 +108,13 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
     size_t n = cvt->seeds->n, row = 3 * sizeof(float);
     int momentum = !vor_spec_given(cvt->spec, VOR_PARAM_ANDERSON);
     unsigned window = momentum ? 0 : (unsigned)cvt->spec->value[VOR_PARAM_ANDERSON];
-    vor_status status = VOR_OK;
     int ok;
 
     cvt->blocks = (n + VOR_SEEDS_BLOCK - 1) / VOR_SEEDS_BLOCK;
     cvt->sums = vor_calloc(memory, cvt->blocks, sizeof *cvt->sums);
     cvt->lloyd = vor_malloc(memory, n, row);
-    cvt->nearest = vor_malloc(memory, n, sizeof *cvt->nearest);
     cvt->flags = vor_calloc(memory, n, 1);
-    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->nearest != NULL && cvt->flags != NULL;
+    ok = cvt->sums != NULL && cvt->lloyd != NULL && cvt->flags != NULL;
     if (momentum) {
         cvt->step = vor_calloc(memory, n, row);
         ok &= cvt->step != NULL;
@@ -133,9 +126,7 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
     }
     if (!ok)
         return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
-    if (window > 0)
-        status = vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err);
-    return status == VOR_OK ? vor_keep_best_init(&cvt->best, n, memory, err) : status;
+    return window > 0 ? vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err) : VOR_OK;
 }
 
 static void set3(float *out, const double x[3])
@@ -232,7 +223,7 @@ static double length_of(const struct cvt *cvt, size_t i, const double d[3])
  * share of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
 {
-    double k = cvt->iterations, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
+    double k = cvt->stage.record.step, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
     double way[3] = {0}, step[3] = {0}; /* clang-analyzer cannot see that the loop sets all */
     double most, length;
 
@@ -350,7 +341,7 @@ static void mix_step(struct cvt *cvt, size_t i)
     for (int c = 0; c < 3; c++)
         d[c] -= off * (double)normal[c];
     length = length_of(cvt, i, d);
-    limit = MIX_STEP_MAX * (double)cvt->nearest[i];
+    limit = MIX_STEP_MAX * (double)cvt->stage.nearest[i];
     if (cvt->flags[i] & AT_BORDER || !isfinite(length))
         limit = 0;
     for (int c = 0; c < 3; c++)
@@ -387,7 +378,7 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
         return status;
     for (size_t b = 0; b < cvt->blocks; b++)
         max_move = fmax(max_move, cvt->sums[b].max_move);
-    status = vor_seeds_uniformity(&mixed, cvt->nearest, seeds, cvt->mix, cvt->run, err);
+    status = vor_seeds_uniformity(&mixed, cvt->stage.nearest, seeds, cvt->mix, cvt->run, err);
     if (status != VOR_OK || !(mixed.delta <= even->delta))
         return status;
     memcpy(cvt->lloyd, cvt->mix, 3 * seeds->n * sizeof *cvt->mix);
@@ -397,9 +388,10 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
 }
 
 /* One iteration of all seeds, in seeds->xyz. */
-static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+static vor_status iterate(struct cvt *cvt, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
+    struct vor_uniformity even;
     vor_status status = vor_seeds_index(seeds, cvt->run, err);
 
     if (status == VOR_OK)
@@ -407,184 +399,119 @@ static vor_status iterate(struct cvt *cvt, struct vor_uniformity *even, struct v
     if (status != VOR_OK)
         return status;
     add_blocks(cvt);
-    status = vor_seeds_uniformity(even, cvt->nearest, seeds, cvt->lloyd, cvt->run, err);
+    status = vor_seeds_uniformity(&even, cvt->stage.nearest, seeds, cvt->lloyd, cvt->run, err);
     if (status == VOR_OK && cvt->anderson.length > 0)
-        status = accelerate(cvt, even, err);
+        status = accelerate(cvt, &even, err);
     if (status != VOR_OK)
         return status;
     memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
-    cvt->iterations++;
+    vor_stage_note(&cvt->stage, &even);
     return VOR_OK;
 }
 
 /* Writes what the method tells of itself after an iteration. */
-static void note(struct cvt *cvt, const struct vor_record *record)
+static void note(struct cvt *cvt)
 {
-    struct vor_outcome *told = cvt->told;
+    const struct vor_seeds *seeds = cvt->seeds;
+    struct vor_outcome *told = cvt->stage.told;
+    struct vor_record *record = &cvt->stage.record;
+    double unit = seeds->domain->unit;
 
-    told->last = *record;
-    told->held = cvt->total.held;
+    record->energy = cvt->total.energy * unit * unit * unit * unit;
+    record->max_move = cvt->total.max_move * unit;
+    record->held = told->held = cvt->total.held;
     told->fallback_plane = cvt->total.plane;
     told->fallback_left = cvt->total.left;
     told->area = cvt->total.area;
     told->area_even = cvt->total.even;
-}
-
-static struct vor_record record_of(const struct cvt *cvt, const struct vor_uniformity *even)
-{
-    double unit = cvt->seeds->domain->unit;
-
-    return (struct vor_record){.stage = VOR_RUN_STAGE_ITERATE,
-                               .step = cvt->iterations,
-                               .of = cvt->limit,
-                               .ahead = (uint32_t)cvt->spec->value[VOR_PARAM_POLISH],
-                               .iteration = cvt->iterations,
-                               .delta = even->delta,
-                               .sigma = even->sigma * unit,
-                               .epsilon = even->epsilon,
-                               .energy = cvt->total.energy * unit * unit * unit * unit,
-                               .max_move = cvt->total.max_move * unit,
-                               .held = cvt->total.held,
-                               .seconds = vor_run_seconds(cvt->run)};
-}
-
-/* Tells the watch, and keeps the iterate if it is the most even so far. */
-static enum vor_answer record(struct cvt *cvt, const struct vor_uniformity *even)
-{
-    struct vor_record record = record_of(cvt, even);
-
-    cvt->last_seconds = record.seconds;
-    vor_keep_best_offer(&cvt->best, cvt->seeds->xyz, &record);
-    vor_keep_best_tell(&cvt->best, &record);
-    note(cvt, &record);
-    return vor_seeds_tell(cvt->seeds, cvt->run, &record);
+    cvt->stage.moved =
+        cvt->total.max_move / sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
 }
 
 /* Whether delta has fallen too little over the last window to go on. */
 static int plateau(struct cvt *cvt)
 {
-    double *slot = &cvt->past[cvt->iterations % PLATEAU_WINDOW], before = *slot;
+    uint32_t done = cvt->stage.record.step;
+    double *slot = &cvt->past[done % PLATEAU_WINDOW], before = *slot;
 
-    *slot = cvt->best.at.delta;
-    return cvt->iterations > PLATEAU_WINDOW && cvt->best.at.delta > PLATEAU_GAIN * before;
+    *slot = cvt->stage.best.delta;
+    return done > PLATEAU_WINDOW && *slot > PLATEAU_GAIN * before;
 }
 
 /* Ends the iterations on a plateau, unless the request gives their number. Returns whether they end
  * now; else, at a plateau, only those on the whole of the input follow. */
-static int ends_on_plateau(struct cvt *cvt)
+static int ends_on_plateau(struct vor_stage *stage)
 {
-    uint32_t last = cvt->iterations + on_whole(cvt);
+    struct cvt *cvt = stage->of;
+    uint32_t last = stage->record.step + on_whole(cvt);
 
     if (cvt->level || vor_spec_given(cvt->spec, VOR_PARAM_ITERATIONS) || !plateau(cvt))
         return 0;
     cvt->level = 1;
     if (vor_seeds_on_whole(cvt->seeds) || polish_follows(cvt))
         return 1;
-    cvt->limit = last < cvt->limit ? last : cvt->limit;
+    stage->record.of = last < stage->record.of ? last : stage->record.of;
     return 0;
 }
 
-/* Whether the last iteration moved no point as far as the request says. */
-static int still(const struct cvt *cvt)
-{
-    const struct vor_seeds *seeds = cvt->seeds;
-    double spacing = sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
-
-    return cvt->iterations > 0 && vor_stop_still(cvt->spec, cvt->total.max_move / spacing);
-}
-
-/* Whether a stop of the request is reached; the last iteration took `took` seconds. */
-static int finished(struct cvt *cvt, const struct vor_uniformity *even, double took)
-{
-    double share = polish_follows(cvt) ? SECONDS_SHARE : 1;
-
-    if (vor_seeds_on_whole(cvt->seeds) && vor_stop_even_enough(cvt->spec, even->delta))
-        cvt->told->stopped = VOR_STOPPED_DELTA;
-    else if (vor_seeds_on_whole(cvt->seeds) && still(cvt))
-        cvt->told->stopped = VOR_STOPPED_MOVE;
-    else if (cvt->iterations >= cvt->limit)
-        cvt->told->stopped = cvt->level ? VOR_STOPPED_PLATEAU : VOR_STOPPED_ITERATIONS;
-    else if (vor_stop_out_of_time(cvt->spec, share, cvt->last_seconds, took))
-        cvt->told->stopped = VOR_STOPPED_SECONDS;
-    else if (ends_on_plateau(cvt))
-        cvt->told->stopped = VOR_STOPPED_PLATEAU;
-    else
-        return 0;
-    return 1;
-}
-
 /* Whether the seeds are to move to the whole of the input now. */
-static int whole_is_due(const struct cvt *cvt, const struct vor_uniformity *even)
+static int whole_is_due(const struct cvt *cvt)
 {
+    const struct vor_record *at = &cvt->stage.record;
+
     return !vor_seeds_on_whole(cvt->seeds) &&
-           (vor_stop_even_enough(cvt->spec, even->delta) || still(cvt) ||
-            (!polish_follows(cvt) && cvt->iterations + on_whole(cvt) >= cvt->limit));
+           (vor_stage_is_enough(&cvt->stage) ||
+            (!polish_follows(cvt) && at->step + on_whole(cvt) >= at->of));
 }
 
-/* Moves the seeds to the whole of the input; the most even iterate before that no longer counts. */
-static vor_status onto_whole(struct cvt *cvt, struct vor_uniformity *even, struct vor_error *err)
+/* One iteration; before those on the whole of the input, moves the seeds there. The most even
+ * iterate before that no longer counts; whether holes are kept open is decided after the iterations
+ * (vor_attach). */
+static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
-    struct vor_record at;
-    /* Whether holes are kept open is decided after the iterations (vor_attach). */
-    vor_status status = vor_attach_to_whole(cvt->seeds, 0, err);
+    struct cvt *cvt = stage->of;
+    vor_status status = VOR_OK;
 
-    if (status == VOR_OK)
-        status = vor_seeds_uniformity_now(even, cvt->nearest, cvt->seeds, err);
-    if (status != VOR_OK)
-        return status;
-    at = record_of(cvt, even);
-    vor_keep_best_restart(&cvt->best, cvt->seeds->xyz, &at);
-    return VOR_OK;
-}
-
-static vor_status loop(struct cvt *cvt, struct vor_error *err)
-{
-    struct vor_uniformity even;
-    enum vor_answer answer;
-    double took = 0, before;
-    vor_status status = vor_seeds_uniformity_now(&even, cvt->nearest, cvt->seeds, err);
-
-    if (status != VOR_OK)
-        return status;
-    answer = record(cvt, &even);
-    while (answer == VOR_CONTINUE && !finished(cvt, &even, took)) {
-        before = cvt->last_seconds;
-        if (whole_is_due(cvt, &even))
-            status = onto_whole(cvt, &even, err);
+    if (whole_is_due(cvt)) {
+        stage->unfinished = 0;
+        status = vor_attach_to_whole(cvt->seeds, 0, err);
         if (status == VOR_OK)
-            status = iterate(cvt, &even, err);
-        if (status == VOR_E_STOPPED)
-            answer = VOR_STOP;
-        else if (status != VOR_OK)
-            return status;
-        else
-            answer = record(cvt, &even);
-        took = cvt->last_seconds - before;
+            status = vor_stage_restart(stage, err);
     }
-    if (answer == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (answer == VOR_STOP)
-        cvt->told->stopped = VOR_STOPPED_CALLER;
-    return VOR_OK;
+    if (status == VOR_OK)
+        status = iterate(cvt, err);
+    if (status == VOR_OK)
+        note(cvt);
+    return status;
 }
 
 vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
                          const struct vor_spec *spec, const struct vor_run *run,
                          struct vor_error *err)
 {
-    struct cvt cvt = {
-        .seeds = seeds, .spec = spec, .run = run, .told = told, .limit = vor_spec_iterations(spec)};
-    double before = vor_run_clock(run);
-    vor_status status = alloc_cvt(&cvt, err);
+    struct cvt cvt = {.seeds = seeds, .spec = spec, .run = run};
+    vor_status status;
 
+    cvt.stage = (struct vor_stage){.spec = spec,
+                                   .run = run,
+                                   .told = told,
+                                   .record = {.stage = VOR_RUN_STAGE_ITERATE,
+                                              .of = vor_spec_iterations(spec),
+                                              .ahead = (uint32_t)spec->value[VOR_PARAM_POLISH]},
+                                   .of = &cvt,
+                                   .step = step,
+                                   .ends = ends_on_plateau,
+                                   .share = polish_follows(&cvt) ? SECONDS_SHARE : 1,
+                                   .unfinished = !vor_seeds_on_whole(seeds)};
+    status = alloc_cvt(&cvt, err);
     if (status == VOR_OK)
-        status = loop(&cvt, err);
-    if (status == VOR_OK) {
-        told->kept = vor_keep_best_recall(&cvt.best, seeds->xyz);
-        for (size_t i = 0; i < seeds->n; i++)
-            told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
-        vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, cvt.iterations, vor_run_clock(run) - before);
-    }
+        status = vor_stage_of_seeds(&cvt.stage, seeds, err);
+    if (status == VOR_OK)
+        status = vor_stage_run(&cvt.stage, err);
+    for (size_t i = 0; status == VOR_OK && i < seeds->n; i++)
+        told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
+    if (cvt.level && told->stopped == VOR_STOPPED_ITERATIONS)
+        told->stopped = VOR_STOPPED_PLATEAU;
     free_cvt(&cvt);
     return status;
 }

@@ -3,10 +3,8 @@
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
 #include "core/knn/knn.h"
-#include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
-#include "core/seeds/tell.h"
-#include "core/seeds/uniformity.h"
+#include "core/seeds/stage.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,16 +23,9 @@ struct mean {
 
 struct kmeans {
     struct vor_seeds *seeds;
-    const struct vor_spec *spec;
-    const struct vor_run *run; /* a stop ends it */
-    struct vor_outcome *told;
-    struct vor_keep_best best;
     uint32_t *nearest;   /* of each input point: number of its seed */
     struct mean *mean;   /* n */
-    float *apart;        /* scratch: distance of each seed to its nearest neighbour */
     struct vor_knn *knn; /* of the seeds, while points are assigned */
-    uint32_t iterations, limit;
-    double max_move, last_seconds;
 };
 
 /* Starts the seeds at a random subset of the input: each point is taken with the probability that
@@ -61,7 +52,7 @@ static void assign_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* Assigns each input point to the nearest seed. */
-static vor_status assign(struct kmeans *kmeans, struct vor_error *err)
+static vor_status assign(struct kmeans *kmeans, const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_seeds *seeds = kmeans->seeds;
     size_t points = seeds->domain->n;
@@ -69,15 +60,16 @@ static vor_status assign(struct kmeans *kmeans, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    status = vor_run_for(kmeans->run, points, BLOCK, assign_block, kmeans, err);
+    status = vor_run_for(run, points, BLOCK, assign_block, kmeans, err);
     vor_knn_free(kmeans->knn);
     kmeans->knn = NULL;
     kmeans->seeds->scratch[0].queries += points;
     return status;
 }
 
-/* Moves each seed to the mean of its points, summed in their order; one without points stays. */
-static void move_to_means(struct kmeans *kmeans)
+/* Moves each seed to the mean of its points, summed in their order; one without points stays.
+ * Returns the longest move. */
+static double move_to_means(struct kmeans *kmeans)
 {
     struct vor_seeds *seeds = kmeans->seeds;
     const struct vor_domain *domain = seeds->domain;
@@ -100,84 +92,17 @@ static void move_to_means(struct kmeans *kmeans)
             x[c] = (float)(mean->sum[c] / (double)mean->count);
         longest2 = fmax(longest2, vor_distance2f(before, x));
     }
-    kmeans->max_move = sqrt(longest2);
+    return sqrt(longest2);
 }
 
-/* Tells the watch of the iterate, and keeps it if it is the most even so far. */
-static enum vor_answer record(struct kmeans *kmeans, const struct vor_uniformity *even)
+static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
-    double unit = kmeans->seeds->domain->unit;
-    struct vor_record record = {.stage = VOR_RUN_STAGE_ITERATE,
-                                .step = kmeans->iterations,
-                                .of = kmeans->limit,
-                                .iteration = kmeans->iterations,
-                                .delta = even->delta,
-                                .sigma = even->sigma * unit,
-                                .epsilon = even->epsilon,
-                                .max_move = kmeans->max_move * unit,
-                                .seconds = vor_run_seconds(kmeans->run)};
+    struct kmeans *kmeans = stage->of;
+    vor_status status = assign(kmeans, stage->run, err);
 
-    kmeans->last_seconds = record.seconds;
-    vor_keep_best_offer(&kmeans->best, kmeans->seeds->xyz, &record);
-    vor_keep_best_tell(&kmeans->best, &record);
-    kmeans->told->last = record;
-    return vor_seeds_tell(kmeans->seeds, kmeans->run, &record);
-}
-
-/* One iteration, and how even it leaves the seeds. */
-static vor_status iterate(struct kmeans *kmeans, struct vor_uniformity *even, struct vor_error *err)
-{
-    vor_status status = assign(kmeans, err);
-
-    if (status != VOR_OK)
-        return status;
-    move_to_means(kmeans);
-    kmeans->iterations++;
-    return vor_seeds_uniformity_now(even, kmeans->apart, kmeans->seeds, err);
-}
-
-/* Whether a stop of the request is reached; the last iteration took `took` seconds. */
-static int finished(const struct kmeans *kmeans, double delta, double took)
-{
-    struct vor_outcome *told = kmeans->told;
-
-    if (vor_stop_even_enough(kmeans->spec, delta))
-        told->stopped = VOR_STOPPED_DELTA;
-    else if (kmeans->iterations >= kmeans->limit)
-        told->stopped = VOR_STOPPED_ITERATIONS;
-    else if (vor_stop_out_of_time(kmeans->spec, 1, kmeans->last_seconds, took))
-        told->stopped = VOR_STOPPED_SECONDS;
-    else
-        return 0;
-    return 1;
-}
-
-static vor_status loop(struct kmeans *kmeans, struct vor_error *err)
-{
-    struct vor_uniformity even;
-    enum vor_answer answer;
-    double took = 0, before;
-    vor_status status = vor_seeds_uniformity_now(&even, kmeans->apart, kmeans->seeds, err);
-
-    if (status != VOR_OK)
-        return status;
-    answer = record(kmeans, &even);
-    while (answer == VOR_CONTINUE && !finished(kmeans, even.delta, took)) {
-        before = kmeans->last_seconds;
-        status = iterate(kmeans, &even, err);
-        if (status == VOR_E_STOPPED)
-            answer = VOR_STOP;
-        else if (status != VOR_OK)
-            return status;
-        else
-            answer = record(kmeans, &even);
-        took = kmeans->last_seconds - before;
-    }
-    if (answer == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (answer == VOR_STOP)
-        kmeans->told->stopped = VOR_STOPPED_CALLER;
-    return VOR_OK;
+    if (status == VOR_OK)
+        stage->record.max_move = move_to_means(kmeans) * stage->domain->unit;
+    return status;
 }
 
 static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -211,29 +136,6 @@ static vor_status onto_surface(struct vor_seeds *seeds, struct vor_outcome *told
     return status == VOR_OK ? vor_attach(seeds, &keep_holes, err) : status;
 }
 
-static void free_kmeans(struct kmeans *kmeans)
-{
-    struct vor_memory *memory = kmeans->seeds->run.memory;
-
-    vor_free(memory, kmeans->apart);
-    vor_free(memory, kmeans->mean);
-    vor_free(memory, kmeans->nearest);
-    vor_keep_best_free(&kmeans->best);
-}
-
-static vor_status alloc_kmeans(struct kmeans *kmeans, struct vor_error *err)
-{
-    const struct vor_seeds *seeds = kmeans->seeds;
-    struct vor_memory *memory = seeds->run.memory;
-
-    kmeans->nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans->nearest);
-    kmeans->mean = vor_malloc(memory, seeds->n, sizeof *kmeans->mean);
-    kmeans->apart = vor_malloc(memory, seeds->n, sizeof *kmeans->apart);
-    if (kmeans->nearest == NULL || kmeans->mean == NULL || kmeans->apart == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "k-means of %zu points", seeds->n);
-    return vor_keep_best_init(&kmeans->best, seeds->n, memory, err);
-}
-
 static uint32_t iterations_of(const struct vor_spec *spec)
 {
     if (!vor_spec_given(spec, VOR_PARAM_ITERATIONS))
@@ -246,20 +148,34 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
                           const struct vor_spec *spec, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct kmeans kmeans = {
-        .seeds = seeds, .spec = spec, .run = run, .told = told, .limit = iterations_of(spec)};
+    struct vor_memory *memory = seeds->run.memory;
+    struct kmeans kmeans = {.seeds = seeds};
     double before = vor_run_clock(run);
-    vor_status status = alloc_kmeans(&kmeans, err);
+    struct vor_stage stage = {.spec = spec,
+                              .run = run,
+                              .told = told,
+                              .record = {.stage = VOR_RUN_STAGE_ITERATE, .of = iterations_of(spec)},
+                              .of = &kmeans,
+                              .step = step,
+                              .measure = vor_stage_measure,
+                              .measure_every = 1,
+                              .share = 1};
+    vor_status status = VOR_OK;
 
+    kmeans.nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans.nearest);
+    kmeans.mean = vor_malloc(memory, seeds->n, sizeof *kmeans.mean);
+    if (kmeans.nearest == NULL || kmeans.mean == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "k-means of %zu points", seeds->n);
     if (status == VOR_OK)
-        status = loop(&kmeans, err);
-    if (status == VOR_OK) {
-        told->kept = vor_keep_best_recall(&kmeans.best, seeds->xyz);
+        status = vor_stage_of_seeds(&stage, seeds, err);
+    if (status == VOR_OK)
+        status = vor_stage_run(&stage, err);
+    if (status == VOR_OK)
         status = onto_surface(seeds, told, err);
-        vor_outcome_stage(told, VOR_RUN_STAGE_ITERATE, kmeans.iterations,
-                          vor_run_clock(run) - before);
-    }
-    free_kmeans(&kmeans);
+    told->seconds[VOR_RUN_STAGE_ITERATE] = vor_run_clock(run) - before;
+    vor_free(memory, kmeans.mean);
+    vor_free(memory, kmeans.nearest);
+    vor_stage_free(&stage);
     return status;
 }
 

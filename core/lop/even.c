@@ -2,9 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/lop/edges.h"
-#include "core/metrics/uniformity.h"
-#include "core/opt/keep_best.h"
-#include "core/seeds/tell.h"
+#include "core/seeds/stage.h"
 
 #include <string.h>
 
@@ -48,11 +46,8 @@ enum {
 struct even {
     struct vor_lop_samples *samples;
     const struct vor_lop_latent *latent;
-    const struct vor_domain *domain;
     const struct vor_run *run;
-    struct vor_outcome *told;
-    struct vor_record record;
-    double unit;
+    struct vor_stage stage;
     struct vor_lop_tree tree;  /* of the points as of the last lists */
     struct vor_lop_edge *edge; /* n: as of the last lists */
     unsigned char *on;         /* n: on an edge */
@@ -126,23 +121,15 @@ static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Writes how even the points are into the record, by their nearest distances; returns the mean. */
-static double note(struct even *even)
+/* Writes how even the points are into the record, and gives all one spacing. */
+static void note(struct even *even)
 {
     struct vor_uniformity u;
 
     vor_uniformity_from(&u, even->nearest, even->samples->n);
-    even->record.delta = u.delta;
-    even->record.sigma = u.sigma * even->unit;
-    even->record.epsilon = u.epsilon;
-    return u.mean;
-}
-
-/* Gives all points one spacing. */
-static void level(struct even *even, double h)
-{
+    vor_stage_note(&even->stage, &u);
     for (size_t i = 0; i < even->samples->n && !even->how->local; i++)
-        even->spacing[i] = (float)h;
+        even->spacing[i] = (float)u.mean;
 }
 
 /* Measures the spacing of the points as they are. */
@@ -156,7 +143,7 @@ static vor_status measure(struct even *even, const struct vor_run *run, struct v
         status = vor_run_for(run, samples->n, BLOCK, apart_block, &apart, err);
     vor_knn_free(apart.knn);
     if (status == VOR_OK)
-        level(even, note(even));
+        note(even);
     return status;
 }
 
@@ -200,7 +187,7 @@ static void put_back_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static void list_nearest(struct even *even, size_t i, const struct vor_lop_gathered *near)
 {
     uint32_t *list = &even->list[LISTED * i];
-    float distance2[LISTED];
+    float distance2[LISTED] = {0}; /* gcc's analyzer cannot see that `count` are set */
     unsigned count = 0;
 
     for (unsigned k = 0; k < near->count; k++) {
@@ -375,27 +362,6 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* One step of all points. */
-static vor_status step_once(struct even *even, unsigned steps, struct vor_error *err)
-{
-    struct vor_lop_samples *samples = even->samples;
-    unsigned done = even->record.step;
-    vor_status status = VOR_OK;
-
-    even->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
-    if (done % LIST_EVERY == 0 && done > 0)
-        status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
-    if (status == VOR_OK && done % LIST_EVERY == 0)
-        status = list_all(even, err);
-    if (status == VOR_OK)
-        status = vor_run_for(even->run, samples->n, BLOCK, move_block, even, err);
-    if (status != VOR_OK)
-        return status;
-    memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
-    level(even, note(even));
-    return VOR_OK;
-}
-
 static double longest_step(const struct even *even)
 {
     double longest2 = 0;
@@ -410,56 +376,26 @@ static double longest_step(const struct even *even)
     return sqrt(longest2);
 }
 
-static enum vor_answer tell(struct even *even)
+/* One step of all points. */
+static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
 {
-    struct vor_record *record = &even->record;
+    struct even *even = stage->of;
+    struct vor_lop_samples *samples = even->samples;
+    unsigned done = stage->record.step, steps = stage->record.of;
+    vor_status status = VOR_OK;
 
-    record->polish = record->step;
-    record->seconds = vor_run_seconds(even->run);
-    record->max_move = longest_step(even) * even->unit;
-    record->best_polish = record->polish;
-    record->best_delta = record->delta;
-    record->best_sigma = record->sigma;
-    record->best_epsilon = record->epsilon;
-    even->told->last = *record;
-    return vor_points_tell(even->domain, even->samples->xyz, even->samples->n, even->run, record);
-}
-
-/* Whether a stop of the request is reached; the last step took `took` seconds. */
-static int finished(const struct even *even, double took)
-{
-    const struct vor_record *record = &even->record;
-
-    if (vor_stop_even_enough(even->how->spec, record->delta))
-        even->told->stopped = VOR_STOPPED_DELTA;
-    else if (vor_stop_out_of_time(even->how->spec, 1, record->seconds, took))
-        even->told->stopped = VOR_STOPPED_SECONDS;
-    else
-        return record->step >= record->of;
-    return 1;
-}
-
-static vor_status loop(struct even *even, struct vor_error *err)
-{
-    double took = 0;
-
-    even->record.seconds = vor_run_seconds(even->run);
-    while (!finished(even, took)) {
-        double before = even->record.seconds;
-        vor_status status = step_once(even, even->record.of, err);
-
-        if (status == VOR_OK) {
-            even->record.step++;
-            status = vor_run_answered(tell(even), err);
-        }
-        if (status == VOR_E_STOPPED) {
-            even->told->stopped = VOR_STOPPED_CALLER;
-            return VOR_OK;
-        }
-        if (status != VOR_OK)
-            return status;
-        took = even->record.seconds - before;
-    }
+    even->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    if (done % LIST_EVERY == 0 && done > 0)
+        status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
+    if (status == VOR_OK && done % LIST_EVERY == 0)
+        status = list_all(even, err);
+    if (status == VOR_OK)
+        status = vor_run_for(even->run, samples->n, BLOCK, move_block, even, err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
+    note(even);
+    stage->record.max_move = longest_step(even) * stage->domain->unit;
     return VOR_OK;
 }
 
@@ -472,8 +408,8 @@ static vor_status move_all(struct even *even, struct vor_error *err)
     for (size_t i = 0; i < even->samples->n && status == VOR_OK; i++)
         even->edge[i].distance = INFINITY;
     if (status == VOR_OK)
-        status = loop(even, err);
-    if (even->record.step == 0)
+        status = vor_stage_run(&even->stage, err);
+    if (even->stage.record.step == 0)
         return status;
     if (status == VOR_OK)
         status = vor_run_for(&whole, even->samples->n, BLOCK, put_back_block, even, err);
@@ -486,32 +422,28 @@ vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_la
                         const struct vor_lop_even_how *how, const struct vor_domain *domain,
                         struct vor_outcome *told, const struct vor_run *run, struct vor_error *err)
 {
-    struct even even = {.samples = samples,
-                        .latent = latent,
-                        .domain = domain,
-                        .run = run,
-                        .told = told,
-                        .record = told->last,
-                        .unit = domain->unit,
-                        .how = how};
-    double before = vor_run_clock(run);
+    struct even even = {.samples = samples, .latent = latent, .run = run, .how = how};
     vor_status status;
 
     if (how->steps == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
-    if (told->stopped == VOR_STOPPED_DELTA) /* inserting has undone it */
-        told->stopped = VOR_STOPPED_ITERATIONS;
-    even.record.stage = VOR_RUN_STAGE_POLISH;
-    even.record.step = even.record.ahead = 0;
-    even.record.of = how->steps;
+    even.stage = (struct vor_stage){.spec = how->spec,
+                                    .run = run,
+                                    .told = told,
+                                    .record = told->last,
+                                    .domain = domain,
+                                    .xyz = samples->xyz,
+                                    .n = samples->n,
+                                    .of = &even,
+                                    .step = step_once,
+                                    .share = 1,
+                                    .follows = 1};
+    even.stage.record.stage = VOR_RUN_STAGE_POLISH;
+    even.stage.record.step = even.stage.record.ahead = 0;
+    even.stage.record.of = how->steps;
     status = alloc_even(&even, err);
     if (status == VOR_OK)
         status = move_all(&even, err);
-    if (status == VOR_OK) {
-        told->kept = even.record;
-        vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, even.record.step,
-                          vor_run_clock(run) - before);
-    }
     free_even(&even);
     return status;
 }

@@ -7,7 +7,7 @@
 #include "core/lop/heap.h"
 #include "core/lop/latent.h"
 #include "core/lop/power.h"
-#include "core/seeds/tell.h"
+#include "core/seeds/stage.h"
 
 #include <math.h>
 #include <string.h>
@@ -30,9 +30,7 @@ struct pairs {
 struct insertion {
     struct vor_lop_samples *samples;
     const struct vor_lop_insert_how *how;
-    const struct vor_domain *domain;
     const struct vor_run *run;
-    struct vor_outcome *told;
     struct vor_lop_tree tree;
     struct vor_lop_latent latent;
     struct pairs *pairs;             /* n */
@@ -288,48 +286,28 @@ static vor_status insert_between(struct insertion *insertion, uint32_t i, uint32
     return VOR_OK;
 }
 
-static vor_status insert_one(struct insertion *insertion, struct vor_error *err)
+static vor_status insert_one(struct vor_stage *stage, struct vor_error *err)
 {
+    struct insertion *insertion = stage->of;
     unsigned at;
-    double clearance2 = find_largest(insertion, &at);
-    uint32_t i = insertion->heap[0].point, j = insertion->pairs[i].partner[at];
+    double clearance2;
+    uint32_t i, j;
+    vor_status status = VOR_OK;
 
+    if (stage->record.step % POLL_EVERY == POLL_EVERY - 1)
+        status = vor_run_answered(vor_run_poll(stage->run), err);
+    if (status != VOR_OK)
+        return status;
+    clearance2 = find_largest(insertion, &at);
+    i = insertion->heap[0].point;
+    j = insertion->pairs[i].partner[at];
     if (!(clearance2 > 0))
         return vor_fail(err, VOR_E_DEGENERATE,
                         "no room for another point between the %zu existing ones",
                         insertion->samples->n);
     lower(insertion, at, 0);
-    return insert_between(insertion, i, j, clearance2, err);
-}
-
-/* Tells the watch how many points are inserted. */
-static enum vor_answer tell(struct insertion *insertion, size_t n)
-{
-    struct vor_record *record = &insertion->told->last;
-
-    record->stage = VOR_RUN_STAGE_INSERT;
-    record->step = (uint32_t)(insertion->samples->n - insertion->begun);
-    record->of = (uint32_t)(n - insertion->begun);
-    record->ahead = insertion->how->polish;
-    record->seconds = vor_run_seconds(insertion->run);
-    return vor_points_tell(insertion->domain, insertion->samples->xyz, insertion->samples->n,
-                           insertion->run, record);
-}
-
-static vor_status loop(struct insertion *insertion, size_t n, struct vor_error *err)
-{
-    struct vor_lop_samples *samples = insertion->samples;
-    size_t every = (n - samples->n) / RECORDS + 1, done = 0;
-    vor_status status = VOR_OK;
-
-    while (samples->n < n && status == VOR_OK) {
-        status = insert_one(insertion, err);
-        done++;
-        if (status == VOR_OK && done % POLL_EVERY == 0)
-            status = vor_run_answered(vor_run_poll(insertion->run), err);
-        if (status == VOR_OK && (done % every == 0 || samples->n == n))
-            status = vor_run_answered(tell(insertion, n), err);
-    }
+    status = insert_between(insertion, i, j, clearance2, err);
+    stage->n = insertion->samples->n;
     return status;
 }
 
@@ -375,30 +353,17 @@ static void free_insertion(struct insertion *insertion)
 }
 
 /* Inserts until there are n points, or the run is stopped. */
-static vor_status insert_all(struct insertion *insertion, size_t n, struct vor_error *err)
+static vor_status insert_all(struct insertion *insertion, struct vor_stage *stage,
+                             struct vor_error *err)
 {
-    vor_status status = alloc_insertion(insertion, n, err);
+    size_t more = stage->record.of;
+    vor_status status = alloc_insertion(insertion, insertion->begun + more, err);
 
     if (status == VOR_OK)
         status = start(insertion, err);
     if (status == VOR_OK)
-        status = loop(insertion, n, err);
+        status = vor_stage_run(stage, err);
     free_insertion(insertion);
-    return status;
-}
-
-/* Puts what is missing between neighbours where the run was stopped. */
-static vor_status finish(struct insertion *insertion, size_t n, double before,
-                         struct vor_error *err)
-{
-    const struct vor_run whole = vor_run_unstoppable(insertion->run);
-    struct vor_lop_samples *samples = insertion->samples;
-    uint64_t seed = (uint64_t)insertion->how->spec->value[VOR_PARAM_SEED];
-    size_t inserted = samples->n - insertion->begun;
-    vor_status status = vor_lop_between(samples, n, seed, &whole, err);
-
-    vor_outcome_stage(insertion->told, VOR_RUN_STAGE_INSERT, (uint32_t)inserted,
-                      vor_run_clock(insertion->run) - before);
     return status;
 }
 
@@ -407,27 +372,42 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
                           struct vor_outcome *told, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct insertion insertion = {.samples = samples,
-                                  .how = how,
-                                  .domain = domain,
-                                  .run = run,
-                                  .told = told,
-                                  .begun = samples->n};
+    const struct vor_run whole = vor_run_unstoppable(run);
+    struct insertion insertion = {.samples = samples, .how = how, .run = run, .begun = samples->n};
     const struct vor_lop_even_how even = {how->polish, how->rho > 0, how->spec};
     double before = vor_run_clock(run);
     vor_status status = grow(samples, n, err);
+    struct vor_stage stage = {.spec = how->spec,
+                              .run = run,
+                              .told = told,
+                              .record = told->last,
+                              .domain = domain,
+                              .xyz = samples->xyz,
+                              .n = samples->n,
+                              .of = &insertion,
+                              .step = insert_one,
+                              .tell_every = (unsigned)((n - samples->n) / RECORDS) + 1,
+                              .follows = 1,
+                              .unfinished = 1};
 
+    stage.record.stage = VOR_RUN_STAGE_INSERT;
+    stage.record.step = 0;
+    stage.record.of = (uint32_t)(n - samples->n);
+    stage.record.ahead = how->polish;
     if (status == VOR_OK && told->stopped != VOR_STOPPED_CALLER)
         status =
             vor_lop_latent_init(&insertion.latent, samples, how->sigma_n, how->sigma_p, run, err);
     if (status == VOR_OK && told->stopped != VOR_STOPPED_CALLER && n > samples->n)
-        status = insert_all(&insertion, n, err);
+        status = insert_all(&insertion, &stage, err);
     if (status == VOR_E_STOPPED) {
         told->stopped = VOR_STOPPED_CALLER;
         status = VOR_OK;
     }
-    if (status == VOR_OK && n > insertion.begun)
-        status = finish(&insertion, n, before, err);
+    if (status == VOR_OK && n > samples->n) /* what a stop left missing */
+        status =
+            vor_lop_between(samples, n, (uint64_t)how->spec->value[VOR_PARAM_SEED], &whole, err);
+    if (n > insertion.begun)
+        told->seconds[VOR_RUN_STAGE_INSERT] = vor_run_clock(run) - before;
     if (status == VOR_OK)
         status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
     vor_lop_latent_free(&insertion.latent);

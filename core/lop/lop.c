@@ -11,7 +11,6 @@
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
 #include "core/lop/strays.h"
-#include "core/opt/keep_best.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/repel.h"
@@ -285,25 +284,6 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     return VOR_OK;
 }
 
-/* Attaches the seeds to the input, and evens them out. */
-static vor_status even_out(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
-{
-    double before = vor_run_clock(lop->run);
-    int keep_holes = 0;
-    int hurry = lop->told->stopped == VOR_STOPPED_CALLER &&
-                vor_stop_out_of_time(lop->spec, 1, vor_run_seconds(lop->run), 0);
-    vor_status status = hurry ? vor_attach_fast(seeds, err) : vor_attach(seeds, &keep_holes, err);
-
-    if (status == VOR_OK)
-        status = vor_repel(seeds, lop->told, keep_holes, lop->spec, lop->run, err);
-    if (status == VOR_OK && lop->told->steps[VOR_RUN_STAGE_POLISH] > 0)
-        status = vor_attach_last(seeds, err);
-    if (status == VOR_OK)
-        vor_attach_to_box(seeds);
-    lop->told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(lop->run) - before;
-    return status;
-}
-
 vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
                         const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                         const struct vor_run *run, struct vor_error *err)
@@ -322,7 +302,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
-        status = even_out(&seeds, &lop, err);
+        status = vor_polish(&seeds, told, spec, run, err);
     vor_lop_samples_free(&lop.samples);
     vor_domain_free(&lop.thin);
     if (status != VOR_OK) {
@@ -381,7 +361,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
 /* Evens the seeds of an input without edges out, and takes the normals of where they then are. */
 static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
 {
-    vor_status status = even_out(seeds, lop, err);
+    vor_status status = vor_polish(seeds, lop->told, lop->spec, lop->run, err);
 
     if (status != VOR_OK || lop->told->stopped == VOR_STOPPED_CALLER)
         return status;
@@ -460,8 +440,6 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
 
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
-    if (lop->told->stopped == VOR_STOPPED_DELTA) /* of the samples: the insertion undoes it */
-        lop->told->stopped = VOR_STOPPED_ITERATIONS;
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
 }
 

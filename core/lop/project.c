@@ -7,9 +7,7 @@
 #include "core/lop/drawn.h"
 #include "core/lop/normals.h"
 #include "core/lop/weights.h"
-#include "core/metrics/uniformity.h"
-#include "core/opt/keep_best.h"
-#include "core/seeds/tell.h"
+#include "core/seeds/stage.h"
 
 #include <math.h>
 #include <string.h>
@@ -57,6 +55,9 @@ enum { LISTED = 32 };
  * one: 522 of 20,000 of autzen by ear, 3,061 nearer than 0.1 spacings; with this 0 and 316. */
 #define APART 0.3
 
+/* Share of the time allowed that the steps take; the rest is for what follows. */
+#define SECONDS_SHARE 0.5
+
 /* Nearest data whose distance tells their density. */
 enum { DENSITY_K = VOR_LOP_AREA_OF };
 
@@ -65,7 +66,6 @@ struct project {
     const struct vor_lop_samples *data;
     const struct vor_domain *domain;
     const struct vor_lop_project_how *how;
-    struct vor_outcome *told;
     const struct vor_run *run;
     unsigned k; /* data for each point */
     struct vor_input_lists near_data;
@@ -77,7 +77,6 @@ struct project {
     float *next, *turned; /* positions, normals */
     float *nearest;       /* distance of each point to its nearest other */
     double scale;         /* of vor_lop_alike */
-    struct vor_record record;
 };
 
 static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -251,11 +250,13 @@ static void step_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Finds out who is near whom. */
-static vor_status index_points(struct project *project, const struct vor_run *run,
+/* Finds out who is near whom, and how even the points are. */
+static vor_status index_points(struct vor_stage *stage, const struct vor_run *run,
                                struct vor_error *err)
 {
+    struct project *project = stage->of;
     const float *xyz = project->samples->xyz;
+    struct vor_uniformity even;
     vor_status status = VOR_OK;
 
     if (!vor_point_lists_look(&project->view, &project->others, xyz, FAR)) {
@@ -265,7 +266,11 @@ static vor_status index_points(struct project *project, const struct vor_run *ru
     }
     if (status == VOR_OK)
         status = vor_run_for(run, project->samples->n, BLOCK, crowding_block, project, err);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    vor_uniformity_from(&even, project->nearest, project->samples->n);
+    vor_stage_note(stage, &even);
+    return VOR_OK;
 }
 
 /* Makes the step the present, and says how far the farthest point went. */
@@ -285,80 +290,15 @@ static double take_step(struct project *project)
     return sqrt(longest2);
 }
 
-/* Tells the watch of the present. */
-static enum vor_answer tell(struct project *project, double max_move)
+static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
-    struct vor_record *record = &project->record;
-    double unit = project->domain->unit;
-    struct vor_uniformity even;
-
-    vor_uniformity_from(&even, project->nearest, project->samples->n);
-    record->delta = record->best_delta = even.delta;
-    record->sigma = record->best_sigma = even.sigma * unit;
-    record->epsilon = record->best_epsilon = even.epsilon;
-    record->iteration = record->best_iteration = record->step;
-    record->max_move = max_move * unit;
-    record->seconds = vor_run_seconds(project->run);
-    project->told->last = project->told->kept = *record;
-    return vor_points_tell(project->domain, project->samples->xyz, project->samples->n,
-                           project->run, record);
-}
-
-/* Whether a stop of the request is reached; the last step took `took` seconds. */
-static int finished(const struct project *project, double took)
-{
-    const struct vor_record *record = &project->record;
-    struct vor_outcome *told = project->told;
-
-    if (vor_stop_even_enough(project->how->spec, record->delta))
-        told->stopped = VOR_STOPPED_DELTA;
-    else if (record->step >= record->of)
-        told->stopped = VOR_STOPPED_ITERATIONS;
-    else if (vor_stop_out_of_time(project->how->spec, 0.5, record->seconds, took))
-        told->stopped = VOR_STOPPED_SECONDS;
-    else
-        return 0;
-    return 1;
-}
-
-static vor_status step(struct project *project, double *max_move, struct vor_error *err)
-{
-    vor_status status =
-        vor_run_for(project->run, project->samples->n, BLOCK, step_block, project, err);
+    struct project *project = stage->of;
+    vor_status status = vor_run_for(stage->run, stage->n, BLOCK, step_block, project, err);
 
     if (status != VOR_OK)
         return status;
-    *max_move = take_step(project);
-    project->record.step++;
-    return index_points(project, project->run, err);
-}
-
-static vor_status loop(struct project *project, struct vor_error *err)
-{
-    const struct vor_run whole = vor_run_unstoppable(project->run);
-    double took = 0, before, max_move = 0;
-    enum vor_answer answer;
-    vor_status status = index_points(project, &whole, err);
-
-    if (status != VOR_OK)
-        return status;
-    answer = tell(project, 0);
-    while (answer == VOR_CONTINUE && !finished(project, took)) {
-        before = project->record.seconds;
-        status = step(project, &max_move, err);
-        if (status == VOR_E_STOPPED)
-            answer = VOR_STOP;
-        else if (status != VOR_OK)
-            return status;
-        else
-            answer = tell(project, max_move);
-        took = project->record.seconds - before;
-    }
-    if (answer == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (answer == VOR_STOP)
-        project->told->stopped = VOR_STOPPED_CALLER;
-    return VOR_OK;
+    stage->record.max_move = take_step(project) * stage->domain->unit;
+    return index_points(stage, stage->run, err);
 }
 
 static vor_status alloc_project(struct project *project, struct vor_error *err)
@@ -421,14 +361,21 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
                               .data = data,
                               .domain = domain,
                               .how = how,
-                              .told = told,
                               .run = run,
-                              .scale = how->normals ? vor_lop_scale(how->sigma_n) : 0,
+                              .scale = how->normals ? vor_lop_scale(how->sigma_n) : 0};
+    struct vor_stage stage = {.spec = how->spec,
+                              .run = run,
+                              .told = told,
                               .record = {.stage = VOR_RUN_STAGE_PROJECT,
                                          .of = how->rounds * how->steps,
-                                         .ahead = how->ahead}};
+                                         .ahead = how->ahead},
+                              .domain = domain,
+                              .xyz = samples->xyz,
+                              .n = samples->n,
+                              .of = &project,
+                              .step = step,
+                              .share = SECONDS_SHARE};
     const struct vor_run whole = vor_run_unstoppable(run);
-    double before = vor_run_clock(run);
     vor_status status;
 
     project.k = data_of(&project, how->spacing);
@@ -436,10 +383,9 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
     if (status == VOR_OK && project.own_area != NULL)
         status = vor_run_for(&whole, domain->n, BLOCK, density_block, &project, err);
     if (status == VOR_OK)
-        status = loop(&project, err);
+        status = index_points(&stage, &whole, err);
     if (status == VOR_OK)
-        vor_outcome_stage(told, VOR_RUN_STAGE_PROJECT, project.record.step,
-                          vor_run_clock(run) - before);
+        status = vor_stage_run(&stage, err);
     free_project(&project);
     return status;
 }

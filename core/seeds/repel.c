@@ -2,9 +2,8 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
-#include "core/opt/keep_best.h"
 #include "core/seeds/attach.h"
-#include "core/seeds/tell.h"
+#include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
 #include <string.h>
@@ -113,16 +112,11 @@ static const struct aim *aim_of(const struct vor_seeds *seeds, const struct vor_
 
 struct polish {
     struct vor_seeds *seeds;
-    const struct vor_spec *spec;
     const struct aim *aim;
-    const struct vor_run *run; /* a stop ends it */
-    struct vor_outcome *told;
-    struct vor_record record;
-    struct vor_keep_best best;
+    struct vor_stage stage;
     float *next;              /* n x 3 */
     float *step;              /* n x 3: the last one of each point */
     float *pull;              /* n x 3: towards the hole next to each point */
-    float *nearest;           /* n */
     unsigned char *quiet;     /* n: no hole was near */
     double h;                 /* mean spacing */
     double pitch;             /* of the hexagonal lattice of as many points on the same area */
@@ -136,11 +130,10 @@ static void free_polish(struct polish *polish)
     struct vor_memory *memory = polish->seeds->run.memory;
 
     vor_free(memory, polish->quiet);
-    vor_free(memory, polish->nearest);
     vor_free(memory, polish->pull);
     vor_free(memory, polish->step);
     vor_free(memory, polish->next);
-    vor_keep_best_free(&polish->best);
+    vor_stage_free(&polish->stage);
 }
 
 static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
@@ -151,12 +144,11 @@ static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
     polish->next = vor_malloc(memory, n, row);
     polish->step = vor_calloc(memory, n, row);
     polish->pull = vor_calloc(memory, n, row);
-    polish->nearest = vor_malloc(memory, n, sizeof *polish->nearest);
     polish->quiet = vor_calloc(memory, n, 1);
     if (polish->next == NULL || polish->step == NULL || polish->pull == NULL ||
-        polish->nearest == NULL || polish->quiet == NULL)
+        polish->quiet == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
-    return vor_keep_best_init(&polish->best, n, memory, err);
+    return VOR_OK;
 }
 
 /* The spacing that seed i is to have, when the mean is h: with a density, h is the mean of what an
@@ -354,7 +346,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
         if (vor_seeds_recall(seeds, scratch, i, &polish->recall) == VOR_SURFACE_NONE)
             continue;
-        if (polish->cells && !(polish->quiet[i] && polish->record.polish % QUIET_EVERY)) {
+        if (polish->cells && !(polish->quiet[i] && polish->stage.record.step % QUIET_EVERY)) {
             vor_seeds_crowd(seeds, scratch, i);
             vor_seeds_clip(seeds, scratch, i, 0);
             find_hole(polish, scratch, i);
@@ -380,162 +372,57 @@ static double longest_step(const struct polish *polish)
     return sqrt(longest);
 }
 
-/* One step of all seeds, in seeds->xyz. */
-static vor_status step_once(struct polish *polish, struct vor_error *err)
+/* Measures how even the positions are. */
+static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 {
-    struct vor_seeds *seeds = polish->seeds;
-    size_t moving = vor_seeds_moving(seeds);
-    vor_status status = vor_seeds_index(seeds, polish->run, err);
-
-    if (status == VOR_OK)
-        status = vor_run_for(polish->run, moving, vor_seeds_block(seeds->domain), move_block,
-                             polish, err);
-    if (status != VOR_OK)
-        return status;
-    memcpy(seeds->xyz, polish->next, 3 * moving * sizeof *seeds->xyz);
-    polish->record.polish++;
-    polish->record.seconds = vor_run_seconds(polish->run);
-    return VOR_OK;
-}
-
-/* Writes how even the present positions are into the record. */
-static void note(struct polish *polish, const struct vor_uniformity *even)
-{
-    double unit = polish->seeds->domain->unit;
-
-    polish->h = even->mean;
-    polish->record.delta = even->delta;
-    polish->record.sigma = even->sigma * unit;
-    polish->record.epsilon = even->epsilon;
-}
-
-/* Measures how even the positions are, and keeps them if they are the most even so far. */
-static vor_status look(struct polish *polish, struct vor_error *err)
-{
-    const struct vor_seeds *seeds = polish->seeds;
     struct vor_uniformity even;
-    vor_status status =
-        vor_seeds_uniformity(&even, polish->nearest, seeds, seeds->xyz, polish->run, err);
+    vor_status status = vor_seeds_uniformity(&even, stage->nearest, stage->seeds, stage->xyz,
+                                             &stage->seeds->run, err);
 
     if (status != VOR_OK)
         return status;
-    note(polish, &even);
-    vor_keep_best_offer(&polish->best, seeds->xyz, &polish->record);
+    vor_stage_note(stage, &even);
+    stage->record.max_move = longest_step(stage->of) * stage->domain->unit;
     return VOR_OK;
 }
 
-static enum vor_answer tell(struct polish *polish)
+/* Sets the parameters of the next step. */
+static void harden(struct polish *polish)
 {
-    const struct vor_watch *watch = polish->run->watch;
+    unsigned done = polish->stage.record.step, steps = polish->stage.record.of;
 
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    polish->record.step = polish->record.polish;
-    polish->record.max_move = longest_step(polish) * polish->seeds->domain->unit;
-    vor_keep_best_tell(&polish->best, &polish->record);
-    polish->told->last = polish->record;
-    return vor_seeds_tell(polish->seeds, polish->run, &polish->record);
-}
-
-static int even_enough(const struct polish *polish)
-{
-    return vor_stop_even_enough(polish->spec, polish->best.at.delta);
-}
-
-/* Whether a stop of the request is reached; the last step took `took` seconds. */
-static int finished(const struct polish *polish, double took)
-{
-    if (vor_seeds_on_whole(polish->seeds) && even_enough(polish))
-        polish->told->stopped = VOR_STOPPED_DELTA;
-    else if (vor_stop_out_of_time(polish->spec, 1, polish->record.seconds, took))
-        polish->told->stopped = VOR_STOPPED_SECONDS;
-    else
-        return polish->record.polish >= polish->record.of;
-    return 1;
-}
-
-/* Takes the present positions as the first ones, whose evenness the next have to beat: at the
- * beginning, and again when the seeds have moved to the whole of the input. */
-static vor_status take(struct polish *polish, struct vor_error *err)
-{
-    struct vor_seeds *seeds = polish->seeds;
-    struct vor_uniformity even;
-    vor_status status = vor_seeds_uniformity_now(&even, polish->nearest, seeds, err);
-
-    if (status != VOR_OK)
-        return status;
-    note(polish, &even);
-    vor_keep_best_restart(&polish->best, seeds->xyz, &polish->record);
-    return VOR_OK;
-}
-
-static vor_status onto_whole(struct polish *polish, struct vor_error *err)
-{
-    vor_status status = vor_attach_to_whole(polish->seeds, polish->recall.keep_holes, err);
-
-    return status == VOR_OK ? take(polish, err) : status;
-}
-
-/* Sets the parameters of the next of `steps` steps. */
-static void harden(struct polish *polish, unsigned steps)
-{
-    unsigned done = polish->record.polish;
-
+    polish->h = polish->stage.spacing;
     polish->power = SOFT + (polish->aim->hard - SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % polish->aim->cells == 0;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
 }
 
-static int look_is_due(const struct polish *polish, unsigned steps)
+/* One step of all seeds, in seeds->xyz. Before the last ones, moves the seeds to the whole of the
+ * input. */
+static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
 {
-    return polish->record.polish % EVEN_EVERY == 0 || polish->record.polish + FRESH >= steps;
-}
-
-/* One step, then measures if that is due.
- *
- * @param[out] ended  a stop of the request is reached */
-static vor_status advance(struct polish *polish, unsigned steps, int *ended, struct vor_error *err)
-{
-    double before = polish->record.seconds;
+    struct polish *polish = stage->of;
+    struct vor_seeds *seeds = polish->seeds;
+    size_t moving = vor_seeds_moving(seeds);
     vor_status status = VOR_OK;
 
-    if (!vor_seeds_on_whole(polish->seeds) &&
-        (polish->record.polish + ON_WHOLE >= steps || even_enough(polish)))
-        status = onto_whole(polish, err);
-    harden(polish, steps);
+    if (!vor_seeds_on_whole(seeds) &&
+        (stage->record.step + ON_WHOLE >= stage->record.of || vor_stage_is_enough(stage))) {
+        stage->unfinished = 0;
+        status = vor_attach_to_whole(seeds, polish->recall.keep_holes, err);
+        if (status == VOR_OK)
+            status = vor_stage_restart(stage, err);
+    }
+    harden(polish);
     if (status == VOR_OK)
-        status = step_once(polish, err);
-    *ended = finished(polish, polish->record.seconds - before);
-    if (status == VOR_OK && (*ended || look_is_due(polish, steps))) {
-        status = look(polish, err);
-        polish->record.polish -=
-            status == VOR_E_STOPPED; /* a step that was not measured is not handed back */
-        *ended = finished(polish, polish->record.seconds - before);
-    }
-    return status;
-}
-
-static vor_status loop(struct polish *polish, struct vor_error *err)
-{
-    unsigned steps = polish->record.of;
-    enum vor_answer answer = VOR_CONTINUE;
-    int ended = finished(polish, 0);
-
-    while (answer == VOR_CONTINUE && !ended) {
-        vor_status status = advance(polish, steps, &ended, err);
-
-        if (status == VOR_E_STOPPED)
-            answer = VOR_STOP;
-        else if (status != VOR_OK)
-            return status;
-        else if (ended || polish->record.polish % RECORD_EVERY == 0)
-            answer = tell(polish);
-    }
-    if (answer == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (answer == VOR_STOP)
-        polish->told->stopped = VOR_STOPPED_CALLER;
+        status = vor_seeds_index(seeds, stage->run, err);
+    if (status == VOR_OK)
+        status = vor_run_for(stage->run, moving, vor_seeds_block(seeds->domain), move_block, polish,
+                             err);
+    if (status != VOR_OK)
+        return status;
+    memcpy(seeds->xyz, polish->next, 3 * moving * sizeof *seeds->xyz);
     return VOR_OK;
 }
 
@@ -548,39 +435,61 @@ static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_outc
     return sqrt(area / (VOR_HEXAGON_HEIGHT * ((double)seeds->n - (double)seeds->half / 2)));
 }
 
-vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
-                     const struct vor_spec *spec, const struct vor_run *run, struct vor_error *err)
+/* Evens the seeds out. keep_holes is as vor_attach found it. */
+static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
+                        const struct vor_spec *spec, const struct vor_run *run,
+                        struct vor_error *err)
 {
     struct polish polish = {.seeds = seeds,
-                            .spec = spec,
                             .aim = aim_of(seeds, spec),
-                            .run = run,
-                            .told = told,
-                            .record = told->last};
-    double before = vor_run_clock(run);
+                            .recall = {.keep_holes = keep_holes},
+                            .pitch = lattice_pitch(seeds, told)};
     vor_status status;
 
-    if (!(spec->value[VOR_PARAM_POLISH] > 0) || told->stopped == VOR_STOPPED_CALLER)
+    if (vor_spec_polish(spec) == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
-    polish.record.stage = VOR_RUN_STAGE_POLISH;
-    polish.record.of = (uint32_t)spec->value[VOR_PARAM_POLISH];
-    polish.record.ahead = 0;
-    polish.recall.keep_holes = keep_holes;
-    if (told->stopped == VOR_STOPPED_DELTA) /* attaching may have undone it */
-        told->stopped = VOR_STOPPED_ITERATIONS;
+    polish.stage = (struct vor_stage){.spec = spec,
+                                      .run = run,
+                                      .told = told,
+                                      .record = told->last,
+                                      .of = &polish,
+                                      .step = step_once,
+                                      .measure = measure,
+                                      .measure_every = EVEN_EVERY,
+                                      .measure_last = FRESH,
+                                      .tell_every = RECORD_EVERY,
+                                      .share = 1,
+                                      .follows = 1,
+                                      .unfinished = !vor_seeds_on_whole(seeds)};
+    polish.stage.record.stage = VOR_RUN_STAGE_POLISH;
+    polish.stage.record.of = vor_spec_polish(spec);
+    polish.stage.record.step = polish.stage.record.ahead = 0;
     status = alloc_polish(&polish, err);
     if (status == VOR_OK)
-        status = take(&polish, err);
-    polish.pitch = lattice_pitch(seeds, told);
+        status = vor_stage_of_seeds(&polish.stage, seeds, err);
     if (status == VOR_OK)
-        status = loop(&polish, err);
-    if (status == VOR_OK) {
-        told->kept = vor_keep_best_recall(&polish.best, seeds->xyz);
-        told->refined = polish.recall.refine;
-        if (polish.record.polish > 0)
-            vor_outcome_stage(told, VOR_RUN_STAGE_POLISH, polish.record.polish,
-                              vor_run_clock(run) - before);
-    }
+        status = vor_stage_run(&polish.stage, err);
+    told->refined = polish.recall.refine;
     free_polish(&polish);
+    return status;
+}
+
+vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
+                      const struct vor_spec *spec, const struct vor_run *run, struct vor_error *err)
+{
+    double before = vor_run_clock(run);
+    int keep_holes = 0;
+    vor_status status = vor_stage_was_late(told, spec, run) ? vor_attach_fast(seeds, err)
+                                                            : vor_attach(seeds, &keep_holes, err);
+
+    if (status == VOR_OK)
+        status = repel(seeds, told, keep_holes, spec, run, err);
+    if (status == VOR_OK)
+        status = vor_attach_to_whole(seeds, keep_holes, err);
+    if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
+        status = vor_attach_last(seeds, err);
+    if (status == VOR_OK)
+        vor_attach_to_box(seeds);
+    told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
     return status;
 }

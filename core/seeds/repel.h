@@ -32,21 +32,22 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
-/** Evens the seeds out. seeds->xyz ends as the most even positions of all, those at the beginning
- *  included. The steps end at the number that the request allows, at its delta or seconds, or when
- *  the watch says so. Does nothing where the request allows no steps or the caller stopped the run.
+/** What follows a method: attaches the seeds to the input, evens them out, and attaches them to the
+ *  whole of it (seeds/attach.h). seeds->xyz ends as the most even positions of all, those before
+ *  the first step included. The steps end at the number that the request allows, at its delta or
+ *  seconds, or when the watch says so. None is made where the request allows none or the caller
+ *  stopped the run.
  *
- *  @param[in,out] told        what the method did so far; this stage is added, stopped may change
- *  @param[in]     keep_holes  as vor_attach found it
- *  @param[in]     spec        read: polish, delta, seconds
- *  @param[in]     run         may be stopped
+ *  @param[in,out] told  what the method did so far; this stage is added, stopped may change
+ *  @param[in]     spec  read: polish, delta, seconds
+ *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
  *  @retval VOR_E_NOMEM  52 n bytes do not fit
  *
  *  O(steps n), on the run's pool. The same positions for any number of threads. */
-VOR_NODISCARD vor_status vor_repel(struct vor_seeds *seeds, struct vor_outcome *told,
-                                   int keep_holes, const struct vor_spec *spec,
-                                   const struct vor_run *run, struct vor_error *err);
+VOR_NODISCARD vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
+                                    const struct vor_spec *spec, const struct vor_run *run,
+                                    struct vor_error *err);
 
 #endif
