@@ -69,183 +69,78 @@ static const char *const warning_sentences[VOR_WARNING_COUNT] = {
 };
 
 static const char *const answered_words[] = {"no", "yes"};
-
-/* The kinds of members that these tables use besides those of members.h. */
-#define VOR_KIND_OF_RUN_STAGE(type, field)                                                         \
-    .kind = VOR_MEMBER_WORD, .words = stage_words, .word_count = VOR_RUN_STAGE_COUNT
-#define VOR_KIND_OF_STOPPED(type, field)                                                           \
-    .kind = VOR_MEMBER_WORD, .words = stopped_words, .word_count = VOR_STOPPED_COUNT
-#define VOR_KIND_OF_APART(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &apart_members
-#define VOR_KIND_OF_BASELINE(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &baseline_members
-#define VOR_KIND_OF_FITTED(type, field)                                                            \
-    .kind = VOR_MEMBER_LIST, .inner = &fitted_members, .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_STAGES(type, field)                                                            \
-    .kind = VOR_MEMBER_LIST, .inner = &stage_done_members,                                         \
-    .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
-#define VOR_KIND_OF_DROPPED(type, field)                                                           \
-    .kind = VOR_MEMBER_LIST, .inner = &dropped_members,                                            \
-    .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_ORIENTED(type, field)                                                          \
-    .kind = VOR_MEMBER_WORD, .words = oriented_words, .word_count = VOR_ORIENTED_COUNT
-#define VOR_KIND_OF_WARNING_ABOUT(type, field)                                                     \
-    .kind = VOR_MEMBER_WORD, .words = warning_abouts, .word_count = VOR_WARNING_COUNT
-#define VOR_KIND_OF_WARNING_SAYS(type, field)                                                      \
-    .kind = VOR_MEMBER_WORD, .words = warning_sentences, .word_count = VOR_WARNING_COUNT
-#define VOR_KIND_OF_WARNINGS(type, field)                                                          \
-    .kind = VOR_MEMBER_LIST, .inner = &warning_members,                                            \
-    .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_ANSWERED(type, field)                                                          \
-    .kind = VOR_MEMBER_WORD, .words = answered_words, .word_count = 2
-#define VOR_KIND_OF_MESH_LOOPS(type, field)                                                        \
-    .kind = VOR_MEMBER_LIST, .inner = &mesh_loop_members,                                          \
-    .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_LOOP_KIND(type, field)                                                         \
-    .kind = VOR_MEMBER_WORD, .words = loop_kind_words, .word_count = 2
-#define VOR_KIND_OF_HOLE_OUTCOME(type, field)                                                      \
-    .kind = VOR_MEMBER_WORD, .words = hole_outcome_words, .word_count = 5
-#define VOR_KIND_OF_HOLES(type, field)                                                             \
-    .kind = VOR_MEMBER_LIST, .inner = &hole_members, .count_offset = offsetof(type, field##_count)
-#define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
-#define VOR_KIND_OF_COLUMNS(type, field)                                                           \
-    .kind = VOR_MEMBER_LIST, .inner = &column_members, .count_offset = offsetof(type, field##_count)
-
-static const struct vor_member apart_rows[] = {
-#define APART_ROW(...) VOR_MEMBER(struct vor_apart, __VA_ARGS__)
-    VOR_APART_TABLE(APART_ROW)
-#undef APART_ROW
-};
-
-static const struct vor_members apart_members = VOR_MEMBERS(struct vor_apart, apart_rows);
-
-static const struct vor_member baseline_rows[] = {
-#define BASELINE_ROW(...) VOR_MEMBER(struct vor_baseline, __VA_ARGS__)
-    VOR_BASELINE_TABLE(BASELINE_ROW)
-#undef BASELINE_ROW
-};
-
-static const struct vor_members baseline_members = VOR_MEMBERS(struct vor_baseline, baseline_rows);
-
-static const struct vor_member fitted_rows[] = {
-#define FITTED_ROW(...) VOR_MEMBER(struct vor_fitted, __VA_ARGS__)
-    VOR_FITTED_TABLE(FITTED_ROW)
-#undef FITTED_ROW
-};
-
-static const struct vor_members fitted_members = VOR_MEMBERS(struct vor_fitted, fitted_rows);
-
-static const struct vor_member stage_done_rows[] = {
-#define STAGE_DONE_ROW(...) VOR_MEMBER(struct vor_stage_done, __VA_ARGS__)
-    VOR_STAGE_DONE_TABLE(STAGE_DONE_ROW)
-#undef STAGE_DONE_ROW
-};
-
-static const struct vor_members stage_done_members =
-    VOR_MEMBERS(struct vor_stage_done, stage_done_rows);
-
-static const struct vor_member dropped_rows[] = {
-#define DROPPED_ROW(...) VOR_MEMBER(struct vor_dropped, __VA_ARGS__)
-    VOR_DROPPED_TABLE(DROPPED_ROW)
-#undef DROPPED_ROW
-};
-
-static const struct vor_members dropped_members = VOR_MEMBERS(struct vor_dropped, dropped_rows);
-
-static const struct vor_member warning_rows[] = {
-#define WARNING_ROW(...) VOR_MEMBER(struct vor_warning, __VA_ARGS__)
-    VOR_WARNING_TABLE(WARNING_ROW)
-#undef WARNING_ROW
-};
-
-static const struct vor_members warning_members = VOR_MEMBERS(struct vor_warning, warning_rows);
-
-static const struct vor_member mesh_loop_rows[] = {
-#define MESH_LOOP_ROW(...) VOR_MEMBER(struct vor_mesh_loop, __VA_ARGS__)
-    VOR_MESH_LOOP_TABLE(MESH_LOOP_ROW)
-#undef MESH_LOOP_ROW
-};
-
-static const struct vor_members mesh_loop_members =
-    VOR_MEMBERS(struct vor_mesh_loop, mesh_loop_rows);
-
 static const char *const loop_kind_words[] = {"hole", "rim"};
 static const char *const hole_outcome_words[] = {"filled", "rim", "too-long", "not-chosen",
                                                  "not-closed"};
-
-static const struct vor_member hole_rows[] = {
-#define HOLE_ROW(...) VOR_MEMBER(struct vor_hole_told, __VA_ARGS__)
-    VOR_HOLE_TABLE(HOLE_ROW)
-#undef HOLE_ROW
-};
-
-static const struct vor_members hole_members = VOR_MEMBERS(struct vor_hole_told, hole_rows);
-
-static const struct vor_member box_rows[] = {
-#define BOX_ROW(...) VOR_MEMBER(struct vor_corners, __VA_ARGS__)
-    VOR_BOX_TABLE(BOX_ROW)
-#undef BOX_ROW
-};
-
-static const struct vor_members box_members = VOR_MEMBERS(struct vor_corners, box_rows);
-
-static const struct vor_member column_rows[] = {
-#define COLUMN_ROW(...) VOR_MEMBER(struct vor_column, __VA_ARGS__)
-    VOR_COLUMN_TABLE(COLUMN_ROW)
-#undef COLUMN_ROW
-};
-
-static const struct vor_members column_members = VOR_MEMBERS(struct vor_column, column_rows);
-
-static const struct vor_member record_rows[] = {
-#define RECORD_ROW(...) VOR_MEMBER(struct vor_record, __VA_ARGS__)
-    VOR_RECORD_TABLE(RECORD_ROW)
-#undef RECORD_ROW
-};
-
-const struct vor_members vor_record_members = VOR_MEMBERS(struct vor_record, record_rows);
-
-static const struct vor_member report_rows[] = {
-#define REPORT_ROW(...) VOR_MEMBER(struct vor_report, __VA_ARGS__)
-    VOR_REPORT_TABLE(REPORT_ROW)
-#undef REPORT_ROW
-};
-
-const struct vor_members vor_report_members = VOR_MEMBERS(struct vor_report, report_rows);
-
-static const struct vor_member measure_rows[] = {
-#define MEASURE_ROW(...) VOR_MEMBER(struct vor_measure, __VA_ARGS__)
-    VOR_MEASURE_TABLE(MEASURE_ROW)
-#undef MEASURE_ROW
-};
-
-const struct vor_members vor_measure_members = VOR_MEMBERS(struct vor_measure, measure_rows);
-
 static const char *const loop_why_words[] = {
     "the surface lies around it",
     "the surface lies to one side, as at the end of a tube",
     "the surface lies within it",
 };
 
-#define VOR_KIND_OF_LOOP_WHY(type, field)                                                          \
-    .kind = VOR_MEMBER_WORD, .words = loop_why_words, .word_count = 3
-#define VOR_KIND_OF_LOOPS(type, field)                                                             \
-    .kind = VOR_MEMBER_LIST, .inner = &loop_members, .count_offset = offsetof(type, field##_count)
+/* The kinds of members that these tables use besides those of members.h. */
+#define WORD_OF(list, count) .kind = VOR_MEMBER_WORD, .words = (list), .word_count = (count)
+#define LIST_OF(type, field, members)                                                              \
+    .kind = VOR_MEMBER_LIST, .inner = &(members), .count_offset = offsetof(type, field##_count)
+#define VOR_KIND_OF_RUN_STAGE(type, field) WORD_OF(stage_words, VOR_RUN_STAGE_COUNT)
+#define VOR_KIND_OF_STOPPED(type, field) WORD_OF(stopped_words, VOR_STOPPED_COUNT)
+#define VOR_KIND_OF_ORIENTED(type, field) WORD_OF(oriented_words, VOR_ORIENTED_COUNT)
+#define VOR_KIND_OF_WARNING_ABOUT(type, field) WORD_OF(warning_abouts, VOR_WARNING_COUNT)
+#define VOR_KIND_OF_WARNING_SAYS(type, field) WORD_OF(warning_sentences, VOR_WARNING_COUNT)
+#define VOR_KIND_OF_ANSWERED(type, field) WORD_OF(answered_words, 2)
+#define VOR_KIND_OF_LOOP_KIND(type, field) WORD_OF(loop_kind_words, 2)
+#define VOR_KIND_OF_LOOP_WHY(type, field) WORD_OF(loop_why_words, 3)
+#define VOR_KIND_OF_HOLE_OUTCOME(type, field) WORD_OF(hole_outcome_words, 5)
+#define VOR_KIND_OF_APART(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &apart_members
+#define VOR_KIND_OF_BASELINE(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &baseline_members
+#define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
+#define VOR_KIND_OF_FITTED(type, field) LIST_OF(type, field, fitted_members)
+#define VOR_KIND_OF_STAGES(type, field) LIST_OF(type, field, stage_done_members)
+#define VOR_KIND_OF_DROPPED(type, field) LIST_OF(type, field, dropped_members)
+#define VOR_KIND_OF_WARNINGS(type, field) LIST_OF(type, field, warning_members)
+#define VOR_KIND_OF_MESH_LOOPS(type, field) LIST_OF(type, field, mesh_loop_members)
+#define VOR_KIND_OF_HOLES(type, field) LIST_OF(type, field, hole_members)
+#define VOR_KIND_OF_COLUMNS(type, field) LIST_OF(type, field, column_members)
+#define VOR_KIND_OF_LOOPS(type, field) LIST_OF(type, field, loop_members)
+#define VOR_KIND_OF_SPEC(type, field) .kind = VOR_MEMBER_REQUEST
 
-static const struct vor_member loop_rows[] = {
+/* The members of a struct, by the rows of its table. */
+#define DESCRIBE(name, type, ...)                                                                  \
+    const struct vor_members name = {.rows = (const struct vor_member[]){__VA_ARGS__},             \
+                                     .count = sizeof((const struct vor_member[]){__VA_ARGS__}) /   \
+                                              sizeof(struct vor_member),                           \
+                                     .size = sizeof(type)}
+
+#define APART_ROW(...) VOR_MEMBER(struct vor_apart, __VA_ARGS__)
+static DESCRIBE(apart_members, struct vor_apart, VOR_APART_TABLE(APART_ROW));
+#define BASELINE_ROW(...) VOR_MEMBER(struct vor_baseline, __VA_ARGS__)
+static DESCRIBE(baseline_members, struct vor_baseline, VOR_BASELINE_TABLE(BASELINE_ROW));
+#define FITTED_ROW(...) VOR_MEMBER(struct vor_fitted, __VA_ARGS__)
+static DESCRIBE(fitted_members, struct vor_fitted, VOR_FITTED_TABLE(FITTED_ROW));
+#define STAGE_DONE_ROW(...) VOR_MEMBER(struct vor_stage_done, __VA_ARGS__)
+static DESCRIBE(stage_done_members, struct vor_stage_done, VOR_STAGE_DONE_TABLE(STAGE_DONE_ROW));
+#define DROPPED_ROW(...) VOR_MEMBER(struct vor_dropped, __VA_ARGS__)
+static DESCRIBE(dropped_members, struct vor_dropped, VOR_DROPPED_TABLE(DROPPED_ROW));
+#define WARNING_ROW(...) VOR_MEMBER(struct vor_warning, __VA_ARGS__)
+static DESCRIBE(warning_members, struct vor_warning, VOR_WARNING_TABLE(WARNING_ROW));
+#define MESH_LOOP_ROW(...) VOR_MEMBER(struct vor_mesh_loop, __VA_ARGS__)
+static DESCRIBE(mesh_loop_members, struct vor_mesh_loop, VOR_MESH_LOOP_TABLE(MESH_LOOP_ROW));
+#define HOLE_ROW(...) VOR_MEMBER(struct vor_hole_told, __VA_ARGS__)
+static DESCRIBE(hole_members, struct vor_hole_told, VOR_HOLE_TABLE(HOLE_ROW));
+#define BOX_ROW(...) VOR_MEMBER(struct vor_corners, __VA_ARGS__)
+static DESCRIBE(box_members, struct vor_corners, VOR_BOX_TABLE(BOX_ROW));
+#define COLUMN_ROW(...) VOR_MEMBER(struct vor_column, __VA_ARGS__)
+static DESCRIBE(column_members, struct vor_column, VOR_COLUMN_TABLE(COLUMN_ROW));
+#define RECORD_ROW(...) VOR_MEMBER(struct vor_record, __VA_ARGS__)
+DESCRIBE(vor_record_members, struct vor_record, VOR_RECORD_TABLE(RECORD_ROW));
+#define REPORT_ROW(...) VOR_MEMBER(struct vor_report, __VA_ARGS__)
+DESCRIBE(vor_report_members, struct vor_report, VOR_REPORT_TABLE(REPORT_ROW));
+#define MEASURE_ROW(...) VOR_MEMBER(struct vor_measure, __VA_ARGS__)
+DESCRIBE(vor_measure_members, struct vor_measure, VOR_MEASURE_TABLE(MEASURE_ROW));
 #define LOOP_ROW(...) VOR_MEMBER(struct vor_loop_told, __VA_ARGS__)
-    VOR_LOOP_TABLE(LOOP_ROW)
-#undef LOOP_ROW
-};
-
-static const struct vor_members loop_members = VOR_MEMBERS(struct vor_loop_told, loop_rows);
-
-static const struct vor_member inspect_rows[] = {
+static DESCRIBE(loop_members, struct vor_loop_told, VOR_LOOP_TABLE(LOOP_ROW));
 #define INSPECT_ROW(...) VOR_MEMBER(struct vor_inspect, __VA_ARGS__)
-    VOR_INSPECT_TABLE(INSPECT_ROW)
-#undef INSPECT_ROW
-};
-
-const struct vor_members vor_inspect_members = VOR_MEMBERS(struct vor_inspect, inspect_rows);
+DESCRIBE(vor_inspect_members, struct vor_inspect, VOR_INSPECT_TABLE(INSPECT_ROW));
 
 const struct vor_members *vor_document_members(const char *name)
 {

@@ -34,6 +34,13 @@ static enum vor_answer tell(void *ctx, const struct vor_record *record)
     return budget->inner->progress(budget->inner->ctx, record);
 }
 
+static void show(void *ctx, const struct vor_moving *points, const struct vor_record *record)
+{
+    const struct vor_budget *budget = ctx;
+
+    budget->inner->points(budget->inner->ctx, points, record);
+}
+
 static double read_clock(void *ctx)
 {
     const struct vor_budget *budget = ctx;
@@ -52,6 +59,7 @@ void vor_budget_begin(struct vor_budget *budget, struct vor_run *run, double sec
     budget->watch = (struct vor_watch){.ctx = budget,
                                        .progress = inner->progress != NULL ? tell : NULL,
                                        .poll = ask,
+                                       .points = inner->points != NULL ? show : NULL,
                                        .clock = read_clock};
     run->watch = &budget->watch;
     run->late = budget->until + fmax(LATE_SHARE * seconds, LATE_SECONDS);

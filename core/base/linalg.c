@@ -106,3 +106,58 @@ double vor_solve_spd(double *a, double *b, int n, double rank)
     }
     return smallest;
 }
+
+static void swap(double *a, double *b, size_t n)
+{
+    for (size_t j = 0; j < n; j++) {
+        double held = a[j];
+
+        a[j] = b[j];
+        b[j] = held;
+    }
+}
+
+/* Subtracts the pivot's row from those below it. */
+static void eliminate(double *a, double *b, size_t n, size_t sides, size_t pivot)
+{
+    for (size_t i = pivot + 1; i < n; i++) {
+        double factor = a[i * n + pivot] / a[pivot * n + pivot];
+
+        if (factor == 0)
+            continue;
+        for (size_t j = pivot; j < n; j++)
+            a[i * n + j] -= factor * a[pivot * n + j];
+        for (size_t c = 0; c < sides; c++)
+            b[i * sides + c] -= factor * b[pivot * sides + c];
+    }
+}
+
+int vor_solve_pivots(double *a, double *b, size_t n, size_t sides, double least, double rank)
+{
+    double largest = 0;
+
+    for (size_t k = 0; k < n; k++) {
+        size_t best = k;
+
+        for (size_t i = k + 1; i < n; i++)
+            if (fabs(a[i * n + k]) > fabs(a[best * n + k]))
+                best = i;
+        if (best != k) {
+            swap(&a[k * n], &a[best * n], n);
+            swap(&b[k * sides], &b[best * sides], sides);
+        }
+        largest = fmax(largest, fabs(a[k * n + k]));
+        if (!(fabs(a[k * n + k]) > fmax(least, rank * largest)))
+            return 0;
+        eliminate(a, b, n, sides, k);
+    }
+    for (size_t k = n; k-- > 0;)
+        for (size_t c = 0; c < sides; c++) {
+            double sum = b[k * sides + c];
+
+            for (size_t j = k + 1; j < n; j++)
+                sum -= a[k * n + j] * b[j * sides + c];
+            b[k * sides + c] = sum / a[k * n + k];
+        }
+    return 1;
+}

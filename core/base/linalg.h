@@ -1,9 +1,10 @@
 /** Small dense linear algebra in double precision: vectors of three, symmetric 3 x 3 eigenproblems,
- *  symmetric positive definite systems. No allocation, no failure but what is returned. */
+ *  systems of equations. No allocation, no failure but what is returned. */
 #ifndef VOR_BASE_LINALG_H
 #define VOR_BASE_LINALG_H
 
 #include <math.h>
+#include <stddef.h>
 
 /** Scalar product. */
 static inline double vor_dot(const double a[3], const double b[3])
@@ -68,5 +69,18 @@ void vor_eigen3(double values[3], double vectors[3][3], const double m[6]);
  *
  *  O(n^3). */
 double vor_solve_spd(double *a, double *b, int n, double rank);
+
+/** Solves A x = b for each of `sides` right sides, by elimination with pivots from columns.
+ *
+ *  @param[in,out] a      n x n, row-major; destroyed
+ *  @param[in,out] b      n x sides; becomes the solutions on success
+ *  @param[in]     least  a pivot must exceed it,
+ *  @param[in]     rank   and this share of the largest pivot before it: else A is as good as
+ * singular
+ *
+ *  @return whether there is a solution
+ *
+ *  O(n^3). */
+int vor_solve_pivots(double *a, double *b, size_t n, size_t sides, double least, double rank);
 
 #endif

@@ -1,6 +1,7 @@
 #include "core/geom/spline.h"
 
-#include <math.h>
+#include "core/base/linalg.h"
+
 #include <string.h>
 
 /* Smallest pivot over the largest one at which the points are believed to determine the spline: the
@@ -57,66 +58,6 @@ static void set_up(struct system *system, const struct vor_spline *spline, const
     memset(&system->side[n * VALUES], 0, VALUES * VOR_SPLINE_TERMS * sizeof *value);
 }
 
-static void swap(double *a, double *b, size_t n)
-{
-    for (size_t j = 0; j < n; j++) {
-        double held = a[j];
-
-        a[j] = b[j];
-        b[j] = held;
-    }
-}
-
-/* Subtracts the pivot's row from those below it. */
-static void eliminate(struct system *system, size_t pivot)
-{
-    const double *from = &system->row[pivot * system->order];
-
-    for (size_t i = pivot + 1; i < system->order; i++) {
-        double *row = &system->row[i * system->order], factor = row[pivot] / from[pivot];
-
-        if (factor == 0)
-            continue;
-        for (size_t j = pivot; j < system->order; j++)
-            row[j] -= factor * from[j];
-        for (size_t c = 0; c < VALUES; c++)
-            system->side[i * VALUES + c] -= factor * system->side[pivot * VALUES + c];
-    }
-}
-
-/* Solves the system in place, by elimination with pivots from columns: the solution is in side.
- * False if it has none that rounding does not spoil. */
-static int solve(struct system *system)
-{
-    size_t order = system->order;
-    double largest = 0;
-
-    for (size_t k = 0; k < order; k++) {
-        size_t best = k;
-
-        for (size_t i = k + 1; i < order; i++)
-            if (fabs(system->row[i * order + k]) > fabs(system->row[best * order + k]))
-                best = i;
-        if (best != k) {
-            swap(&system->row[k * order], &system->row[best * order], order);
-            swap(&system->side[k * VALUES], &system->side[best * VALUES], VALUES);
-        }
-        largest = fmax(largest, fabs(system->row[k * order + k]));
-        if (!(fabs(system->row[k * order + k]) > RANK * largest))
-            return 0;
-        eliminate(system, k);
-    }
-    for (size_t k = order; k-- > 0;)
-        for (size_t c = 0; c < VALUES; c++) {
-            double sum = system->side[k * VALUES + c];
-
-            for (size_t j = k + 1; j < order; j++)
-                sum -= system->row[k * order + j] * system->side[j * VALUES + c];
-            system->side[k * VALUES + c] = sum / system->row[k * order + k];
-        }
-    return 1;
-}
-
 vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double *value, size_t n,
                           double smooth, struct vor_memory *memory, struct vor_error *err)
 {
@@ -136,7 +77,7 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
     } else {
         memcpy(spline.at, at, 2 * n * sizeof *spline.at);
         set_up(&system, &spline, value, smooth);
-        if (!solve(&system))
+        if (!vor_solve_pivots(system.row, system.side, system.order, VALUES, 0, RANK))
             status = vor_fail(err, VOR_E_DEGENERATE, "%zu points determine no surface", n);
     }
     vor_free(memory, system.row);

@@ -1,15 +1,8 @@
 #include "core/input/carried.h"
 
-#include "core/base/linalg.h"
+#include "core/base/count.h"
 
 #include <math.h>
-
-enum { BLOCK = 1 << 16 }; /* points of one task */
-
-struct count {
-    const struct vor_attribute *carried;
-    size_t n, *bad, *first; /* of each block */
-};
 
 const struct vor_attribute *vor_carried(const struct vor_cloud *in)
 {
@@ -30,40 +23,17 @@ int vor_carried_normal(const struct vor_attribute *carried, size_t i, double nor
     return is_finite && !is_zero;
 }
 
-static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static int is_bad(const void *carried, size_t i)
 {
-    struct count *count = ctx;
-    size_t block = begin / BLOCK;
     double normal[3];
 
-    (void)worker;
-    count->bad[block] = 0;
-    count->first[block] = count->n;
-    for (size_t i = begin; i < end; i++)
-        if (!vor_carried_normal(count->carried, i, normal) && count->bad[block]++ == 0)
-            count->first[block] = i;
+    return !vor_carried_normal(carried, i, normal);
 }
 
 vor_status vor_carried_count(size_t *bad, size_t *first, const struct vor_attribute *carried,
                              size_t n, const struct vor_run *run, struct vor_error *err)
 {
-    size_t blocks = vor_blocks_of(n, BLOCK);
-    struct count count = {.carried = carried, .n = n};
-    vor_status status;
-
-    count.bad = vor_malloc(run->memory, blocks, 2 * sizeof *count.bad);
-    if (count.bad == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "counting %zu normals", n);
-    count.first = count.bad + blocks;
-    status = vor_run_for(run, n, BLOCK, count_block, &count, err);
-    *bad = 0;
-    *first = n;
-    for (size_t i = 0; status == VOR_OK && i < blocks; i++) {
-        *bad += count.bad[i];
-        *first = count.first[i] < *first ? count.first[i] : *first;
-    }
-    vor_free(run->memory, count.bad);
-    return status;
+    return vor_count(bad, first, n, is_bad, carried, run, err);
 }
 
 vor_status vor_carried_check(const struct vor_cloud *in, const struct vor_spec *spec,

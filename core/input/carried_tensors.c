@@ -1,5 +1,6 @@
 #include "core/input/carried_tensors.h"
 
+#include "core/base/count.h"
 #include "core/base/quote.h"
 
 #include <math.h>
@@ -7,10 +8,9 @@
 #include <string.h>
 
 enum {
-    CHECKED = 1 << 16, /* points of one task */
-    QUOTED = 64,       /* bytes of a name in a message */
-    NAMES = 512,       /* of all of them */
-    SUFFIX = 3         /* bytes of "_xx" */
+    QUOTED = 64, /* bytes of a name in a message */
+    NAMES = 512, /* of all of them */
+    SUFFIX = 3   /* bytes of "_xx" */
 };
 
 static const char *const suffixes[6] = {"_xx", "_xy", "_xz", "_yy", "_yz", "_zz"};
@@ -56,24 +56,12 @@ static int is_positive(const double t[6])
     return xy * xy < 1 && 1 + 2 * xy * xz * yz > xy * xy + xz * xz + yz * yz;
 }
 
-struct check {
-    struct vor_carried_tensors tensors;
-    size_t n, *bad; /* bad: of each block the first point at fault, or n */
-};
-
-static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static int is_bad(const void *tensors, size_t i)
 {
-    struct check *check = ctx;
-    size_t block = begin / CHECKED, i = begin;
     double tensor[6];
 
-    (void)worker;
-    for (; i < end; i++) {
-        vor_carried_tensors_at(tensor, &check->tensors, i);
-        if (!is_positive(tensor))
-            break;
-    }
-    check->bad[block] = i < end ? i : check->n;
+    vor_carried_tensors_at(tensor, tensors, i);
+    return !is_positive(tensor);
 }
 
 /* Whether an attribute is, or ends, a tensor; its name without the suffix goes to `name`. */
@@ -112,40 +100,24 @@ static vor_status refuse_name(const struct vor_cloud *in, const char *name, stru
                           quoted, names);
 }
 
-/* Refuses the first point at fault. */
-static vor_status judge(const struct check *check, const char *name, struct vor_error *err)
-{
-    size_t blocks = vor_blocks_of(check->n, CHECKED);
-    char quoted[QUOTED];
-    double t[6];
-
-    for (size_t b = 0; b < blocks; b++) {
-        if (check->bad[b] == check->n)
-            continue;
-        vor_carried_tensors_at(t, &check->tensors, check->bad[b]);
-        vor_quote(quoted, sizeof quoted, name, strlen(name));
-        return vor_fail_param(err, VOR_E_METRIC, "metric",
-                              "tensor %s is %g %g %g %g %g %g (xx xy xz yy yz zz) at point %zu, "
-                              "want a positive definite one",
-                              quoted, t[0], t[1], t[2], t[3], t[4], t[5], check->bad[b]);
-    }
-    return VOR_OK;
-}
-
 vor_status vor_carried_tensors_check(const struct vor_cloud *in, const char *name,
                                      const struct vor_run *run, struct vor_error *err)
 {
-    struct check check = {.n = in->n};
+    struct vor_carried_tensors tensors;
+    char quoted[QUOTED];
+    size_t bad, first;
+    double t[6];
     vor_status status;
 
-    if (!vor_carried_tensors_find(&check.tensors, in, name))
+    if (!vor_carried_tensors_find(&tensors, in, name))
         return refuse_name(in, name, err);
-    check.bad = vor_malloc(run->memory, vor_blocks_of(in->n, CHECKED), sizeof *check.bad);
-    if (check.bad == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "checking %zu tensors", in->n);
-    status = vor_run_for(run, in->n, CHECKED, check_block, &check, err);
-    if (status == VOR_OK)
-        status = judge(&check, name, err);
-    vor_free(run->memory, check.bad);
-    return status;
+    status = vor_count(&bad, &first, in->n, is_bad, &tensors, run, err);
+    if (status != VOR_OK || bad == 0)
+        return status;
+    vor_carried_tensors_at(t, &tensors, first);
+    vor_quote(quoted, sizeof quoted, name, strlen(name));
+    return vor_fail_param(err, VOR_E_METRIC, "metric",
+                          "tensor %s is %g %g %g %g %g %g (xx xy xz yy yz zz) at point %zu, "
+                          "want a positive definite one",
+                          quoted, t[0], t[1], t[2], t[3], t[4], t[5], first);
 }

@@ -103,16 +103,8 @@ unsigned vor_curved_fit(struct vor_surface *out, float *near, const struct vor_c
     const float *at = &domain->xyz[3 * i];
     double x[3] = {(double)at[0], (double)at[1], (double)at[2]};
     unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
-    uint32_t index[VOR_NEIGHBORS_MAX];
-    float distance2[VOR_NEIGHBORS_MAX];
 
     if (k < curved->least && !vor_graph_is(&domain->graph))
         k = curved->least;
-    if (k > domain->n)
-        k = (unsigned)domain->n;
-    vor_knn_search(domain->knn, at, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    (void)vor_lists_fit(out, near, domain, x, k, index);
-    return k;
+    return vor_lists_fit_at(out, near, domain, x, k);
 }

@@ -1,5 +1,6 @@
 #include "core/input/density.h"
 
+#include "core/base/count.h"
 #include "core/base/quote.h"
 #include "core/base/stat.h"
 #include "core/geom/curvature.h"
@@ -11,10 +12,9 @@
 #include <string.h>
 
 enum {
-    BLOCK = 256,       /* points of one task */
-    CHECKED = 1 << 16, /* the same where values are checked */
-    QUOTED = 64,       /* bytes of a name in a message */
-    NAMES = 512,       /* of all of them */
+    BLOCK = 256, /* points of one task */
+    QUOTED = 64, /* bytes of a name in a message */
+    NAMES = 512, /* of all of them */
     /* Neighbours in the list of a point of the field. */
     LISTED = 12,
     /* Most points of the field for each one that a curvature is taken at: their lists have four
@@ -40,70 +40,35 @@ enum {
 
 #define PI 3.14159265358979323846
 
-/* Which attribute, and of each block the first point whose value is no density and whether some
- * value is positive. */
-struct check {
-    const struct vor_attribute *attribute;
-    size_t n, *bad;
-    unsigned char *positive;
-};
-
-static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static int is_none(const void *attribute, size_t i)
 {
-    struct check *check = ctx;
-    size_t block = begin / CHECKED;
+    double value = vor_attribute_scalar(attribute, i);
 
-    (void)worker;
-    check->bad[block] = check->n;
-    check->positive[block] = 0;
-    for (size_t i = begin; i < end; i++) {
-        double value = vor_attribute_scalar(check->attribute, i);
-
-        if (!(value >= 0 && isfinite(value))) {
-            check->bad[block] = i;
-            return;
-        }
-        check->positive[block] |= value > 0;
-    }
+    return !(value >= 0 && isfinite(value));
 }
 
-/* Refuses the values of a block that is at fault, or all of them. */
-static vor_status judge(const struct check *check, struct vor_error *err)
+static int is_positive(const void *attribute, size_t i)
 {
-    size_t blocks = vor_blocks_of(check->n, CHECKED);
-    const char *name = check->attribute->name;
-
-    for (size_t b = 0; b < blocks; b++)
-        if (check->bad[b] < check->n)
-            return vor_fail_param(
-                err, VOR_E_DENSITY, "density", "attribute %s is %g at point %zu, want 0 or more",
-                name, vor_attribute_scalar(check->attribute, check->bad[b]), check->bad[b]);
-    if (memchr(check->positive, 1, blocks) != NULL)
-        return VOR_OK;
-    return vor_fail_param(err, VOR_E_DENSITY, "density",
-                          "attribute %s is 0 at all %zu points, want more than 0 somewhere", name,
-                          check->n);
+    return vor_attribute_scalar(attribute, i) > 0;
 }
 
 static vor_status check_values(const struct vor_attribute *attribute, size_t n,
                                const struct vor_run *run, struct vor_error *err)
 {
-    struct check check = {.attribute = attribute, .n = n};
-    size_t blocks = vor_blocks_of(n, CHECKED);
-    vor_status status;
+    size_t bad, first, positive = 0; /* cppcheck cannot see that it is set */
+    vor_status status = vor_count(&bad, &first, n, is_none, attribute, run, err);
 
-    check.bad = vor_malloc(run->memory, blocks, sizeof *check.bad);
-    check.positive = vor_malloc(run->memory, blocks, sizeof *check.positive);
-    if (check.bad == NULL || check.positive == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "checking %zu densities", n);
-    } else {
-        status = vor_run_for(run, n, CHECKED, check_block, &check, err);
-        if (status == VOR_OK)
-            status = judge(&check, err);
-    }
-    vor_free(run->memory, check.positive);
-    vor_free(run->memory, check.bad);
-    return status;
+    if (status == VOR_OK && bad > 0)
+        return vor_fail_param(err, VOR_E_DENSITY, "density",
+                              "attribute %s is %g at point %zu, want 0 or more", attribute->name,
+                              vor_attribute_scalar(attribute, first), first);
+    if (status == VOR_OK)
+        status = vor_count(&positive, &first, n, is_positive, attribute, run, err);
+    if (status != VOR_OK || positive > 0)
+        return status;
+    return vor_fail_param(err, VOR_E_DENSITY, "density",
+                          "attribute %s is 0 at all %zu points, want more than 0 somewhere",
+                          attribute->name, n);
 }
 
 /* Says which attributes could have been named. */

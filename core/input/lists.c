@@ -149,3 +149,18 @@ struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
     vor_lists_points(near, domain, fitted.root, k);
     return fitted;
 }
+
+unsigned vor_lists_fit_at(struct vor_surface *out, float *near, const struct vor_domain *domain,
+                          const double x[3], unsigned k)
+{
+    const float at[3] = {(float)x[0], (float)x[1], (float)x[2]};
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    float distance2[VOR_NEIGHBORS_MAX];
+
+    k = k < domain->n ? k : (unsigned)domain->n;
+    vor_knn_search(domain->knn, at, 1, k, index, distance2);
+    for (unsigned j = 0; j < k; j++)
+        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    (void)vor_lists_fit(out, near, domain, x, k, index);
+    return k;
+}

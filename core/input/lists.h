@@ -48,6 +48,17 @@ struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
                                       const struct vor_domain *domain, const double x[3],
                                       unsigned k, const uint32_t *index);
 
+/** vor_lists_fit to the k input points nearest to any place x; as many as there are, where there
+ * are fewer.
+ *
+ *  @param[out] near  k x 3 floats, as vor_lists_fit leaves them
+ *
+ *  @return how many points there are in near
+ *
+ *  O(k log n). Cannot fail. Thread-safe. */
+unsigned vor_lists_fit_at(struct vor_surface *out, float *near, const struct vor_domain *domain,
+                          const double x[3], unsigned k);
+
 /** The points that a fit to the list of a root was made to.
  *
  *  @param[out] near  k x 3 floats: the root and its neighbours, repeated if they are fewer

@@ -4,7 +4,6 @@
 #include "core/input/edges.h"
 #include "core/input/lists.h"
 #include "core/input/loops.h"
-#include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
 
 #include <math.h>
@@ -129,9 +128,7 @@ static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
-    unsigned k = survey->k;
-    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
+    float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 
     (void)worker;
@@ -140,10 +137,8 @@ static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
         const float *p = &domain->xyz[3 * at];
         double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
 
-        vor_knn_search(domain->knn, p, 1, k, index, distance2);
-        for (unsigned j = 0; j < k; j++)
-            memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-        (void)vor_sheets_fit(&surface, near, domain, x, k);
+        unsigned k = vor_lists_fit_at(&surface, near, domain, x, survey->k);
+
         survey->off2[place] =
             surface.kind == VOR_SURFACE_NONE ? INFINITY : (float)(surface.off2 * k / (k - QUADRIC));
     }

@@ -1,7 +1,6 @@
 #include "core/metrics/measure.h"
 
 #include "core/cloud/frame.h"
-#include "core/knn/knn.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/distortion.h"
 #include "core/metrics/uniformity.h"
@@ -12,34 +11,22 @@
 static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t n, double unit,
                                const struct vor_run *run, struct vor_error *err)
 {
-    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
     struct vor_uniformity even;
-    struct vor_knn *knn = NULL;
-    vor_status status;
+    vor_status status = vor_uniformity_measure(&even, xyz, n, run, err);
 
-    if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
-    status = vor_knn_build(&knn, xyz, n, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
-    if (status == VOR_OK) {
-        vor_uniformity_from(&even, nearest, n);
-        if (!(even.mean > 0))
-            status =
-                vor_fail(err, VOR_E_DEGENERATE, "all %zu points are at one position, want two", n);
-    }
-    if (status == VOR_OK)
-        *out = (struct vor_measure){.n = n,
-                                    .delta = even.delta,
-                                    .sigma = even.sigma * unit,
-                                    .epsilon = even.epsilon,
-                                    .mean_nn = even.mean * unit,
-                                    .min_over_mean = even.min / even.mean,
-                                    .max_over_mean = even.max / even.mean,
-                                    .coincident = even.coincident};
-    vor_knn_free(knn);
-    vor_free(run->memory, nearest);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    if (!(even.mean > 0))
+        return vor_fail(err, VOR_E_DEGENERATE, "all %zu points are at one position, want two", n);
+    *out = (struct vor_measure){.n = n,
+                                .delta = even.delta,
+                                .sigma = even.sigma * unit,
+                                .epsilon = even.epsilon,
+                                .mean_nn = even.mean * unit,
+                                .min_over_mean = even.min / even.mean,
+                                .max_over_mean = even.max / even.mean,
+                                .coincident = even.coincident};
+    return VOR_OK;
 }
 
 static void put_distances(struct vor_measure *measure, const struct vor_distances *distances,

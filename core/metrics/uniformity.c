@@ -66,3 +66,22 @@ vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
     }
     return vor_run_for(run, n, BLOCK, nearest_block, &work, err);
 }
+
+vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, size_t n,
+                                  const struct vor_run *run, struct vor_error *err)
+{
+    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
+    struct vor_knn *knn = NULL;
+    vor_status status;
+
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+    status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    if (status == VOR_OK)
+        vor_uniformity_from(out, nearest, n);
+    vor_knn_free(knn);
+    vor_free(run->memory, nearest);
+    return status;
+}

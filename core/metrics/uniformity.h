@@ -34,4 +34,13 @@ VOR_NODISCARD vor_status vor_nearest_distances(float *nearest, const float *xyz,
                                                const struct vor_knn *knn, const struct vor_run *run,
                                                struct vor_error *err);
 
+/** Measures how evenly n points (n x 3) are spread. Fails as vor_nearest_distances.
+ *
+ *  @retval VOR_E_NOMEM  the index does not fit
+ *
+ *  O(n log n), on the run's pool. */
+VOR_NODISCARD vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz,
+                                                size_t n, const struct vor_run *run,
+                                                struct vor_error *err);
+
 #endif

@@ -29,32 +29,10 @@ static void forget(struct vor_report *report)
         *unknown[i] = (double)NAN;
 }
 
-/* Measures the points of a cloud in a frame of that unit. */
-static vor_status measure_in(struct vor_report *report, const float *xyz, size_t n, double unit,
-                             const struct vor_run *run, struct vor_error *err)
-{
-    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
-    struct vor_uniformity even;
-    struct vor_knn *knn = NULL;
-    vor_status status;
-
-    if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
-    status = vor_knn_build(&knn, xyz, n, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
-    if (status == VOR_OK) {
-        vor_uniformity_from(&even, nearest, n);
-        vor_output_report_uniformity(report, &even, unit);
-    }
-    vor_knn_free(knn);
-    vor_free(run->memory, nearest);
-    return status;
-}
-
 static vor_status measure(struct vor_report *report, const struct vor_cloud *cloud,
                           const struct vor_run *run, struct vor_error *err)
 {
+    struct vor_uniformity even;
     struct vor_frame frame;
     float *xyz = NULL;
     vor_status status;
@@ -62,7 +40,9 @@ static vor_status measure(struct vor_report *report, const struct vor_cloud *clo
     vor_frame_choose(&frame, cloud, NULL);
     status = vor_frame_positions(&xyz, cloud, &frame, run->memory, err);
     if (status == VOR_OK)
-        status = measure_in(report, xyz, cloud->n, frame.unit, run, err);
+        status = vor_uniformity_measure(&even, xyz, cloud->n, run, err);
+    if (status == VOR_OK)
+        vor_output_report_uniformity(report, &even, frame.unit);
     vor_free(run->memory, xyz);
     return status;
 }

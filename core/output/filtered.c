@@ -2,9 +2,9 @@
 
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
+#include "core/input/lists.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
-#include "core/input/sheets.h"
 #include "core/metrics/uniformity.h"
 #include "core/output/order.h"
 #include "core/output/output.h"
@@ -138,17 +138,12 @@ static void surface_normal(const struct work *work, size_t i, double normal[3])
 {
     const struct vor_domain *domain = work->domain;
     const float *at = is_at(work, i);
-    unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
     double x[3] = {(double)at[0], (double)at[1], (double)at[2]}, local[3];
-    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
+    float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 
-    k = k < domain->n ? k : (unsigned)domain->n;
-    vor_knn_search(domain->knn, at, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    (void)vor_sheets_fit(&surface, near, domain, x, k);
+    (void)vor_lists_fit_at(&surface, near, domain, x,
+                           vor_neighbors_at(&domain->known.neighbors, at));
     normal[0] = normal[1] = 0;
     normal[2] = 1;
     if (surface.kind == VOR_SURFACE_NONE)

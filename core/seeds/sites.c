@@ -144,16 +144,10 @@ static void smooth(struct line *line)
 static unsigned fit_around(struct vor_surface *surface, float near[3 * VOR_NEIGHBORS_MAX],
                            const struct vor_domain *domain, const double x[3])
 {
-    float at[3] = {(float)x[0], (float)x[1], (float)x[2]}, distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
-    unsigned k = vor_neighbors_at(&domain->known.neighbors, at);
+    const float at[3] = {(float)x[0], (float)x[1], (float)x[2]};
 
-    k = k < domain->n ? k : (unsigned)domain->n;
-    vor_knn_search(domain->knn, at, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    (void)vor_lists_fit(surface, near, domain, x, k, index);
-    return k;
+    return vor_lists_fit_at(surface, near, domain, x,
+                            vor_neighbors_at(&domain->known.neighbors, at));
 }
 
 /* Puts x onto the surface of the input around it. */

@@ -13,7 +13,7 @@ enum { RECORDS_MAX = 400, OUT = 150 };
  * reading by the thread of the run. */
 struct spy {
     struct vor_record record[RECORDS_MAX];
-    unsigned count;
+    unsigned count, shown;
     unsigned at_record; /* answer at that record and after; 0: never */
     atomic_int asked;   /* questions so far */
     int at_question;    /* answer VOR_STOP from that question on; 0: never */
@@ -29,6 +29,15 @@ static enum vor_answer progress(void *ctx, const struct vor_record *record)
     ck_assert_uint_lt(spy->count, RECORDS_MAX);
     spy->record[spy->count++] = *record;
     return spy->at_record > 0 && spy->count >= spy->at_record ? spy->answer : VOR_CONTINUE;
+}
+
+static void show(void *ctx, const struct vor_moving *points, const struct vor_record *record)
+{
+    struct spy *spy = ctx;
+
+    (void)record;
+    ck_assert_uint_gt(points->n, 0);
+    spy->shown++;
 }
 
 static enum vor_answer poll(void *ctx)
@@ -90,7 +99,8 @@ enum { ENDINGS = sizeof endings / sizeof endings[0] };
 static vor_status run(struct spy *spy, struct vor_report *report, const struct vor_cloud *in,
                       const struct ending *ending, const char *polish)
 {
-    struct vor_watch watch = {.ctx = spy, .progress = progress, .poll = poll, .clock = tick};
+    struct vor_watch watch = {
+        .ctx = spy, .progress = progress, .poll = poll, .clock = tick, .points = show};
     struct vt_engine engine;
     struct vor_cloud out;
     vor_status status;
@@ -111,7 +121,8 @@ static vor_status run(struct spy *spy, struct vor_report *report, const struct v
     return status;
 }
 
-/* What every record holds to; whether the last one was told for the sake of the result. */
+/* What every record holds to: each but that of the result was shown, too; whether the last one was
+ * told for the sake of the result. */
 static int assert_best(const struct spy *spy, const struct vor_report *report)
 {
     const struct vor_record *last = &spy->record[spy->count - 1];
@@ -132,6 +143,7 @@ static int assert_best(const struct spy *spy, const struct vor_report *report)
     ck_assert_uint_eq(last->polish, report->polish_steps);
     ck_assert_uint_eq(last->step, report->stages[report->stages_count - 1].steps);
     ck_assert_int_eq(last->stage, report->stages[report->stages_count - 1].stage);
+    ck_assert_uint_ge(spy->shown + 1, spy->count);
     return spy->count > 1 && last[-1].iteration == last->iteration &&
            last[-1].polish == last->polish;
 }
