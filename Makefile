@@ -101,7 +101,7 @@ MET := life events events_many events_poll cancel daemon slow auth signals again
 RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
 SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
 SANITIZED.tsan.all = $(SANITIZED.asan.all)
-SANITIZED.asan.some = $(filter-out tests/http/contract.t tests/http/readme.t,$(wildcard tests/http/*.t)) \
+SANITIZED.asan.some = $(filter-out tests/http/readme.t,$(wildcard tests/http/*.t)) \
     $(addprefix tests/cli/,convert.t faces.t measure.t resample.t) $(filter-out $(ENGINE_INSIDE),$(filter tests/unit/%,$(TEST_SRC))) \
     $(wildcard tests/property/*_roundtrip.c tests/kinds/*.c) $(addprefix tests/property/,ply_number.c engine_memory.c store_model.c) $(DRIVERS)
 SANITIZED.tsan.some = $(MET:%=tests/http/%.t) $(filter-out $(FILES_JUDGED:%=tests/unit/%.c),$(shell grep -lE 'include "server/' $(TEST_SRC))) \
@@ -233,6 +233,10 @@ $(SUPPORT): $(call obj,$(sort $(wildcard tests/support/*.c)))
 $(B)/tests/%: $(B)/tests/%.o $(SUPPORT) $(LIB)
 	@echo "  LINK $@"
 	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
+
+# These know which place of the product asks for memory.
+$(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/methods_threads): \
+    TEST_LIBS += -Wl,--wrap=vor_malloc,--wrap=vor_calloc,--wrap=vor_realloc
 
 # What other programs make of the same.
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs

@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { SEEDS = 2, FROM = 20000, TO = 5000, PLAIN = 50, SOON = 25, CONVERGED = 100, DENSE = 100000 };
+enum { SEEDS = 2, FROM = 12000, TO = 3000, PLAIN = 50, SOON = 25, CONVERGED = 100, DENSE = 60000 };
 
 /* A window of NULL is momentum; `trace` may be NULL. */
 static void run(struct vor_cloud *out, struct vor_report *report, struct vt_trace *trace,

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 600 };
+enum { N = 400 };
 
 static float unit(size_t i, size_t c)
 {

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SEEDS = 3, DENSE = 40000 };
+enum { SEEDS = 3, DENSE = 25000 };
 
 #define EVENER 0.55  /* delta after the polish over before */
 #define EVEN 0.03    /* delta after it, on a closed smooth surface */

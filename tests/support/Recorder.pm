@@ -15,12 +15,14 @@ END {
     if ($$ == $owner) { kill 'KILL', -$_ for keys %running }
 }
 
-# Listens on a free port, its {address}; `to` is the HOST:PORT of a daemon, which need not be there yet.
+# Listens on `port`, or a free one where another program has it: its {address}. `to` is the HOST:PORT of a daemon, which need not
+# be there yet.
 sub start {
-    my ($class, $to) = @_;
+    my ($class, $to, $port) = @_;
     my $self = bless { to => $to, dir => tempdir(CLEANUP => 1) }, $class;
-    my $listener = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 64)
-        // die "recorder: $!";
+    my ($listener) = grep { $_ } map { IO::Socket::INET->new(LocalAddr => "127.0.0.1:$_", Listen => 64, ReuseAddr => 1) } $port // 0, 0;
+
+    die "recorder: $!" unless $listener;
 
     $self->{address} = '127.0.0.1:' . $listener->sockport;
     $self->{pid} = fork // die "fork: $!";

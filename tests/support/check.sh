@@ -9,8 +9,8 @@ times=$build/times flaky=$build/flaky
 options=(--timer --exec "tests/support/clocked.pl $times")
 [ -z "${V:-}" ] || options+=(-v)
 
-# Scripts wait for two fifths of their time: one test more than there are cores keeps these busy.
-[ "$jobs" = 1 ] || jobs=$((jobs + 1))
+# Scripts wait for two fifths of their time: two tests more than there are cores keep these busy.
+[ "$jobs" = 1 ] || jobs=$((jobs + 2))
 
 : >"$times"
 : >"$flaky"

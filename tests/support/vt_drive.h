@@ -39,8 +39,9 @@ void vt_call_hash(struct vt_call *call, const void *data, size_t size);
 /** The same bytes, and the same records of progress, at one thread and at three. */
 void vt_drive_threads(const struct vt_row *row);
 
-/** Each allocation fails once, of a request 32 spread evenly (all in `make soak`): VOR_E_NOMEM and
- *  a message, nothing written to call->out, as many bytes in use as before. */
+/** Each allocation fails once, of a request those from places that no row before it has tried (all
+ * in `make soak`): VOR_E_NOMEM and a message, nothing written to call->out, as many bytes in use as
+ *  before. */
 void vt_drive_failures(const struct vt_row *row);
 
 /** The answer to the first, the last and up to three questions between, or to a record of progress,

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { SEEDS = 4, N = 20000 };
+enum { SEEDS = 4, N = 12000 };
 
 /* Distance between neighbours of n points on that area, in a square lattice. */
 static double spacing(const struct vt_shape *shape, size_t n)
