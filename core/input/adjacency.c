@@ -5,6 +5,7 @@
 #include "core/geom/plane.h"
 #include "core/geom/surface.h"
 #include "core/geom/walk.h"
+#include "core/input/noisy.h"
 #include "core/input/sheets.h"
 
 #include <math.h>
@@ -97,7 +98,8 @@ struct make {
     const struct vor_domain *domain;
     struct vor_graph *graph;
     struct known *known;
-    int first; /* the first round */
+    unsigned char *noisy; /* n: the list keeps the nearest points */
+    int first;            /* the first round */
 };
 
 static const float *point(const struct vor_domain *domain, uint32_t i)
@@ -285,7 +287,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     uint32_t index[VOR_NEIGHBORS_MAX];
     unsigned n;
 
-    if (make->known[i].layer || !begin_walk(&walk, &plain, domain, (uint32_t)i))
+    if (make->known[i].layer || make->noisy[i] || !begin_walk(&walk, &plain, domain, (uint32_t)i))
         return;
     if (domain->known.sheets && make->first) {
         const float *p = point(domain, (uint32_t)i);
@@ -348,7 +350,7 @@ static void rest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         unsigned n = 0;
 
-        if (make->graph->own[i] ||
+        if (make->graph->own[i] || make->noisy[i] ||
             (!begin_walk(&walk, &plain, domain, (uint32_t)i) && !has_steep(make, i)))
             continue;
         give_normals(&walk, make);
@@ -390,7 +392,7 @@ static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
         unsigned left = 0;
 
         for (unsigned j = 0; j < graph->count[i]; j++)
-            if (!lies_steep(make, i, list[j]))
+            if (make->noisy[i] || !lies_steep(make, i, list[j]))
                 stay[left++] = list[j];
         if (left >= FEWEST) {
             memcpy(list, stay, left * sizeof *list);
@@ -404,6 +406,8 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     size_t n = make->domain->n;
     vor_status status = vor_run_for(run, n, BLOCK, nearest_block, make, err);
 
+    if (status == VOR_OK)
+        status = vor_noisy_find(make->noisy, make->domain, make->graph, run, err);
     for (int round = 0; status == VOR_OK && round < ROUNDS; round++) {
         make->first = round == 0;
         status = vor_run_for(run, n, BLOCK, plane_block, make, err);
@@ -427,10 +431,12 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
         return status;
     make.graph = &graph;
     make.known = vor_malloc(run->memory, domain->n, sizeof *make.known);
-    if (make.known == NULL)
+    make.noisy = vor_malloc(run->memory, domain->n, sizeof *make.noisy);
+    if (make.known == NULL || make.noisy == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "planes of %zu points", domain->n);
     else
         status = make_lists(&make, run, err);
+    vor_free(run->memory, make.noisy);
     vor_free(run->memory, make.known);
     if (status != VOR_OK) {
         vor_graph_free(&graph);

@@ -12,7 +12,8 @@
  *  also part parallel sheets nearer than the spacing; else a walk is tried, and taken if a surface
  *  fits what it reached far better. The planes of the lists then serve a second round. At last,
  *  lists lose the points that lie over theirs and not beside it: those on the other face of a thin
- *  plate.
+ *  plate. In regions where few points lie on a surface of even their nearest there is noise, which
+ *  walks follow: lists there have the nearest points.
  *
  *  Measured, CPU s and uniformity beside the nearest points alone: input/adjacency.c. */
 #ifndef VOR_INPUT_ADJACENCY_H
@@ -41,7 +42,7 @@ VOR_NODISCARD vor_status vor_adjacency_probe(int *pays, const struct vor_domain 
  *
  *  @param[out] out  free with vor_graph_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and 32 more while it works
+ *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and 37 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool, most of it where fits to the nearest points are bad. The
