@@ -322,7 +322,7 @@ torture: ## install what is missing, build, and measure what the daemon withstan
 	@tests/by_hand/torture/run.pl $(if $(LONG),--long) $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT)) $(BIN)
 
 bench: ## install what is missing, build, and measure: tables and plots in build/bench (RUNS=n, ONLY=regex of rows)
-	@docker/install.sh build bench page
+	@docker/install.sh build bench page $(if $(findstring peers,$(ONLY)),peers)
 	@$(MAKE) --no-print-directory all $(BENCH_BIN)
 	@tests/by_hand/bench/bench.sh $(BIN)
 

@@ -10,6 +10,10 @@ yardstick=../shared/yardstick
 export RUNS=${RUNS:-5} ONLY=${ONLY:-}
 
 mkdir -p "$out/clouds"
+if [[ peers =~ $ONLY ]]; then
+    "$here/peers.py" "$voronoid" "$out"
+fi
+[ "$ONLY" != peers ] || exit 0
 if [ -r "$yardstick/makeclouds.py" ] && [ ! -r "$out/clouds/armadillo5m_uneven.ply" ]; then
     /usr/bin/python3 "$yardstick/makeclouds.py" "$out/clouds" --large
 fi
