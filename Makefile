@@ -240,7 +240,6 @@ $(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/m
 
 # What other programs make of the same.
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs
-$(B)/tests/oracle/mesh_qhull: TEST_LIBS += -lqhull_r
 
 define with_rows
 $(B)/$(1)/%.o: %.c

@@ -1,10 +1,10 @@
 #include "core/lop/insert.h"
 
 #include "core/base/linalg.h"
+#include "core/base/queue.h"
 #include "core/knn/knn.h"
 #include "core/lop/between.h"
 #include "core/lop/even.h"
-#include "core/lop/heap.h"
 #include "core/lop/latent.h"
 #include "core/lop/power.h"
 #include "core/seeds/stage.h"
@@ -33,11 +33,11 @@ struct insertion {
     const struct vor_run *run;
     struct vor_lop_tree tree;
     struct vor_lop_latent latent;
-    struct pairs *pairs;             /* n */
-    float *reach;                    /* n: how far away partners may be */
-    struct vor_lop_heap_entry *heap; /* n */
-    struct vor_knn *knn;             /* of the samples, while they have no reach */
-    size_t begun;                    /* samples at first */
+    struct pairs *pairs;          /* n */
+    float *reach;                 /* n: how far away partners may be */
+    struct vor_queue_entry *heap; /* n */
+    struct vor_knn *knn;          /* of the samples, while they have no reach */
+    size_t begun;                 /* samples at first */
 };
 
 static const float *place(const struct insertion *insertion, uint32_t i)
@@ -205,9 +205,9 @@ static vor_status find_reach(struct insertion *insertion, struct vor_error *err)
 static void queue(struct insertion *insertion, uint32_t i)
 {
     const struct pairs *pairs = &insertion->pairs[i];
-    struct vor_lop_heap_entry entry = {pairs->key[first_of(pairs)], i};
+    struct vor_queue_entry entry = {pairs->key[first_of(pairs)], i};
 
-    vor_lop_heap_push(insertion->heap, i, entry);
+    vor_queue_push(insertion->heap, i, entry);
 }
 
 /* Indexes the samples and queues their pairs. */
@@ -231,7 +231,7 @@ static void lower(struct insertion *insertion, unsigned at, float key)
     struct pairs *pairs = &insertion->pairs[insertion->heap[0].point];
 
     pairs->key[at] = key;
-    vor_lop_heap_lower(insertion->heap, insertion->samples->n, pairs->key[first_of(pairs)]);
+    vor_queue_lower(insertion->heap, insertion->samples->n, pairs->key[first_of(pairs)]);
 }
 
 /* Finds the pair with the largest priority: that at place *at of the first point of the queue.

@@ -115,6 +115,13 @@ uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint3
     return t;
 }
 
+int vor_complex_is_open(const struct vor_complex *complex, size_t t, int c)
+{
+    const uint32_t *corner = &complex->triangle[3 * t];
+
+    return vor_complex_across(complex, (uint32_t)t, corner[c], corner[(c + 1) % 3]) == t;
+}
+
 int vor_complex_runs(const uint32_t corner[3], uint32_t a, uint32_t b)
 {
     for (int c = 0; c < 3; c++)

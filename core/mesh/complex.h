@@ -60,6 +60,9 @@ void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t 
 /** The triangle other than t that has the edge from a to b; t itself where there is none. */
 uint32_t vor_complex_across(const struct vor_complex *complex, uint32_t t, uint32_t a, uint32_t b);
 
+/** Whether triangle t alone has the edge from its corner c on. */
+int vor_complex_is_open(const struct vor_complex *complex, size_t t, int c);
+
 /** Whether a triangle of such corners runs from a to b. */
 int vor_complex_runs(const uint32_t corner[3], uint32_t a, uint32_t b);
 

@@ -59,15 +59,37 @@ static int share(const uint32_t s[3], const uint32_t t[3])
     return 0;
 }
 
-/* Whether two triangles without a common corner pass through each other. */
-static int cross(const float *xyz, const uint32_t s[3], const uint32_t t[3])
+/* Whether the corners b lie on both sides of the plane of the corners a. */
+static int straddles(const float *const a[3], const float *const b[3])
+{
+    double side[3], other[3], normal[3], to[3], low = 0, high = 0;
+
+    offset(side, a[0], a[1]);
+    offset(other, a[0], a[2]);
+    vor_cross(normal, side, other);
+    for (int c = 0; c < 3; c++) {
+        double up;
+
+        offset(to, a[0], b[c]);
+        up = vor_dot(to, normal);
+        low = up < low ? up : low;
+        high = up > high ? up : high;
+    }
+    return low < 0 && high > 0;
+}
+
+int vor_crossing_is(const float *xyz, const uint32_t s[3], const uint32_t t[3])
 {
     const float *a[3], *b[3];
 
+    if (share(s, t))
+        return 0;
     for (int c = 0; c < 3; c++) {
         a[c] = &xyz[3 * (size_t)s[c]];
         b[c] = &xyz[3 * (size_t)t[c]];
     }
+    if (!straddles(a, b) || !straddles(b, a))
+        return 0;
     for (int c = 0; c < 3; c++)
         if (passes(a[c], a[(c + 1) % 3], b) || passes(b[c], b[(c + 1) % 3], a))
             return 1;
@@ -92,7 +114,7 @@ static int is_crossed(const struct crossing *crossing, size_t t)
             uint32_t other = complex->around[(size_t)index[e] * VOR_AROUND_MOST + k];
             const uint32_t *its = &complex->triangle[3 * (size_t)other];
 
-            if (!share(corner, its) && cross(xyz, corner, its))
+            if (vor_crossing_is(xyz, corner, its))
                 return 1;
         }
     return 0;

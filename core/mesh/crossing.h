@@ -31,4 +31,7 @@ VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex,
                                            const struct vor_sheet *sheet, const struct vor_run *run,
                                            struct vor_error *err);
 
+/** Whether two triangles of points xyz without a common corner pass through each other. O(1). */
+int vor_crossing_is(const float *xyz, const uint32_t s[3], const uint32_t t[3]);
+
 #endif

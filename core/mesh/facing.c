@@ -5,10 +5,12 @@
 
 #include <string.h>
 
-/* Flux over that of as much area that faces straight away from the middle: below it, the sum of the
- * normals of an open component decides. A half sphere has 0.5 about the middle of its points, a
- * flat sheet 0. */
-#define FLUX 0.1
+#define PI 3.14159265358979
+
+/* Places of an open component at which winding numbers are taken, and what their mean has to be for
+ * it to face outward: on a closed surface it is 0.5, on a half sphere 0.18, on a flat sheet 0. */
+enum { PLACES = 32 };
+#define OUTWARD 0.05
 
 struct turning {
     struct vor_complex *complex;
@@ -64,37 +66,56 @@ static void middle_of(const struct turning *turning, const uint32_t *corner, dou
     }
 }
 
+/* The middle of triangle q of the component, and its normal of twice its area in length. */
+static void take(const struct turning *turning, size_t q, double x[3], double normal[3])
+{
+    const uint32_t *corner = &turning->complex->triangle[3 * (size_t)turning->queue[q]];
+
+    middle_of(turning, corner, x);
+    vor_triangle_normal(normal, turning->xyz, corner);
+}
+
+/* The mean winding number of the component at places on it. */
+static double winding_of(const struct turning *turning)
+{
+    size_t places = turning->queued < PLACES ? turning->queued : PLACES;
+    double sum = 0;
+
+    for (size_t k = 0; k < places; k++) {
+        size_t at = k * turning->queued / places;
+        double x[3], to[3], n[3];
+
+        take(turning, at, x, n);
+        for (size_t q = 0; q < turning->queued; q++) {
+            double r2;
+
+            take(turning, q, to, n);
+            for (int c = 0; c < 3; c++)
+                to[c] -= x[c];
+            r2 = fmax(vor_dot(to, to), sqrt(vor_dot(n, n)) / 2); /* large beside its distance */
+            sum += r2 > 0 ? vor_dot(to, n) / 2 / (r2 * sqrt(r2)) : 0;
+        }
+    }
+    return sum / (4 * PI * (double)places);
+}
+
 /* Whether the triangles of the component face inward, or where that is not clear downward. */
 static int faces_inward(const struct turning *turning)
 {
-    double middle[3] = {0, 0, 0}, sum[3] = {0, 0, 0}, weight = 0, flux = 0, most = 0, x[3], n[3];
+    double sum[3] = {0, 0, 0}, volume = 0, number, x[3], n[3];
     int largest = 0;
 
     for (size_t q = 0; q < turning->queued; q++) {
-        const uint32_t *corner = &turning->complex->triangle[3 * (size_t)turning->queue[q]];
-        double area;
-
-        middle_of(turning, corner, x);
-        vor_triangle_normal(n, turning->xyz, corner);
-        area = sqrt(vor_dot(n, n));
-        for (int c = 0; c < 3; c++) {
-            middle[c] += area * x[c];
-            sum[c] += n[c];
-        }
-        weight += area;
-    }
-    for (size_t q = 0; q < turning->queued; q++) {
-        const uint32_t *corner = &turning->complex->triangle[3 * (size_t)turning->queue[q]];
-
-        middle_of(turning, corner, x);
-        vor_triangle_normal(n, turning->xyz, corner);
+        take(turning, q, x, n);
+        volume += vor_dot(x, n);
         for (int c = 0; c < 3; c++)
-            x[c] -= weight > 0 ? middle[c] / weight : 0;
-        flux += vor_dot(x, n);
-        most += sqrt(vor_dot(x, x) * vor_dot(n, n));
+            sum[c] += n[c];
     }
-    if (!turning->open || fabs(flux) > FLUX * most)
-        return flux < 0;
+    if (!turning->open)
+        return volume < 0;
+    number = winding_of(turning);
+    if (fabs(number) > OUTWARD)
+        return number < 0;
     for (int c = 1; c < 3; c++)
         largest = fabs(sum[c]) > fabs(sum[largest]) ? c : largest;
     return sum[largest] < 0;

@@ -6,9 +6,9 @@
 #include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
 #include "core/mesh/flip.h"
+#include "core/mesh/front.h"
 #include "core/mesh/meeting.h"
 #include "core/mesh/relax.h"
-#include "core/mesh/weave.h"
 #include "core/seeds/attach.h"
 
 #include <string.h>
@@ -28,24 +28,12 @@ struct making {
     const struct vor_mesh_how *how;
     struct vor_report *report;
     struct vor_sheet sheet;
-    struct vor_fans fans;
+    struct vor_balls balls;
     struct vor_complex complex;
     struct vor_mesh *out;
     vor_status status; /* of what ran on the pool's thread */
     struct vor_error *err;
 };
-
-static void weave(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    struct making *making = ctx;
-    struct vor_woven woven = {0};
-
-    (void)begin;
-    (void)end;
-    (void)worker;
-    making->status =
-        vor_weave(&making->complex, &woven, &making->fans, &making->sheet, making->err);
-}
 
 static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -58,6 +46,18 @@ static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
     making->status = vor_close(&making->complex, &closed, &making->sheet, making->err);
     vor_complex_prune(&making->complex);
     making->report->mesh_filled += closed;
+}
+
+static void advance(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    struct making *making = ctx;
+
+    (void)begin;
+    (void)end;
+    (void)worker;
+    making->status =
+        vor_front_advance(&making->complex, &making->balls, &making->seeds->run, making->err);
+    vor_complex_prune(&making->complex);
 }
 
 static void flip(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -176,12 +176,12 @@ static vor_status make(struct making *making, struct vor_error *err)
         status =
             vor_sheet_find(&making->sheet, seeds, making->how->moves ? &recall : NULL, run, err);
     if (status == VOR_OK)
-        status = vor_fans_make(&making->fans, &making->sheet, seeds, run, err);
-    if (status == VOR_OK)
         status = vor_complex_init(&making->complex, seeds->n, run->memory, err);
     if (status == VOR_OK)
-        status = on_one(making, weave);
-    vor_fans_free(&making->fans);
+        status = vor_balls_make(&making->balls, &making->sheet, run, err);
+    if (status == VOR_OK)
+        status = on_one(making, advance);
+    vor_balls_free(&making->balls);
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++)
         status = on_one(making, close_loops);
     if (status == VOR_OK && making->how->moves)

@@ -1,13 +1,11 @@
 /** Triangles from the points of a result.
  *
- *  The dual of the seeds' flat cells (mesh/fan.h), where all three cells of a triangle agree and
- *  the seeds lie on one sheet (mesh/sheet.h); then those on which fewer agree (mesh/weave.h), and
- *  small loops closed (mesh/close.h). Then edges are flipped (mesh/flip.h) and points moved a
- *  little (mesh/relax.h), so that triangles become better. What comes out is a manifold, turned one
- *  way (mesh/facing.h).
+ *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h). Then edges are flipped
+ *  (mesh/flip.h) and points moved a little (mesh/relax.h), so that triangles become better. What
+ *  comes out is a manifold, turned one way (mesh/facing.h).
  *
- *  Source: Chen et al. 2018, Sec. 5.7, after Boltcheva and Levy 2017, "Surface reconstruction by
- *  computing restricted Voronoi cells in parallel". Not done: points are not added. */
+ *  Source: Cohen-Steiner and Da 2004, as mesh/front.h says. Departure: not the dual of restricted
+ *  cells as in Chen et al. 2018, Sec. 5.7: three cells rarely agree at creases and tips. */
 #ifndef VOR_MESH_MESH_H
 #define VOR_MESH_MESH_H
 
@@ -29,10 +27,11 @@ struct vor_mesh_how {
  *  @param[in,out] report  receives the members mesh but its seconds; lengths in the domain's unit
  *  @param[in,out] seeds   on the whole domain; they move where how->moves says so
  *
- *  @retval VOR_E_NOMEM 260 bytes a seed do not fit, or vor_adjacency_make where there are sheets
+ *  @retval VOR_E_NOMEM 190 bytes a seed do not fit, or vor_adjacency_make where there are sheets
  *  @retval VOR_E_CANCELLED
  *
- *  O(n), on the run's pool, half of it on one thread. The same bytes for any number of threads. */
+ *  O(n log n), on the run's pool, half of it on one thread. The same bytes for any number of
+ * threads. */
 VOR_NODISCARD vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report,
                                        struct vor_seeds *seeds, const struct vor_mesh_how *how,
                                        struct vor_error *err);

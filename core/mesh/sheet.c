@@ -60,13 +60,16 @@ static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2;
 
     for (size_t i = begin; i < end; i++) {
+        uint32_t nearest;
+
         find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
+        vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &nearest, &distance2);
+        sheet->near[i] = sqrtf(distance2);
         if (sheet->root == NULL)
             continue;
         sheet->root[i] = seeds->last_fit[i].root;
         if (sheet->root[i] == VOR_LISTS_NO_ROOT)
-            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &sheet->root[i],
-                           &distance2);
+            sheet->root[i] = nearest;
     }
 }
 
@@ -100,7 +103,8 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
     memset(out, 0, sizeof *out);
     out->seeds = seeds;
     out->normal = vor_malloc(seeds->run.memory, seeds->n, 3 * sizeof *out->normal);
-    if (out->normal == NULL)
+    out->near = vor_malloc(seeds->run.memory, seeds->n, sizeof *out->near);
+    if (out->normal == NULL || out->near == NULL)
         return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", seeds->n);
     status = take_graph(out, seeds, run, err);
     if (status == VOR_OK)
@@ -113,6 +117,7 @@ void vor_sheet_free(struct vor_sheet *sheet)
     if (sheet->seeds == NULL)
         return;
     vor_free(sheet->seeds->run.memory, sheet->root);
+    vor_free(sheet->seeds->run.memory, sheet->near);
     vor_free(sheet->seeds->run.memory, sheet->normal);
     vor_graph_free(&sheet->own);
     memset(sheet, 0, sizeof *sheet);
@@ -164,12 +169,26 @@ int vor_sheet_is_along(const struct vor_sheet *sheet, const uint32_t corner[3])
     return along >= 2;
 }
 
+/* Whether a place is no farther than `most` from the input point nearest to a corner. */
+static int is_near_input(const struct vor_sheet *sheet, const uint32_t corner[3], const float at[3],
+                         double most)
+{
+    for (int c = 0; c < 3; c++) {
+        double left = most - (double)sheet->near[corner[c]];
+
+        if (left > 0 &&
+            vor_distance2f(at, &sheet->seeds->xyz[3 * (size_t)corner[c]]) <= left * left)
+            return 1;
+    }
+    return 0;
+}
+
 int vor_sheet_is_under(const struct vor_sheet *sheet, const uint32_t corner[3])
 {
     const struct vor_domain *domain = sheet->seeds->domain;
-    float at[4][3] = {{0}}, distance2[4];
-    uint32_t index[4];
-    double edge = 0, near;
+    float at[4][3] = {{0}}, distance2;
+    uint32_t index;
+    double edge = 0, most;
 
     for (unsigned c = 0; c < 3; c++) {
         const float *a = &sheet->seeds->xyz[3 * (size_t)corner[c]];
@@ -181,11 +200,14 @@ int vor_sheet_is_under(const struct vor_sheet *sheet, const uint32_t corner[3])
             at[3][d] += a[d] / 3;
         }
     }
-    vor_knn_search(domain->knn, at[0], 4, 1, index, distance2);
-    near = fmax(NEAR_INPUT * domain->sparse, NEAR_EDGE * edge);
-    for (int k = 0; k < 4; k++)
-        if ((double)distance2[k] > near * near)
+    most = fmax(NEAR_INPUT * domain->sparse, NEAR_EDGE * edge);
+    for (int k = 3; k >= 0; k--) {
+        if (is_near_input(sheet, corner, at[k], most))
+            continue;
+        vor_knn_search(domain->knn, at[k], 1, 1, &index, &distance2);
+        if ((double)distance2 > most * most)
             return 0;
+    }
     return 1;
 }
 
@@ -226,8 +248,7 @@ int vor_sheet_has(const struct vor_sheet *sheet, size_t i)
     return normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
 }
 
-/* Whether the offset between two seeds, and the normals there, are those of one surface. */
-static int side_by_side(const struct vor_sheet *sheet, size_t i, size_t j)
+int vor_sheet_is_beside(const struct vor_sheet *sheet, size_t i, size_t j)
 {
     const float *a = &sheet->seeds->xyz[3 * i], *b = &sheet->seeds->xyz[3 * j];
     const float *m = &sheet->normal[3 * i], *n = &sheet->normal[3 * j];
@@ -253,7 +274,7 @@ static int side_by_side(const struct vor_sheet *sheet, size_t i, size_t j)
 
 int vor_sheet_joins(const struct vor_sheet *sheet, uint32_t i, uint32_t j)
 {
-    return side_by_side(sheet, i, j) && vor_sheet_leads(sheet, i, j);
+    return vor_sheet_is_beside(sheet, i, j) && vor_sheet_leads(sheet, i, j);
 }
 
 int vor_sheet_leads(const struct vor_sheet *sheet, uint32_t i, uint32_t j)

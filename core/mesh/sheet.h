@@ -15,6 +15,7 @@ struct vor_sheet {
     struct vor_graph own;          /**< made for the purpose, or all zero */
     float *normal;  /**< n x 3: unit normal of the surface at each seed, of any sign; 0
                          where there is no surface */
+    float *near;    /**< n: distance to the nearest input point, where the seed was then */
     uint32_t *root; /**< n: an input point on the sheet of each seed; NULL without graph */
 };
 
@@ -25,7 +26,7 @@ struct vor_sheet {
  *  @param[in]     how    last fits are used again, finer ones where it says so; NULL: the seeds are
  *                        fitted anew
  *
- *  @retval VOR_E_NOMEM 16 bytes a seed do not fit, or those of vor_adjacency_make
+ *  @retval VOR_E_NOMEM 20 bytes a seed do not fit, or those of vor_adjacency_make
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n k), on the run's pool. The same bytes for any number of threads. */
@@ -43,6 +44,9 @@ int vor_sheet_joins(const struct vor_sheet *sheet, uint32_t i, uint32_t j);
 /** The same by the lists of the input alone, without looking at normals: true where there are none.
  */
 int vor_sheet_leads(const struct vor_sheet *sheet, uint32_t i, uint32_t j);
+
+/** Whether the offset between two seeds, and the normals there, are those of one surface. O(1). */
+int vor_sheet_is_beside(const struct vor_sheet *sheet, size_t i, size_t j);
 
 /** Whether the input goes on under a triangle of seeds: its middle and those of its edges are not
  *  far from input points. O(log N) of the input. Thread-safe. */

@@ -62,6 +62,13 @@ int vor_twosided_takes(struct vor_twosided *sides, const struct vor_complex *com
     return 1;
 }
 
+int vor_twosided_joined(struct vor_twosided *sides, uint32_t t, uint32_t u)
+{
+    unsigned contrary;
+
+    return root_of(sides, t, &contrary) == root_of(sides, u, &contrary);
+}
+
 /* Makes triangle t a group of its own. */
 static void begin(struct vor_twosided *sides, uint32_t t)
 {

@@ -43,4 +43,7 @@ int vor_twosided_takes(struct vor_twosided *sides, const struct vor_complex *com
 /** Joins triangle t, which was just added, to those beside it. O(1). */
 void vor_twosided_add(struct vor_twosided *sides, const struct vor_complex *complex, uint32_t t);
 
+/** Whether triangles t and u are in one group. Nearly O(1). */
+int vor_twosided_joined(struct vor_twosided *sides, uint32_t t, uint32_t u);
+
 #endif

@@ -27,7 +27,6 @@ my %door = (
 my @doors = (
     [qr{^draco/},  qr{^proto/draco/draco_shim\.cc$}],
     [qr{^nettle/}, qr{^server/base/digest\.c$}],
-    [qr{^libqhull}, qr{^tests/oracle/mesh_qhull\.c$}],
 );
 
 sub ranks {
@@ -184,7 +183,6 @@ isnt(fault(@$_[0, 1]), '', "$_->[0] must not include $_->[1]") for (
     ['server/jobs/bus.c',     'sqlite3.h'],                  # a second door
     ['server/api/app.c',      'microhttpd.h'],
     ['proto/codec.c',         'draco/compression/decode.h'],
-    ['core/mesh/fan.c',       'libqhull_r/qhull_ra.h'],
 );
 is(fault(@$_), '', "$_->[0] may include $_->[1]") for (
     ['core/cvt/lloyd.c', 'core/seeds/seeds.h'], ['core/engine.c', 'core/cvt/cvt.h'], ['server/work/runner.c', 'core/engine.h'],

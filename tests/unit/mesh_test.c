@@ -123,6 +123,37 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
 }
 END_TEST
 
+/* Regression: at edges of 70 degrees cells in tangent planes disagreed; it fell apart in its faces.
+ */
+START_TEST(a_tetrahedron_is_closed_and_faces_outward)
+{
+    static const float tip[4][3] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
+    struct vor_cloud in;
+    struct vt_meshed meshed;
+    double volume = 0;
+
+    vt_cloud_square(&in, (uint64_t)_i, 2000);
+    for (size_t i = 0; i < in.n; i++) {
+        float u = sqrtf(in.xyz[3 * i]), v = in.xyz[3 * i + 1];
+
+        for (size_t c = 0; c < 3; c++)
+            in.xyz[3 * i + c] = (1 - u) * tip[i % 4][c] + u * (1 - v) * tip[(i + 1) % 4][c] +
+                                u * v * tip[(i + 2) % 4][c];
+    }
+    mesh_of(&meshed, &in, 800);
+    assert_sound(&meshed);
+    ck_assert_int_eq(meshed.report.mesh_closed, VOR_YES);
+    ck_assert_double_eq(meshed.report.mesh_euler, 2);
+    ck_assert_uint_eq(meshed.report.mesh_components, 1);
+    for (size_t t = 0; t < meshed.mesh.count; t++)
+        volume += volume6(&meshed, t) / 6;
+    ck_assert_double_eq_tol(volume, 8. / 3, .05);
+    vt_meshed_free(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(a_square_has_one_loop_and_a_cylinder_two)
 {
     static const struct {
@@ -364,6 +395,7 @@ int main(void)
 
     vt_add_figures(suite, a_sphere_and_a_torus_are_closed_and_face_outward,
                    VT_FEWER(VT_SOAK_LOOPS(1, 20)));
+    vt_add_figures(suite, a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(1, 20));
     vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)));
     vt_add_figures(suite, a_loop_is_told_in_the_unit_of_the_cloud, 0);
     vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));

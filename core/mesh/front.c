@@ -1,0 +1,542 @@
+#include "core/mesh/front.h"
+
+#include "core/base/linalg.h"
+#include "core/base/queue.h"
+#include "core/mesh/balls.h"
+#include "core/mesh/crossing.h"
+#include "core/mesh/handle.h"
+#include "core/mesh/peel.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/twosided.h"
+
+#include <string.h>
+
+/* Cosine of the angle that the surface turns by at an edge: of one that is taken at all (150
+ * degrees: sharper is folded back), and from which on the smaller ball is better whatever the angle
+ * (30 degrees). Both are Cohen-Steiner and Da's. */
+#define FOLDED (-0.866)
+#define SMOOTH 0.866
+
+/* Mean of the cosines between the normals of a triangle and of the surface at its corners, at
+ * least: of those that bridge two sheets it is about 0, over creases of 70 degrees .58. */
+#define ALONG .25
+
+/* The same of a triangle that begins, at each corner. */
+#define FLAT 0.9
+
+/* Cosine from which on a triangle tells the side of the surface at a corner. */
+#define TELLS .5
+
+/* What an edge is worth whose triangle has to wait for others to be joined to its third corner; any
+ * other is worth more. */
+#define WAITS (-4)
+
+/* And one that has none that is smooth among few points: it is looked at again, among many. Most
+ * are closed by others before. */
+#define LATER 0
+
+/* Triangles between two questions whether to go on, and times that those at open edges are taken
+ * away and the front goes on from there. Open edges of a polyhedron at 0 / 1 / 2: 12 / 2 / 0. */
+enum { POLLED = 256, PEELED = 2 };
+
+/* An open edge of the triangle that has it from a to b, and the third corner of the next. */
+struct open_edge {
+    uint32_t a, b, third;
+    unsigned around; /* points that this was found among */
+};
+
+struct front {
+    struct vor_complex *complex;
+    const struct vor_sheet *sheet;
+    int by_lists;      /* triangles join what the lists of the input join */
+    int strict;        /* and what the normals of their corners do */
+    int facing;        /* triangles face as the first ones at their corners did */
+    signed char *side; /* n: so many times the normal of a point is the way its triangles face */
+    struct vor_twosided sides;
+    struct open_edge *edge;
+    struct vor_queue_entry *heap; /* of the open edges, by what they are worth */
+    size_t count, room;
+    struct vor_balls *balls;
+};
+
+static int leads(const struct front *front, uint32_t i, uint32_t j)
+{
+    return !front->by_lists || vor_sheet_leads(front->sheet, i, j);
+}
+
+static int joins(const struct front *front, uint32_t i, uint32_t j)
+{
+    return (!front->strict || vor_sheet_is_beside(front->sheet, i, j)) && leads(front, i, j);
+}
+
+/* Whether a triangle passes through one at a point around its third corner; each is looked at from
+ * its first corner alone. */
+static int is_crossed(const struct front *front, const uint32_t corner[3])
+{
+    const struct vor_complex *complex = front->complex;
+    const struct vor_balls *balls = front->balls;
+    const uint32_t *list = &balls->list[(size_t)corner[2] * VOR_BALLS_FEW];
+
+    for (unsigned i = 0; i < balls->count[corner[2]]; i++)
+        for (unsigned k = 0; k < complex->degree[list[i]]; k++) {
+            const uint32_t *its =
+                &complex
+                     ->triangle[3 * (size_t)complex->around[(size_t)list[i] * VOR_AROUND_MOST + k]];
+
+            if (its[0] == list[i] && vor_crossing_is(front->sheet->seeds->xyz, corner, its))
+                return 1;
+        }
+    return 0;
+}
+
+/* The cosine between the normal of a triangle, of unit length, and that of the surface at a point;
+ * its amount where it is not known which side of it triangles face. */
+static double agrees(const struct front *front, uint32_t point, const double normal[3], int facing)
+{
+    const float *m = &front->sheet->normal[3 * (size_t)point];
+    double up = normal[0] * (double)m[0] + normal[1] * (double)m[1] + normal[2] * (double)m[2];
+    int side = facing ? front->side[point] : 0;
+
+    return side != 0 ? side * up : fabs(up);
+}
+
+static int unit_normal(double out[3], const struct front *front, const uint32_t corner[3])
+{
+    double length;
+
+    vor_triangle_normal(out, front->sheet->seeds->xyz, corner);
+    length = sqrt(vor_dot(out, out));
+    for (int c = 0; c < 3; c++)
+        out[c] /= length > 0 ? length : 1;
+    return length > 0;
+}
+
+/* Whether a triangle lies on the surface at each corner. */
+static int is_flat(const struct front *front, const uint32_t corner[3], int facing)
+{
+    double normal[3];
+
+    if (!unit_normal(normal, front, corner))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        if (!(agrees(front, corner[c], normal, facing) >= FLAT))
+            return 0;
+    return 1;
+}
+
+/* Whether the surface keeps its two sides with a triangle, or has one, as a Moebius band. */
+static int has_sides(struct front *front, const uint32_t corner[3])
+{
+    return vor_twosided_takes(&front->sides, front->complex, corner) ||
+           (!front->facing && is_flat(front, corner, 0));
+}
+
+/* Whether the third corner of a triangle has triangles, none of them beside this one. */
+static int meets(const struct front *front, const uint32_t corner[3])
+{
+    uint32_t third[2];
+
+    return front->complex->degree[corner[2]] > 0 &&
+           vor_complex_edge(front->complex, corner[0], corner[2], third) == 0 &&
+           vor_complex_edge(front->complex, corner[1], corner[2], third) == 0;
+}
+
+/* Whether those that there are leave room for a triangle over the edge of its first two corners. */
+static int is_free(struct front *front, const uint32_t corner[3])
+{
+    return vor_complex_takes(front->complex, corner) && has_sides(front, corner) &&
+           !is_crossed(front, corner) &&
+           !(meets(front, corner) && vor_handle_is(front->complex, &front->sides, corner));
+}
+
+/* Whether it lies on the input and its sheet. */
+static int is_on(const struct front *front, const uint32_t corner[3])
+{
+    return joins(front, corner[0], corner[2]) && joins(front, corner[1], corner[2]) &&
+           vor_sheet_is_under(front->sheet, corner);
+}
+
+static int is_along(const struct front *front, const uint32_t corner[3], const double normal[3])
+{
+    double sum = 0;
+
+    for (int c = 0; c < 3; c++)
+        sum += agrees(front, corner[c], normal, front->facing);
+    return sum >= 3 * ALONG && (!front->strict || vor_sheet_is_along(front->sheet, corner));
+}
+
+/* An edge over which the next triangle is looked for. */
+struct search {
+    const struct open_edge *edge;
+    uint32_t beside;  /* the third corner of the triangle that it has */
+    double before[3]; /* and the normal of that */
+    uint64_t refused; /* a bit for each point around */
+};
+
+/* Finds the best third corner among the points around that are not refused. Returns what it is
+ * worth. */
+static float best_of(struct front *front, const struct search *search, unsigned *at)
+{
+    const struct vor_balls *balls = front->balls;
+    const struct open_edge *edge = search->edge;
+    const double *b = vor_balls_find(balls, edge->b);
+    double most2 = INFINITY;
+    float best = -INFINITY;
+
+    for (unsigned i = 0; b != NULL && i < balls->around; i++) {
+        uint32_t corner[3] = {edge->b, edge->a, balls->index[i]};
+        double normal[3], turned, radius2;
+        float worth;
+
+        if ((search->refused >> i & 1) != 0 || corner[2] == edge->a || corner[2] == edge->b ||
+            corner[2] == search->beside || !unit_normal(normal, front, corner))
+            continue;
+        turned = vor_dot(normal, search->before);
+        if (!(turned > FOLDED) || (turned < SMOOTH && (float)(turned - 1) <= best) ||
+            !is_along(front, corner, normal))
+            continue;
+        radius2 =
+            vor_balls_radius2(balls, b, balls->x[i], turned < SMOOTH ? (double)INFINITY : most2);
+        if (!(radius2 < (double)INFINITY))
+            continue;
+        worth = turned < SMOOTH ? (float)(turned - 1) : (float)(1 / sqrt(radius2));
+        if (worth > best) {
+            best = worth;
+            *at = i;
+            most2 = turned < SMOOTH ? most2 : radius2;
+        }
+    }
+    return best;
+}
+
+/* Finds the best next triangle over an edge, and what it is worth. */
+static float find_among(struct front *front, struct open_edge *edge, struct search *search)
+{
+    unsigned at = 0;
+    float worth;
+
+    vor_balls_look(front->balls, edge->a, edge->around);
+    for (search->refused = 0;; search->refused |= (uint64_t)1 << at) {
+        worth = best_of(front, search, &at);
+        if (!(worth > -INFINITY))
+            return worth;
+        edge->third = front->balls->index[at];
+        if (is_on(front, (uint32_t[3]){edge->b, edge->a, edge->third}) &&
+            is_free(front, (uint32_t[3]){edge->b, edge->a, edge->third}))
+            return worth;
+    }
+}
+
+/* The same among as many points as the edge says. */
+static float find_best(struct front *front, struct open_edge *edge)
+{
+    struct search search = {.edge = edge};
+    uint32_t beside[2];
+
+    if (vor_complex_edge(front->complex, edge->a, edge->b, beside) != 1)
+        return -INFINITY;
+    search.beside = beside[0];
+    return unit_normal(search.before, front, (uint32_t[3]){edge->a, edge->b, beside[0]})
+               ? find_among(front, edge, &search)
+               : -INFINITY;
+}
+
+/* Looks among many points over the first edge of the queue, which was looked at among few. Returns
+ * whether it stays the first. */
+static int look_farther(struct front *front)
+{
+    struct open_edge *edge = &front->edge[front->heap[0].point];
+    float worth;
+
+    edge->around = VOR_BALLS_MANY;
+    worth = find_best(front, edge);
+    if (worth > LATER)
+        return 1;
+    vor_queue_lower(front->heap, front->count, worth);
+    return 0;
+}
+
+static vor_status grow(struct front *front, struct vor_error *err)
+{
+    struct vor_memory *memory = front->complex->memory;
+    size_t room = 2 * front->room + 256;
+    struct open_edge *edge = vor_realloc(memory, front->edge, room, sizeof *edge);
+    struct vor_queue_entry *heap;
+
+    if (edge != NULL)
+        front->edge = edge;
+    heap = edge == NULL ? NULL : vor_realloc(memory, front->heap, room, sizeof *heap);
+    if (heap == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu open edges", room);
+    front->heap = heap;
+    front->room = room;
+    return VOR_OK;
+}
+
+static vor_status push(struct front *front, uint32_t a, uint32_t b, struct vor_error *err)
+{
+    struct open_edge edge = {a, b, a, VOR_BALLS_FEW};
+    float worth = find_best(front, &edge);
+
+    if (front->count == front->room && grow(front, err) != VOR_OK)
+        return VOR_E_NOMEM;
+    front->edge[front->count] = edge;
+    vor_queue_push(front->heap, front->count,
+                   (struct vor_queue_entry){fmaxf(worth, LATER), (uint32_t)front->count});
+    front->count++;
+    return VOR_OK;
+}
+
+static vor_status push_edges(struct front *front, size_t t, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    for (int c = 0; c < 3 && status == VOR_OK; c++) {
+        const uint32_t *corner = &front->complex->triangle[3 * t];
+
+        if (vor_complex_is_open(front->complex, t, c))
+            status = push(front, corner[c], corner[(c + 1) % 3], err);
+    }
+    return status;
+}
+
+/* Lets a triangle tell the sides of its corners that none has told before. */
+static void set_sides(struct front *front, const uint32_t corner[3])
+{
+    double normal[3];
+
+    (void)unit_normal(normal, front, corner);
+    for (int c = 0; c < 3; c++) {
+        const float *m = &front->sheet->normal[3 * (size_t)corner[c]];
+        double up = normal[0] * (double)m[0] + normal[1] * (double)m[1] + normal[2] * (double)m[2];
+
+        if (front->side[corner[c]] == 0 && fabs(up) >= TELLS)
+            front->side[corner[c]] = up > 0 ? 1 : -1;
+    }
+}
+
+/* Adds a triangle; the edges that it opens are not in the queue yet. */
+static vor_status put(struct front *front, const uint32_t corner[3], struct vor_error *err)
+{
+    vor_status status = vor_complex_add(front->complex, corner, err);
+
+    if (status == VOR_OK)
+        vor_twosided_add(&front->sides, front->complex, (uint32_t)(front->complex->count - 1));
+    return status;
+}
+
+static vor_status open_edges(struct front *front, struct vor_error *err)
+{
+    size_t t = front->complex->count - 1;
+
+    set_sides(front, &front->complex->triangle[3 * t]);
+    return push_edges(front, t, err);
+}
+
+static vor_status add(struct front *front, const uint32_t corner[3], struct vor_error *err)
+{
+    vor_status status = put(front, corner, err);
+
+    return status == VOR_OK ? open_edges(front, err) : status;
+}
+
+/* A triangle whose third corner meets others there is joined to these by a second one: the best
+ * over an open edge at that corner, if it leads to another corner of the first. Returns whether
+ * there is one. */
+static int find_join(struct front *front, const uint32_t corner[3], uint32_t join[3])
+{
+    const struct vor_complex *complex = front->complex;
+    uint32_t c = corner[2];
+
+    for (unsigned k = 0; k < complex->degree[c]; k++) {
+        uint32_t t = complex->around[(size_t)c * VOR_AROUND_MOST + k], other[2];
+
+        vor_complex_others(complex, t, c, other);
+        for (int o = 0; o < 2; o++) {
+            struct open_edge beside = {c, other[o], c, VOR_BALLS_MANY};
+
+            if (vor_complex_across(complex, t, c, other[o]) != t)
+                continue;
+            if (vor_complex_runs(&complex->triangle[3 * (size_t)t], other[o], c))
+                beside = (struct open_edge){other[o], c, c, VOR_BALLS_MANY};
+            if (!(find_best(front, &beside) > -INFINITY) ||
+                (beside.third != corner[0] && beside.third != corner[1]))
+                continue;
+            memcpy(join, (uint32_t[3]){beside.b, beside.a, beside.third}, 3 * sizeof *join);
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Adds a triangle whose third corner meets others together with the one that joins it to these, or
+ * none: a corner of two fans would hide which boundary loop it is on. */
+static vor_status add_joined(struct front *front, const uint32_t corner[3], struct vor_error *err)
+{
+    struct vor_complex *complex = front->complex;
+    uint32_t join[3];
+    vor_status status;
+
+    if (!find_join(front, corner, join))
+        return VOR_OK;
+    status = put(front, corner, err);
+    if (status == VOR_OK && !is_free(front, join)) {
+        vor_complex_remove(complex, (uint32_t)--complex->count);
+        return VOR_OK;
+    }
+    if (status == VOR_OK)
+        status = open_edges(front, err);
+    return status == VOR_OK ? add(front, join, err) : status;
+}
+
+/* Adds the triangle over the first edge of the queue, or finds it another one. */
+static vor_status step(struct front *front, struct vor_error *err)
+{
+    struct open_edge *edge = &front->edge[front->heap[0].point];
+    float key = front->heap[0].key, worth;
+    uint32_t corner[3] = {edge->b, edge->a}, third[2];
+
+    if (vor_complex_edge(front->complex, edge->a, edge->b, third) != 1) {
+        vor_queue_lower(front->heap, front->count, -INFINITY);
+        return VOR_OK;
+    }
+    if (!(key > (float)LATER) && edge->around == VOR_BALLS_FEW && !look_farther(front))
+        return VOR_OK;
+    corner[2] = edge->third;
+    if (!is_free(front, corner)) {
+        worth = find_best(front, edge);
+        vor_queue_lower(front->heap, front->count,
+                        edge->around == VOR_BALLS_FEW ? fmaxf(worth, LATER) : worth);
+        return VOR_OK;
+    }
+    if (meets(front, corner)) {
+        vor_queue_lower(front->heap, front->count, key > (float)WAITS ? (float)WAITS : -INFINITY);
+        return add_joined(front, corner, err);
+    }
+    vor_queue_lower(front->heap, front->count, -INFINITY);
+    return add(front, corner, err);
+}
+
+/* Takes triangles over open edges until there are none. */
+static vor_status advance(struct front *front, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    for (size_t at = 0; status == VOR_OK && front->count > 0 && front->heap[0].key > -INFINITY;
+         at++) {
+        if (at % POLLED == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (status == VOR_OK)
+            status = step(front, err);
+    }
+    front->count = 0;
+    return status;
+}
+
+/* Whether a triangle touches others at a corner alone. */
+static int touches(const struct vor_complex *complex, const uint32_t corner[3])
+{
+    uint32_t third[2];
+
+    for (int c = 0; c < 3; c++)
+        if (complex->degree[corner[c]] > 0 &&
+            vor_complex_edge(complex, corner[c], corner[(c + 1) % 3], third) == 0 &&
+            vor_complex_edge(complex, corner[c], corner[(c + 2) % 3], third) == 0)
+            return 1;
+    return 0;
+}
+
+/* Begins at point i: with the triangle of the smallest ball that is flat and free. */
+static vor_status begin_at(struct front *front, uint32_t i, struct vor_error *err)
+{
+    struct vor_balls *balls = front->balls;
+    uint32_t best[3] = {i, i, i};
+    double most2 = INFINITY;
+
+    vor_balls_look(balls, i, VOR_BALLS_FEW);
+    for (unsigned j = 0; j < balls->around; j++)
+        for (unsigned k = 0; k < balls->around; k++) {
+            uint32_t corner[3] = {balls->index[j], balls->index[k], i};
+            double radius2;
+
+            if (corner[0] == i || corner[1] == i || j == k)
+                continue;
+            radius2 = vor_balls_radius2(balls, balls->x[j], balls->x[k], most2);
+            if (radius2 < most2 && !touches(front->complex, corner) && is_flat(front, corner, 1) &&
+                joins(front, corner[0], corner[1]) && is_on(front, corner) &&
+                is_free(front, corner)) {
+                most2 = radius2;
+                memcpy(best, corner, sizeof best);
+            }
+        }
+    return best[0] == i ? VOR_OK : add(front, best, err);
+}
+
+/* Goes on from all open edges, and then from points without triangles. */
+static vor_status go_on(struct front *front, const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_complex *complex = front->complex;
+    vor_status status = VOR_OK;
+
+    for (size_t t = 0, there = complex->count; t < there && status == VOR_OK; t++)
+        if (complex->triangle[3 * t] != VOR_COMPLEX_GONE)
+            status = push_edges(front, t, err);
+    if (status == VOR_OK)
+        status = advance(front, run, err);
+    for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
+        if (complex->degree[i] > 0 || !vor_sheet_has(front->sheet, i))
+            continue;
+        status = begin_at(front, (uint32_t)i, err);
+        if (status == VOR_OK)
+            status = advance(front, run, err);
+    }
+    return status;
+}
+
+/* Goes on by sides, first where normals leave no doubt, and then without. */
+static vor_status go_on_all(struct front *front, const struct vor_run *run, struct vor_error *err)
+{
+    static const struct {
+        int strict, facing;
+    } pass[] = {{1, 1}, {0, 1}, {0, 0}};
+    /* twice as many triangles as points, and handles */
+    vor_status status =
+        vor_twosided_make(&front->sides, front->complex, 4 * front->complex->n, err);
+
+    for (size_t k = 0; k < sizeof pass / sizeof *pass && status == VOR_OK; k++) {
+        front->strict = pass[k].strict;
+        front->facing = pass[k].facing;
+        status = go_on(front, run, err);
+    }
+    vor_twosided_free(&front->sides);
+    return status;
+}
+
+vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *balls,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    const struct vor_sheet *sheet = balls->sheet;
+    struct front front = {.complex = complex,
+                          .sheet = sheet,
+                          .balls = balls,
+                          .by_lists = sheet->graph != NULL,
+                          .side = vor_calloc(run->memory, complex->n, 1)};
+    vor_status status = front.side == NULL
+                            ? vor_fail(err, VOR_E_NOMEM, "sides of %zu points", complex->n)
+                            : go_on_all(&front, run, err);
+
+    if (status == VOR_OK && front.by_lists && !balls->parts) {
+        front.by_lists = 0;
+        status = go_on_all(&front, run, err);
+    }
+    for (int round = 0; round < PEELED && status == VOR_OK; round++) {
+        status = vor_peel(complex, err);
+        if (status == VOR_OK)
+            status = go_on_all(&front, run, err);
+    }
+    vor_peel_notches(complex, sheet->seeds->xyz);
+    vor_free(complex->memory, front.side);
+    vor_free(complex->memory, front.heap);
+    vor_free(complex->memory, front.edge);
+    return status;
+}

@@ -1,0 +1,112 @@
+#include "core/mesh/handle.h"
+
+/* Edges along the surface that lead around a small handle at most, as many from the third corner
+ * and from the others, points that they reach, and edges along the boundary that are looked at each
+ * way. */
+enum { FROM_THIRD = 3, FROM_OTHERS = 2, REACHED = 96, ALONG = 48 };
+
+/* Edges of a boundary loop that is a hole, not the end of a tube. A tunnel from a room's table to
+ * its wall had five at each end. */
+enum { HOLE = 6 };
+
+/* Goes from triangle t and its open edge from `from` to `at` along the boundary. Returns the edges
+ * of the loop, ALONG where it is longer, or 0 where it meets the first two corners. */
+static int follow(const struct vor_complex *complex, uint32_t t, uint32_t from, uint32_t at,
+                  const uint32_t corner[3])
+{
+    for (int step = 1; step < ALONG; step++) {
+        uint32_t other[2], next = from, u = t;
+
+        if (at == corner[0] || at == corner[1])
+            return 0;
+        if (at == corner[2])
+            return step;
+        do {
+            t = u;
+            vor_complex_others(complex, t, at, other);
+            next = other[0] == next ? other[1] : other[0];
+            u = vor_complex_across(complex, t, at, next);
+        } while (u != t);
+        from = at;
+        at = next;
+    }
+    return ALONG;
+}
+
+/* The edges of the shortest boundary loop of the third corner; 0 where it leads to another corner.
+ */
+static int loop_of(const struct vor_complex *complex, const uint32_t corner[3])
+{
+    uint32_t c = corner[2], other[2];
+    int shortest = ALONG;
+
+    for (unsigned k = 0; k < complex->degree[c]; k++) {
+        uint32_t t = complex->around[(size_t)c * VOR_AROUND_MOST + k];
+
+        vor_complex_others(complex, t, c, other);
+        for (int o = 0; o < 2; o++) {
+            int edges = vor_complex_across(complex, t, c, other[o]) == t
+                            ? follow(complex, t, c, other[o], corner)
+                            : ALONG;
+
+            shortest = edges < shortest ? edges : shortest;
+        }
+    }
+    return shortest;
+}
+
+/* Adds the points that have an edge to point i. */
+static unsigned reach(const struct vor_complex *complex, uint32_t i, uint32_t *point,
+                      unsigned count)
+{
+    uint32_t other[2];
+
+    for (unsigned k = 0; k < complex->degree[i]; k++) {
+        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + k], i, other);
+        for (int o = 0; o < 2; o++) {
+            unsigned at = 0;
+
+            while (at < count && point[at] != other[o])
+                at++;
+            if (at == count && count < REACHED)
+                point[count++] = other[o];
+        }
+    }
+    return count;
+}
+
+/* Adds the points that so many edges lead to. */
+static unsigned spread(const struct vor_complex *complex, uint32_t *point, unsigned count,
+                       int steps)
+{
+    unsigned done = 0;
+
+    for (int step = 0; step < steps; step++)
+        for (unsigned end = count; done < end; done++)
+            count = reach(complex, point[done], point, count);
+    return count;
+}
+
+/* Whether few edges along the surface lead from the third corner to another. */
+static int is_near(const struct vor_complex *complex, const uint32_t corner[3])
+{
+    uint32_t here[REACHED] = {corner[2]}, there[REACHED] = {corner[0], corner[1]};
+    unsigned count = spread(complex, here, 1, FROM_THIRD);
+    unsigned others = spread(complex, there, 2, FROM_OTHERS);
+
+    for (unsigned i = 0; i < count; i++)
+        for (unsigned j = 0; j < others; j++)
+            if (here[i] == there[j])
+                return 1;
+    return 0;
+}
+
+int vor_handle_is(const struct vor_complex *complex, struct vor_twosided *sides,
+                  const uint32_t corner[3])
+{
+    uint32_t third = complex->around[(size_t)corner[2] * VOR_AROUND_MOST];
+    uint32_t over = vor_complex_across(complex, VOR_COMPLEX_GONE, corner[0], corner[1]);
+    int loop = vor_twosided_joined(sides, third, over) ? loop_of(complex, corner) : 0;
+
+    return loop > 0 && (loop <= HOLE || is_near(complex, corner));
+}
