@@ -10,24 +10,27 @@
 #include <stdlib.h>
 #include <time.h>
 
+/* A thread that finds nothing to do for so long ends: the next task starts one again, which takes
+ * some 30 us. */
+enum { IDLE_SECONDS = 10 };
+
 /* What a thread is doing, and for whom. */
 struct hand {
-    pthread_t thread;
     struct vor_crew *crew;
-    int is_busy;
+    int is_alive, is_busy;
     struct vor_sharer caller;
 };
 
 struct vor_crew {
     pthread_mutex_t mutex;
     pthread_cond_t ready;          /* a task waits, or the crew closes */
-    pthread_cond_t idle;           /* nothing waits or runs; on the monotonic clock */
+    pthread_cond_t idle;           /* nothing waits or runs, or a thread has ended */
     struct vor_task *head, **tail; /* wait, in order */
     size_t waiting, waiting_max, running;
     size_t caller_waiting_max; /* of each caller */
     unsigned caller_running_max;
     int closing;
-    unsigned count, started;
+    unsigned count, alive, unoccupied; /* threads: at most, that run, and of these wait for tasks */
     struct hand hand[];
 };
 
@@ -83,26 +86,43 @@ static struct vor_task *pick(struct vor_crew *crew)
     return task;
 }
 
-/* The next task, which then counts as running; NULL once there is none and none will come. */
+static struct timespec after(double seconds)
+{
+    double whole = vor_clock_seconds() + seconds;
+    struct timespec at = {.tv_sec = (time_t)whole};
+
+    at.tv_nsec = (long)((whole - (double)at.tv_sec) * 1e9);
+    return at;
+}
+
+/* The next task, which then counts as running; NULL when the thread is to end. */
 static struct vor_task *next_task(struct hand *hand)
 {
+    struct timespec until = after(IDLE_SECONDS);
     struct vor_crew *crew = hand->crew;
     struct vor_task *task;
+    int is_late = 0;
 
     pthread_mutex_lock(&crew->mutex);
-    while ((task = pick(crew)) == NULL && !crew->closing)
-        pthread_cond_wait(&crew->ready, &crew->mutex);
+    while ((task = pick(crew)) == NULL && !crew->closing && !is_late) {
+        crew->unoccupied++;
+        is_late = pthread_cond_timedwait(&crew->ready, &crew->mutex, &until) == ETIMEDOUT;
+        crew->unoccupied--;
+    }
     if (task != NULL) {
         crew->running++;
         hand->is_busy = 1;
         hand->caller = task->caller;
+    } else {
+        hand->is_alive = 0;
+        crew->alive--;
+        pthread_cond_broadcast(&crew->idle);
     }
     pthread_mutex_unlock(&crew->mutex);
     return task;
 }
 
-/* Its thread looks for the next one itself: others that wait can have got nothing by its end but
- * what it leaves. */
+/* Its thread looks for the next one itself, so nobody else is woken. */
 static void end_task(struct hand *hand)
 {
     struct vor_crew *crew = hand->crew;
@@ -126,22 +146,31 @@ static void *crew_main(void *arg)
     return NULL;
 }
 
-static void init_locks(struct vor_crew *crew)
+/* Starts a thread for tasks that wait and find none unoccupied; the mutex is held. False when no
+ * thread runs, so that nobody would do them. */
+static int start_thread(struct vor_crew *crew)
 {
-    pthread_condattr_t monotonic;
+    struct hand *hand = crew->hand;
+    pthread_t thread;
 
-    pthread_mutex_init(&crew->mutex, NULL);
-    pthread_cond_init(&crew->ready, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&crew->idle, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    if (crew->waiting <= crew->unoccupied || crew->alive == crew->count)
+        return 1;
+    while (hand->is_alive)
+        hand++;
+    hand->crew = crew;
+    if (vor_machine_thread(&thread, "vor-pool", crew_main, hand) == 0) {
+        (void)pthread_detach(thread);
+        hand->is_alive = 1;
+        crew->alive++;
+    }
+    return crew->alive > 0;
 }
 
 vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiting_max,
                            struct vor_error *err)
 {
     struct vor_crew *crew = calloc(1, sizeof *crew + threads * sizeof crew->hand[0]);
+    pthread_condattr_t monotonic;
 
     assert(threads >= 1 && waiting_max >= 1);
     if (crew == NULL)
@@ -149,16 +178,12 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
     crew->tail = &crew->head;
     crew->waiting_max = crew->caller_waiting_max = waiting_max;
     crew->caller_running_max = crew->count = threads;
-    init_locks(crew);
-    for (; crew->started < threads; crew->started++) {
-        struct hand *hand = &crew->hand[crew->started];
-
-        hand->crew = crew;
-        if (vor_machine_thread(&hand->thread, "vor-pool", crew_main, hand) == 0)
-            continue;
-        vor_crew_destroy(crew);
-        return vor_fail(err, VOR_E_NOMEM, "cannot start a pool of %u threads", threads);
-    }
+    pthread_mutex_init(&crew->mutex, NULL);
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(&crew->ready, &monotonic);
+    pthread_cond_init(&crew->idle, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     *out = crew;
     return VOR_OK;
 }
@@ -170,9 +195,9 @@ void vor_crew_destroy(struct vor_crew *crew)
     pthread_mutex_lock(&crew->mutex);
     crew->closing = 1;
     pthread_cond_broadcast(&crew->ready);
+    while (crew->alive > 0)
+        pthread_cond_wait(&crew->idle, &crew->mutex);
     pthread_mutex_unlock(&crew->mutex);
-    for (unsigned i = 0; i < crew->started; i++)
-        pthread_join(crew->hand[i].thread, NULL);
     pthread_cond_destroy(&crew->idle);
     pthread_cond_destroy(&crew->ready);
     pthread_mutex_destroy(&crew->mutex);
@@ -209,11 +234,19 @@ enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
                before(crew, task) >= crew->caller_waiting_max) {
         outcome = VOR_FULL;
     } else {
+        struct vor_task **tail = crew->tail;
+
         task->next = NULL;
-        *crew->tail = task;
+        *tail = task;
         crew->tail = &task->next;
         crew->waiting++;
         pthread_cond_signal(&crew->ready);
+        if (!start_thread(crew)) {
+            *tail = NULL;
+            crew->tail = tail;
+            crew->waiting--;
+            outcome = VOR_FULL;
+        }
     }
     pthread_mutex_unlock(&crew->mutex);
     return outcome;
@@ -231,11 +264,9 @@ int vor_crew_closing(struct vor_crew *crew)
 
 void vor_crew_settle(struct vor_crew *crew, double seconds)
 {
-    double deadline = vor_clock_seconds() + seconds;
-    struct timespec at = {.tv_sec = (time_t)deadline};
+    struct timespec at = after(seconds);
     int late = 0;
 
-    at.tv_nsec = (long)((deadline - (double)at.tv_sec) * 1e9);
     pthread_mutex_lock(&crew->mutex);
     while (!late && (crew->waiting > 0 || crew->running > 0))
         late = pthread_cond_timedwait(&crew->idle, &crew->mutex, &at) == ETIMEDOUT;

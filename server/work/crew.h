@@ -25,7 +25,8 @@ struct vor_task {
     struct vor_task *next;    /**< the crew's own */
 };
 
-/** Starts `threads` (at least 1) threads; at most `waiting_max` tasks wait for one.
+/** A pool of at most `threads` (at least 1) threads, each started when a task finds no other and
+ *  ended when it has had none for some seconds; at most `waiting_max` tasks wait for one.
  *
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_crew_create(struct vor_crew **out, unsigned threads,
@@ -42,7 +43,8 @@ void vor_crew_destroy(struct vor_crew *crew);
 /** Hands a task over.
  *
  *  @retval VOR_DONE      run will be called, exactly once
- *  @retval VOR_FULL      waiting_max tasks wait, or as many of this caller's go before it as may
+ *  @retval VOR_FULL      waiting_max tasks wait, or as many of this caller's go before it as may;
+ *                        or no thread runs and none can be started
  *  @retval VOR_DRAINING  vor_crew_destroy was called */
 VOR_NODISCARD enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task);
 

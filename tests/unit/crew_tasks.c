@@ -3,6 +3,7 @@
 #include "server/work/crew.h"
 #include "tests/support/vt.h"
 
+#include <dirent.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -75,15 +76,30 @@ START_TEST(tasks_begin_in_the_order_in_which_they_came)
 }
 END_TEST
 
+static int count_threads(void)
+{
+    DIR *folder = opendir("/proc/self/task");
+    int count = -2; /* "." and ".." */
+
+    ck_assert_ptr_nonnull(folder);
+    while (readdir(folder) != NULL)
+        count++;
+    (void)closedir(folder);
+    return count;
+}
+
 START_TEST(no_more_tasks_wait_than_may)
 {
+    int threads = count_threads();
     struct work work;
 
     begin(&work, 2, 3, 1);
+    ck_assert_int_eq(count_threads(), threads); /* they come with the tasks */
     for (int i = 0; i < 2; i++)
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* two run at the same time, and do not wait any more */
         vt_nap();
+    ck_assert_int_eq(count_threads(), threads + 2);
     for (int i = 2; i < 5; i++)
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
     ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
