@@ -202,7 +202,7 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     vor_request_set_route(request, route);
     if (!vor_auth_check(app, request, route->scope))
         return VOR_NEXT_REPLY;
-    most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_crowd(request) : 0;
+    most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_excess(request) : 0;
     if (most > 0) {
         vor_reply_close(request);
         return vor_problem_say(app, request, "too-many-connections",

@@ -1,8 +1,8 @@
 #include "server/http/exchange.h"
 
 #include "server/base/clock.h"
+#include "server/http/conn_guard.h"
 #include "server/http/forwarded.h"
-#include "server/http/peer.h"
 #include "server/http/reply.h"
 #include "server/http/request.h"
 #include "server/http/state.h"
@@ -32,10 +32,10 @@ static bool request_sleep(struct vor_request *request, bool stays)
     if (vor_request_closing(request))
         return false;
     if (!stays)
-        vor_peer_wait(request->http->watchman, request->peer, true);
+        vor_conn_wait(request->conn, true);
     sleeps = vor_waker_sleep(request->waker, stays);
     if (!sleeps)
-        vor_peer_wait(request->http->watchman, request->peer, false);
+        vor_conn_wait(request->conn, false);
     return sleeps;
 }
 
@@ -52,7 +52,7 @@ static void trim(struct vor_request *request)
 
 static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
 {
-    vor_peer_wait(request->http->watchman, request->peer, false);
+    vor_conn_wait(request->conn, false);
     for (;;) {
         long got = request->reply.read(request->reply.ctx, request, out, size);
 
@@ -152,7 +152,6 @@ static void apply_conditions(struct vor_request *request)
 
 static enum MHD_Result queue_reply(struct vor_request *request)
 {
-    struct vor_http *http = request->http;
     bool early = request->length != 0 && !request->whole;
     struct MHD_Response *response;
     enum MHD_Result result;
@@ -164,10 +163,10 @@ static enum MHD_Result queue_reply(struct vor_request *request)
         return MHD_NO;
     if (early) {
         request->reply.close = true;
-        vor_peer_linger(http->watchman, request->peer);
+        vor_conn_linger(request->conn);
     }
     add_fields(request, response);
-    vor_peer_phase(http->watchman, request->peer,
+    vor_conn_phase(request->conn,
                    request->reply.kind == VOR_REPLY_STREAM ? VOR_PHASE_STREAM : VOR_PHASE_SEND);
     result = MHD_queue_response(request->connection, (unsigned)request->reply.http, response);
     MHD_destroy_response(response);
@@ -191,12 +190,12 @@ static enum MHD_Result abort_body(struct vor_request *request)
     if (raw != NULL && info != NULL)
         (void)send(info->connect_fd, raw, strlen(raw), MSG_DONTWAIT | MSG_NOSIGNAL);
     free(raw);
-    vor_peer_linger(request->http->watchman, request->peer);
+    vor_conn_linger(request->conn);
     request->stage = VOR_AT_REPLIED;
     return MHD_NO;
 }
 
-/* Makes the reply that the sweeper sends when the body is late. The sweeper must not touch the
+/* Makes the reply that the guard sends when the body is late. The guard must not touch the
  * request, so the reply is made before. */
 static void prepare_late(struct vor_request *request)
 {
@@ -206,7 +205,7 @@ static void prepare_late(struct vor_request *request)
     unsigned fields = request->reply.field_count;
 
     refuse(request, &late);
-    vor_peer_late(request->http->watchman, request->peer, vor_reply_raw(request));
+    vor_conn_late(request->conn, vor_reply_raw(request));
     vor_reply_clear(request, fields);
 }
 
@@ -224,7 +223,7 @@ static int begin_body(struct vor_request *request)
     }
     request->stage = VOR_AT_BODY;
     prepare_late(request);
-    vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_BODY);
+    vor_conn_phase(request->conn, VOR_PHASE_BODY);
     return 0;
 }
 
@@ -248,7 +247,7 @@ static enum MHD_Result run(struct vor_request *request, enum vor_step step)
         case VOR_NEXT_WAIT:
         case VOR_NEXT_STAY:
             request->stage = VOR_AT_WAIT;
-            vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+            vor_conn_phase(request->conn, VOR_PHASE_SERVE);
             if (request_sleep(request, next == VOR_NEXT_STAY))
                 return MHD_YES;
             step = VOR_STEP_WAKE;
@@ -315,7 +314,7 @@ static enum MHD_Result first_call(struct vor_request *request, const char *metho
         refuse(request, &refusal);
         return queue_reply(request);
     }
-    vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+    vor_conn_phase(request->conn, VOR_PHASE_SERVE);
     return request->length != 0 ? run(request, VOR_STEP_HEAD) : MHD_YES;
 }
 
@@ -330,7 +329,7 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
         return MHD_YES;
     }
     request->received += *size;
-    vor_peer_received(request->http->watchman, request->peer, *size);
+    vor_conn_received(request->conn, *size);
     if (request->received > request->limit) {
         vor_refusal_excess(detail, sizeof detail, &refusal, request->limit, request->limit);
         refuse(request, &refusal);
@@ -359,12 +358,12 @@ static enum MHD_Result take_turn(struct vor_request *request, const char *method
     case VOR_AT_HEAD:
         return run(request, VOR_STEP_HEAD);
     case VOR_AT_BODY:
-        vor_peer_phase(request->http->watchman, request->peer, VOR_PHASE_SERVE);
+        vor_conn_phase(request->conn, VOR_PHASE_SERVE);
         request->whole = true;
         request->stage = VOR_AT_WAIT;
         return run(request, VOR_STEP_BODY);
     case VOR_AT_WAIT:
-        vor_peer_wait(request->http->watchman, request->peer, false);
+        vor_conn_wait(request->conn, false);
         return run(request, VOR_STEP_WAKE);
     case VOR_AT_NEW:
     case VOR_AT_REPLIED:
@@ -422,7 +421,7 @@ void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *c
         return NULL;
     request->http = http;
     request->connection = connection;
-    request->peer = info != NULL ? info->socket_context : NULL;
+    request->conn = info != NULL ? info->socket_context : NULL;
     request->began = vor_clock_seconds();
     request->reply.fd = -1;
     request->path = "";
@@ -437,8 +436,8 @@ void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *c
         return NULL;
     }
     note_peer(request);
-    vor_peer_request(http->watchman, request->peer, request->waker);
-    vor_peer_phase(http->watchman, request->peer, VOR_PHASE_HEAD);
+    vor_conn_request(request->conn, request->waker);
+    vor_conn_phase(request->conn, VOR_PHASE_HEAD);
     return request;
 }
 
@@ -454,7 +453,7 @@ void vor_exchange_end(void *cls, struct MHD_Connection *connection, void **con_c
     *con_cls = NULL;
     vor_watchdog_enter(&http->watchdog);
     vor_waker_end(request->waker);
-    if (vor_peer_end(http->watchman, request->peer)) {
+    if (vor_conn_end(request->conn)) {
         request->reply.http = 408;
         request->problem = "upload-timeout";
     }

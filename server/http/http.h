@@ -175,7 +175,7 @@ int vor_request_gone(const struct vor_request *request);
 
 /** The limit that keeps this request from being served, connections or each of vor_http_options; 0
  *  when there is room. */
-unsigned vor_request_crowd(const struct vor_request *request);
+unsigned vor_request_excess(const struct vor_request *request);
 
 /** True once vor_http_close_waiting was called: wait no longer. */
 int vor_request_closing(const struct vor_request *request);

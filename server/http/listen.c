@@ -1,10 +1,9 @@
 /* The door to the network: the socket, the library's threads on it, and their end. */
+#include "server/http/conn_guard.h"
 #include "server/http/exchange.h"
 #include "server/http/http.h"
-#include "server/http/peer.h"
 #include "server/http/state.h"
 #include "server/http/unix_socket.h"
-#include "server/http/watchman.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -95,7 +94,7 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
 
     if (code == MHD_CONNECTION_NOTIFY_CLOSED) {
         vor_watchdog_enter(&http->watchdog);
-        vor_peer_leave(http->watchman, *socket_context);
+        vor_conn_leave(*socket_context);
         vor_watchdog_leave(&http->watchdog);
         *socket_context = NULL;
         return;
@@ -105,7 +104,7 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
             vor_address_of_socket(&from, info->client_addr);
     info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (info != NULL)
-        *socket_context = vor_peer_enter(http->watchman, info->connect_fd, known ? &from : NULL);
+        *socket_context = vor_conn_enter(http->guard, info->connect_fd, known ? &from : NULL);
 }
 
 static void on_log(void *cls, const char *format, va_list args) VOR_PRINTF(2, 0);
@@ -149,7 +148,7 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
                          struct vor_error *err)
 {
-    const struct vor_watch_limits limits = {
+    const struct vor_conn_limits limits = {
         .header_seconds = options->header_seconds,
         .keep_seconds = options->keep_seconds,
         .body_seconds = options->body_seconds,
@@ -171,7 +170,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     http->fd = -1;
     status = open_socket(&http->fd, options, err);
     if (status == VOR_OK)
-        status = vor_watchman_start(&http->watchman, &limits, err);
+        status = vor_conn_guard_start(&http->guard, &limits, err);
     if (status != VOR_OK) {
         vor_http_stop(http);
         return status;
@@ -223,17 +222,17 @@ void vor_http_quiesce(struct vor_http *http)
 
 unsigned vor_http_busy(const struct vor_http *http)
 {
-    return atomic_load(&http->busy) + vor_watchman_unread(http->watchman);
+    return atomic_load(&http->busy) + vor_conn_guard_unread(http->guard);
 }
 
 unsigned vor_http_connections(const struct vor_http *http)
 {
-    return vor_watchman_count(http->watchman);
+    return vor_conn_guard_count(http->guard);
 }
 
 void vor_http_cut_slow(struct vor_http *http)
 {
-    vor_watchman_cut_slow(http->watchman);
+    vor_conn_guard_close_slow(http->guard);
 }
 
 double vor_http_stuck(const struct vor_http *http)
@@ -243,13 +242,13 @@ double vor_http_stuck(const struct vor_http *http)
 
 void vor_http_wake_all(struct vor_http *http)
 {
-    vor_watchman_wake_all(http->watchman);
+    vor_conn_guard_wake_all(http->guard);
 }
 
 void vor_http_close_waiting(struct vor_http *http)
 {
     atomic_store(&http->closing, true);
-    vor_watchman_wake_all(http->watchman);
+    vor_conn_guard_wake_all(http->guard);
 }
 
 void vor_http_stop(struct vor_http *http)
@@ -263,6 +262,6 @@ void vor_http_stop(struct vor_http *http)
     if (http->fd >= 0)
         (void)close(http->fd);
     vor_unix_socket_remove(http->address);
-    vor_watchman_stop(http->watchman);
+    vor_conn_guard_stop(http->guard);
     free(http);
 }

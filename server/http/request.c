@@ -1,7 +1,7 @@
 #include "server/http/request.h"
 
 #include "server/base/clock.h"
-#include "server/http/peer.h"
+#include "server/http/conn_guard.h"
 #include "server/http/state.h"
 #include "server/http/waker.h"
 
@@ -207,27 +207,27 @@ int vor_request_closing(const struct vor_request *request)
 
 void vor_request_wake_after(struct vor_request *request, double seconds)
 {
-    vor_peer_timer(request->http->watchman, request->peer, seconds);
+    vor_conn_wake_after(request->conn, seconds);
 }
 
 void vor_request_wake_soon(struct vor_request *request)
 {
-    if (request->peer != NULL)
-        vor_peer_turn(request->http->watchman, request->peer);
+    if (request->conn != NULL)
+        vor_conn_wake_soon(request->conn);
     else
         vor_waker_wake(request->waker);
 }
 
-unsigned vor_request_crowd(const struct vor_request *request)
+unsigned vor_request_excess(const struct vor_request *request)
 {
     const struct vor_http_options *options = &request->http->options;
 
-    switch (vor_peer_crowd(request->http->watchman, request->peer)) {
-    case VOR_CROWD_ALL:
+    switch (vor_conn_excess(request->http->guard, request->conn)) {
+    case VOR_EXCESS_ALL:
         return options->connections;
-    case VOR_CROWD_ADDRESS:
+    case VOR_EXCESS_ADDRESS:
         return options->each;
-    case VOR_CROWD_NONE:
+    case VOR_EXCESS_NONE:
         break;
     }
     return 0;

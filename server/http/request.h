@@ -41,7 +41,7 @@ struct vor_reply {
 struct vor_request {
     struct vor_http *http;
     struct MHD_Connection *connection;
-    struct vor_peer *peer; /**< NULL when not watched */
+    struct vor_conn *conn; /**< NULL when not guarded */
     struct vor_waker *waker;
     struct vor_head head;
     char *target, *path, *query; /**< owned; path is target up to '?', query is decoded in place */

@@ -1,4 +1,4 @@
-/** What the files of this room share of the whole: options, counters, the watch over the peers. */
+/** What the files of this room share of the whole: options, counters, the guard of connections. */
 #ifndef VOR_SERVER_HTTP_STATE_H
 #define VOR_SERVER_HTTP_STATE_H
 
@@ -14,12 +14,12 @@ enum {
 };
 
 struct MHD_Daemon;
-struct vor_watchman;
+struct vor_conn_guard;
 
 struct vor_http {
     struct vor_http_options options;
     struct MHD_Daemon *daemon;
-    struct vor_watchman *watchman;
+    struct vor_conn_guard *guard;
     char address[VOR_SOCKET_PATH_MAX + 8];
     int fd;           /**< listening; the library's from start to quiesce, -1 then */
     atomic_uint busy; /**< requests under way */

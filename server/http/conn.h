@@ -1,6 +1,6 @@
-/** The words in which connections are spoken of: where one stands, what limits them all. */
-#ifndef VOR_SERVER_HTTP_PHASES_H
-#define VOR_SERVER_HTTP_PHASES_H
+/** Connections: where one stands, what limits them all. */
+#ifndef VOR_SERVER_HTTP_CONN_H
+#define VOR_SERVER_HTTP_CONN_H
 
 #include "server/base/address.h"
 
@@ -15,17 +15,16 @@ enum vor_phase {
 };
 
 /** Too many: connections in all, or of one address. */
-enum vor_crowd { VOR_CROWD_NONE, VOR_CROWD_ALL, VOR_CROWD_ADDRESS };
+enum vor_conn_excess { VOR_EXCESS_NONE, VOR_EXCESS_ALL, VOR_EXCESS_ADDRESS };
 
 /** One accepted connection. */
-struct vor_peer;
+struct vor_conn;
 
-/** All connections and the thread that sweeps them. */
-struct vor_watchman;
+struct vor_conn_guard;
 
-/** As in vor_http_options; and for how many seconds a connection may be silent before it goes to
- * make room, as long as the reserve lasts. */
-struct vor_watch_limits {
+/** As in vor_http_options; and for how many seconds a connection may be silent before it is closed
+ *  to make room, as long as the reserve lasts. */
+struct vor_conn_limits {
     double header_seconds, keep_seconds, body_seconds, body_idle_seconds, body_rate, reply_rate;
     double beat_seconds, grace_seconds;
     unsigned connections, each;

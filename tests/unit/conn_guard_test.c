@@ -1,7 +1,6 @@
 /* Who must go when there are too many connections, and who counts. */
-#include "server/http/peer.h"
+#include "server/http/conn_guard.h"
 #include "server/http/trim.h"
-#include "server/http/watchman.h"
 #include "tests/support/vt.h"
 
 #include <poll.h>
@@ -14,28 +13,28 @@ enum { MOST = 4, RESERVE = 32, MANY = 60 };
 
 /* Connections as the daemon sees them, and their other ends. */
 struct crowd {
-    struct vor_watchman *watchman;
+    struct vor_conn_guard *guard;
     struct vor_networks trusted;
-    struct vor_peer *peers[MANY];
+    struct vor_conn *peers[MANY];
     int ours[MANY], theirs[MANY];
     int count;
 };
 
 static void open_patient_crowd(struct crowd *crowd, double grace_seconds)
 {
-    struct vor_watch_limits limits = {.header_seconds = 60,
-                                      .keep_seconds = 60,
-                                      .body_seconds = 60,
-                                      .body_idle_seconds = 60,
-                                      .beat_seconds = 60,
-                                      .grace_seconds = grace_seconds,
-                                      .connections = MOST,
-                                      .each = 2,
-                                      .trusted = &crowd->trusted};
+    struct vor_conn_limits limits = {.header_seconds = 60,
+                                     .keep_seconds = 60,
+                                     .body_seconds = 60,
+                                     .body_idle_seconds = 60,
+                                     .beat_seconds = 60,
+                                     .grace_seconds = grace_seconds,
+                                     .connections = MOST,
+                                     .each = 2,
+                                     .trusted = &crowd->trusted};
 
     memset(crowd, 0, sizeof *crowd);
     vt_assert_ok(vor_networks_parse(&crowd->trusted, "trusted-proxy", "198.51.100.7", &vt_err));
-    vt_assert_ok(vor_watchman_start(&crowd->watchman, &limits, &vt_err));
+    vt_assert_ok(vor_conn_guard_start(&crowd->guard, &limits, &vt_err));
 }
 
 static void open_crowd(struct crowd *crowd)
@@ -54,8 +53,8 @@ static int come(struct crowd *crowd, const char *address, enum vor_phase phase)
     crowd->theirs[i] = ends[1];
     if (address != NULL)
         ck_assert(vor_address_parse(&from, address, strlen(address)));
-    crowd->peers[i] = vor_peer_enter(crowd->watchman, ends[0], address != NULL ? &from : NULL);
-    vor_peer_phase(crowd->watchman, crowd->peers[i], phase);
+    crowd->peers[i] = vor_conn_enter(crowd->guard, ends[0], address != NULL ? &from : NULL);
+    vor_conn_phase(crowd->peers[i], phase);
     return i;
 }
 
@@ -69,7 +68,7 @@ static bool is_cut(const struct crowd *crowd, int i)
 
 static void leave(struct crowd *crowd, int i)
 {
-    vor_peer_leave(crowd->watchman, crowd->peers[i]);
+    vor_conn_leave(crowd->peers[i]);
     (void)close(crowd->ours[i]);
     (void)close(crowd->theirs[i]);
 }
@@ -78,7 +77,7 @@ static void close_crowd(struct crowd *crowd)
 {
     for (int i = 0; i < crowd->count; i++)
         leave(crowd, i);
-    vor_watchman_stop(crowd->watchman);
+    vor_conn_guard_stop(crowd->guard);
 }
 
 START_TEST(the_oldest_silent_connection_goes)
@@ -90,8 +89,8 @@ START_TEST(the_oldest_silent_connection_goes)
         come(&crowd, NULL, VOR_PHASE_HEAD);
         for (int k = 0; k <= i; k++)
             ck_assert_msg(is_cut(&crowd, k) == (k <= i - MOST), "%d of %d", k, i);
-        ck_assert_uint_eq(vor_watchman_count(crowd.watchman), i < MOST ? (unsigned)i + 1 : MOST);
-        ck_assert_int_eq(vor_peer_crowd(crowd.watchman, crowd.peers[i]), VOR_CROWD_NONE);
+        ck_assert_uint_eq(vor_conn_guard_count(crowd.guard), i < MOST ? (unsigned)i + 1 : MOST);
+        ck_assert_int_eq(vor_conn_excess(crowd.guard, crowd.peers[i]), VOR_EXCESS_NONE);
     }
     close_crowd(&crowd);
 }
@@ -124,7 +123,7 @@ START_TEST(a_health_check_gets_in_among_those_who_are_all_served)
     open_crowd(&crowd);
     for (int i = 0; i < MOST + RESERVE; i++)
         ck_assert(!is_cut(&crowd, come(&crowd, NULL, VOR_PHASE_SERVE)));
-    ck_assert_int_eq(vor_peer_crowd(crowd.watchman, crowd.peers[0]), VOR_CROWD_ALL);
+    ck_assert_int_eq(vor_conn_excess(crowd.guard, crowd.peers[0]), VOR_EXCESS_ALL);
     ck_assert(is_cut(&crowd, come(&crowd, NULL, VOR_PHASE_HEAD)));
     leave(&crowd, --crowd.count);
     leave(&crowd, --crowd.count);
@@ -171,7 +170,7 @@ START_TEST(streams_do_not_count)
     open_crowd(&crowd);
     for (int i = 0; i < MANY - MOST; i++)
         ck_assert(!is_cut(&crowd, come(&crowd, NULL, VOR_PHASE_STREAM)));
-    ck_assert_uint_eq(vor_watchman_count(crowd.watchman), 0);
+    ck_assert_uint_eq(vor_conn_guard_count(crowd.guard), 0);
     for (int i = 0; i < MOST; i++)
         come(&crowd, NULL, VOR_PHASE_HEAD);
     for (int i = 0; i < MANY; i++)
@@ -184,18 +183,18 @@ START_TEST(an_address_has_its_share_unless_it_is_ours_or_a_proxys)
 {
     static const struct {
         const char *address[3];
-        enum vor_crowd third;
+        enum vor_conn_excess third;
     } cases[] = {
-        {{"192.0.2.1", "192.0.2.1", "192.0.2.1"}, VOR_CROWD_ADDRESS},
-        {{"192.0.2.1", "192.0.2.1", "192.0.2.2"}, VOR_CROWD_NONE},
-        {{"2001:db8::1", "2001:db8::2", "2001:db8:0:0:ffff::"}, VOR_CROWD_ADDRESS},
-        {{"2001:db8::1", "2001:db8::2", "2001:db8:0:1::1"}, VOR_CROWD_NONE},
-        {{"127.0.0.1", "127.0.0.1", "127.0.0.1"}, VOR_CROWD_NONE},
-        {{"127.9.9.9", "127.9.9.9", "127.9.9.9"}, VOR_CROWD_NONE},
-        {{"::1", "::1", "::1"}, VOR_CROWD_NONE},
-        {{"198.51.100.7", "198.51.100.7", "198.51.100.7"}, VOR_CROWD_NONE},
-        {{"198.51.100.8", "198.51.100.8", "198.51.100.8"}, VOR_CROWD_ADDRESS},
-        {{NULL, NULL, NULL}, VOR_CROWD_NONE},
+        {{"192.0.2.1", "192.0.2.1", "192.0.2.1"}, VOR_EXCESS_ADDRESS},
+        {{"192.0.2.1", "192.0.2.1", "192.0.2.2"}, VOR_EXCESS_NONE},
+        {{"2001:db8::1", "2001:db8::2", "2001:db8:0:0:ffff::"}, VOR_EXCESS_ADDRESS},
+        {{"2001:db8::1", "2001:db8::2", "2001:db8:0:1::1"}, VOR_EXCESS_NONE},
+        {{"127.0.0.1", "127.0.0.1", "127.0.0.1"}, VOR_EXCESS_NONE},
+        {{"127.9.9.9", "127.9.9.9", "127.9.9.9"}, VOR_EXCESS_NONE},
+        {{"::1", "::1", "::1"}, VOR_EXCESS_NONE},
+        {{"198.51.100.7", "198.51.100.7", "198.51.100.7"}, VOR_EXCESS_NONE},
+        {{"198.51.100.8", "198.51.100.8", "198.51.100.8"}, VOR_EXCESS_ADDRESS},
+        {{NULL, NULL, NULL}, VOR_EXCESS_NONE},
     };
 
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -204,12 +203,12 @@ START_TEST(an_address_has_its_share_unless_it_is_ours_or_a_proxys)
         open_crowd(&crowd);
         for (int k = 0; k < 3; k++)
             come(&crowd, cases[i].address[k], VOR_PHASE_SERVE);
-        ck_assert_msg(vor_peer_crowd(crowd.watchman, crowd.peers[2]) == cases[i].third, "case %zu",
+        ck_assert_msg(vor_conn_excess(crowd.guard, crowd.peers[2]) == cases[i].third, "case %zu",
                       i);
         leave(&crowd, --crowd.count);
         leave(&crowd, --crowd.count);
         come(&crowd, cases[i].address[2], VOR_PHASE_SERVE);
-        ck_assert_int_eq(vor_peer_crowd(crowd.watchman, crowd.peers[1]), VOR_CROWD_NONE);
+        ck_assert_int_eq(vor_conn_excess(crowd.guard, crowd.peers[1]), VOR_EXCESS_NONE);
         close_crowd(&crowd);
     }
 }
@@ -236,9 +235,9 @@ START_TEST(a_timer_that_comes_first_counts_and_each_wakes_once)
 
     open_crowd(&crowd);
     i = come(&crowd, NULL, VOR_PHASE_SERVE);
-    vor_peer_request(crowd.watchman, crowd.peers[i], waker);
-    vor_peer_timer(crowd.watchman, crowd.peers[i], 0);
-    vor_peer_timer(crowd.watchman, crowd.peers[i], 60);
+    vor_conn_request(crowd.peers[i], waker);
+    vor_conn_wake_after(crowd.peers[i], 0);
+    vor_conn_wake_after(crowd.peers[i], 60);
     for (int k = 0; k < 500 && !vor_waker_is_pending(waker); k++)
         (void)poll(NULL, 0, 10);
     ck_assert(vor_waker_is_pending(waker));
@@ -257,10 +256,10 @@ START_TEST(a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that
 
         open_crowd(&crowd);
         i = come(&crowd, NULL, VOR_PHASE_SERVE);
-        vor_peer_request(crowd.watchman, crowd.peers[i], waker);
+        vor_conn_request(crowd.peers[i], waker);
         if (before)
             (void)shutdown(crowd.theirs[i], SHUT_RDWR);
-        vor_peer_wait(crowd.watchman, crowd.peers[i], true);
+        vor_conn_wait(crowd.peers[i], true);
         if (!before)
             (void)shutdown(crowd.theirs[i], SHUT_RDWR);
         for (int k = 0; k < 500 && !vor_waker_is_gone(waker); k++)
