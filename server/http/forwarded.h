@@ -17,8 +17,8 @@
 #define VOR_SERVER_HTTP_FORWARDED_H
 
 #include "server/base/address.h"
-#include "server/http/gate.h"
 #include "server/http/http.h"
+#include "server/http/request_check.h"
 
 enum { VOR_HOPS_MAX = 16 /**< entries that are looked at, from the last one */ };
 

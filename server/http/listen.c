@@ -1,7 +1,7 @@
 /* The door to the network: the socket, the library's threads on it, and their end. */
 #include "server/http/conn_guard.h"
-#include "server/http/exchange.h"
 #include "server/http/http.h"
+#include "server/http/mhd_callbacks.h"
 #include "server/http/state.h"
 #include "server/http/unix_socket.h"
 
@@ -130,8 +130,8 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 
     return MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
-        vor_exchange_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET,
-        fd, MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
+        vor_mhd_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET, fd,
+        MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
 #if MHD_VERSION >= 0x01000000
         MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
 #else
@@ -141,8 +141,8 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
         MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
         (size_t)VOR_CONNECTION_BYTES, MHD_OPTION_NOTIFY_CONNECTION, on_connection, http,
-        MHD_OPTION_NOTIFY_COMPLETED, vor_exchange_end, http, MHD_OPTION_URI_LOG_CALLBACK,
-        vor_exchange_begin, http, MHD_OPTION_END);
+        MHD_OPTION_NOTIFY_COMPLETED, vor_mhd_end, http, MHD_OPTION_URI_LOG_CALLBACK, vor_mhd_begin,
+        http, MHD_OPTION_END);
 }
 
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,

@@ -3,8 +3,8 @@
 #ifndef VOR_SERVER_HTTP_REQUEST_H
 #define VOR_SERVER_HTTP_REQUEST_H
 
-#include "server/http/gate.h"
 #include "server/http/http.h"
+#include "server/http/request_check.h"
 
 #include <stdbool.h>
 

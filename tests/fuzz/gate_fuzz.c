@@ -1,7 +1,7 @@
 /* Any bytes as a request's head, cut into lines by the target itself as the library would. What
  * passes the gate has no byte, no framing and no target that a handler must be afraid of, and its
  * query, when it can be split, holds neither escapes nor control bytes. */
-#include "server/http/gate.h"
+#include "server/http/request_check.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -58,7 +58,7 @@ static int count(const struct vor_head *head, const char *name)
 static void check_passed(const struct vor_head *head)
 {
     int coded = count(head, "Transfer-Encoding"), sized = count(head, "Content-Length");
-    int64_t length = vor_gate_length(head);
+    int64_t length = vor_head_length(head);
 
     require(coded + sized <= 1 && count(head, "Host") <= 1, "a head says two things");
     require(coded == 1 ? length == -1 : length >= 0, "a length is not what the head says");
@@ -121,7 +121,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     memcpy(text, bytes, size);
     text[size] = '\0';
     read_head(&head, text);
-    slug = vor_gate_check(&head, &detail);
+    slug = vor_head_check(&head, &detail);
     require((slug == NULL) == (detail == NULL), "a refusal without a reason, or the reverse");
     make_id(vor_head_find(&head, "X-Request-Id"));
     split(head.target, slug == NULL);

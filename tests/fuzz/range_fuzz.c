@@ -2,7 +2,7 @@
  * representation and, asked for again by its own first and last byte, is the same part; a tag is
  * found in a list that holds it. */
 #include "server/api/handlers/range.h"
-#include "server/http/gate.h"
+#include "server/http/request_check.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Who must go when there are too many connections, and who counts. */
 #include "server/http/conn_guard.h"
-#include "server/http/trim.h"
+#include "server/http/release_zero_pages.h"
 #include "tests/support/vt.h"
 
 #include <poll.h>
@@ -286,8 +286,8 @@ START_TEST(pages_of_zeros_go_and_others_stay)
             memset(memory + i * page, 0, page);
             memory[(i + 1) * page - 1] = (unsigned char)((choice >> i & 1) * 7);
         }
-        vor_trim_zeros(memory + 1, 4 * page); /* does not begin a page: left alone */
-        vor_trim_zeros(memory, 4 * page);
+        vor_release_zero_pages(memory + 1, 4 * page); /* does not begin a page: left alone */
+        vor_release_zero_pages(memory, 4 * page);
         ck_assert_int_eq(mincore(memory, 4 * page, here), 0);
         for (unsigned i = 0; i < 4; i++) {
             ck_assert_uint_eq(here[i] & 1, choice >> i & 1);

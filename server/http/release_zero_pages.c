@@ -1,4 +1,4 @@
-#include "server/http/trim.h"
+#include "server/http/release_zero_pages.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,7 +11,7 @@ static bool is_zero(const uint8_t *page, size_t size)
     return page[0] == 0 && memcmp(page, page + 1, size - 1) == 0;
 }
 
-void vor_trim_zeros(void *start, size_t bytes)
+void vor_release_zero_pages(void *start, size_t bytes)
 {
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uint8_t *memory = start;

@@ -1,6 +1,6 @@
 /** What a request must look like before anybody acts on it. Pure functions on strings. */
-#ifndef VOR_SERVER_HTTP_GATE_H
-#define VOR_SERVER_HTTP_GATE_H
+#ifndef VOR_SERVER_HTTP_REQUEST_CHECK_H
+#define VOR_SERVER_HTTP_REQUEST_CHECK_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -36,10 +36,10 @@ const char *vor_head_find(const struct vor_head *head, const char *name);
  *  The library hands over strings that end at the first NUL, and takes lines that end with a line
  *  feed alone and lines that are folded; from what lies between two strings of the block that is
  *  seen all the same. The end of the last line is not. */
-const char *vor_gate_check(const struct vor_head *head, const char **detail);
+const char *vor_head_check(const struct vor_head *head, const char **detail);
 
 /** Declared length of the body: -1 chunked, 0 none. head has passed the gate. */
-int64_t vor_gate_length(const struct vor_head *head);
+int64_t vor_head_length(const struct vor_head *head);
 
 /** Splits and decodes the query in place: pairs point into text. Returns how many there are, or -1
  *  when an escape is malformed, a control byte is hidden in one, or there are more than max. */

@@ -1,12 +1,12 @@
-#include "server/http/exchange.h"
+#include "server/http/mhd_callbacks.h"
 
 #include "server/base/clock.h"
 #include "server/http/conn_guard.h"
 #include "server/http/forwarded.h"
+#include "server/http/release_zero_pages.h"
 #include "server/http/reply.h"
 #include "server/http/request.h"
 #include "server/http/state.h"
-#include "server/http/trim.h"
 #include "server/http/waker.h"
 
 #include <stdlib.h>
@@ -46,7 +46,7 @@ static bool request_sleep(struct vor_request *request, bool stays)
 static void trim(struct vor_request *request)
 {
     if (request->line != NULL)
-        vor_trim_zeros((void *)(uintptr_t)request->line, VOR_CONNECTION_BYTES);
+        vor_release_zero_pages((void *)(uintptr_t)request->line, VOR_CONNECTION_BYTES);
     request->line = NULL;
 }
 
@@ -278,13 +278,13 @@ static const char *check_head(struct vor_request *request, const char **detail)
     (void)MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->head);
     vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
     vor_request_trace(request);
-    slug = vor_gate_check(&request->head, detail);
+    slug = vor_head_check(&request->head, detail);
     if (slug != NULL)
         return slug;
     if (request->via.client[0] != '\0')
         vor_forwarded_read(&request->via, &request->head, &request->from,
                            request->http->options.trusted, request->http->options.proxy_headers);
-    request->length = vor_gate_length(&request->head);
+    request->length = vor_head_length(&request->head);
     if (vor_request_split(request))
         return NULL;
     *detail = "the query holds a malformed escape, a control byte or more than 64 pairs";
@@ -393,9 +393,9 @@ static void note_peer(struct vor_request *request)
         (void)vor_address_text(&request->from, request->via.client);
 }
 
-enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, const char *url,
-                                  const char *method, const char *version, const char *data,
-                                  size_t *size, void **con_cls)
+enum MHD_Result vor_mhd_step(void *cls, struct MHD_Connection *connection, const char *url,
+                             const char *method, const char *version, const char *data,
+                             size_t *size, void **con_cls)
 {
     struct vor_http *http = cls;
     enum MHD_Result result;
@@ -410,7 +410,7 @@ enum MHD_Result vor_exchange_step(void *cls, struct MHD_Connection *connection, 
 }
 
 /* This is the only place that shows the target as it was sent. */
-void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *connection)
+void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connection)
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info =
@@ -441,8 +441,8 @@ void *vor_exchange_begin(void *cls, const char *target, struct MHD_Connection *c
     return request;
 }
 
-void vor_exchange_end(void *cls, struct MHD_Connection *connection, void **con_cls,
-                      enum MHD_RequestTerminationCode code)
+void vor_mhd_end(void *cls, struct MHD_Connection *connection, void **con_cls,
+                 enum MHD_RequestTerminationCode code)
 {
     struct vor_http *http = cls;
     struct vor_request *request = *con_cls;

@@ -1,6 +1,6 @@
 /** Giving memory back to the system that holds nothing but zeros. */
-#ifndef VOR_SERVER_HTTP_TRIM_H
-#define VOR_SERVER_HTTP_TRIM_H
+#ifndef VOR_SERVER_HTTP_RELEASE_ZERO_PAGES_H
+#define VOR_SERVER_HTTP_RELEASE_ZERO_PAGES_H
 
 #include <stddef.h>
 
@@ -10,6 +10,6 @@
  *  thread during the call.
  *
  *  Cost: reads the range, and a system call for each run of such pages. */
-void vor_trim_zeros(void *start, size_t bytes);
+void vor_release_zero_pages(void *start, size_t bytes);
 
 #endif

@@ -1,4 +1,4 @@
-#include "server/http/gate.h"
+#include "server/http/request_check.h"
 
 #include <stdbool.h>
 #include <stdlib.h>
@@ -170,7 +170,7 @@ static const char *check_form(const struct vor_head *head)
     return wrong;
 }
 
-const char *vor_gate_check(const struct vor_head *head, const char **detail)
+const char *vor_head_check(const struct vor_head *head, const char **detail)
 {
     if (head->field_count > VOR_FIELDS_MAX) {
         *detail = "more than 100 header fields";
@@ -181,7 +181,7 @@ const char *vor_gate_check(const struct vor_head *head, const char **detail)
     return (*detail = check_form(head)) != NULL ? "malformed-request" : NULL;
 }
 
-int64_t vor_gate_length(const struct vor_head *head)
+int64_t vor_head_length(const struct vor_head *head)
 {
     const char *length = vor_head_find(head, "Content-Length");
 
