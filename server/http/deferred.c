@@ -1,5 +1,7 @@
 #include "server/http/deferred.h"
 
+#include "server/http/waker.h"
+
 static void drop(struct vor_deferred *deferred)
 {
     struct vor_waker *waker = deferred->waker;
@@ -10,9 +12,14 @@ static void drop(struct vor_deferred *deferred)
     vor_waker_drop(waker);
 }
 
-static void drop_state(void *state)
+static void end_request(void *state)
 {
-    drop(state);
+    struct vor_deferred *deferred = state;
+
+    atomic_store(&deferred->is_over, true);
+    if (deferred->over != NULL)
+        deferred->over(deferred);
+    drop(deferred);
 }
 
 void vor_deferred_begin(struct vor_deferred *deferred, struct vor_request *request,
@@ -21,8 +28,9 @@ void vor_deferred_begin(struct vor_deferred *deferred, struct vor_request *reque
     deferred->waker = vor_request_waker(request);
     atomic_init(&deferred->holds, 1);
     atomic_init(&deferred->is_done, false);
+    atomic_init(&deferred->is_over, false);
     deferred->release = release;
-    vor_request_set_state(request, deferred, drop_state);
+    vor_request_set_state(request, deferred, end_request);
 }
 
 void vor_deferred_retain(struct vor_deferred *deferred)
@@ -31,9 +39,14 @@ void vor_deferred_retain(struct vor_deferred *deferred)
     atomic_store(&deferred->is_done, false);
 }
 
-void vor_deferred_complete(struct vor_deferred *deferred)
+void vor_deferred_done(struct vor_deferred *deferred)
 {
     atomic_store(&deferred->is_done, true);
+}
+
+void vor_deferred_complete(struct vor_deferred *deferred)
+{
+    vor_deferred_done(deferred);
     vor_waker_wake(deferred->waker);
     drop(deferred);
 }
@@ -46,4 +59,9 @@ void vor_deferred_cancel(struct vor_deferred *deferred)
 bool vor_deferred_is_done(const struct vor_deferred *deferred)
 {
     return atomic_load(&deferred->is_done);
+}
+
+bool vor_deferred_is_left(const struct vor_deferred *deferred)
+{
+    return atomic_load(&deferred->is_over) || vor_waker_is_gone(deferred->waker);
 }

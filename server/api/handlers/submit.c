@@ -19,15 +19,15 @@
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/http/waker.h"
+#include "server/http/deferred.h"
 #include "server/work/admit.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct submission {
+    struct vor_deferred deferred; /* first; done once the upload is admitted or refused */
     struct vor_app *app;
     struct vor_submit_head head;
     struct vor_quota quota; /* of the key */
@@ -35,17 +35,13 @@ struct submission {
     double deadline;              /* of the wait; 0 for none */
     struct vor_submit_form *form; /* NULL when the body is a cloud */
     struct vor_uploads uploads;
-    struct vor_waker *waker;
-    pthread_mutex_t lock; /* guards holds, abandoned and admitted */
-    int holds;
-    bool abandoned; /* nobody waits for admission any more */
-    bool admitted;  /* the members below are set */
-    bool settled;   /* the caller of a synchronous call got an answer */
-    bool in_flight; /* the key is ours */
-    bool booked;    /* a place in the queue is kept, until admission is over */
-    bool replayed;  /* the job is that of an earlier request with this key */
-    bool packed;    /* an upload came as gzip: its key's job is found once it is inflated */
-    bool headed;    /* the reply has its headers already */
+    atomic_flag cancels; /* the job is being cancelled */
+    bool settled;        /* the caller of a synchronous call got an answer */
+    bool in_flight;      /* the key is ours */
+    bool booked;         /* a place in the queue is kept, until admission is over */
+    bool replayed;       /* the job is that of an earlier request with this key */
+    bool packed;         /* an upload came as gzip: its key's job is found once it is inflated */
+    bool headed;         /* the reply has its headers already */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
@@ -68,20 +64,13 @@ static void end_flight(struct submission *submission)
     submission->in_flight = false;
 }
 
-static void drop(struct submission *submission)
+static void free_submission(struct vor_deferred *deferred)
 {
-    int left;
+    struct submission *submission = (struct submission *)deferred;
 
-    (void)pthread_mutex_lock(&submission->lock);
-    left = --submission->holds;
-    (void)pthread_mutex_unlock(&submission->lock);
-    if (left > 0)
-        return;
     end_flight(submission);
     vor_submit_form_free(submission->form);
     vor_uploads_discard(&submission->uploads);
-    vor_waker_drop(submission->waker);
-    (void)pthread_mutex_destroy(&submission->lock);
     free(submission);
 }
 
@@ -90,43 +79,37 @@ static void on_cancelled(struct vor_dismissal *cancel)
     if (cancel->outcome == VOR_FAILED)
         vor_log(VOR_LOG_WARN, "job not cancelled", VOR_TEXT("job", cancel->id.text),
                 VOR_TEXT("detail", cancel->error.message));
-    drop(cancel->ctx);
+    vor_deferred_cancel(cancel->ctx);
 }
 
-/* Nobody waits for the job any more; a thread of the worker ends it. */
-static void cancel_job(struct submission *submission)
+/* A synchronous caller without a key is gone for good, so nobody waits for the job any more: a
+ * thread of the worker ends it. Called when the request is over and when the job is accepted; the
+ * later of the two cancels it. */
+static void cancel_if_left(struct submission *submission)
 {
+    if (!atomic_load(&submission->deferred.is_over) ||
+        !vor_deferred_is_done(&submission->deferred) || submission->outcome != VOR_DONE ||
+        submission->head.mode != VOR_SUBMIT_SYNC || submission->settled || has_key(submission) ||
+        atomic_load(&submission->app->draining) || atomic_flag_test_and_set(&submission->cancels))
+        return;
     submission->cancel = (struct vor_dismissal){.id = submission->admission.admitted.id,
                                                 .why = "the client disconnected",
                                                 .is_cancel = 1,
                                                 .done = on_cancelled,
-                                                .ctx = submission};
-    (void)pthread_mutex_lock(&submission->lock);
-    submission->holds++;
-    (void)pthread_mutex_unlock(&submission->lock);
+                                                .ctx = &submission->deferred};
+    vor_deferred_retain(&submission->deferred);
     vor_worker_dismiss_soon(submission->app->worker, &submission->cancel);
 }
 
-/* The request is over. The library may have seen the caller leave before we were asked again: then
- * nobody waits for the job any more. */
-static void release(void *state)
+static void on_over(struct vor_deferred *deferred)
 {
-    struct submission *submission = state;
-    struct vor_app *app = submission->app;
-    bool left;
+    struct submission *submission = (struct submission *)deferred;
 
-    (void)pthread_mutex_lock(&submission->lock);
-    submission->abandoned = true;
-    left = submission->admitted && submission->outcome == VOR_DONE;
-    (void)pthread_mutex_unlock(&submission->lock);
     if (submission->bus != NULL) {
         vor_bus_unsubscribe(submission->bus, &submission->subscriber);
         vor_bus_release(submission->bus);
     }
-    if (left && submission->head.mode == VOR_SUBMIT_SYNC && !submission->settled &&
-        !has_key(submission) && !atomic_load(&app->draining))
-        cancel_job(submission);
-    drop(submission);
+    cancel_if_left(submission);
 }
 
 static int take_piece(void *ctx, const void *bytes, size_t size)
@@ -138,19 +121,6 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     if (vor_blob_append(submission->uploads.item[0].bytes, bytes, size, &err) == VOR_OK)
         return 0;
     return vor_error_storage_full(&err) ? 507 : 503;
-}
-
-static struct submission *submission_create(struct vor_app *app, struct vor_request *request)
-{
-    struct submission *submission = calloc(1, sizeof *submission);
-
-    if (submission == NULL)
-        return NULL;
-    submission->app = app;
-    submission->holds = 1;
-    (void)pthread_mutex_init(&submission->lock, NULL);
-    submission->waker = vor_request_waker(request);
-    return submission;
 }
 
 static bool check_disk(struct vor_app *app, struct vor_request *request)
@@ -277,33 +247,30 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
                                app->config->number[VOR_SET_STREAMS]);
     if (vor_request_length(request) <= (int64_t)limit && !check_disk(app, request))
         return VOR_NEXT_REPLY;
-    submission = submission_create(app, request);
+    submission = calloc(1, sizeof *submission);
     if (submission == NULL) {
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
         return vor_problem_error(app, request, &err, NULL);
     }
+    submission->app = app;
+    atomic_flag_clear(&submission->cancels);
     submission->head = head;
     submission->quota = vor_request_principal(request)->quota;
     submission->span = *vor_request_span(request);
-    vor_request_set_state(request, submission, release);
+    submission->deferred.over = on_over;
+    vor_deferred_begin(&submission->deferred, request, free_submission);
     if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
 }
 
-/* Nobody waits for admission any more: the request is over, or its caller was seen to leave. */
+/* Whether nobody waits for admission any more; who has a key can come back. */
 static int has_left(void *ctx)
 {
-    struct submission *submission = ctx;
-    int left;
+    const struct submission *submission = ctx;
 
-    if (has_key(submission))
-        return 0; /* the caller can come back */
-    (void)pthread_mutex_lock(&submission->lock);
-    left = submission->abandoned;
-    (void)pthread_mutex_unlock(&submission->lock);
-    return left || vor_waker_is_gone(submission->waker);
+    return !has_key(submission) && vor_deferred_is_left(&submission->deferred);
 }
 
 /* Whether the job of the key is there already, or cannot be looked for; sets the outcome then. */
@@ -335,15 +302,13 @@ static void on_admitted(struct vor_admission *admission)
                                         .jobs_max = (uint64_t)submission->quota.jobs,
                                         .bytes_max = (uint64_t)submission->quota.bytes,
                                         .booked = submission->booked};
-    bool abandoned, submitted = false;
+    bool is_left = atomic_load(&submission->deferred.is_over) && !has_key(submission);
+    bool submitted = false;
 
-    (void)pthread_mutex_lock(&submission->lock);
-    abandoned = submission->abandoned && !has_key(submission);
-    (void)pthread_mutex_unlock(&submission->lock);
     submission->outcome = VOR_FAILED;
     if (admission->status != VOR_OK)
         submission->error = admission->error;
-    else if (is_settled(submission) || abandoned ||
+    else if (is_settled(submission) || is_left ||
              vor_limits_points(&submission->quota, &admission->admitted, &submission->error) !=
                  VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
@@ -356,14 +321,9 @@ static void on_admitted(struct vor_admission *admission)
     else if (submission->booked)
         vor_worker_unbook(app->worker);
     end_flight(submission);
-    (void)pthread_mutex_lock(&submission->lock);
-    submission->admitted = true;
-    abandoned = submission->abandoned && !has_key(submission);
-    (void)pthread_mutex_unlock(&submission->lock);
-    if (abandoned && submission->outcome == VOR_DONE && submission->head.mode == VOR_SUBMIT_SYNC)
-        cancel_job(submission);
-    vor_waker_wake(submission->waker);
-    drop(submission);
+    vor_deferred_done(&submission->deferred);
+    cancel_if_left(submission);
+    vor_deferred_complete(&submission->deferred);
 }
 
 static enum vor_next admit(struct vor_app *app, struct vor_request *request,
@@ -383,13 +343,13 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         .done = on_admitted,
         .has_left = has_left,
         .ctx = submission};
-    submission->holds++; /* nobody else has it yet */
+    vor_deferred_retain(&submission->deferred);
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {
         submission->uploads.count = 0;
         return VOR_NEXT_WAIT;
     }
-    submission->holds--;
+    vor_deferred_cancel(&submission->deferred);
     if (submission->booked)
         vor_worker_unbook(app->worker);
     return vor_outcome_reply(app, request, outcome, NULL, NULL);
@@ -495,7 +455,8 @@ static enum vor_next start_wait(struct vor_app *app, struct vor_request *request
 
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &submission->error, &submission->view.id);
-    submission->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = submission->waker};
+    submission->subscriber =
+        (struct vor_subscriber){.wake = on_event, .ctx = submission->deferred.waker};
     vor_bus_subscribe(submission->bus, &submission->subscriber);
     if (submission->head.wait_seconds >= 0)
         submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
@@ -548,7 +509,6 @@ static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
     if (outcome == VOR_UNKNOWN)
         return admit(app, request, submission);
     end_flight(submission);
-    submission->admitted = true; /* nobody else has it */
     submission->replayed = outcome == VOR_DONE;
     submission->outcome = outcome;
     return accepted(app, request, submission);
@@ -558,7 +518,6 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
 {
     struct vor_app *app = ctx;
     struct submission *submission = vor_request_state(request);
-    bool admitted;
 
     if (vor_request_length(request) != 0 && vor_submit_body_is_json(request))
         return vor_submit_json(app, request, step);
@@ -566,12 +525,9 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         return begin(app, request);
     if (step == VOR_STEP_BODY)
         return take_body(app, request, submission);
-    (void)pthread_mutex_lock(&submission->lock);
-    admitted = submission->admitted;
-    (void)pthread_mutex_unlock(&submission->lock);
     if (submission->bus != NULL)
         return wait_for_end(app, request, submission);
-    if (admitted)
+    if (vor_deferred_is_done(&submission->deferred))
         return accepted(app, request, submission);
     if (vor_request_gone(request))
         return vor_problem_say(app, request, "client-closed", "the client disconnected");
