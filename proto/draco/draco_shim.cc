@@ -337,20 +337,13 @@ void add_origin(draco::PointCloud *cloud, const vor_draco_source &source)
     cloud->metadata()->AddEntryString("voronoid.position_type", source.position_type);
 }
 
-/* The origin as single doubles, or as the array that earlier versions wrote. */
 bool origin_entries(const draco::Metadata *metadata, double origin[3])
 {
-    std::vector<double> values;
     int found = 0;
 
     while (found < 3 && metadata->GetEntryDouble(origin_keys[found], &origin[found]))
         found++;
-    if (found == 3)
-        return true;
-    if (!metadata->GetEntryDoubleArray("voronoid.origin", &values) || values.size() != 3)
-        return false;
-    std::memcpy(origin, values.data(), 3 * sizeof *origin);
-    return true;
+    return found == 3;
 }
 
 /* The nesting is bounded (draco_gate.h). */

@@ -99,9 +99,8 @@ enum vor_draco_result vor_draco_values(const struct vor_draco_decoded *decoded, 
  *  attribute. */
 size_t vor_draco_metadata(const struct vor_draco_decoded *decoded) VOR_NOEXCEPT;
 
-/** The metadata entries "voronoid.origin.x", ".y" and ".z" (a double each; or "voronoid.origin",
- *  three of them, as earlier versions wrote) and "voronoid.position_type" (type is "" without it).
- *  0 when there is no origin. */
+/** The metadata entries "voronoid.origin.x", ".y" and ".z" (a double each) and
+ *  "voronoid.position_type" (type is "" without it). 0 when there is no origin. */
 int vor_draco_origin(const struct vor_draco_decoded *decoded, double origin[3],
                      char type[16]) VOR_NOEXCEPT;
 

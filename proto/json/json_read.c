@@ -101,7 +101,7 @@ vor_status vor_json_parse(struct vor_json **out, const char *bytes, size_t size,
     keys.offsets = malloc(VOR_JSON_TOKENS_MAX * sizeof *keys.offsets);
     if (keys.offsets == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the keys of a JSON text");
-    status = vor_json_scan_keys(bytes, size, &keys, err);
+    status = vor_json_scan(bytes, size, &keys, err);
     if (status != VOR_OK)
         goto done;
     /* What the scan lets pass, cJSON reads, unless memory ends. */
@@ -192,15 +192,6 @@ const struct vor_json *vor_json_next(const struct vor_json *element)
 const char *vor_json_name(const struct vor_json *member)
 {
     return member != NULL ? node(member)->string : NULL;
-}
-
-size_t vor_json_count(const struct vor_json *value)
-{
-    size_t count = 0;
-
-    for (const struct vor_json *v = vor_json_first(value); v != NULL; v = vor_json_next(v))
-        count++;
-    return count;
 }
 
 void vor_json_copy(struct vor_text *text, const struct vor_json *value)

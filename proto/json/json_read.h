@@ -55,9 +55,6 @@ const struct vor_json *vor_json_first(const struct vor_json *value);
 const struct vor_json *vor_json_next(const struct vor_json *element);
 const char *vor_json_name(const struct vor_json *member);
 
-/** Elements or members. O(their number). */
-size_t vor_json_count(const struct vor_json *value);
-
 /** Writes a value that was read, in one line, numbers as vor_json_double does. */
 void vor_json_copy(struct vor_text *text, const struct vor_json *value);
 

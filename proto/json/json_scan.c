@@ -288,8 +288,8 @@ static vor_status scan_value(struct scan *s)
     return scan_word(s, c == 't' ? "true" : c == 'f' ? "false" : "null");
 }
 
-vor_status vor_json_scan_keys(const char *bytes, size_t size, struct vor_json_keys *keys,
-                              struct vor_error *err)
+vor_status vor_json_scan(const char *bytes, size_t size, struct vor_json_keys *keys,
+                         struct vor_error *err)
 {
     struct scan s = {(const unsigned char *)bytes, size, 0, 0, 0, keys, err};
     vor_status status;
@@ -302,9 +302,4 @@ vor_status vor_json_scan_keys(const char *bytes, size_t size, struct vor_json_ke
         return status;
     skip_blanks(&s);
     return s.at == size ? VOR_OK : unexpected(&s, "nothing after the value");
-}
-
-vor_status vor_json_scan(const char *bytes, size_t size, struct vor_error *err)
-{
-    return vor_json_scan_keys(bytes, size, NULL, err);
 }

@@ -15,24 +15,21 @@
 #define VOR_JSON_TOKENS_MAX 20000 /**< values, keys and opening brackets */
 #define VOR_JSON_NUMBER_LENGTH_MAX 63
 
-/** Checks a text without reading it: RFC 8259 to the letter, within the limits above, valid UTF-8,
- *  no NUL and no \u0000, numbers that fit a double, and nothing after the value. Does not look for
- *  duplicate keys.
- *
- *  @retval VOR_E_REQUEST byte_offset says where and the message why; limit and got are set when a
- *                        limit was exceeded
- *
- *  O(size) time, no memory. */
-VOR_NODISCARD vor_status vor_json_scan(const char *bytes, size_t size, struct vor_error *err);
-
 /** Where the keys of a text stand, in the order in which they stand. */
 struct vor_json_keys {
     uint32_t *offsets; /**< room for VOR_JSON_TOKENS_MAX */
     size_t count;
 };
 
-/** vor_json_scan that also notes the keys; keys may be NULL. */
-VOR_NODISCARD vor_status vor_json_scan_keys(const char *bytes, size_t size,
-                                            struct vor_json_keys *keys, struct vor_error *err);
+/** Checks a text without reading it: RFC 8259 to the letter, within the limits above, valid UTF-8,
+ *  no NUL and no \u0000, numbers that fit a double, and nothing after the value. Does not look for
+ *  duplicate keys, but notes where the keys stand; keys may be NULL.
+ *
+ *  @retval VOR_E_REQUEST byte_offset says where and the message why; limit and got are set when a
+ *                        limit was exceeded
+ *
+ *  O(size) time, no memory. */
+VOR_NODISCARD vor_status vor_json_scan(const char *bytes, size_t size, struct vor_json_keys *keys,
+                                       struct vor_error *err);
 
 #endif

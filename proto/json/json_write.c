@@ -115,21 +115,6 @@ void vor_json_bytes(struct vor_text *text, const char *value, size_t size)
     append_quoted(text, value, size);
 }
 
-/* A locale's decimal point, which may be several bytes, becomes a point. */
-static size_t plain_point(char *number, size_t length)
-{
-    size_t at = 0;
-
-    for (size_t i = 0; i < length; i++) {
-        if (strchr("+-0123456789e", number[i]) != NULL)
-            number[at++] = number[i];
-        else if (at == 0 || number[at - 1] != '.')
-            number[at++] = '.';
-    }
-    number[at] = '\0';
-    return at;
-}
-
 size_t vor_json_format_double(char out[VOR_JSON_NUMBER_MAX], double value)
 {
     int length = 0;
@@ -139,7 +124,7 @@ size_t vor_json_format_double(char out[VOR_JSON_NUMBER_MAX], double value)
         if (strtod(out, NULL) == value)
             break;
     }
-    return plain_point(out, (size_t)length);
+    return (size_t)length;
 }
 
 void vor_json_double(struct vor_text *text, double value)

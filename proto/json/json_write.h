@@ -13,7 +13,7 @@
  *  Strings may hold any bytes: the writer escapes control characters (C0, DEL) and writes U+FFFD
  *  for bytes that are not UTF-8, so the text is always valid JSON. A NULL string becomes null.
  *  Doubles get the fewest of 15, 16 or 17 digits that read back as the same value; NaN and
- *  infinities become null. Nothing depends on the locale. A failure sticks to the text. */
+ *  infinities become null. The program must be in the "C" locale. A failure sticks to the text. */
 void vor_json_begin_object(struct vor_text *text);
 void vor_json_end_object(struct vor_text *text);
 void vor_json_begin_array(struct vor_text *text);
@@ -38,7 +38,7 @@ void vor_json_put_i64(struct vor_text *text, const char *key, int64_t value);
 void vor_json_put_bool(struct vor_text *text, const char *key, int value);
 
 /** The shortest of "%.15g", "%.16g", "%.17g" that reads back as value (which must be finite), with
- *  a point whatever the locale. out has room for VOR_JSON_NUMBER_MAX. Returns its length. */
+ *  a point. out has room for VOR_JSON_NUMBER_MAX. Returns its length. */
 #define VOR_JSON_NUMBER_MAX 32
 size_t vor_json_format_double(char out[VOR_JSON_NUMBER_MAX], double value);
 

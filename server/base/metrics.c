@@ -247,9 +247,3 @@ void vor_metrics_write(struct vor_text *text)
         }
     }
 }
-
-void vor_metrics_reset(void)
-{
-    for (unsigned at = 0; at < SERIES_MAX; at++)
-        free(atomic_exchange(&table[at], NULL));
-}

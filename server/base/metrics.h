@@ -113,7 +113,4 @@ void vor_metric_observe(enum vor_metric metric, double value, const char *const 
  *  particular order. */
 void vor_metrics_write(struct vor_text *text);
 
-/** Forgets all values: for tests, while no other thread uses them. */
-void vor_metrics_reset(void);
-
 #endif

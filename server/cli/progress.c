@@ -134,31 +134,15 @@ static uint32_t count_at(const struct vor_json *json, const char *name)
     return number >= 0 && number <= UINT32_MAX ? (uint32_t)number : 0;
 }
 
-/* Sets the limits of a stage from an event of a daemon that does not know stages. */
-static void read_limits(struct vor_record *record, const struct vor_json *event)
-{
-    uint32_t polish = count_at(event, "maxPolish");
-
-    if (record->stage == VOR_RUN_STAGE_POLISH) {
-        record->of = polish;
-        return;
-    }
-    record->of = count_at(event, "maxIterations");
-    record->ahead = polish;
-}
-
 void vor_progress_event(struct vor_progress *progress, const struct vor_json *event)
 {
     struct vor_record record;
 
-    if (!vor_json_record_read(&record, event))
-        return;
-    if (vor_json_get(event, "run_stage") == NULL)
-        read_limits(&record, event);
-    vor_progress_record(progress, &record);
+    if (vor_json_record_read(&record, event))
+        vor_progress_record(progress, &record);
 }
 
-/* Reads the stages of a report; a daemon that does not list them iterates and polishes. */
+/* Reads the stages of a report. */
 static void read_stages(struct vor_report *out, const struct vor_json *report)
 {
     const struct vor_json *list = vor_json_get(report, "stages");
@@ -170,11 +154,6 @@ static void read_stages(struct vor_report *out, const struct vor_json *report)
         if (stage != VOR_RUN_STAGE_COUNT)
             vor_report_stage(out, stage, count_at(s, "steps"), 0);
     }
-    if (list != NULL)
-        return;
-    vor_report_stage(out, VOR_RUN_STAGE_ITERATE, count_at(report, "iterations"), 0);
-    if (count_at(report, "polish_steps") > 0)
-        vor_report_stage(out, VOR_RUN_STAGE_POLISH, count_at(report, "polish_steps"), 0);
 }
 
 /* Says where zero lies in the file of the result, unless it is the input's. */

@@ -29,8 +29,7 @@ void vor_progress_note(struct vor_progress *progress, const char *note);
 /** Shows a record: a line of JSON, or the bar, ten times a second at most. */
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record);
 
-/** Shows the record in the data of a daemon's progress event, also of a daemon that knows no
- * stages. Ignores data without a record. */
+/** Shows the record in the data of a daemon's progress event. Ignores data without a record. */
 void vor_progress_event(struct vor_progress *progress, const struct vor_json *event);
 
 /** Takes the bar off the terminal, so that a line can be printed. */

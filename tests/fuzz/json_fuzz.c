@@ -39,7 +39,7 @@ static void read_request(const struct vor_json *json)
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
-    vor_status scanned = vor_json_scan((const char *)bytes, size, NULL), status;
+    vor_status scanned = vor_json_scan((const char *)bytes, size, NULL, NULL), status;
     struct vor_json *json = NULL, *again = NULL;
     struct vor_text first, second;
     struct vor_error err;

@@ -1,5 +1,7 @@
 #include "tests/support/vt.h"
 
+#include "proto/json/json.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -184,4 +186,13 @@ int vt_bytes_write(void *ctx, const void *data, size_t size)
     memcpy(bytes->data + bytes->size, data, size);
     bytes->size += size;
     return 0;
+}
+
+size_t vt_json_count(const struct vor_json *value)
+{
+    size_t count = 0;
+
+    for (value = vor_json_first(value); value != NULL; value = vor_json_next(value))
+        count++;
+    return count;
 }

@@ -18,6 +18,10 @@ void vt_suite(Suite *suite);
 /** Runs a suite, prints TAP on stdout, returns the exit status for main(). */
 int vt_run(Suite *suite);
 
+/** Elements or members of a JSON value. */
+struct vor_json;
+size_t vt_json_count(const struct vor_json *value);
+
 /** Adds a case with one test, or with a loop of `loops` seeds (_i = 0 .. loops - 1). */
 #define vt_add(suite, test) vt_add_loop(suite, test, 0)
 #define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)

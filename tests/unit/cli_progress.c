@@ -203,15 +203,18 @@ static const char *summary(const char *report)
 
 START_TEST(the_summary_names_iterations_and_polish_steps)
 {
-    ck_assert_str_eq(summary("{\"points\":{\"in\":9,\"out\":7},\"delta\":0.03125,\"iterations\":37,"
-                             "\"polish_steps\":100,\"stopped\":\"plateau\","
-                             "\"seconds\":{\"iterate\":1.5,\"polish\":2.25}}"),
-                     "voronoid: out.ply: 7 points, delta 0.0312 after 37 iterations and 100 polish "
-                     "steps (plateau), 3.8 s\n");
-    ck_assert_str_eq(summary("{\"points\":{\"out\":7},\"delta\":0.5,\"iterations\":6,"
-                             "\"polish_steps\":0,\"stopped\":\"iterations\",\"seconds\":{}}"),
-                     "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations (iterations), "
-                     "0.0 s\n");
+    ck_assert_str_eq(
+        summary("{\"points\":{\"in\":9,\"out\":7},\"delta\":0.03125,\"stages\":["
+                "{\"stage\":\"iterate\",\"steps\":37},{\"stage\":\"polish\",\"steps\":100}],"
+                "\"stopped\":\"plateau\","
+                "\"seconds\":{\"iterate\":1.5,\"polish\":2.25}}"),
+        "voronoid: out.ply: 7 points, delta 0.0312 after 37 iterations and 100 polish "
+        "steps (plateau), 3.8 s\n");
+    ck_assert_str_eq(
+        summary("{\"points\":{\"out\":7},\"delta\":0.5,\"stages\":["
+                "{\"stage\":\"iterate\",\"steps\":6}],\"stopped\":\"iterations\",\"seconds\":{}}"),
+        "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations (iterations), "
+        "0.0 s\n");
     ck_assert_str_eq(summary("{\"points\":{\"out\":7},\"delta\":0.5,\"iterations\":6,\"stages\":["
                              "{\"stage\":\"polish\",\"steps\":4},{\"stage\":\"melt\",\"steps\":3},"
                              "{\"stage\":\"iterate\",\"steps\":5}],\"stopped\":\"delta\"}"),

@@ -263,7 +263,7 @@ START_TEST(many_keys_are_told_apart)
     }
     vor_json_end_object(&text);
     vt_assert_ok(vor_json_parse(&json, text.data, text.size, &vt_err));
-    ck_assert_uint_eq(vor_json_count(json), 9999);
+    ck_assert_uint_eq(vt_json_count(json), 9999);
     ck_assert(vor_json_get_number(vor_json_get(json, "k7777"), &value));
     ck_assert_double_eq(value, 7777);
     vor_json_free(json);
@@ -280,12 +280,12 @@ START_TEST(every_kind_is_read)
     int flag = -1;
 
     ck_assert_int_eq(vor_json_kind(json), VOR_JSON_OBJECT);
-    ck_assert_uint_eq(vor_json_count(json), 6);
+    ck_assert_uint_eq(vt_json_count(json), 6);
     ck_assert_str_eq(vor_json_name(vor_json_first(json)), "o");
     ck_assert(vor_json_get_number(vor_json_get(vor_json_get(json, "o"), "x"), &number));
     ck_assert_double_eq(number, -150);
     ck_assert_int_eq(vor_json_kind(a), VOR_JSON_ARRAY);
-    ck_assert_uint_eq(vor_json_count(a), 3);
+    ck_assert_uint_eq(vt_json_count(a), 3);
     ck_assert_str_eq(vor_json_get_string(vor_json_next(vor_json_first(a))), "two");
     ck_assert_int_eq(vor_json_kind(vor_json_next(vor_json_next(vor_json_first(a)))), VOR_JSON_NULL);
     ck_assert(vor_json_get_bool(vor_json_get(json, "t"), &flag) && flag == 1);
@@ -325,7 +325,7 @@ START_TEST(getters_of_the_wrong_kind_yield_nothing)
     ck_assert_ptr_null(vor_json_first(number));
     ck_assert_ptr_null(vor_json_first(string));
     ck_assert_ptr_null(vor_json_name(number));
-    ck_assert_uint_eq(vor_json_count(string), 0);
+    ck_assert_uint_eq(vt_json_count(string), 0);
     vor_json_free(json);
 }
 END_TEST

@@ -125,14 +125,14 @@ START_TEST(a_process_describes_what_it_takes)
     json = parsed(text.data);
     ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), process->id);
     ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "version")), VOR_VERSION);
-    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "jobControlOptions")), 3);
+    ck_assert_uint_eq(vt_json_count(vor_json_get(json, "jobControlOptions")), 3);
     for (; process->inputs[inputs].name != NULL; inputs++)
         ck_assert_ptr_nonnull(at(json, "inputs", process->inputs[inputs].name, "schema"));
     for (int i = 0; process->outputs[i].name != NULL; i++)
         ck_assert_ptr_nonnull(at(json, "outputs", process->outputs[i].name, "schema"));
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
         inputs += (size_t)vor_process_takes(process, (enum vor_parameter)i);
-    ck_assert_uint_eq(vor_json_count(vor_json_get(json, "inputs")), inputs);
+    ck_assert_uint_eq(vt_json_count(vor_json_get(json, "inputs")), inputs);
     vor_json_free(json);
     vor_text_free(&text);
 }

@@ -31,7 +31,6 @@ START_TEST(what_was_never_counted_is_not_written)
 {
     char *text;
 
-    vor_metrics_reset();
     text = written();
     ck_assert_str_eq(text, "");
     free(text);
@@ -42,7 +41,6 @@ START_TEST(counters_of_different_labels_are_apart)
 {
     char *text;
 
-    vor_metrics_reset();
     vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS("/v1/jobs", "GET", "200"));
     vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 2, VOR_LABELS("/v1/jobs", "GET", "200"));
     vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS("/v1/jobs", "GET", "404"));
@@ -65,7 +63,6 @@ START_TEST(a_label_s_value_is_escaped_and_cut)
     char value[100], line[160];
     char *text;
 
-    vor_metrics_reset();
     memset(value, 'x', sizeof value - 1);
     value[sizeof value - 1] = '\0';
     vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS("a\"b\\c\nd"));
@@ -85,7 +82,6 @@ START_TEST(a_histogram_counts_up_to_each_bound)
     static const double values[] = {0, 0.001, 0.0011, 0.5, 1e9};
     char *text;
 
-    vor_metrics_reset();
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++)
         vor_metric_observe(VOR_METRIC_HTTP_SECONDS, values[i], VOR_LABELS("/livez"));
     vor_metric_observe(VOR_METRIC_HTTP_SECONDS, NAN, VOR_LABELS("/livez"));
@@ -129,7 +125,6 @@ START_TEST(threads_that_count_at_once_lose_nothing)
     pthread_t threads[THREADS];
     char *text, line[80];
 
-    vor_metrics_reset();
     for (int i = 0; i < THREADS; i++)
         ck_assert_int_eq(pthread_create(&threads[i], NULL, count_all, NULL), 0);
     for (int i = 0; i < THREADS; i++)

@@ -329,7 +329,6 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
     struct vt_heard beside[3], heard;
     struct vor_text numbers;
 
-    vor_metrics_reset();
     for (int i = 0; i < 3; i++)
         begin(&beside[i], &front, OBEYS);
     for (int i = 0; i < 3; i++)
