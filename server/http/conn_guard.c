@@ -174,14 +174,6 @@ void vor_conn_request(struct vor_conn *conn, struct vor_waker *waker)
     vor_waker_drop(before);
 }
 
-void vor_conn_wake_soon(struct vor_conn *conn)
-{
-    lock(conn->guard);
-    vor_conn_set_due(conn);
-    unlock(conn->guard);
-    vor_conn_poke(conn->guard);
-}
-
 void vor_conn_wake_after(struct vor_conn *conn, double seconds)
 {
     double at = vor_clock_seconds() + seconds;

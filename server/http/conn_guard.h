@@ -59,9 +59,6 @@ void vor_conn_request(struct vor_conn *conn, struct vor_waker *waker);
  *  (vor_waker_gone) and woken. */
 void vor_conn_wait(struct vor_conn *conn, bool waiting);
 
-/** Wakes the request soon, once those had their turn that were due before. conn is not NULL. */
-void vor_conn_wake_soon(struct vor_conn *conn);
-
 /** Wakes the request once, `seconds` from now or when an earlier call said so, whichever is first;
  *  among many that are due at once, when its turn comes. */
 void vor_conn_wake_after(struct vor_conn *conn, double seconds);

@@ -236,10 +236,6 @@ void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
  *  ones are served in between. From any thread, as long as the request lives. */
 void vor_request_wake_after(struct vor_request *request, double seconds);
 
-/** Wakes the request some milliseconds from now: for a step that has more to do and returns
- *  VOR_NEXT_WAIT, so that others are served in between. */
-void vor_request_wake_soon(struct vor_request *request);
-
 /* --- answering: exactly one of these, from within a step -------------------------------------- */
 
 /** Adds a header to the reply; values with control bytes are dropped whole. */

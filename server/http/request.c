@@ -210,14 +210,6 @@ void vor_request_wake_after(struct vor_request *request, double seconds)
     vor_conn_wake_after(request->conn, seconds);
 }
 
-void vor_request_wake_soon(struct vor_request *request)
-{
-    if (request->conn != NULL)
-        vor_conn_wake_soon(request->conn);
-    else
-        vor_waker_wake(request->waker);
-}
-
 unsigned vor_request_excess(const struct vor_request *request)
 {
     const struct vor_http_options *options = &request->http->options;
