@@ -15,43 +15,6 @@
 
 /* --- what is asked for when somebody looks ---------------------------------------------------- */
 
-static void read_http(const struct vor_app *app)
-{
-    vor_metric_set(VOR_METRIC_HTTP_IN_FLIGHT, vor_http_busy(app->http), NULL);
-    vor_metric_set(VOR_METRIC_HTTP_STUCK, vor_http_stuck(app->http), NULL);
-    vor_metric_set(VOR_METRIC_CONNECTIONS, vor_http_connections(app->http), NULL);
-    vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
-    vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
-    vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_sink_dropped(), NULL);
-}
-
-static void read_jobs(const struct vor_app *app)
-{
-    struct vor_worker_load load;
-    double waited = 0;
-
-    vor_worker_load(app->worker, &load);
-    if (load.oldest_ms > 0)
-        waited = (double)(vor_clock_wall_ms() - load.oldest_ms) / 1000;
-    vor_metric_set(VOR_METRIC_QUEUE, (double)load.waiting, VOR_LABELS("waiting"));
-    vor_metric_set(VOR_METRIC_QUEUE, (double)load.running, VOR_LABELS("running"));
-    vor_metric_set(VOR_METRIC_QUEUE_MOST, app->config->number[VOR_SET_QUEUE], NULL);
-    vor_metric_set(VOR_METRIC_QUEUE_AGE, waited > 0 ? waited : 0, NULL);
-    vor_metric_set(VOR_METRIC_WORKER_BUSY, (double)load.running, NULL);
-    vor_metric_set(VOR_METRIC_WORKER_SLOTS, app->config->number[VOR_SET_JOBS], NULL);
-}
-
-/* A counter that has counted nothing yet says 0, so that its first step is seen. */
-static void begin_counters(void)
-{
-    static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
-                                               VOR_METRIC_UPLOADS,       VOR_METRIC_WORKER_RESTARTS,
-                                               VOR_METRIC_UPLOAD_BYTES,  VOR_METRIC_POINTS};
-
-    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
-        vor_metric_add(counters[i], 0, NULL);
-}
-
 static void read_storage(const struct vor_app *app)
 {
     uint64_t available, total;
@@ -68,11 +31,31 @@ static void read_storage(const struct vor_app *app)
 static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *request)
 {
     struct vor_text text;
+    struct vor_worker_load load;
+    double waited = 0;
+    static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
+                                               VOR_METRIC_UPLOADS,       VOR_METRIC_WORKER_RESTARTS,
+                                               VOR_METRIC_UPLOAD_BYTES,  VOR_METRIC_POINTS};
 
     vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION, VOR_ENGINE, vor_vector_name()));
-    begin_counters();
-    read_http(app);
-    read_jobs(app);
+    /* A counter that has counted nothing yet says 0, so that its first step is seen. */
+    for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
+        vor_metric_add(counters[i], 0, NULL);
+    vor_metric_set(VOR_METRIC_HTTP_IN_FLIGHT, vor_http_busy(app->http), NULL);
+    vor_metric_set(VOR_METRIC_HTTP_STUCK, vor_http_stuck(app->http), NULL);
+    vor_metric_set(VOR_METRIC_CONNECTIONS, vor_http_connections(app->http), NULL);
+    vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
+    vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
+    vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_sink_dropped(), NULL);
+    vor_worker_load(app->worker, &load);
+    if (load.oldest_ms > 0)
+        waited = (double)(vor_clock_wall_ms() - load.oldest_ms) / 1000;
+    vor_metric_set(VOR_METRIC_QUEUE, (double)load.waiting, VOR_LABELS("waiting"));
+    vor_metric_set(VOR_METRIC_QUEUE, (double)load.running, VOR_LABELS("running"));
+    vor_metric_set(VOR_METRIC_QUEUE_MOST, app->config->number[VOR_SET_QUEUE], NULL);
+    vor_metric_set(VOR_METRIC_QUEUE_AGE, waited > 0 ? waited : 0, NULL);
+    vor_metric_set(VOR_METRIC_WORKER_BUSY, (double)load.running, NULL);
+    vor_metric_set(VOR_METRIC_WORKER_SLOTS, app->config->number[VOR_SET_JOBS], NULL);
     read_storage(app);
     vor_text_init(&text, 0);
     vor_metrics_write(&text);
@@ -99,20 +82,6 @@ static bool is_foreign_host(const struct vor_config *config, const struct vor_re
     return true;
 }
 
-/* The first listener's threads may hang while this one's does not. */
-static enum vor_next reply_livez(struct vor_app *app, struct vor_request *request,
-                                 enum vor_step step)
-{
-    double stuck = vor_http_stuck(app->http);
-
-    if (stuck < VOR_STUCK_SECONDS)
-        return vor_handle_livez(app, request, step);
-    return vor_problem_say(
-        app, request, "not-alive",
-        "a thread has spent %.0f seconds on one step of a request, want less than %d", stuck,
-        VOR_STUCK_SECONDS);
-}
-
 enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
 {
     static const char want[] = "want GET of /livez, /readyz or /metrics";
@@ -129,8 +98,17 @@ enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vo
     problem.detail = want;
     if (method != VOR_GET && method != VOR_HEAD)
         return vor_problem_reply(app, request, &problem);
-    if (strcmp(path, "/livez") == 0)
-        return reply_livez(app, request, step);
+    if (strcmp(path, "/livez") == 0) {
+        double stuck = vor_http_stuck(app->http);
+
+        /* The first listener's threads may hang while this one's does not. */
+        if (stuck < VOR_STUCK_SECONDS)
+            return vor_handle_livez(app, request, step);
+        return vor_problem_say(
+            app, request, "not-alive",
+            "a thread has spent %.0f seconds on one step of a request, want less than %d", stuck,
+            VOR_STUCK_SECONDS);
+    }
     if (strcmp(path, "/readyz") == 0)
         return vor_handle_readyz(app, request, step);
     if (strcmp(path, "/metrics") == 0)

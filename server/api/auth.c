@@ -46,25 +46,19 @@ static bool refuse(struct vor_app *app, struct vor_request *request, const char 
     return false;
 }
 
-/* The words of the scopes that a caller has, with blanks between. */
-static void list_scopes(const struct vor_principal *caller, char *out, size_t size)
-{
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (int i = VOR_SCOPE_OPEN + 1; i < VOR_SCOPES && at < size; i++)
-        if (vor_principal_may(caller, (enum vor_scope)i))
-            at += (size_t)snprintf(out + at, size - at, "%s%s", at > 0 ? " " : "",
-                                   vor_scope_word((enum vor_scope)i));
-}
-
 static bool refuse_scope(struct vor_app *app, struct vor_request *request,
                          const struct vor_principal *caller, enum vor_scope scope)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("forbidden");
     char challenge[128], detail[192], scopes[64];
+    size_t at = 0;
 
-    list_scopes(caller, scopes, sizeof scopes);
+    /* The words of the scopes that a caller has, with blanks between. */
+    scopes[0] = '\0';
+    for (int i = VOR_SCOPE_OPEN + 1; i < VOR_SCOPES && at < sizeof scopes; i++)
+        if (vor_principal_may(caller, (enum vor_scope)i))
+            at += (size_t)snprintf(scopes + at, sizeof scopes - at, "%s%s", at > 0 ? " " : "",
+                                   vor_scope_word((enum vor_scope)i));
     (void)snprintf(challenge, sizeof challenge,
                    REALM ", error=\"insufficient_scope\", scope=\"%s\"", vor_scope_word(scope));
     (void)snprintf(detail, sizeof detail, "the key %s has the scopes %s, want %s as well",

@@ -51,15 +51,6 @@ static void fill_type(const struct vor_app *app, const struct vor_request *reque
     (void)vor_app_url(app, request, path, out);
 }
 
-static void fill_instance(const struct vor_request *request, const char *job_id, char *out,
-                          size_t size)
-{
-    if (job_id != NULL)
-        (void)snprintf(out, size, "/v1/jobs/%s", job_id);
-    else
-        (void)snprintf(out, size, "urn:request:%s", vor_request_id(request));
-}
-
 static void fill_doc(const struct vor_app *app, const struct vor_request *request,
                      const struct vor_problem *problem, struct vor_problem_room *room,
                      struct vor_problem_doc *doc)
@@ -68,7 +59,11 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
 
     assert(row != NULL);
     fill_type(app, request, row, room->type);
-    fill_instance(request, problem->job_id, room->instance, sizeof room->instance);
+    if (problem->job_id != NULL)
+        (void)snprintf(room->instance, (sizeof room->instance), "/v1/jobs/%s", problem->job_id);
+    else
+        (void)snprintf(room->instance, (sizeof room->instance), "urn:request:%s",
+                       vor_request_id(request));
     *doc = (struct vor_problem_doc)VOR_PROBLEM_DOC_INIT;
     doc->type = room->type;
     doc->title = row->title;
@@ -92,22 +87,6 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     }
 }
 
-static void add_headers(struct vor_request *request, const struct vor_problem *problem,
-                        const struct vor_problem_doc *doc)
-{
-    char seconds[16];
-
-    (void)snprintf(seconds, sizeof seconds, "%u",
-                   problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
-    if (doc->retryable)
-        vor_reply_header(request, "Retry-After", seconds);
-    if (problem->allow != NULL)
-        vor_reply_header(request, "Allow", problem->allow);
-    if (problem->challenge != NULL)
-        vor_reply_header(request, "WWW-Authenticate", problem->challenge);
-    vor_reply_header(request, "Cache-Control", "no-store");
-}
-
 /* A strict client of OGC's standard that asks for application/json takes nothing else. */
 static const char *media_type_for(const struct vor_request *request)
 {
@@ -123,10 +102,19 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
     struct vor_problem_room room;
     struct vor_problem_doc doc;
     struct vor_text text;
+    char seconds[16];
 
     fill_doc(app, request, problem, &room, &doc);
     vor_request_set_problem(request, problem->slug);
-    add_headers(request, problem, &doc);
+    (void)snprintf(seconds, sizeof seconds, "%u",
+                   problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
+    if (doc.retryable)
+        vor_reply_header(request, "Retry-After", seconds);
+    if (problem->allow != NULL)
+        vor_reply_header(request, "Allow", problem->allow);
+    if (problem->challenge != NULL)
+        vor_reply_header(request, "WWW-Authenticate", problem->challenge);
+    vor_reply_header(request, "Cache-Control", "no-store");
     vor_text_init(&text, 0);
     vor_json_problem(&text, &doc);
     vor_text_puts(&text, "\n");

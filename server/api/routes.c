@@ -66,20 +66,6 @@ static const struct vor_route *find_route(enum vor_method method, const char *pa
     return NULL;
 }
 
-/* "GET, HEAD, OPTIONS": what a path answers; "" when there is nothing at it. */
-static void list_methods(const char *path, char *out, size_t size)
-{
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (int i = 0; i < ROUTE_COUNT; i++)
-        if (path_matches(routes[i].path, path) && at < size)
-            at += (size_t)snprintf(out + at, size - at, "%s%s, ", method_words[routes[i].method],
-                                   routes[i].method == VOR_GET ? ", HEAD" : "");
-    if (at > 0 && at < size)
-        (void)snprintf(out + at, size - at, "OPTIONS");
-}
-
 static bool origin_is_ours(const struct vor_app *app, const struct vor_request *request,
                            const char *origin)
 {
@@ -169,8 +155,17 @@ static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *req
     struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
     const char *path = vor_request_path(request);
     char methods[64];
+    size_t at = 0;
 
-    list_methods(path, methods, sizeof methods);
+    /* "GET, HEAD, OPTIONS": what a path answers; "" when there is nothing at it. */
+    methods[0] = '\0';
+    for (int i = 0; i < ROUTE_COUNT; i++)
+        if (path_matches(routes[i].path, path) && at < (sizeof methods))
+            at += (size_t)snprintf(methods + at, (sizeof methods) - at, "%s%s, ",
+                                   method_words[routes[i].method],
+                                   routes[i].method == VOR_GET ? ", HEAD" : "");
+    if (at > 0 && at < (sizeof methods))
+        (void)snprintf(methods + at, (sizeof methods) - at, "OPTIONS");
     if (methods[0] == '\0')
         return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s",
                                path);

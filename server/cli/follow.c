@@ -121,22 +121,6 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
     return code;
 }
 
-static void show_status(struct vor_follow *follow, const struct vor_json *json)
-{
-    const struct vor_json *own = vor_json_get(json, "voronoid");
-    const char *words = vor_follow_text(json, "message");
-    char note[64];
-    double position;
-
-    if (words[0] == '\0')
-        words = vor_follow_text(json, "status");
-    if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
-        (void)snprintf(note, sizeof note, "waiting, %.0f before it", position);
-    else
-        (void)vor_quote(note, sizeof note, words, strlen(words));
-    vor_progress_note(&follow->progress, note);
-}
-
 static void keep_status(struct vor_follow *follow, const struct vor_json *json)
 {
     (void)snprintf(follow->status, sizeof follow->status, "%s", vor_follow_text(json, "status"));
@@ -149,14 +133,26 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
 
     if (vor_json_parse(&json, event->data, event->size, NULL) != VOR_OK)
         return 0;
-    if (strcmp(event->name, "progress") == 0)
+    if (strcmp(event->name, "progress") == 0) {
         vor_progress_event(&follow->progress, json);
-    else if (strcmp(event->name, "replaced") == 0)
+    } else if (strcmp(event->name, "replaced") == 0) {
         follow->progress.pace = (struct vor_pace){0};
-    else if (strcmp(event->name, "status") == 0)
-        show_status(follow, json);
-    else if (strcmp(event->name, "end") == 0)
+    } else if (strcmp(event->name, "status") == 0) {
+        const struct vor_json *own = vor_json_get(json, "voronoid");
+        const char *words = vor_follow_text(json, "message");
+        char note[64];
+        double position;
+
+        if (words[0] == '\0')
+            words = vor_follow_text(json, "status");
+        if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
+            (void)snprintf(note, sizeof note, "waiting, %.0f before it", position);
+        else
+            (void)vor_quote(note, sizeof note, words, strlen(words));
+        vor_progress_note(&follow->progress, note);
+    } else if (strcmp(event->name, "end") == 0) {
         keep_status(follow, json);
+    }
     vor_json_free(json);
     return vor_follow_is_over(follow);
 }
@@ -249,17 +245,6 @@ int vor_follow_stop(struct vor_follow *follow)
     return code;
 }
 
-/* Waits as long as the server asks to, or until a signal comes. */
-static void pause_before_retry(const struct vor_follow *follow)
-{
-    int ms = follow->parser.retry_ms >= 0 ? follow->parser.retry_ms : RETRY_MS_DEFAULT;
-    double until = vor_clock_seconds() + ms / 1000.0;
-    struct timespec step = {0, 50 * 1000 * 1000};
-
-    while (vor_clock_seconds() < until && !vor_interrupt_seen())
-        (void)nanosleep(&step, NULL);
-}
-
 /* Until the job is over. A server that goes away is tried a few times, and as long as it answers
  * that the job goes on, listening goes on. */
 static int listen_to_end(struct vor_follow *follow)
@@ -267,6 +252,9 @@ static int listen_to_end(struct vor_follow *follow)
     struct vor_json *json = NULL;
     vor_status status;
     int code;
+    int ms;
+    double until;
+    struct timespec step = {0, 50 * 1000 * 1000};
 
     for (int tries = 0; !vor_follow_is_over(follow);) {
         if (listen(follow) == VOR_E_CANCELLED && vor_interrupt_seen())
@@ -288,7 +276,11 @@ static int listen_to_end(struct vor_follow *follow)
         tries = status == VOR_OK ? 0 : tries + 1;
         if (tries >= TRIES_MAX || vor_interrupt_seen())
             return vor_follow_no_answer(follow);
-        pause_before_retry(follow);
+        /* Waits as long as the server asks to, or until a signal comes. */
+        ms = follow->parser.retry_ms >= 0 ? follow->parser.retry_ms : RETRY_MS_DEFAULT;
+        until = vor_clock_seconds() + ms / 1000.0;
+        while (vor_clock_seconds() < until && !vor_interrupt_seen())
+            (void)nanosleep(&step, NULL);
     }
     return VOR_EXIT_OK;
 }

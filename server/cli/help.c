@@ -52,27 +52,14 @@ static void print_options(FILE *out, const struct vor_command *command)
     }
 }
 
-static void print_parameter(FILE *out, const struct vor_process_info *process,
-                            enum vor_parameter parameter)
-{
-    const struct vor_parameter_info *info = vor_parameter_info(parameter);
-    char values[VOR_REFERENCE_VALUES_SIZE], sentence[SENTENCE_SIZE];
-    char option[VOR_REFERENCE_NAME_SIZE];
-
-    vor_reference_values(values, process, parameter);
-    (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
-                   info->sentence);
-    print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0,
-                 vor_reference_option(option, parameter),
-                 info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
-    fprintf(out, "%*s%s\n", MEANING_COLUMN, "", values);
-}
-
 /* The parameters of one group and one level that a process takes. */
 static void print_group(FILE *out, const struct vor_process_info *process, enum vor_group group,
                         enum vor_level level)
 {
     const char *title = vor_group_title(group);
+    const struct vor_parameter_info *info;
+    char values[VOR_REFERENCE_VALUES_SIZE], sentence[SENTENCE_SIZE];
+    char option[VOR_REFERENCE_NAME_SIZE];
 
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
@@ -83,7 +70,14 @@ static void print_group(FILE *out, const struct vor_process_info *process, enum 
         if (title != NULL)
             fprintf(out, "\n%s:\n", title);
         title = NULL;
-        print_parameter(out, process, parameter);
+        info = vor_parameter_info(parameter);
+        vor_reference_values(values, process, parameter);
+        (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
+                       info->sentence);
+        print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0,
+                     vor_reference_option(option, parameter),
+                     info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
+        fprintf(out, "%*s%s\n", MEANING_COLUMN, "", values);
     }
 }
 
@@ -94,19 +88,6 @@ static int has_level(const struct vor_process_info *process, enum vor_level leve
             vor_process_takes(process, (enum vor_parameter)i))
             return 1;
     return 0;
-}
-
-static void print_parameters(FILE *out, const struct vor_process_info *process)
-{
-    for (int level = 0; level < VOR_LEVELS; level++) {
-        if (!has_level(process, (enum vor_level)level))
-            continue;
-        fprintf(out, "\n%s%s:\n", vor_level_title((enum vor_level)level),
-                process->on_http ? ", the same over HTTP" : "");
-        for (int group = 0; group < VOR_GROUP_COUNT; group++)
-            print_group(out, process, (enum vor_group)group, (enum vor_level)level);
-    }
-    fputs("\n" VOR_HELP_COUNTS "\n", out);
 }
 
 static void print_presets(FILE *out, const struct vor_process_info *process)
@@ -142,7 +123,15 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     print_options(out, command);
     if (process != NULL) {
         print_presets(out, process);
-        print_parameters(out, process);
+        for (int level = 0; level < VOR_LEVELS; level++) {
+            if (!has_level(process, (enum vor_level)level))
+                continue;
+            fprintf(out, "\n%s%s:\n", vor_level_title((enum vor_level)level),
+                    process->on_http ? ", the same over HTTP" : "");
+            for (int group = 0; group < VOR_GROUP_COUNT; group++)
+                print_group(out, process, (enum vor_group)group, (enum vor_level)level);
+        }
+        fputs("\n" VOR_HELP_COUNTS "\n", out);
     }
     fputc('\n', out);
     vor_markup_wrap_string(out, VOR_HELP_WORDS, 0);

@@ -111,24 +111,6 @@ static vor_status save_document(struct here *r, const struct vor_document *docum
     return status;
 }
 
-/* Writes the main output. */
-static vor_status save(struct here *r, struct vor_error *err)
-{
-    const struct vor_artefact *result =
-        vor_artefacts_find(&r->out, r->cli->spec.process->outputs[0].name);
-    double began = vor_clock_seconds();
-    vor_status status = result->kind == VOR_ARTEFACT_CLOUD
-                            ? save_cloud(r, result, err)
-                            : save_document(r, &result->document, err);
-
-    if (status == VOR_E_IO)
-        status = vor_output_fail(&r->output, err);
-    if (status == VOR_OK)
-        status = vor_output_commit(&r->output, err);
-    r->seconds_write = vor_clock_seconds() - began;
-    return status;
-}
-
 /* The end of a run that has a report. */
 static vor_status finish(struct here *r, struct vor_error *err)
 {
@@ -167,6 +149,8 @@ static vor_status check(struct here *r, struct vor_error *err)
 static vor_status work(struct here *r, struct vor_error *err)
 {
     vor_status status;
+    const struct vor_artefact *result;
+    double began;
 
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
     status = vor_overwrite_check(r->cli, r->subject, &r->replace, err);
@@ -190,7 +174,16 @@ static vor_status work(struct here *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
-    status = save(r, err);
+    /* Writes the main output. */
+    result = vor_artefacts_find(&r->out, r->cli->spec.process->outputs[0].name);
+    began = vor_clock_seconds();
+    status = result->kind == VOR_ARTEFACT_CLOUD ? save_cloud(r, result, err)
+                                                : save_document(r, &result->document, err);
+    if (status == VOR_E_IO)
+        status = vor_output_fail(&r->output, err);
+    if (status == VOR_OK)
+        status = vor_output_commit(&r->output, err);
+    r->seconds_write = vor_clock_seconds() - began;
     return status == VOR_OK ? finish(r, err) : status;
 }
 

@@ -13,27 +13,12 @@ enum {
     SHOWN_MAX = 5        /* jobs that a word may stand for, in a message */
 };
 
-/* The number behind "cursor=" in the link to the next page; "" where there is none. */
-static void find_cursor(const struct vor_json *list, char out[CURSOR_SIZE])
-{
-    const struct vor_json *links = vor_json_get(list, "links");
-
-    out[0] = '\0';
-    for (const struct vor_json *l = vor_json_first(links); l != NULL; l = vor_json_next(l)) {
-        const char *at = strstr(vor_follow_text(l, "href"), "cursor=");
-
-        if (at == NULL || strcmp(vor_follow_text(l, "rel"), "next") != 0)
-            continue;
-        at += strlen("cursor=");
-        (void)snprintf(out, CURSOR_SIZE, "%.*s", (int)strspn(at, "0123456789"), at);
-    }
-}
-
 int vor_job_list(struct vor_follow *follow, const char *statuses, unsigned limit,
                  void (*visit)(void *ctx, const struct vor_json *job), void *ctx)
 {
     char url[VOR_REMOTE_URL_MAX + STATUSES_MAX + 64], cursor[CURSOR_SIZE] = "";
     int code = VOR_EXIT_OK;
+    const struct vor_json *links;
 
     do {
         const struct vor_json *jobs;
@@ -48,7 +33,17 @@ int vor_job_list(struct vor_follow *follow, const char *statuses, unsigned limit
         for (const struct vor_json *j = vor_json_first(jobs); j != NULL && limit > 0;
              j = vor_json_next(j), limit--)
             visit(ctx, j);
-        find_cursor(list, cursor);
+        /* The number behind "cursor=" in the link to the next page; "" where there is none. */
+        links = vor_json_get(list, "links");
+        cursor[0] = '\0';
+        for (const struct vor_json *l = vor_json_first(links); l != NULL; l = vor_json_next(l)) {
+            const char *at = strstr(vor_follow_text(l, "href"), "cursor=");
+
+            if (at == NULL || strcmp(vor_follow_text(l, "rel"), "next") != 0)
+                continue;
+            at += strlen("cursor=");
+            (void)snprintf(cursor, CURSOR_SIZE, "%.*s", (int)strspn(at, "0123456789"), at);
+        }
         vor_json_free(list);
     } while (code == VOR_EXIT_OK && limit > 0 && cursor[0] != '\0');
     return code;

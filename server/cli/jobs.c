@@ -68,26 +68,6 @@ static void print_head(const struct vor_cli *cli)
                "NAME");
 }
 
-static void print_row(const struct vor_cli *cli, const struct vor_json *job)
-{
-    const char *name = vor_follow_text(vor_json_get(job, "voronoid"), "name");
-    char id[64], process[64], status[64], age[32];
-    double progress = 0;
-
-    if (cli->option[VOR_OPTION_JSON] != NULL) {
-        print_json(job);
-    } else if (cli->option[VOR_OPTION_QUIET] != NULL) {
-        printf("%s\n", word_at(job, "jobID", id));
-    } else {
-        (void)vor_json_get_number(vor_json_get(job, "progress"), &progress);
-        printf("%-36s  %-10s %-10s  %6.0f %%  ", word_at(job, "jobID", id),
-               word_at(job, "processID", process), word_at(job, "status", status), progress);
-        printf(name[0] != '\0' ? "%-7s  " : "%s", age_of(vor_follow_text(job, "created"), age));
-        vor_cli_put(stdout, name);
-        fputc('\n', stdout);
-    }
-}
-
 /* The lines of a list; the head comes before the first, or stands alone. */
 struct rows {
     const struct vor_cli *cli;
@@ -97,11 +77,26 @@ struct rows {
 static void visit_row(void *ctx, const struct vor_json *job)
 {
     struct rows *rows = ctx;
+    const char *name;
+    char id[64], process[64], status[64], age[32];
+    double progress = 0;
 
     if (!rows->has_head)
         print_head(rows->cli);
     rows->has_head = 1;
-    print_row(rows->cli, job);
+    name = vor_follow_text(vor_json_get(job, "voronoid"), "name");
+    if (rows->cli->option[VOR_OPTION_JSON] != NULL) {
+        print_json(job);
+    } else if (rows->cli->option[VOR_OPTION_QUIET] != NULL) {
+        printf("%s\n", word_at(job, "jobID", id));
+    } else {
+        (void)vor_json_get_number(vor_json_get(job, "progress"), &progress);
+        printf("%-36s  %-10s %-10s  %6.0f %%  ", word_at(job, "jobID", id),
+               word_at(job, "processID", process), word_at(job, "status", status), progress);
+        printf(name[0] != '\0' ? "%-7s  " : "%s", age_of(vor_follow_text(job, "created"), age));
+        vor_cli_put(stdout, name);
+        fputc('\n', stdout);
+    }
 }
 
 static int list_all(const struct vor_cli *cli, unsigned limit)
@@ -184,26 +179,6 @@ int vor_cli_jobs(const struct vor_cli *cli)
     return code;
 }
 
-/* A job's process decides what its bar and its report are like. One that only the daemon knows has
- * the bar of resample and no report. */
-static int wait_to_end(struct vor_follow *follow, struct vor_spec *spec)
-{
-    struct vor_json *job;
-    const struct vor_process_info *process;
-    int code = vor_follow_ask(follow, &job);
-
-    process = vor_process_find(vor_follow_text(job, "processID"));
-    vor_json_free(job);
-    vor_spec_init(spec);
-    if (process != NULL)
-        vor_spec_preset(spec, process);
-    if (follow->progress.lines != NULL)
-        follow->status[0] = '\0'; /* a job that is over tells its records once more */
-    if (code == VOR_EXIT_OK)
-        code = vor_follow_end(follow);
-    return code == VOR_EXIT_OK && process != NULL ? vor_follow_report(follow) : code;
-}
-
 static int wait_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
     struct vor_cli one = *cli;
@@ -215,8 +190,25 @@ static int wait_one(const struct vor_cli *cli, const char *id, void *ctx)
     if (code == VOR_EXIT_OK)
         code = vor_job_choose(&follow, id);
     follow.progress.name = follow.subject;
-    if (code == VOR_EXIT_OK)
-        code = wait_to_end(&follow, &one.spec);
+    if (code == VOR_EXIT_OK) {
+        struct vor_json *job;
+        const struct vor_process_info *process;
+
+        /* A job's process decides what its bar and its report are like. One that only the daemon
+         * knows has the bar of resample and no report. */
+        code = vor_follow_ask(&follow, &job);
+        process = vor_process_find(vor_follow_text(job, "processID"));
+        vor_json_free(job);
+        vor_spec_init(&one.spec);
+        if (process != NULL)
+            vor_spec_preset(&one.spec, process);
+        if (follow.progress.lines != NULL)
+            follow.status[0] = '\0'; /* a job that is over tells its records once more */
+        if (code == VOR_EXIT_OK)
+            code = vor_follow_end(&follow);
+        if (code == VOR_EXIT_OK && process != NULL)
+            code = vor_follow_report(&follow);
+    }
     vor_follow_close(&follow);
     return code;
 }

@@ -62,42 +62,32 @@ static void add_value(struct vor_text *out, const struct vor_json *value, int di
     }
 }
 
-/* "x y z", with as many digits as a place far from zero needs. */
-static void add_vector(struct vor_text *out, const struct vor_json *value)
-{
-    add_value(out, vor_json_get(value, "x"), PLACE_DIGITS);
-    vor_text_puts(out, " ");
-    add_value(out, vor_json_get(value, "y"), PLACE_DIGITS);
-    vor_text_puts(out, " ");
-    add_value(out, vor_json_get(value, "z"), PLACE_DIGITS);
-}
-
-/* "normal float32 3, intensity uint16 1", or "none". */
-static void add_list(struct vor_text *out, const struct vor_member *row,
-                     const struct vor_json *value)
-{
-    const struct vor_json *element = vor_json_first(value);
-
-    if (element == NULL)
-        vor_text_puts(out, "none");
-    for (; element != NULL; element = vor_json_next(element)) {
-        for (unsigned i = 0; i < row->inner->count; i++) {
-            vor_text_puts(out, i > 0 ? " " : "");
-            add_value(out, vor_json_get(element, row->inner->rows[i].name), COUNT_DIGITS);
-        }
-        vor_text_puts(out, vor_json_next(element) != NULL ? ", " : "");
-    }
-}
-
 static void add_line_value(struct vor_text *out, const struct vor_member *row,
                            const struct vor_json *value)
 {
-    if (row->kind == VOR_MEMBER_VECTOR)
-        add_vector(out, value);
-    else if (row->kind == VOR_MEMBER_LIST)
-        add_list(out, row, value);
-    else
+    if (row->kind == VOR_MEMBER_VECTOR) {
+        /* "x y z", with as many digits as a place far from zero needs. */
+        add_value(out, vor_json_get(value, "x"), PLACE_DIGITS);
+        vor_text_puts(out, " ");
+        add_value(out, vor_json_get(value, "y"), PLACE_DIGITS);
+        vor_text_puts(out, " ");
+        add_value(out, vor_json_get(value, "z"), PLACE_DIGITS);
+    } else if (row->kind == VOR_MEMBER_LIST) {
+        const struct vor_json *element = vor_json_first(value);
+
+        /* "normal float32 3, intensity uint16 1", or "none". */
+        if (element == NULL)
+            vor_text_puts(out, "none");
+        for (; element != NULL; element = vor_json_next(element)) {
+            for (unsigned i = 0; i < row->inner->count; i++) {
+                vor_text_puts(out, i > 0 ? " " : "");
+                add_value(out, vor_json_get(element, row->inner->rows[i].name), COUNT_DIGITS);
+            }
+            vor_text_puts(out, vor_json_next(element) != NULL ? ", " : "");
+        }
+    } else {
         add_value(out, value, row->kind == VOR_MEMBER_REAL ? REAL_DIGITS : COUNT_DIGITS);
+    }
     vor_text_printf(out, "%s%s", row->unit[0] != '\0' ? " " : "", row->unit);
 }
 

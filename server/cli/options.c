@@ -26,7 +26,6 @@ enum {
 struct reader {
     struct vor_cli *cli;
     char **argv;
-    int argc;
     struct vor_menu menu;
     struct vor_error *err;
 };
@@ -47,22 +46,6 @@ static vor_status no_option(const struct reader *r, const char *shown)
 {
     return vor_fail(r->err, VOR_E_PARAM, "no option %s; see voronoid %s --help", shown,
                     r->cli->command->name);
-}
-
-static vor_status no_long(const struct reader *r, const char *shown, const char *name,
-                          size_t length)
-{
-    char meant[VOR_NEAREST_TEXT_SIZE];
-    struct vor_nearest nearest;
-
-    vor_nearest_init(&nearest, name, length);
-    for (int i = 0; i < r->menu.count; i++)
-        if (i == 0 || r->menu.longs[i].val != r->menu.longs[i - 1].val)
-            vor_nearest_try(&nearest, r->menu.longs[i].name, strlen(r->menu.longs[i].name));
-    if (nearest.count == 0)
-        return no_option(r, shown);
-    return vor_fail(r->err, VOR_E_PARAM, "no option %s%s", shown,
-                    vor_nearest_text(&nearest, "--", meant));
 }
 
 /* The names that begin like this, with "or" between; how many there are. */
@@ -109,6 +92,8 @@ static vor_status refuse_long(const struct reader *r, const char *word)
     size_t length = strcspn(name, "=");
     char shown[SHOWN_SIZE], exact[SHOWN_SIZE], names[NAMES_SIZE];
     enum vor_parameter parameter;
+    char meant[VOR_NEAREST_TEXT_SIZE];
+    struct vor_nearest nearest;
 
     vor_quote(shown, sizeof shown, word, length + 2);
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), name);
@@ -118,7 +103,14 @@ static vor_status refuse_long(const struct reader *r, const char *word)
         return refuse_parameter(r, shown, parameter);
     if (length > 0 && candidates(&r->menu, name, length, names) > 1)
         return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
-    return no_long(r, shown, name, length);
+    vor_nearest_init(&nearest, name, length);
+    for (int i = 0; i < r->menu.count; i++)
+        if (i == 0 || r->menu.longs[i].val != r->menu.longs[i - 1].val)
+            vor_nearest_try(&nearest, r->menu.longs[i].name, strlen(r->menu.longs[i].name));
+    if (nearest.count == 0)
+        return no_option(r, shown);
+    return vor_fail(r->err, VOR_E_PARAM, "no option %s%s", shown,
+                    vor_nearest_text(&nearest, "--", meant));
 }
 
 static vor_status refuse_letter(const struct reader *r, int letter, const char *what)
@@ -128,30 +120,6 @@ static vor_status refuse_letter(const struct reader *r, int letter, const char *
 
     vor_quote(shown, sizeof shown, text, sizeof text);
     return what != NULL ? vor_fail(r->err, VOR_E_PARAM, "%s %s", shown, what) : no_option(r, shown);
-}
-
-/* The option at hand is known and stands in the word before the next one: its name is shown as it
- * was written. */
-static vor_status refuse_use(const struct reader *r, const char *what)
-{
-    const char *word = r->argv[optind - 1];
-    char shown[SHOWN_SIZE];
-
-    vor_quote(shown, sizeof shown, word, strcspn(word, "="));
-    return vor_fail(r->err, VOR_E_PARAM, "%s %s", shown, what);
-}
-
-/* getopt_long returned '?', or ':' for a value that is missing. optopt is then what it would have
- * returned, or 0 for a long option that it does not know. */
-static vor_status refuse(const struct reader *r, int got)
-{
-    const char *missing = got == ':' ? "needs a value" : NULL;
-
-    if (optopt == 0)
-        return refuse_long(r, r->argv[optind - 1]);
-    if (optopt >= VOR_LONG_OPTION)
-        return refuse_use(r, missing != NULL ? missing : "takes no value");
-    return refuse_letter(r, optopt, missing);
 }
 
 /* Reading. */
@@ -200,8 +168,25 @@ static vor_status take(struct reader *r, int got)
                      ? got - VOR_LONG_OPTION
                      : option_of_letter(r->cli->command, got);
 
-    if (got == '?' || got == ':')
-        return refuse(r, got);
+    if (got == '?' || got == ':') {
+        const char *missing = got == ':' ? "needs a value" : NULL;
+
+        /* getopt_long returned '?', or ':' for a value that is missing. optopt is then what it
+         * would have returned, or 0 for a long option that it does not know. */
+        if (optopt == 0)
+            return refuse_long(r, r->argv[optind - 1]);
+        if (optopt >= VOR_LONG_OPTION) {
+            const char *word = r->argv[optind - 1];
+            char shown[SHOWN_SIZE];
+
+            /* The option at hand is known and stands in the word before the next one: its name is
+             * shown as it was written. */
+            vor_quote(shown, sizeof shown, word, strcspn(word, "="));
+            return vor_fail(r->err, VOR_E_PARAM, "%s %s", shown,
+                            missing != NULL ? missing : "takes no value");
+        }
+        return refuse_letter(r, optopt, missing);
+    }
     if (got == OPERAND)
         return add_operand(r, optarg);
     if (got >= VOR_LONG_PARAMETER)
@@ -213,33 +198,6 @@ static vor_status take(struct reader *r, int got)
     else
         r->cli->option[option] = optarg != NULL ? optarg : "";
     return VOR_OK;
-}
-
-static vor_status read_words(struct reader *r)
-{
-    vor_status status = VOR_OK;
-    int got;
-
-    vor_menu_make(&r->menu, r->cli->command);
-    r->cli->operands = r->argv + 1;
-    optind = 0; /* glibc's word for a new command line */
-    while (status == VOR_OK &&
-           (got = getopt_long(r->argc, r->argv, r->menu.letters, r->menu.longs, NULL)) != -1)
-        status = take(r, got);
-    while (status == VOR_OK && optind < r->argc)
-        status = add_operand(r, r->argv[optind++]);
-    return status;
-}
-
-static void read_environment(struct vor_cli *cli)
-{
-    for (int i = 0; i < VOR_OPTION_COUNT; i++)
-        if (cli->option[i] == NULL && vor_command_takes(cli->command, (enum vor_option)i) &&
-            vor_option_info((enum vor_option)i)->variable[0] != '\0')
-            cli->option[i] = getenv(vor_option_info((enum vor_option)i)->variable);
-    /* An empty URL is none, so that the variable can be overridden. */
-    if (cli->option[VOR_OPTION_SERVER] != NULL && cli->option[VOR_OPTION_SERVER][0] == '\0')
-        cli->option[VOR_OPTION_SERVER] = NULL;
 }
 
 static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
@@ -427,19 +385,6 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
     return status;
 }
 
-static vor_status check_process(struct vor_cli *cli, struct vor_error *err)
-{
-    vor_status status = check_files(cli, err);
-
-    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_RUNS) != 0)
-        status = resolve_output(cli, err);
-    if (status == VOR_OK)
-        status = take_preset(cli, err);
-    if (status == VOR_OK)
-        status = vor_spec_complete(&cli->spec, err);
-    return status == VOR_OK ? check_inputs(cli, err) : status;
-}
-
 /* Where fetched results go: several jobs need a folder. */
 static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
 {
@@ -478,21 +423,44 @@ static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
 vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, int argc,
                         char **argv, struct vor_error *err)
 {
-    struct reader r = {.cli = out, .argv = argv, .argc = argc, .err = err};
-    vor_status status;
+    struct reader r = {.cli = out, .argv = argv, .err = err};
+    vor_status status = VOR_OK;
+    int got;
 
     memset(out, 0, sizeof *out);
     out->command = command;
     if (command->process != NULL)
         vor_spec_preset(&out->spec, command->process);
-    status = read_words(&r);
+    vor_menu_make(&r.menu, command);
+    out->operands = argv + 1;
+    optind = 0; /* glibc's word for a new command line */
+    while (status == VOR_OK &&
+           (got = getopt_long(argc, argv, r.menu.letters, r.menu.longs, NULL)) != -1)
+        status = take(&r, got);
+    while (status == VOR_OK && optind < argc)
+        status = add_operand(&r, argv[optind++]);
     if (out->option[VOR_OPTION_HELP] != NULL)
         return VOR_OK;
-    read_environment(out);
+    for (int i = 0; i < VOR_OPTION_COUNT; i++)
+        if (out->option[i] == NULL && vor_command_takes(out->command, (enum vor_option)i) &&
+            vor_option_info((enum vor_option)i)->variable[0] != '\0')
+            out->option[i] = getenv(vor_option_info((enum vor_option)i)->variable);
+    /* An empty URL is none, so that the variable can be overridden. */
+    if (out->option[VOR_OPTION_SERVER] != NULL && out->option[VOR_OPTION_SERVER][0] == '\0')
+        out->option[VOR_OPTION_SERVER] = NULL;
     if (status == VOR_OK)
         status = resolve_threads(out, err);
-    if (status == VOR_OK && command->process != NULL)
-        status = check_process(out, err);
+    if (status == VOR_OK && command->process != NULL) {
+        status = check_files(out, err);
+        if (status == VOR_OK && (command->does & VOR_COMMAND_RUNS) != 0)
+            status = resolve_output(out, err);
+        if (status == VOR_OK)
+            status = take_preset(out, err);
+        if (status == VOR_OK)
+            status = vor_spec_complete(&out->spec, err);
+        if (status == VOR_OK)
+            status = check_inputs(out, err);
+    }
     if (status == VOR_OK && (command->does & VOR_COMMAND_JOBS) != 0)
         status = check_jobs(out, err);
     if (status == VOR_OK && (command->does & VOR_COMMAND_FETCHES) != 0)

@@ -49,19 +49,6 @@ void vor_progress_note(struct vor_progress *progress, const char *note)
     fflush(progress->bar);
 }
 
-static void write_line(struct vor_progress *progress, const struct vor_record *record)
-{
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    vor_json_record(&text, record);
-    vor_text_puts(&text, "\n");
-    if (!text.failed)
-        (void)fwrite(text.data, 1, text.size, progress->lines);
-    fflush(progress->lines);
-    vor_text_free(&text);
-}
-
 /* Adds "[####----] ", or nothing where there is no room. */
 static void add_bar(struct vor_text *line, int width, double fraction)
 {
@@ -75,25 +62,40 @@ static void add_bar(struct vor_text *line, int width, double fraction)
     vor_text_puts(line, "] ");
 }
 
-/* Adds "iterate   20/50   ", without the limit when it is not known. */
-static void add_steps(struct vor_text *line, const struct vor_record *record)
+void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
 {
-    vor_text_printf(line, "%s %4u", vor_run_stage_info(record->stage)->name,
-                    (unsigned)record->step);
-    if (record->of > 0 || record->step == 0)
-        vor_text_printf(line, "/%-4u", (unsigned)record->of);
-    vor_text_puts(line, " ");
-}
-
-static void draw(struct vor_progress *progress, const struct vor_record *record)
-{
-    const struct vor_spec *spec = &progress->cli->spec;
-    double fraction = vor_pace_done(&progress->pace, spec);
-    double left = vor_pace_left(&progress->pace, spec);
+    double now = vor_clock_seconds();
+    int is_first = !progress->pace.began;
+    const struct vor_spec *spec;
+    double fraction;
+    double left;
     struct vor_text line;
 
+    if (progress->lines != NULL) {
+        struct vor_text text;
+
+        vor_text_init(&text, 0);
+        vor_json_record(&text, record);
+        vor_text_puts(&text, "\n");
+        if (!text.failed)
+            (void)fwrite(text.data, 1, text.size, progress->lines);
+        fflush(progress->lines);
+        vor_text_free(&text);
+    }
+    vor_pace_add(&progress->pace, record);
+    if (progress->bar == NULL || (!is_first && now < progress->drawn_at + REDRAW_SECONDS))
+        return;
+    progress->drawn_at = now;
+    spec = &progress->cli->spec;
+    fraction = vor_pace_done(&progress->pace, spec);
+    left = vor_pace_left(&progress->pace, spec);
     vor_text_init(&line, 0);
-    add_steps(&line, record);
+    /* Adds "iterate   20/50   ", without the limit when it is not known. */
+    vor_text_printf(&line, "%s %4u", vor_run_stage_info(record->stage)->name,
+                    (unsigned)record->step);
+    if (record->of > 0 || record->step == 0)
+        vor_text_printf(&line, "/%-4u", (unsigned)record->of);
+    vor_text_puts(&line, " ");
     add_bar(&line, progress->columns - REST_WIDTH - (int)line.size, fraction);
     vor_text_printf(&line, "%3.0f %%", 100 * fraction);
     if (isfinite(record->delta)) /* not every stage knows it */
@@ -103,20 +105,6 @@ static void draw(struct vor_progress *progress, const struct vor_record *record)
     if (!line.failed)
         vor_progress_note(progress, line.data);
     vor_text_free(&line);
-}
-
-void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
-{
-    double now = vor_clock_seconds();
-    int is_first = !progress->pace.began;
-
-    if (progress->lines != NULL)
-        write_line(progress, record);
-    vor_pace_add(&progress->pace, record);
-    if (progress->bar == NULL || (!is_first && now < progress->drawn_at + REDRAW_SECONDS))
-        return;
-    progress->drawn_at = now;
-    draw(progress, record);
 }
 
 static double number_at(const struct vor_json *json, const char *name)

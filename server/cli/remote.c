@@ -219,16 +219,6 @@ static void set_up(CURL *curl, struct exchange *exchange)
     curl_easy_setopt(curl, CURLOPT_CUSTOMREQUEST, call->method);
 }
 
-static void send_body(CURL *curl, struct vor_remote_file *file)
-{
-    curl_easy_setopt(curl, CURLOPT_POST, 1L);
-    curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)file->size);
-    curl_easy_setopt(curl, CURLOPT_READFUNCTION, on_file);
-    curl_easy_setopt(curl, CURLOPT_READDATA, file);
-    curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, on_rewind);
-    curl_easy_setopt(curl, CURLOPT_SEEKDATA, file);
-}
-
 /* A part that curl takes for a file, by its name. */
 static int add_part(curl_mime *form, struct vor_remote_file *file)
 {
@@ -244,8 +234,14 @@ static int add_part(curl_mime *form, struct vor_remote_file *file)
 static int send_files(CURL *curl, struct vor_remote_call *call, curl_mime **form)
 {
     *form = NULL;
-    if (call->files == 1)
-        send_body(curl, &call->file[0]);
+    if (call->files == 1) {
+        curl_easy_setopt(curl, CURLOPT_POST, 1L);
+        curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)call->file[0].size);
+        curl_easy_setopt(curl, CURLOPT_READFUNCTION, on_file);
+        curl_easy_setopt(curl, CURLOPT_READDATA, &call->file[0]);
+        curl_easy_setopt(curl, CURLOPT_SEEKFUNCTION, on_rewind);
+        curl_easy_setopt(curl, CURLOPT_SEEKDATA, &call->file[0]);
+    }
     if (call->files < 2)
         return 1;
     *form = curl_mime_init(curl);

@@ -131,14 +131,6 @@ static int open_inputs(struct there *t, struct vor_remote_call *call)
     return VOR_EXIT_OK;
 }
 
-static void close_inputs(struct there *t, struct vor_remote_call *call)
-{
-    for (unsigned i = 0; i < call->files; i++)
-        (void)fclose(call->file[i].bytes);
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        vor_input_free(&t->in_memory[i]);
-}
-
 /* *info is the job's first statusInfo, NULL when the daemon told none. */
 static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
                        struct vor_json **info)
@@ -161,33 +153,30 @@ static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
     return code;
 }
 
-static int submit_call(struct there *t, struct vor_remote_call *call, struct vor_json **info)
-{
-    struct vor_follow *follow = &t->follow;
-    struct vor_text url;
-    int code;
-
-    vor_progress_note(&follow->progress, "sending");
-    vor_text_init(&url, VOR_REMOTE_URL_MAX - 1);
-    build_url(&url, follow);
-    call->url = url.data;
-    if (vor_text_status(&url, &follow->err) == VOR_OK)
-        code = submit_body(follow, call, info);
-    else
-        code = vor_cli_fail(follow->server, &follow->err);
-    vor_text_free(&url);
-    return code;
-}
-
 static int submit(struct there *t, struct vor_json **info)
 {
     struct vor_remote_call call = {.files = 0};
     int code = open_inputs(t, &call);
 
     *info = NULL;
-    if (code == VOR_EXIT_OK)
-        code = submit_call(t, &call, info);
-    close_inputs(t, &call);
+    if (code == VOR_EXIT_OK) {
+        struct vor_follow *follow = &t->follow;
+        struct vor_text url;
+
+        vor_progress_note(&follow->progress, "sending");
+        vor_text_init(&url, VOR_REMOTE_URL_MAX - 1);
+        build_url(&url, follow);
+        call.url = url.data;
+        if (vor_text_status(&url, &follow->err) == VOR_OK)
+            code = submit_body(follow, &call, info);
+        else
+            code = vor_cli_fail(follow->server, &follow->err);
+        vor_text_free(&url);
+    }
+    for (unsigned i = 0; i < call.files; i++)
+        (void)fclose(call.file[i].bytes);
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        vor_input_free(&t->in_memory[i]);
     return code;
 }
 
@@ -241,19 +230,6 @@ static int fetch_main(struct there *t)
     return code;
 }
 
-/* After ^C: nobody waits for the result any more. */
-static void dismiss(struct vor_follow *follow)
-{
-    struct vor_remote_call call = {.method = "DELETE",
-                                   .url = follow->job,
-                                   .timeout_seconds = VOR_FOLLOW_LAST_SECONDS,
-                                   .is_last_word = 1};
-
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK || call.http >= 300)
-        vor_cli_say(follow->job, "the job could not be dismissed");
-    vor_text_free(&call.text);
-}
-
 static int work(struct there *t)
 {
     struct vor_follow *follow = &t->follow;
@@ -272,8 +248,17 @@ static int work(struct there *t)
     if (code == VOR_EXIT_OK && vor_interrupt_stops())
         code = VOR_EXIT_INTERRUPTED;
     if ((vor_interrupt_seen() || code == VOR_EXIT_INTERRUPTED) && follow->job[0] != '\0' &&
-        !vor_follow_is_over(follow))
-        dismiss(follow);
+        !vor_follow_is_over(follow)) {
+        struct vor_remote_call call = {.method = "DELETE",
+                                       .url = follow->job,
+                                       .timeout_seconds = VOR_FOLLOW_LAST_SECONDS,
+                                       .is_last_word = 1};
+
+        /* After ^C: nobody waits for the result any more. */
+        if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK || call.http >= 300)
+            vor_cli_say(follow->job, "the job could not be dismissed");
+        vor_text_free(&call.text);
+    }
     return code;
 }
 
@@ -297,22 +282,6 @@ int vor_cli_process_there(const struct vor_cli *cli)
     return code;
 }
 
-/* The line that a script reads: the ID, or with --json all that the daemon said of the job. */
-static void print_job(const struct vor_cli *cli, const struct vor_json *info)
-{
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    if (cli->option[VOR_OPTION_JSON] != NULL)
-        vor_json_copy(&text, info);
-    else
-        vor_text_puts(&text, vor_follow_text(info, "jobID"));
-    if (!text.failed && text.data != NULL)
-        (void)puts(text.data);
-    (void)fflush(stdout);
-    vor_text_free(&text);
-}
-
 static int submit_one(const struct vor_cli *cli, const char *input, void *ctx)
 {
     struct vor_cli one = *cli;
@@ -327,8 +296,21 @@ static int submit_one(const struct vor_cli *cli, const char *input, void *ctx)
     if (code == VOR_EXIT_OK)
         code = submit(&t, &info);
     vor_progress_clear(&t.follow.progress);
-    if (code == VOR_EXIT_OK)
-        print_job(cli, info);
+    if (code == VOR_EXIT_OK) {
+        struct vor_text text;
+
+        /* The line that a script reads: the ID, or with --json all that the daemon said of the job.
+         */
+        vor_text_init(&text, 0);
+        if (cli->option[VOR_OPTION_JSON] != NULL)
+            vor_json_copy(&text, info);
+        else
+            vor_text_puts(&text, vor_follow_text(info, "jobID"));
+        if (!text.failed && text.data != NULL)
+            (void)puts(text.data);
+        (void)fflush(stdout);
+        vor_text_free(&text);
+    }
     vor_json_free(info);
     vor_follow_close(&t.follow);
     return code == VOR_EXIT_OK && ferror(stdout) ? VOR_EXIT_FAILED : code;

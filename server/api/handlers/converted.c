@@ -38,30 +38,6 @@ static long no_bytes(void *ctx, struct vor_request *request, char *out, size_t s
     return -1;
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request,
-                           const struct vor_job_view *view, unsigned index, unsigned format)
-{
-    struct wait *wait = calloc(1, sizeof *wait);
-    enum vor_job_outcome outcome;
-    struct vor_error err;
-
-    if (wait == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        return vor_problem_error(app, request, &err, view->id.text);
-    }
-    wait->waker = vor_request_waker(request);
-    wait->waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = wait->waker};
-    vor_request_set_state(request, wait, release);
-    outcome = vor_conversion_begin(&wait->conversion, app->conversions, view, index, format,
-                                   &wait->waiter, &err);
-    if (outcome == VOR_FULL)
-        return vor_problem_say(app, request, "too-many-conversions",
-                               "too many results are being converted; try again later");
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &view->id);
-    return VOR_NEXT_WAIT;
-}
-
 /* True when the conversion that a request waits for is over, and went well. Else *next is what the
  * handler returns. */
 static bool is_made(struct vor_app *app, struct vor_request *request,
@@ -104,8 +80,26 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
         return VOR_NEXT_REPLY;
     if (has_waited) /* the job went meanwhile */
         return vor_problem_say(app, request, "result-not-available", "the job was deleted");
-    if (vor_request_method(request) != VOR_HEAD)
-        return begin(app, request, view, index, format);
+    if (vor_request_method(request) != VOR_HEAD) {
+        struct wait *wait = calloc(1, sizeof *wait);
+        enum vor_job_outcome outcome;
+
+        if (wait == NULL) {
+            (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+            return vor_problem_error(app, request, &err, view->id.text);
+        }
+        wait->waker = vor_request_waker(request);
+        wait->waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = wait->waker};
+        vor_request_set_state(request, wait, release);
+        outcome = vor_conversion_begin(&wait->conversion, app->conversions, view, index, format,
+                                       &wait->waiter, &err);
+        if (outcome == VOR_FULL)
+            return vor_problem_say(app, request, "too-many-conversions",
+                                   "too many results are being converted; try again later");
+        if (outcome != VOR_DONE)
+            return vor_outcome_reply(app, request, outcome, &err, &view->id);
+        return VOR_NEXT_WAIT;
+    }
     vor_reply_header(request, "Cache-Control", "private, no-cache");
     vor_reply_stream(request, 200, vor_format(format)->media_type, no_bytes, NULL);
     return VOR_NEXT_REPLY;

@@ -85,18 +85,6 @@ static void put_block(void *ctx, const struct vor_markup_block *block)
     }
 }
 
-static void put_topic(struct vor_text *out, const struct vor_topic *topic)
-{
-    struct page page = {out, 0};
-
-    vor_text_printf(out, "<section id=\"%s\">\n<h2>%.*s</h2>\n", topic->name, topic->title_length,
-                    topic->title);
-    if (!vor_topic_blocks(topic, put_block, &page))
-        out->failed = 1;
-    keep_list(&page, 0);
-    vor_text_puts(out, "</section>\n");
-}
-
 static void put_contents(struct vor_text *out)
 {
     struct vor_topic topic;
@@ -123,8 +111,16 @@ enum vor_next vor_handle_docs(void *ctx, struct vor_request *request, enum vor_s
                          "<script type=\"module\" src=\"assets/docs.js\"></script>\n");
     put_contents(&text);
     vor_text_puts(&text, "<main>\n");
-    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
-        put_topic(&text, &topic);
+    for (unsigned i = 0; vor_topic_at(&topic, i); i++) {
+        struct page page = {&text, 0};
+
+        vor_text_printf(&text, "<section id=\"%s\">\n<h2>%.*s</h2>\n", topic.name,
+                        topic.title_length, topic.title);
+        if (!vor_topic_blocks(&topic, put_block, &page))
+            text.failed = 1;
+        keep_list(&page, 0);
+        vor_text_puts(&text, "</section>\n");
+    }
     vor_text_puts(&text,
                   "<section id=\"contract\">\n<h2>The contract</h2>\n<p>OpenAPI 3.0, for programs: "
                   "<a href=\"openapi.yaml\">openapi.yaml</a>, "

@@ -6,25 +6,6 @@
 
 #include <math.h>
 
-/* Writes the job as it is now, but in the state that it had at the event. */
-static void write_status(const struct vor_teller *teller, const struct vor_event *event,
-                         struct vor_text *text)
-{
-    struct vor_job_view view;
-
-    vor_worker_followed(teller->app->worker, teller->followed, &view);
-    if (view.status != event->status) {
-        view.finished = 0;
-        view.message[0] = '\0';
-    }
-    view.status = event->status;
-    view.stage = event->stage;
-    view.attempt = event->attempt;
-    view.progress = event->progress;
-    view.updated = event->time_ms;
-    vor_job_write(teller->app, teller->request, &view, text);
-}
-
 /* How many steps a parameter allows; 0 where the process does not take it. */
 static uint64_t steps_of(const struct vor_spec *spec, enum vor_parameter parameter, double steps)
 {
@@ -89,20 +70,11 @@ static void write_end(const struct vor_teller *teller, const struct vor_event *e
     vor_json_end_object(text);
 }
 
-static void write_replaced(const struct vor_teller *teller, const struct vor_event *event,
-                           struct vor_text *text)
-{
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "jobID", teller->followed->row.id.text);
-    vor_json_put_u64(text, "attempt", event->attempt);
-    vor_json_put_string(text, "reason",
-                        event->stage == VOR_STAGE_QUEUED ? "daemon-restarted" : "worker-restarted");
-    vor_json_end_object(text);
-}
-
 static void write_data(const struct vor_teller *teller, const struct vor_event *event,
                        struct vor_text *text)
 {
+    struct vor_job_view view;
+
     switch (event->kind) {
     case VOR_EVENT_PROGRESS:
         write_progress(teller, event, text);
@@ -111,13 +83,30 @@ static void write_data(const struct vor_teller *teller, const struct vor_event *
         write_end(teller, event, text);
         return;
     case VOR_EVENT_REPLACED:
-        write_replaced(teller, event, text);
+        vor_json_begin_object(text);
+        vor_json_put_string(text, "jobID", teller->followed->row.id.text);
+        vor_json_put_u64(text, "attempt", event->attempt);
+        vor_json_put_string(text, "reason",
+                            event->stage == VOR_STAGE_QUEUED ? "daemon-restarted"
+                                                             : "worker-restarted");
+        vor_json_end_object(text);
         return;
     case VOR_EVENT_STATUS:
     case VOR_EVENT_KINDS:
         break;
     }
-    write_status(teller, event, text);
+    /* Writes the job as it is now, but in the state that it had at the event. */
+    vor_worker_followed(teller->app->worker, teller->followed, &view);
+    if (view.status != event->status) {
+        view.finished = 0;
+        view.message[0] = '\0';
+    }
+    view.status = event->status;
+    view.stage = event->stage;
+    view.attempt = event->attempt;
+    view.progress = event->progress;
+    view.updated = event->time_ms;
+    vor_job_write(teller->app, teller->request, &view, text);
 }
 
 int vor_event_frame(const struct vor_teller *teller, const char *name, const char *id,

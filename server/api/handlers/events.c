@@ -118,19 +118,6 @@ static enum vor_job_outcome look_up(struct stream *stream, struct track *track,
     return VOR_DONE;
 }
 
-/* The same for a job that may be another caller's, who then learns nothing of it. */
-static enum vor_job_outcome look_up_own(struct stream *stream, struct track *track,
-                                        struct vor_error *err)
-{
-    const char *tenant = vor_auth_tenant(stream->request);
-    enum vor_job_outcome outcome = VOR_DONE;
-
-    if (tenant != NULL)
-        outcome =
-            vor_worker_get_of(stream->app->worker, &track->id, tenant, &stream->followed.row, err);
-    return outcome == VOR_DONE ? look_up(stream, track, err) : outcome;
-}
-
 /* Has the description of a track's job at hand. That of one that is over was read when it was
  * looked up, and no other track has had a turn since. */
 static void turn_to(struct stream *stream, const struct track *track)
@@ -173,24 +160,6 @@ static void write_id(const struct stream *stream, const char *own, char *out, si
             at += (size_t)snprintf(out + at, size - at, "%s%u.%u", comma, track->position.attempt,
                                    track->position.number);
     }
-}
-
-static void write_event(struct stream *stream, struct track *track, const struct vor_event *event)
-{
-    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
-    bool is_end = event->kind == VOR_EVENT_END;
-    char own[VOR_POSITION_SIZE], id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
-
-    if (is_end && stream->is_many)
-        (void)snprintf(own, sizeof own, VOR_POSITION_END);
-    else
-        (void)snprintf(own, sizeof own, "%u.%u", event->attempt, event->number);
-    write_id(stream, own, id, sizeof id);
-    stream->has_told = true;
-    if (!vor_event_tell(&teller, event, id, &stream->text))
-        stream->ended = true; /* out of memory: the client comes back for it */
-    if (is_end)
-        end_turns(stream, track);
 }
 
 /* Tells that there is no such job, or none of this caller; the other jobs go on. */
@@ -258,8 +227,23 @@ static bool take_events(struct stream *stream, struct track *track)
     count = vor_bus_read(track->bus, &track->position, how, events, BATCH);
     if (count == 0)
         track->is_replay = false;
-    for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++)
-        write_event(stream, track, &events[i]);
+    for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++) {
+        struct vor_teller teller = {stream->app, stream->request, &stream->followed,
+                                    stream->is_lines};
+        bool is_end = events[i].kind == VOR_EVENT_END;
+        char own[VOR_POSITION_SIZE], id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
+
+        if (is_end && stream->is_many)
+            (void)snprintf(own, sizeof own, VOR_POSITION_END);
+        else
+            (void)snprintf(own, sizeof own, "%u.%u", events[i].attempt, events[i].number);
+        write_id(stream, own, id, sizeof id);
+        stream->has_told = true;
+        if (!vor_event_tell(&teller, &events[i], id, &stream->text))
+            stream->ended = true; /* out of memory: the client comes back for it */
+        if (is_end)
+            end_turns(stream, track);
+    }
     count_dropped(before, track->position, count);
     count += has_preview;
     vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
@@ -272,8 +256,16 @@ static bool take_turn(struct stream *stream, struct track *track)
     enum vor_job_outcome outcome = VOR_DONE;
     struct vor_error err;
 
-    if (track->bus == NULL)
-        outcome = look_up_own(stream, track, &err);
+    if (track->bus == NULL) {
+        const char *tenant = vor_auth_tenant(stream->request);
+
+        /* Who asks for another caller's job learns nothing of it. */
+        if (tenant != NULL)
+            outcome = vor_worker_get_of(stream->app->worker, &track->id, tenant,
+                                        &stream->followed.row, &err);
+        if (outcome == VOR_DONE)
+            outcome = look_up(stream, track, &err);
+    }
     if (outcome == VOR_UNKNOWN) {
         write_unknown(stream, track);
         return true;
@@ -462,19 +454,6 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     return vor_app_reply(app, request, 200, media_type(stream), &stream->text);
 }
 
-/* An EventSource never comes back after an error status; it does after the end of a stream. */
-static enum vor_next reply_crowded(struct vor_request *request)
-{
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    vor_sse_retry(&text, RETRY_FULL_MS);
-    vor_reply_bytes(request, 200, "text/event-stream", text.data, text.size);
-    vor_text_free(&text);
-    vor_reply_close(request);
-    return VOR_NEXT_REPLY;
-}
-
 static enum vor_next reply_nothing(struct vor_request *request)
 {
     vor_reply_bytes(request, 204, NULL, "", 0);
@@ -499,8 +478,18 @@ static enum vor_next reply_events(struct vor_app *app, struct vor_request *reque
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
     if (ask->wait < 0 &&
-        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
-        return reply_crowded(request);
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
+        struct vor_text text;
+
+        /* An EventSource never comes back after an error status; it does after the end of a stream.
+         */
+        vor_text_init(&text, 0);
+        vor_sse_retry(&text, RETRY_FULL_MS);
+        vor_reply_bytes(request, 200, "text/event-stream", text.data, text.size);
+        vor_text_free(&text);
+        vor_reply_close(request);
+        return VOR_NEXT_REPLY;
+    }
     stream = stream_create(app, request, ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;

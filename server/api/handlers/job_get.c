@@ -74,36 +74,14 @@ static bool waits_on(struct vor_request *request, const struct vor_job_view *vie
     return true;
 }
 
-static enum vor_next reply(struct vor_app *app, struct vor_request *request,
-                           const struct vor_job_view *view)
-{
-    const struct poll *poll = vor_request_state(request);
-    char etag[VOR_ETAG_SIZE] = "", applied[32];
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    vor_job_write(app, request, view, &text);
-    vor_text_puts(&text, "\n");
-    if (vor_text_status(&text, NULL) == VOR_OK)
-        vor_digest_etag(text.data, text.size, etag);
-    if (etag[0] != '\0' && vor_request_condition(request, etag) == 304 && waits_on(request, view)) {
-        vor_text_free(&text);
-        return VOR_NEXT_WAIT;
-    }
-    if (poll != NULL) {
-        (void)snprintf(applied, sizeof applied, "wait=%.0f", poll->seconds);
-        vor_reply_header(request, "Preference-Applied", applied);
-    }
-    vor_reply_header(request, "ETag", etag[0] != '\0' ? etag : NULL);
-    vor_reply_header(request, "Cache-Control", "no-cache");
-    return vor_app_reply(app, request, 200, "application/json", &text);
-}
-
 enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
     struct vor_preferences preferences;
     struct vor_job_view view;
+    const struct poll *poll;
+    char etag[VOR_ETAG_SIZE] = "", applied[32];
+    struct vor_text text;
 
     vor_prefer_read(request, &preferences);
     if (step == VOR_STEP_HEAD && preferences.wait_seconds > 0 &&
@@ -114,5 +92,22 @@ enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_st
         return VOR_NEXT_REPLY;
     if (view.expired)
         return vor_result_missing(app, request, &view);
-    return reply(app, request, &view);
+    poll = vor_request_state(request);
+    vor_text_init(&text, 0);
+    vor_job_write(app, request, &view, &text);
+    vor_text_puts(&text, "\n");
+    if (vor_text_status(&text, NULL) == VOR_OK)
+        vor_digest_etag(text.data, text.size, etag);
+    if (etag[0] != '\0' && vor_request_condition(request, etag) == 304 &&
+        waits_on(request, &view)) {
+        vor_text_free(&text);
+        return VOR_NEXT_WAIT;
+    }
+    if (poll != NULL) {
+        (void)snprintf(applied, sizeof applied, "wait=%.0f", poll->seconds);
+        vor_reply_header(request, "Preference-Applied", applied);
+    }
+    vor_reply_header(request, "ETag", etag[0] != '\0' ? etag : NULL);
+    vor_reply_header(request, "Cache-Control", "no-cache");
+    return vor_app_reply(app, request, 200, "application/json", &text);
 }

@@ -50,31 +50,6 @@ static void add_link(struct info_room *room, const char *rel, const char *type, 
     room->info.link_count++;
 }
 
-static void add_result_links(struct vor_app *app, struct vor_request *request,
-                             const struct vor_job_view *view, struct info_room *room)
-{
-    const struct vor_artefact_info *outputs = view->spec.process->outputs;
-    char(*urls)[VOR_URL_MAX] = room->urls;
-
-    vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
-    add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", "application/json", NULL, -1);
-    for (unsigned i = 0; outputs[i].name != NULL; i++) {
-        vor_app_result_url(app, request, &view->id, outputs[i].name, urls[room->info.link_count]);
-        add_link(room, "item", vor_output_media_type(view, i), outputs[i].name,
-                 (int64_t)view->output[i].bytes);
-    }
-}
-
-static void add_input_link(struct vor_app *app, struct vor_request *request,
-                           const struct vor_job_view *view, struct info_room *room)
-{
-    const struct vor_format *format = vor_format(view->input[0].format);
-
-    vor_app_job_url(app, request, &view->id, "/input", room->urls[room->info.link_count]);
-    add_link(room, "input", format != NULL ? format->media_type : NULL, NULL,
-             (int64_t)view->input[0].bytes);
-}
-
 static void add_links(struct vor_app *app, struct vor_request *request,
                       const struct vor_job_view *view, struct info_room *room)
 {
@@ -92,10 +67,26 @@ static void add_links(struct vor_app *app, struct vor_request *request,
         vor_app_job_url(app, request, &view->id, "", urls[room->info.link_count]);
         add_link(room, "cancel", NULL, "DELETE to dismiss", -1);
     }
-    if (view->status == VOR_JOB_SUCCESSFUL && !view->expired)
-        add_result_links(app, request, view, room);
-    if (view->kept > 0 && !view->expired)
-        add_input_link(app, request, view, room);
+    if (view->status == VOR_JOB_SUCCESSFUL && !view->expired) {
+        const struct vor_artefact_info *outputs = view->spec.process->outputs;
+
+        vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
+        add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", "application/json", NULL,
+                 -1);
+        for (unsigned i = 0; outputs[i].name != NULL; i++) {
+            vor_app_result_url(app, request, &view->id, outputs[i].name,
+                               urls[room->info.link_count]);
+            add_link(room, "item", vor_output_media_type(view, i), outputs[i].name,
+                     (int64_t)view->output[i].bytes);
+        }
+    }
+    if (view->kept > 0 && !view->expired) {
+        const struct vor_format *format = vor_format(view->input[0].format);
+
+        vor_app_job_url(app, request, &view->id, "/input", room->urls[room->info.link_count]);
+        add_link(room, "input", format != NULL ? format->media_type : NULL, NULL,
+                 (int64_t)view->input[0].bytes);
+    }
     vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);
 }
@@ -114,39 +105,12 @@ static const char *time_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
     return wall_ms > 0 ? vor_clock_text(wall_ms, out) : NULL;
 }
 
-static void fill_times(const struct vor_job_view *view, struct info_room *room)
-{
-    room->info.created = time_text(view->created, room->times[0]);
-    room->info.started = time_text(view->started, room->times[1]);
-    room->info.updated = time_text(view->updated, room->times[2]);
-    room->info.finished = time_text(view->finished, room->times[3]);
-}
-
-static void fill_inputs(const struct vor_job_view *view, struct info_room *room)
-{
-    const struct vor_artefact_info *inputs = view->spec.process->inputs;
-
-    for (unsigned i = 0; inputs[i].name != NULL; i++) {
-        const struct vor_job_input *input = &view->input[i];
-
-        if ((view->inputs >> i & 1) == 0)
-            continue;
-        room->inputs[room->info.input_count++] = (struct vor_input_info){
-            .name = inputs[i].name,
-            .format = lower_label(input->format, room->input_formats[i]),
-            .points = input->points,
-            .bytes = input->bytes,
-            .sha256 = input->sha256,
-        };
-    }
-    room->info.inputs = room->inputs;
-}
-
 void vor_job_write(struct vor_app *app, struct vor_request *request,
                    const struct vor_job_view *view, struct vor_text *text)
 {
     struct info_room room = {.info = VOR_STATUS_INFO_INIT};
     struct vor_status_info *info = &room.info;
+    const struct vor_artefact_info *inputs;
 
     info->job_id = view->id.text;
     info->process_id = view->process;
@@ -154,12 +118,29 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
     info->status = vor_job_status_word(view->status);
     info->message = view->message[0] != '\0' ? view->message : NULL;
     info->progress = view->progress;
-    fill_times(view, &room);
+    info->created = time_text(view->created, room.times[0]);
+    info->started = time_text(view->started, room.times[1]);
+    info->updated = time_text(view->updated, room.times[2]);
+    info->finished = time_text(view->finished, room.times[3]);
     info->attempt = view->attempt;
     info->stage = vor_job_status_over(view->status) ? NULL : vor_stage_word(view->stage);
     info->queue_position = view->queue_position;
     info->eta = view->eta_seconds;
-    fill_inputs(view, &room);
+    inputs = view->spec.process->inputs;
+    for (unsigned i = 0; inputs[i].name != NULL; i++) {
+        const struct vor_job_input *input = &view->input[i];
+
+        if ((view->inputs >> i & 1) == 0)
+            continue;
+        room.inputs[info->input_count++] = (struct vor_input_info){
+            .name = inputs[i].name,
+            .format = lower_label(input->format, room.input_formats[i]),
+            .points = input->points,
+            .bytes = input->bytes,
+            .sha256 = input->sha256,
+        };
+    }
+    info->inputs = room.inputs;
     info->parameters = view->request_lost ? NULL : &view->spec;
     info->target_points = target_points(view);
     if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))

@@ -64,22 +64,6 @@ static int add_bytes(void *ctx, const void *bytes, size_t size)
     return text->failed ? -1 : 0;
 }
 
-/* The same bytes for a client that does not read gzip. */
-static enum vor_next reply_inflated(struct vor_app *app, struct vor_request *request,
-                                    const struct vor_asset *asset)
-{
-    struct vor_text text;
-    struct vor_sink sink = {&text, add_bytes};
-    struct vor_error err;
-
-    vor_text_init(&text, PLAIN_MAX);
-    if (vor_gzip_inflate(&sink, asset->bytes, asset->size, PLAIN_MAX, &err) != VOR_OK) {
-        vor_text_free(&text);
-        return vor_problem_error(app, request, &err, NULL);
-    }
-    return vor_app_reply(app, request, 200, asset->media_type, &text);
-}
-
 void vor_page_headers(struct vor_request *request)
 {
     vor_reply_header(request, "Cache-Control", "no-cache");
@@ -99,8 +83,19 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
     vor_reply_header(request, "ETag", etag);
     vor_reply_header(request, "Vary", vary);
     vor_page_headers(request);
-    if (!is_gzip)
-        return reply_inflated(app, request, asset);
+    if (!is_gzip) {
+        struct vor_text text;
+        struct vor_sink sink = {&text, add_bytes};
+        struct vor_error err;
+
+        /* The same bytes for a client that does not read gzip. */
+        vor_text_init(&text, PLAIN_MAX);
+        if (vor_gzip_inflate(&sink, asset->bytes, asset->size, PLAIN_MAX, &err) != VOR_OK) {
+            vor_text_free(&text);
+            return vor_problem_error(app, request, &err, NULL);
+        }
+        return vor_app_reply(app, request, 200, asset->media_type, &text);
+    }
     vor_reply_header(request, "Content-Encoding", "gzip");
     vor_reply_bytes(request, 200, asset->media_type, asset->bytes, asset->size);
     return VOR_NEXT_REPLY;

@@ -28,19 +28,6 @@ static enum vor_next reply_none(struct vor_app *app, struct vor_request *request
     return vor_problem_reply(app, request, &problem);
 }
 
-/* The same bytes have the same tag: those of one version, as many points of it, of one life of the
- * job. */
-static void add_headers(struct vor_request *request, const struct vor_job_view *view,
-                        const struct vor_preview_info *info, size_t most)
-{
-    char etag[96];
-
-    (void)snprintf(etag, sizeof etag, "\"%u-%" PRIu64 "-%zu\"", view->attempt, info->version,
-                   vor_shown_count(info->points, most));
-    vor_reply_header(request, "ETag", etag);
-    vor_reply_header(request, "Cache-Control", "private, no-cache");
-}
-
 static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *request,
                                  const struct vor_followed *followed, size_t most)
 {
@@ -61,8 +48,16 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
     if (status == VOR_OK)
         status = ply->write(&sink, &cloud, &options, &err);
     vor_cloud_free(&cloud);
-    if (status == VOR_OK)
-        add_headers(request, &followed->row, &info, most);
+    if (status == VOR_OK) {
+        char etag[96];
+
+        /* The same bytes have the same tag: those of one version, as many points of it, of one life
+         * of the job. */
+        (void)snprintf(etag, sizeof etag, "\"%u-%" PRIu64 "-%zu\"", followed->row.attempt,
+                       info.version, vor_shown_count(info.points, most));
+        vor_reply_header(request, "ETag", etag);
+        vor_reply_header(request, "Cache-Control", "private, no-cache");
+    }
     if (status == VOR_OK)
         return vor_app_reply(app, request, 200, ply->media_type, &text);
     vor_text_free(&text);

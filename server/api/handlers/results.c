@@ -129,32 +129,29 @@ static bool open_output(struct vor_app *app, struct vor_request *request,
                : open_blob(app, request, view, index, out);
 }
 
-/* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read that.
- */
-static void add_disposition(struct vor_request *request, const char *name)
+static void add_headers(struct vor_request *request, const struct output *out)
 {
     static const char plain[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
     char header[5 * VOR_RESULT_NAME_SIZE];
-    size_t at = (size_t)snprintf(header, sizeof header, "attachment; filename=\"");
+    size_t at;
     int is_ascii = 1;
 
-    for (const char *c = name; *c != '\0'; c++) {
+    vor_reply_header(request, "ETag", out->etag);
+    /* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read
+     * that.
+     */
+    at = (size_t)snprintf(header, sizeof header, "attachment; filename=\"");
+    for (const char *c = out->name; *c != '\0'; c++) {
         is_ascii &= (unsigned char)*c < 0x80;
         header[at++] = (unsigned char)*c < 0x80 ? *c : '_';
     }
     at += (size_t)snprintf(header + at, sizeof header - at, "\"%s",
                            is_ascii ? "" : "; filename*=UTF-8''");
-    for (const char *c = name; !is_ascii && *c != '\0'; c++)
+    for (const char *c = out->name; !is_ascii && *c != '\0'; c++)
         at += (size_t)snprintf(header + at, sizeof header - at,
                                strchr(plain, *c) != NULL ? "%c" : "%%%02X", (unsigned char)*c);
     vor_reply_header(request, "Content-Disposition", header);
-}
-
-static void add_headers(struct vor_request *request, const struct output *out)
-{
-    vor_reply_header(request, "ETag", out->etag);
-    add_disposition(request, out->name);
     vor_reply_header(request, "Cache-Control", "private, no-cache");
     vor_reply_header(request, "Accept-Ranges", "bytes");
     if (out->origin[0] != '\0')
@@ -172,18 +169,6 @@ static void send_part(struct vor_request *request, int http, struct output *out,
     out->fd = -1;
 }
 
-static enum vor_next reply_outside(struct vor_app *app, struct vor_request *request,
-                                   const struct output *out)
-{
-    char span[64];
-
-    (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
-    vor_reply_header(request, "Content-Range", span);
-    return vor_problem_say(app, request, "range-not-satisfiable",
-                           "Range is %.60s, want one that begins within 0 to %" PRIu64,
-                           vor_request_header(request, "Range"), out->size > 0 ? out->size - 1 : 0);
-}
-
 static enum vor_next reply_output(struct vor_app *app, struct vor_request *request,
                                   struct output *out)
 {
@@ -198,7 +183,12 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
         range = NULL;
     switch (vor_range_parse(range, out->size, &offset, &length)) {
     case VOR_RANGE_OUTSIDE:
-        return reply_outside(app, request, out);
+        (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
+        vor_reply_header(request, "Content-Range", span);
+        return vor_problem_say(app, request, "range-not-satisfiable",
+                               "Range is %.60s, want one that begins within 0 to %" PRIu64,
+                               vor_request_header(request, "Range"),
+                               out->size > 0 ? out->size - 1 : 0);
     case VOR_RANGE_PART:
         (void)snprintf(span, sizeof span, "bytes %" PRIu64 "-%" PRIu64 "/%" PRIu64, offset,
                        offset + length - 1, out->size);
@@ -286,29 +276,6 @@ enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
     return next;
 }
 
-/* "cloud", "cloud or report", "cloud, mesh or report". */
-static void list_outputs(const struct vor_artefact_info *outputs, char *out, size_t size)
-{
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (unsigned i = 0; outputs[i].name != NULL && at < size; i++) {
-        const char *before = outputs[i + 1].name != NULL ? ", " : " or ";
-
-        at += (size_t)snprintf(out + at, size - at, "%s%s", i > 0 ? before : "", outputs[i].name);
-    }
-}
-
-static enum vor_next reply_no_such_output(struct vor_app *app, struct vor_request *request,
-                                          const struct vor_job_view *view, const char *name)
-{
-    char names[256];
-
-    list_outputs(view->spec.process->outputs, names, sizeof names);
-    return vor_problem_say(app, request, "no-such-output", "there is no output %s, want %s", name,
-                           names);
-}
-
 /* Output number `index` in another format than the job's. */
 static enum vor_next reply_converted(struct vor_app *app, struct vor_request *request,
                                      const struct vor_job_view *view, unsigned index,
@@ -352,8 +319,22 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     (void)snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), segment);
     outputs = view.spec.process->outputs;
     output = vor_artefact_find(outputs, name);
-    if (output == NULL)
-        return reply_no_such_output(app, request, &view, name);
+    if (output == NULL) {
+        char names[256];
+        size_t at = 0;
+
+        /* "cloud", "cloud or report", "cloud, mesh or report". */
+        names[0] = '\0';
+        for (unsigned i = 0; view.spec.process->outputs[i].name != NULL && at < (sizeof names);
+             i++) {
+            const char *before = view.spec.process->outputs[i + 1].name != NULL ? ", " : " or ";
+
+            at += (size_t)snprintf(names + at, (sizeof names) - at, "%s%s", i > 0 ? before : "",
+                                   view.spec.process->outputs[i].name);
+        }
+        return vor_problem_say(app, request, "no-such-output", "there is no output %s, want %s",
+                               name, names);
+    }
     if (!vor_ask_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)

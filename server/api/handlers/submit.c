@@ -405,32 +405,28 @@ static void on_event(void *ctx, enum vor_event_kind kind)
         vor_waker_wake(ctx);
 }
 
-/* Answers a caller who has waited for the end of the job. */
-static enum vor_next reply_ended(struct vor_app *app, struct vor_request *request,
-                                 struct submission *submission)
-{
-    struct vor_job_view view;
-    struct vor_error err;
-    enum vor_job_outcome outcome = vor_worker_get(app->worker, &submission->view.id, &view, &err);
-
-    submission->settled = true;
-    if (!submission->headed)
-        add_job_headers(app, request, submission, false);
-    submission->headed = true;
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
-    if (view.status != VOR_JOB_SUCCESSFUL)
-        return vor_result_missing(app, request, &view);
-    return vor_result_whole(app, request, &view, !submission->replayed);
-}
-
 static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *request,
                                   struct submission *submission)
 {
     double left = submission->deadline - vor_clock_seconds();
 
-    if (vor_bus_ended(submission->bus, NULL))
-        return reply_ended(app, request, submission);
+    if (vor_bus_ended(submission->bus, NULL)) {
+        struct vor_job_view view;
+        struct vor_error err;
+        enum vor_job_outcome outcome =
+            vor_worker_get(app->worker, &submission->view.id, &view, &err);
+
+        /* Answers a caller who has waited for the end of the job. */
+        submission->settled = true;
+        if (!submission->headed)
+            add_job_headers(app, request, submission, false);
+        submission->headed = true;
+        if (outcome != VOR_DONE)
+            return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
+        if (view.status != VOR_JOB_SUCCESSFUL)
+            return vor_result_missing(app, request, &view);
+        return vor_result_whole(app, request, &view, !submission->replayed);
+    }
     if (vor_request_gone(request))
         return vor_problem_say(app, request, "client-closed", "the client disconnected");
     if (vor_request_closing(request)) {
@@ -490,30 +486,6 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
-/* The body is in: answers a request whose key is that of a job, and admits any other. */
-static enum vor_next take_body(struct vor_app *app, struct vor_request *request,
-                               struct submission *submission)
-{
-    enum vor_job_outcome outcome = VOR_UNKNOWN;
-    struct vor_besides_inputs inputs;
-
-    if (submission->form != NULL && !vor_submit_form_end(submission->form))
-        return VOR_NEXT_REPLY;
-    for (unsigned i = 0; i < submission->uploads.count; i++)
-        submission->packed |= submission->uploads.item[i].is_gzip;
-    if (has_key(submission) && !submission->packed) {
-        vor_besides_of_uploads(&inputs, &submission->uploads);
-        outcome = vor_besides_find(&submission->head.besides, app, &submission->head.spec, &inputs,
-                                   &submission->view, &submission->error);
-    }
-    if (outcome == VOR_UNKNOWN)
-        return admit(app, request, submission);
-    end_flight(submission);
-    submission->replayed = outcome == VOR_DONE;
-    submission->outcome = outcome;
-    return accepted(app, request, submission);
-}
-
 enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
@@ -523,8 +495,27 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
-    if (step == VOR_STEP_BODY)
-        return take_body(app, request, submission);
+    if (step == VOR_STEP_BODY) {
+        enum vor_job_outcome outcome = VOR_UNKNOWN;
+        struct vor_besides_inputs inputs;
+
+        /* The body is in: answers a request whose key is that of a job, and admits any other. */
+        if (submission->form != NULL && !vor_submit_form_end(submission->form))
+            return VOR_NEXT_REPLY;
+        for (unsigned i = 0; i < submission->uploads.count; i++)
+            submission->packed |= submission->uploads.item[i].is_gzip;
+        if (has_key(submission) && !submission->packed) {
+            vor_besides_of_uploads(&inputs, &submission->uploads);
+            outcome = vor_besides_find(&submission->head.besides, app, &submission->head.spec,
+                                       &inputs, &submission->view, &submission->error);
+        }
+        if (outcome == VOR_UNKNOWN)
+            return admit(app, request, submission);
+        end_flight(submission);
+        submission->replayed = outcome == VOR_DONE;
+        submission->outcome = outcome;
+        return accepted(app, request, submission);
+    }
     if (submission->bus != NULL)
         return wait_for_end(app, request, submission);
     if (vor_deferred_is_done(&submission->deferred))

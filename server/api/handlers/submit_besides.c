@@ -27,29 +27,24 @@ static vor_status take_name(struct vor_submit_besides *out, const char *value,
     return VOR_OK;
 }
 
-static vor_status take_input(struct vor_submit_besides *out, const char *value,
-                             struct vor_error *err)
-{
-    static const char scheme[] = "job:";
-    size_t length = sizeof scheme - 1;
-    char quoted[SHOWN_SIZE];
-
-    if (strncmp(value, scheme, length) == 0 &&
-        vor_uuid_parse(&out->input, value + length, strlen(value) - length))
-        return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, "input",
-                          "input is \"%s\", want job: and the ID of a job",
-                          vor_quote(quoted, sizeof quoted, value, strlen(value)));
-}
-
 vor_status vor_besides_take(struct vor_submit_besides *out, const char *name, const char *value,
                             int *taken, struct vor_error *err)
 {
     *taken = 1;
     if (strcmp(name, "name") == 0)
         return take_name(out, value, err);
-    if (strcmp(name, "input") == 0)
-        return take_input(out, value, err);
+    if (strcmp(name, "input") == 0) {
+        static const char scheme[] = "job:";
+        size_t length = sizeof scheme - 1;
+        char quoted[SHOWN_SIZE];
+
+        if (strncmp(value, scheme, length) == 0 &&
+            vor_uuid_parse(&out->input, value + length, strlen(value) - length))
+            return VOR_OK;
+        return vor_fail_param(err, VOR_E_PARAM, "input",
+                              "input is \"%s\", want job: and the ID of a job",
+                              vor_quote(quoted, sizeof quoted, value, strlen(value)));
+    }
     *taken = 0;
     return VOR_OK;
 }

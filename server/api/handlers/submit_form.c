@@ -51,25 +51,6 @@ static vor_status refuse_twice(const char *name, struct vor_error *err)
     return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once", name);
 }
 
-/* The files that the process takes stand behind the parameters. */
-static vor_status refuse_name(const struct vor_submit_form *form, const char *name,
-                              struct vor_error *err)
-{
-    const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
-    char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX], shown[SHOWN_SIZE];
-    struct vor_error which;
-    size_t at = 0;
-
-    (void)vor_spec_refuse(&form->head->spec, name, "a file", &which);
-    for (unsigned i = 1; inputs[i].name != NULL && at < sizeof files; i++)
-        at += (size_t)snprintf(files + at, sizeof files - at, ", %s", inputs[i].name);
-    if (at == 0)
-        files[0] = '\0';
-    return vor_fail_param(err, VOR_E_PARAM, vor_quote(shown, sizeof shown, name, strlen(name)),
-                          "%s; its files are %s (or %s)%s", which.message, inputs[0].name,
-                          main_alias, files);
-}
-
 /* --- parts ------------------------------------------------------------------------------------ */
 
 static vor_status begin_file(struct vor_submit_form *form, const struct vor_artefact_info *input,
@@ -110,8 +91,22 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
     bool is_besides = vor_besides_has(part->name), was_given;
 
     if (!is_besides && (parameter == VOR_PARAMETER_COUNT ||
-                        !vor_process_takes(form->head->spec.process, parameter)))
-        return refuse_name(form, part->name, err);
+                        !vor_process_takes(form->head->spec.process, parameter))) {
+        const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
+        char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX], shown[SHOWN_SIZE];
+        struct vor_error which;
+        size_t at = 0;
+
+        /* The files that the process takes stand behind the parameters. */
+        (void)vor_spec_refuse(&form->head->spec, part->name, "a file", &which);
+        for (unsigned i = 1; inputs[i].name != NULL && at < sizeof files; i++)
+            at += (size_t)snprintf(files + at, sizeof files - at, ", %s", inputs[i].name);
+        if (at == 0)
+            files[0] = '\0';
+        return vor_fail_param(
+            err, VOR_E_PARAM, vor_quote(shown, sizeof shown, part->name, strlen(part->name)),
+            "%s; its files are %s (or %s)%s", which.message, inputs[0].name, main_alias, files);
+    }
     if (part->is_file || part->coding[0] != '\0')
         return vor_fail_param(err, VOR_E_PARAM, part->name, "%s is %s, want a text", part->name,
                               part->is_file ? "a file" : "encoded");
@@ -159,25 +154,20 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
     return VOR_OK;
 }
 
-static vor_status set_text(struct vor_submit_form *form, struct vor_error *err)
-{
-    int taken;
-    vor_status status = vor_besides_take(&form->head->besides, form->name, form->text, &taken, err);
-
-    if (status != VOR_OK || taken)
-        return status;
-    return vor_spec_set(&form->head->spec, form->name, form->text, err);
-}
-
 static vor_status on_end(void *ctx, struct vor_error *err)
 {
     struct vor_submit_form *form = ctx;
+    int taken;
+    vor_status status;
 
     if (form->file == NULL) {
         form->text[form->size] = '\0';
         if (strlen(form->text) != form->size)
             return vor_fail_param(err, VOR_E_PARAM, form->name, "%s has a NUL", form->name);
-        return set_text(form, err);
+        status = vor_besides_take(&form->head->besides, form->name, form->text, &taken, err);
+        if (status != VOR_OK || taken)
+            return status;
+        return vor_spec_set(&form->head->spec, form->name, form->text, err);
     }
     /* A browser's field without a file: nothing was given. */
     if (form->is_unnamed && vor_blob_size(form->file->bytes) == 0)

@@ -55,26 +55,14 @@ struct found {
     struct vor_text query; /* "points=1000&seed=2" */
 };
 
-/* A value as it stands in a query; "..." for one that is none, or needs escapes. */
-static void put_value(struct vor_text *query, const struct vor_json *value)
-{
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~,:";
-    const char *string = vor_json_get_string(value);
-    enum vor_json_kind kind = vor_json_kind(value);
-
-    if (string != NULL && strlen(string) < 64 && strspn(string, plain) == strlen(string))
-        vor_text_puts(query, string);
-    else if (kind == VOR_JSON_NUMBER || kind == VOR_JSON_BOOL)
-        vor_json_copy(query, value);
-    else
-        vor_text_puts(query, "...");
-}
-
 static void add(struct found *found, const char *pointer, const struct vor_json *member)
 {
     const char *name = vor_json_name(member);
     struct place *place = &found->place[found->count];
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~,:";
+    const char *string;
+    enum vor_json_kind kind;
 
     place->name = name;
     (void)snprintf(place->pointer, sizeof place->pointer, "%s/%s", pointer, name);
@@ -83,7 +71,15 @@ static void add(struct found *found, const char *pointer, const struct vor_json 
     found->errors[found->count++] =
         (struct vor_problem_error){.pointer = place->pointer, .detail = place->detail};
     vor_text_printf(&found->query, "%s%s=", found->count > 1 ? "&" : "", name);
-    put_value(&found->query, member);
+    /* A value as it stands in a query; "..." for one that is none, or needs escapes. */
+    string = vor_json_get_string(member);
+    kind = vor_json_kind(member);
+    if (string != NULL && strlen(string) < 64 && strspn(string, plain) == strlen(string))
+        vor_text_puts(&found->query, string);
+    else if (kind == VOR_JSON_NUMBER || kind == VOR_JSON_BOOL)
+        vor_json_copy(&found->query, member);
+    else
+        vor_text_puts(&found->query, "...");
 }
 
 /* Looks for parameters among the members of an object and of those below it: OGC has them under

@@ -40,15 +40,25 @@ static const struct vor_artefact_info *read_output(struct vor_app *app, struct v
     return output;
 }
 
-static enum vor_next reply(struct vor_app *app, struct vor_request *request,
-                           const struct vor_uuid *job, const char *output)
+enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor_step step)
 {
+    const struct vor_artefact_info *output;
+    struct vor_app *app = ctx;
+    struct vor_job_view view;
     char url[VOR_URL_MAX], ticket[VOR_TICKET_SIZE], whole[VOR_URL_MAX + VOR_TICKET_SIZE + 16];
     char expires[VOR_CLOCK_TEXT_SIZE];
     struct vor_text text;
 
-    vor_app_result_url(app, request, job, output, url);
-    vor_ticket_write(app->tickets, job, output, vor_clock_seconds(), ticket);
+    (void)step;
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
+    output = read_output(app, request, &view);
+    if (output == NULL)
+        return VOR_NEXT_REPLY;
+    if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
+        return vor_result_missing(app, request, &view);
+    vor_app_result_url(app, request, &view.id, output->name, url);
+    vor_ticket_write(app->tickets, &view.id, output->name, vor_clock_seconds(), ticket);
     (void)snprintf(whole, sizeof whole, "%s?ticket=%s", url, ticket);
     vor_clock_text(vor_clock_wall_ms() + (int64_t)VOR_TICKET_SECONDS * MS, expires);
     vor_text_init(&text, 0);
@@ -61,21 +71,4 @@ static enum vor_next reply(struct vor_app *app, struct vor_request *request,
     vor_reply_header(request, "Location", whole);
     vor_reply_header(request, "Cache-Control", "no-store");
     return vor_app_reply(app, request, 201, "application/json", &text);
-}
-
-enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor_step step)
-{
-    const struct vor_artefact_info *output;
-    struct vor_app *app = ctx;
-    struct vor_job_view view;
-
-    (void)step;
-    if (!vor_job_look_up(app, request, &view))
-        return VOR_NEXT_REPLY;
-    output = read_output(app, request, &view);
-    if (output == NULL)
-        return VOR_NEXT_REPLY;
-    if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
-        return vor_result_missing(app, request, &view);
-    return reply(app, request, &view.id, output->name);
 }
