@@ -1,8 +1,8 @@
 #include "server/base/config_help.h"
 #include "server/cli/cli.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/help.h"
 #include "server/cli/pages.h"
-#include "server/cli/say.h"
 #include "server/cli/topic.h"
 #include "server/serve.h"
 

@@ -14,7 +14,7 @@
 #include "server/base/machine.h"
 #include "server/base/notify.h"
 #include "server/base/rates.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 #include "server/work/admit.h"
 #include "server/work/conversion.h"
 #include "server/work/kinds.h"

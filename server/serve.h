@@ -6,7 +6,7 @@
  *  (server/base/config.h), or --print-routes: then the table of routes is printed, a line a route,
  * and nothing is served.
  *
- *  @return exit status, by VOR_EXIT_TABLE (server/cli/say.h) */
+ *  @return exit status, by VOR_EXIT_TABLE (server/cli/cli_log.h) */
 int vor_serve_main(int argc, char **argv);
 
 #endif

@@ -2,8 +2,8 @@
 #include "docker/pages/pages.h"
 #include "server/base/topics.h"
 #include "server/cli/cli.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/help.h"
-#include "server/cli/say.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -25,7 +25,7 @@
  *  limits->keep_doubles says so, vor_cloud_keep_double.
  *
  *  Header, metadata and declared counts are walked before the library sees a byte
- *  (proto/draco/draco_gate.h); more points than limits->points or than 64 x size + 100,000 are
+ *  (proto/draco/draco_precheck.h); more points than limits->points or than 64 x size + 100,000 are
  * refused. What the library allocates is charged to out->memory for the time of the call and is
  * bounded by its cap and by 64 MiB + 40 B x the smaller of those two numbers; past that
  * VOR_E_NOMEM.

@@ -10,23 +10,23 @@ _Static_assert((int)VOR_DRACO_SCALAR_COUNT == (int)VOR_TYPE_COUNT, "scalars and 
 
 static int charge(void *ctx, size_t bytes)
 {
-    struct vor_draco_purse *purse = ctx;
+    struct vor_alloc_budget *budget = ctx;
 
-    if (bytes > purse->most - purse->held || !vor_memory_charge(purse->memory, bytes))
+    if (bytes > budget->most - budget->held || !vor_memory_charge(budget->memory, bytes))
         return 0;
-    purse->held += bytes;
+    budget->held += bytes;
     return 1;
 }
 
 static void release(void *ctx, size_t bytes)
 {
-    struct vor_draco_purse *purse = ctx;
+    struct vor_alloc_budget *budget = ctx;
 
-    vor_memory_release(purse->memory, bytes);
-    purse->held -= bytes;
+    vor_memory_release(budget->memory, bytes);
+    budget->held -= bytes;
 }
 
-struct vor_draco_meter vor_draco_purse_meter(struct vor_draco_purse *purse)
+struct vor_draco_meter vor_alloc_budget_meter(struct vor_alloc_budget *budget)
 {
-    return (struct vor_draco_meter){.ctx = purse, .charge = charge, .release = release};
+    return (struct vor_draco_meter){.ctx = budget, .charge = charge, .release = release};
 }

@@ -7,12 +7,12 @@
 
 /** The library may hold `most` bytes at a time; beyond that, and beyond the allocator's cap, it is
  *  refused. */
-struct vor_draco_purse {
+struct vor_alloc_budget {
     struct vor_memory *memory;
     size_t held, most;
 };
 
-/** A meter on the purse, which is borrowed. */
-struct vor_draco_meter vor_draco_purse_meter(struct vor_draco_purse *purse);
+/** A meter on the budget, which is borrowed. */
+struct vor_draco_meter vor_alloc_budget_meter(struct vor_alloc_budget *budget);
 
 #endif

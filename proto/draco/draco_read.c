@@ -1,8 +1,8 @@
 #include "core/base/memory.h"
 #include "core/cloud/sift.h"
 #include "proto/draco/draco.h"
-#include "proto/draco/draco_gate.h"
 #include "proto/draco/draco_meter.h"
+#include "proto/draco/draco_precheck.h"
 #include "proto/draco/draco_shim.h"
 
 #include <math.h>
@@ -44,12 +44,12 @@ static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, st
     return VOR_E_FORMAT;
 }
 
-static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse *purse,
+static vor_status decode(struct vor_draco_decoded **out, struct vor_alloc_budget *budget,
                          const uint8_t *bytes, size_t size, struct vor_error *err)
 {
-    struct vor_draco_meter meter = vor_draco_purse_meter(purse);
-    size_t held = atomic_load(&purse->memory->used), used = size;
-    size_t left = held < purse->memory->cap ? purse->memory->cap - held : 0;
+    struct vor_draco_meter meter = vor_alloc_budget_meter(budget);
+    size_t held = atomic_load(&budget->memory->used), used = size;
+    size_t left = held < budget->memory->cap ? budget->memory->cap - held : 0;
     char message[96];
 
     switch (vor_draco_decode(out, &meter, bytes, &used, message)) {
@@ -57,7 +57,7 @@ static vor_status decode(struct vor_draco_decoded **out, struct vor_draco_purse 
         return refuse_rest(bytes, size, used, err);
     case VOR_DRACO_NO_MEMORY:
         return vor_fail(err, VOR_E_NOMEM, "decoding %zu bytes of Draco takes more than %zu bytes",
-                        size, left < purse->most ? left : purse->most);
+                        size, left < budget->most ? left : budget->most);
     default:
         return vor_fail(err, VOR_E_FORMAT,
                         "the Draco file is damaged or cut short; the Draco library says: %s",
@@ -336,15 +336,15 @@ static vor_status load_cloud(struct load *load)
 vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t size,
                           const struct vor_limits *limits, struct vor_error *err)
 {
-    struct vor_draco_purse purse = {.memory = out->memory, .most = MEMORY_FREE};
+    struct vor_alloc_budget budget = {.memory = out->memory, .most = MEMORY_FREE};
     struct vor_draco_decoded *decoded = NULL;
     struct load load = {.cloud = out, .limits = limits, .err = err};
-    vor_status status = vor_draco_gate(bytes, size, limits, err);
+    vor_status status = vor_draco_precheck(bytes, size, limits, err);
 
     if (status != VOR_OK)
         return status;
-    purse.most += MEMORY_PER_POINT * vor_draco_points_max(size, limits);
-    status = decode(&decoded, &purse, bytes, size, err);
+    budget.most += MEMORY_PER_POINT * vor_draco_points_max(size, limits);
+    status = decode(&decoded, &budget, bytes, size, err);
     load.decoded = decoded;
     if (status == VOR_OK)
         status = load_cloud(&load);

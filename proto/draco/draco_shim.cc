@@ -346,7 +346,7 @@ bool origin_entries(const draco::Metadata *metadata, double origin[3])
     return found == 3;
 }
 
-/* The nesting is bounded (draco_gate.h). */
+/* The nesting is bounded (draco_precheck.h). */
 size_t foreign_entries(const draco::Metadata &metadata, bool is_attribute)
 {
     size_t count = 0;

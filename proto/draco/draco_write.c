@@ -1,7 +1,7 @@
 #include "core/base/memory.h"
 #include "proto/draco/draco.h"
-#include "proto/draco/draco_gate.h"
 #include "proto/draco/draco_meter.h"
+#include "proto/draco/draco_precheck.h"
 #include "proto/draco/draco_quantize.h"
 #include "proto/draco/draco_shim.h"
 
@@ -335,7 +335,7 @@ static int take(void *ctx, const void *bytes, size_t size)
     static const struct vor_limits limits = {.points = SIZE_MAX};
     struct taker *taker = ctx;
 
-    taker->absurd = vor_draco_gate(bytes, size, &limits, NULL) != VOR_OK;
+    taker->absurd = vor_draco_precheck(bytes, size, &limits, NULL) != VOR_OK;
     return taker->absurd ? -1 : taker->sink->write(taker->sink->ctx, bytes, size);
 }
 
@@ -343,8 +343,8 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
                          struct vor_error *err)
 {
     const struct vor_cloud *cloud = plan->cloud;
-    struct vor_draco_purse purse = {.memory = cloud->memory, .most = SIZE_MAX};
-    struct vor_draco_meter meter = vor_draco_purse_meter(&purse);
+    struct vor_alloc_budget budget = {.memory = cloud->memory, .most = SIZE_MAX};
+    struct vor_draco_meter meter = vor_alloc_budget_meter(&budget);
     int relative = cloud->position_type == VOR_FLOAT64 || plan->origin[0] != 0 ||
                    plan->origin[1] != 0 || plan->origin[2] != 0;
     struct vor_draco_source source = {.n = cloud->n,

@@ -112,10 +112,10 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
     return vor_principal_may(&caller, scope) || refuse_scope(app, request, &caller, scope);
 }
 
-struct vor_sharer vor_auth_sharer(const struct vor_request *request)
+struct vor_fairness_key vor_auth_fairness_key(const struct vor_request *request)
 {
     const char *name = vor_request_principal(request)->name;
 
-    return name[0] != '\0' ? vor_sharer_of_key(name)
-                           : vor_sharer_of_address(vor_request_via(request)->client);
+    return name[0] != '\0' ? vor_fairness_key_of_key(name)
+                           : vor_fairness_key_of_address(vor_request_via(request)->client);
 }

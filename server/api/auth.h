@@ -3,7 +3,7 @@
 #define VOR_SERVER_API_AUTH_H
 
 #include "server/api/app.h"
-#include "server/base/sharer.h"
+#include "server/base/fairness_key.h"
 
 /** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
  *  owner of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; the holder of a ticket to
@@ -17,6 +17,6 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
 const char *vor_auth_tenant(const struct vor_request *request);
 
 /** With whom the caller shares threads: callers with a key share by key, the others by address. */
-struct vor_sharer vor_auth_sharer(const struct vor_request *request);
+struct vor_fairness_key vor_auth_fairness_key(const struct vor_request *request);
 
 #endif

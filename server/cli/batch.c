@@ -2,10 +2,10 @@
 
 #include "proto/codec.h"
 #include "proto/json/json.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/overwrite.h"
-#include "server/cli/say.h"
 
 #include <assert.h>
 #include <stdio.h>

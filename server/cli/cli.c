@@ -3,16 +3,16 @@
 #include "core/base/nearest.h"
 #include "server/base/topics.h"
 #include "server/cli/batch.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/fetch.h"
 #include "server/cli/health.h"
 #include "server/cli/help.h"
-#include "server/cli/here.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/jobs.h"
 #include "server/cli/key.h"
 #include "server/cli/options.h"
-#include "server/cli/say.h"
-#include "server/cli/there.h"
+#include "server/cli/run_local.h"
+#include "server/cli/run_remote.h"
 
 #include <limits.h>
 #include <signal.h>
@@ -59,8 +59,8 @@ struct chosen {
 
 static int run_one(const struct vor_cli *cli)
 {
-    return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_process_there(cli)
-                                                  : vor_cli_process_here(cli);
+    return cli->option[VOR_OPTION_SERVER] != NULL ? vor_cli_run_remote(cli)
+                                                  : vor_cli_run_local(cli);
 }
 
 static int run_process(const struct vor_cli *cli)

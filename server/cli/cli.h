@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-/** Runs the command argv[0]. Returns the exit code (server/cli/say.h); VOR_EXIT_USAGE when there is
- *  no such command. */
+/** Runs the command argv[0]. Returns the exit code (server/cli/cli_log.h); VOR_EXIT_USAGE when
+ * there is no such command. */
 int vor_cli_main(int argc, char **argv);
 
 /** Prints the help of one command. Returns the exit code, as vor_cli_main. */

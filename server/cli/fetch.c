@@ -4,10 +4,10 @@
 #include "proto/codec.h"
 #include "server/base/result_name.h"
 #include "server/cli/batch.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/job_list.h"
 #include "server/cli/overwrite.h"
-#include "server/cli/say.h"
 
 #include <limits.h>
 #include <stdio.h>

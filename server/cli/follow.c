@@ -2,9 +2,9 @@
 
 #include "core/base/quote.h"
 #include "server/base/clock.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/key.h"
-#include "server/cli/say.h"
 #include "server/cli/server.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #include "server/cli/health.h"
 
+#include "server/cli/cli_log.h"
 #include "server/cli/remote.h"
-#include "server/cli/say.h"
 #include "server/cli/server.h"
 
 #define HEALTH_SECONDS 5

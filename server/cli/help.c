@@ -2,7 +2,7 @@
 
 #include "server/base/markup.h"
 #include "server/base/reference.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/topic.h"
 
 #include <string.h>

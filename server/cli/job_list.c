@@ -1,6 +1,6 @@
 #include "server/cli/job_list.h"
 
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 #include "server/cli/key.h"
 
 #include "server/base/disk.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 
 #include "core/report.h"
 #include "proto/json/json.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <stdio.h>
 #include <string.h>

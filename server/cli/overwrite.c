@@ -1,6 +1,6 @@
 #include "server/cli/overwrite.h"
 
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 #include "server/cli/pages.h"
 
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <string.h>
 

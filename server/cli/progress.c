@@ -2,7 +2,7 @@
 
 #include "proto/origin.h"
 #include "server/base/clock.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <math.h>
 #include <stdlib.h>

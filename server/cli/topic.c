@@ -1,7 +1,7 @@
 #include "server/cli/topic.h"
 
 #include "server/base/topics.h"
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include <ctype.h>
 #include <string.h>

@@ -72,7 +72,7 @@ struct vor_admit;
  * was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
-    struct vor_sharer caller;                      /**< who shares the threads with others */
+    struct vor_fairness_key caller;                /**< who shares the threads with others */
     int drop_invalid, keep_faces, keep_doubles;    /**< as struct vor_limits has them */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */

@@ -18,7 +18,7 @@ enum { IDLE_SECONDS = 10 };
 struct hand {
     struct vor_crew *crew;
     int is_alive, is_busy;
-    struct vor_sharer caller;
+    struct vor_fairness_key caller;
 };
 
 struct vor_crew {
@@ -34,12 +34,12 @@ struct vor_crew {
     struct hand hand[];
 };
 
-static unsigned running_of(const struct vor_crew *crew, const struct vor_sharer *caller)
+static unsigned running_of(const struct vor_crew *crew, const struct vor_fairness_key *caller)
 {
     unsigned running = 0;
 
     for (unsigned i = 0; i < crew->count; i++)
-        running += crew->hand[i].is_busy && vor_sharer_same(&crew->hand[i].caller, caller);
+        running += crew->hand[i].is_busy && vor_fairness_key_same(&crew->hand[i].caller, caller);
     return running;
 }
 
@@ -49,7 +49,8 @@ static struct vor_task **lightest(struct vor_task **from)
     struct vor_task **chosen = from;
 
     for (struct vor_task **at = from; *at != NULL; at = &(*at)->next)
-        if ((*at)->weight < (*chosen)->weight && vor_sharer_same(&(*at)->caller, &(*from)->caller))
+        if ((*at)->weight < (*chosen)->weight &&
+            vor_fairness_key_same(&(*at)->caller, &(*from)->caller))
             chosen = at;
     return chosen;
 }
@@ -219,7 +220,7 @@ static size_t before(const struct vor_crew *crew, const struct vor_task *task)
     size_t count = 0;
 
     for (const struct vor_task *at = crew->head; at != NULL; at = at->next)
-        count += at->weight <= task->weight && vor_sharer_same(&at->caller, &task->caller);
+        count += at->weight <= task->weight && vor_fairness_key_same(&at->caller, &task->caller);
     return count;
 }
 

@@ -7,7 +7,7 @@
 #define VOR_SERVER_WORK_CREW_H
 
 #include "core/base/status.h"
-#include "server/base/sharer.h"
+#include "server/base/fairness_key.h"
 #include "server/jobs/job.h"
 
 #include <stddef.h>
@@ -20,9 +20,9 @@ struct vor_crew;
 struct vor_task {
     void (*run)(void *ctx); /**< on a thread of the crew; may free the task */
     void *ctx;
-    struct vor_sharer caller; /**< whom it is for */
-    uint64_t weight;          /**< about how long it takes, in any unit: bytes to read, say */
-    struct vor_task *next;    /**< the crew's own */
+    struct vor_fairness_key caller; /**< whom it is for */
+    uint64_t weight;                /**< about how long it takes, in any unit: bytes to read, say */
+    struct vor_task *next;          /**< the crew's own */
 };
 
 /** A pool of at most `threads` (at least 1) threads, each started when a task finds no other and

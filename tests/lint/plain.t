@@ -104,7 +104,7 @@ for (
     ["$help/reports.txt", qr/more than ([\d,]+) input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
     ["$help/reports.txt", qr/median of (\d+) places/, ['core/input/conditioning.h', qr/NEIGHBORS_PLACES = (\d+)/]], ["$help/data.txt", qr/once\s+in\s+(\w+\s+minutes)/, ['server/work/verify.c', qr/sound_seconds = (\d+)/]],
     ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
-    ["$help/container.txt", qr/ends with status (\d+)/, ['server/cli/say.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/say.h', qr/X\(INTERRUPTED, (\d+),/]],
+    ["$help/container.txt", qr/ends with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
     ["$help/metrics.txt", qr/127\.0\.0\.1:(\d+)/, $checks], ['docker/compose.yaml', qr/127\.0\.0\.1:(\d+):/, $listen], ['docker/Dockerfile', qr/^EXPOSE (\d+)/m, $listen],
     ['server/cli/server.c', qr/LISTEN_DEFAULT "127\.0\.0\.1:(\d+)"/, $listen], ['openapi.yaml', qr{url: http://127\.0\.0\.1:(\d+)}, $listen],
 ) {

@@ -119,7 +119,7 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     begin(&work, 2, 8, 1);
     vor_crew_share(work.crew, 1, 4);
     for (int i = 0; i < 5; i++) { /* one runs, four wait */
-        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, "greedy");
+        (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE, "greedy");
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             vt_nap();
@@ -145,8 +145,8 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
 
     begin(&work, 2, TASKS, 1);
     for (int i = 0; i < 6; i++) {
-        (void)snprintf(work.tasks[i].caller.name, VOR_SHARER_SIZE, i < 4 ? "greedy" : "caller %d",
-                       i);
+        (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE,
+                       i < 4 ? "greedy" : "caller %d", i);
         ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
         while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
             vt_nap();
@@ -206,22 +206,23 @@ START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
     };
 
     for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        struct vor_sharer a = vor_sharer_of_address(pairs[i].a),
-                          b = vor_sharer_of_address(pairs[i].b);
+        struct vor_fairness_key a = vor_fairness_key_of_address(pairs[i].a),
+                                b = vor_fairness_key_of_address(pairs[i].b);
 
-        ck_assert_msg(vor_sharer_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
+        ck_assert_msg(vor_fairness_key_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
     }
 }
 END_TEST
 
 START_TEST(a_key_shares_with_itself_alone_and_with_no_address)
 {
-    struct vor_sharer key = vor_sharer_of_key("192.0.2.1"), other = vor_sharer_of_key("render"),
-                      address = vor_sharer_of_address("192.0.2.1");
+    struct vor_fairness_key key = vor_fairness_key_of_key("192.0.2.1"),
+                            other = vor_fairness_key_of_key("render"),
+                            address = vor_fairness_key_of_address("192.0.2.1");
 
-    ck_assert(vor_sharer_same(&key, &key));
-    ck_assert(!vor_sharer_same(&key, &other));
-    ck_assert(!vor_sharer_same(&key, &address));
+    ck_assert(vor_fairness_key_same(&key, &key));
+    ck_assert(!vor_fairness_key_same(&key, &other));
+    ck_assert(!vor_fairness_key_same(&key, &address));
 }
 END_TEST
 

@@ -1,7 +1,7 @@
 /* What stops a Draco file that the gate has let pass, or a writer that meets its cap. What the gate
  * refuses stands in tests/data/draco.txt (unit/codec_files). */
-#include "proto/draco/draco_gate.h"
 #include "proto/draco/draco_meter.h"
+#include "proto/draco/draco_precheck.h"
 #include "tests/support/vt_files.h"
 #include "tests/unit/draco_files.h"
 
@@ -35,8 +35,8 @@ START_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
     for (size_t k = 0; k < sizeof bombs / sizeof *bombs; k++) {
         const struct vt_bytes *base = find(bombs[k].name);
         struct vor_memory memory;
-        struct vor_draco_purse purse = {.memory = &memory, .most = (size_t)64 << 20};
-        struct vor_draco_meter meter = vor_draco_purse_meter(&purse);
+        struct vor_alloc_budget budget = {.memory = &memory, .most = (size_t)64 << 20};
+        struct vor_draco_meter meter = vor_alloc_budget_meter(&budget);
         struct vor_draco_decoded *decoded;
         enum vor_draco_result result;
         size_t size = base->size;
@@ -50,7 +50,7 @@ START_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
         ck_assert_msg(bombs[k].is_mesh || result == VOR_DRACO_NO_MEMORY, "bomb %zu was no bomb: %s",
                       k, message);
         ck_assert_ptr_null(decoded);
-        ck_assert_uint_le(atomic_load(&memory.peak), purse.most);
+        ck_assert_uint_le(atomic_load(&memory.peak), budget.most);
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
 }

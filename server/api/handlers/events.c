@@ -9,7 +9,7 @@
 #include "server/api/accept.h"
 #include "server/api/auth.h"
 #include "server/api/handlers/event_text.h"
-#include "server/api/handlers/events_ask.h"
+#include "server/api/handlers/events_query.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
@@ -395,7 +395,7 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
 
 /* A stream of the jobs that are asked for; NULL after a problem has been replied. */
 static struct stream *stream_create(struct vor_app *app, struct vor_request *request,
-                                    const struct vor_events_ask *ask)
+                                    const struct vor_events_query *ask)
 {
     struct stream *stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
     struct vor_error err;
@@ -470,7 +470,7 @@ static bool is_at_end(const struct track *track)
 
 /* Whether there is such a job is told before the stream of one begins, in that of many. */
 static enum vor_next reply_events(struct vor_app *app, struct vor_request *request,
-                                  const struct vor_events_ask *ask)
+                                  const struct vor_events_query *ask)
 {
     struct stream *stream;
     struct vor_error err;
@@ -512,7 +512,7 @@ static enum vor_next reply_events(struct vor_app *app, struct vor_request *reque
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
                                const struct vor_uuid *id)
 {
-    struct vor_events_ask ask = {.count = 1, .wait = -1};
+    struct vor_events_query ask = {.count = 1, .wait = -1};
 
     ask.jobs[0].id = *id;
     return reply_events(app, request, &ask);
@@ -520,22 +520,23 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
 
 enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct vor_events_ask ask = {.count = 1};
+    struct vor_events_query ask = {.count = 1};
 
     if (step == VOR_STEP_WAKE)
         return answer_poll(ctx, request);
-    if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) || !vor_events_ask_one(ctx, request, &ask))
+    if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) ||
+        !vor_events_query_one(ctx, request, &ask))
         return VOR_NEXT_REPLY;
     return reply_events(ctx, request, &ask);
 }
 
 enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct vor_events_ask ask;
+    struct vor_events_query ask;
 
     if (step == VOR_STEP_WAKE)
         return answer_poll(ctx, request);
-    if (!vor_events_ask_many(ctx, request, &ask))
+    if (!vor_events_query_many(ctx, request, &ask))
         return VOR_NEXT_REPLY;
     return reply_events(ctx, request, &ask);
 }

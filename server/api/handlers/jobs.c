@@ -140,7 +140,7 @@ static enum vor_next begin_slice(struct listing *list)
     list->filter.limit = list->left < SLICE ? list->left + 1 : SLICE;
     list->task = (struct vor_task){.run = read_slice,
                                    .ctx = list,
-                                   .caller = vor_auth_sharer(list->request),
+                                   .caller = vor_auth_fairness_key(list->request),
                                    .weight = list->walks ? SIZE_MAX : list->filter.limit};
     vor_deferred_retain(&list->deferred);
     outcome = vor_worker_read_soon(list->app->worker, &list->task);

@@ -1,6 +1,6 @@
 /* Where the points of a running job are now. */
 #include "proto/codec.h"
-#include "server/api/handlers/events_ask.h"
+#include "server/api/handlers/events_query.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
@@ -76,7 +76,7 @@ enum vor_next vor_handle_preview(void *ctx, struct vor_request *request, enum vo
     struct vor_uuid id;
 
     (void)step;
-    if (!vor_job_of_path(app, request, &id) || !vor_ask_points(app, request, "points", &most))
+    if (!vor_job_of_path(app, request, &id) || !vor_query_points(app, request, "points", &most))
         return VOR_NEXT_REPLY;
     outcome = vor_worker_follow(app->worker, &id, &followed, &err);
     if (outcome != VOR_DONE)

@@ -1,9 +1,9 @@
 #include "proto/codec.h"
 #include "proto/origin.h"
-#include "server/api/handlers/ask.h"
 #include "server/api/handlers/converted.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
+#include "server/api/handlers/result_query.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/digest.h"
@@ -285,7 +285,7 @@ static enum vor_next reply_converted(struct vor_app *app, struct vor_request *re
     struct vor_converted converted;
     enum vor_next next;
 
-    if (!vor_ask_accepts(app, request, out.media_type))
+    if (!vor_result_accepts(app, request, out.media_type))
         return VOR_NEXT_REPLY;
     next = vor_converted_get(app, request, view, index, format, &converted);
     if (next != VOR_NEXT_REPLY || converted.fd < 0)
@@ -307,7 +307,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
-    struct vor_result_ask ask;
+    struct vor_result_query ask;
     struct vor_job_view view;
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
@@ -335,14 +335,15 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
         return vor_problem_say(app, request, "no-such-output", "there is no output %s, want %s",
                                name, names);
     }
-    if (!vor_ask_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
+    if (!vor_result_query_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
     if (ask.has_format && ask.format != view.output[output - outputs].format)
         return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
     if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
-        vor_ask_accepts(app, request, out.media_type) && is_sound(app, request, &view, &out, &next))
+        vor_result_accepts(app, request, out.media_type) &&
+        is_sound(app, request, &view, &out, &next))
         next = reply_output(app, request, &out);
     output_close(&out);
     return next;
@@ -364,16 +365,16 @@ static void put_output(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    struct vor_result_ask ask;
+    struct vor_result_query ask;
     struct vor_job_view view;
     struct vor_text text;
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view) || !vor_ask_read(app, request, false, &ask))
+    if (!vor_job_look_up(app, request, &view) || !vor_result_query_read(app, request, false, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
-    if (!vor_ask_accepts(app, request, "application/json"))
+    if (!vor_result_accepts(app, request, "application/json"))
         return VOR_NEXT_REPLY;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);

@@ -53,14 +53,14 @@ struct submission {
 
 static bool has_key(const struct submission *submission)
 {
-    return submission->head.besides.key.text[0] != '\0';
+    return submission->head.options.key.text[0] != '\0';
 }
 
 /* By the threads that work for the request, one at a time. */
 static void end_flight(struct submission *submission)
 {
     if (submission->in_flight)
-        vor_inflight_end(submission->app->inflight, &submission->head.besides.key);
+        vor_inflight_end(submission->app->inflight, &submission->head.options.key);
     submission->in_flight = false;
 }
 
@@ -142,11 +142,11 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
     struct vor_error err;
 
     if (has_key(submission))
-        outcome = vor_inflight_begin(app->inflight, &submission->head.besides.key);
+        outcome = vor_inflight_begin(app->inflight, &submission->head.options.key);
     if (outcome == VOR_CONFLICT) {
         vor_problem_say(app, request, "idempotency-in-flight",
                         "a request with Idempotency-Key %s is in progress; try again later",
-                        submission->head.besides.key.text);
+                        submission->head.options.key.text);
     } else if (outcome != VOR_DONE) {
         (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
         vor_problem_error(app, request, &err, NULL);
@@ -162,8 +162,8 @@ static bool check_room(struct vor_app *app, struct vor_request *request,
     enum vor_job_outcome room = vor_worker_room(app->worker);
     struct vor_job_view view;
 
-    if (room == VOR_DONE || (head->besides.key.text[0] != '\0' &&
-                             vor_worker_find_key(app->worker, &head->besides.key, &view, NULL) ==
+    if (room == VOR_DONE || (head->options.key.text[0] != '\0' &&
+                             vor_worker_find_key(app->worker, &head->options.key, &view, NULL) ==
                                  VOR_CONFLICT)) /* without a fingerprint, every job differs */
         return true;
     vor_outcome_reply(app, request, room, NULL, NULL);
@@ -172,15 +172,15 @@ static bool check_room(struct vor_app *app, struct vor_request *request,
 
 /* The main input is that of another job, and the body is empty. */
 static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request *request,
-                                         const struct vor_submit_besides *besides)
+                                         const struct vor_submit_options *options)
 {
     struct vor_error err;
 
     if (vor_request_length(request) == 0)
-        return vor_besides_open(app, request, besides);
+        return vor_submit_options_open(app, request, options);
     (void)vor_fail_param(&err, VOR_E_PARAM, "input",
                          "input is job:%s, but the body is a cloud too; send one of them",
-                         besides->input.text);
+                         options->input.text);
     vor_problem_error(app, request, &err, NULL);
     return NULL;
 }
@@ -218,9 +218,9 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
         return submission->form != NULL;
     }
     *sink = (struct vor_body_sink){submission, take_piece};
-    if (head->besides.input.text[0] != '\0') {
+    if (head->options.input.text[0] != '\0') {
         upload.is_gzip = 0;
-        upload.bytes = open_kept(app, request, &head->besides);
+        upload.bytes = open_kept(app, request, &head->options);
     } else {
         upload.bytes = create_upload(app, request);
     }
@@ -239,7 +239,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct vor_error err;
 
     if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head) ||
-        !check_room(app, request, &head) || !vor_limits_room(app, request, &head.besides.key))
+        !check_room(app, request, &head) || !vor_limits_room(app, request, &head.options.key))
         return VOR_NEXT_REPLY;
     if (head.mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
@@ -276,14 +276,15 @@ static int has_left(void *ctx)
 /* Whether the job of the key is there already, or cannot be looked for; sets the outcome then. */
 static bool is_settled(struct submission *submission)
 {
-    struct vor_besides_inputs inputs;
+    struct vor_submit_inputs inputs;
     enum vor_job_outcome outcome;
 
     if (!has_key(submission) || !submission->packed)
         return false;
-    vor_besides_of_admitted(&inputs, &submission->admission.admitted);
-    outcome = vor_besides_find(&submission->head.besides, submission->app, &submission->head.spec,
-                               &inputs, &submission->view, &submission->error);
+    vor_submit_inputs_of_admitted(&inputs, &submission->admission.admitted);
+    outcome =
+        vor_submit_options_find(&submission->head.options, submission->app, &submission->head.spec,
+                                &inputs, &submission->view, &submission->error);
     if (outcome == VOR_UNKNOWN)
         return false;
     submission->replayed = outcome == VOR_DONE;
@@ -296,8 +297,8 @@ static void on_admitted(struct vor_admission *admission)
 {
     struct submission *submission = admission->ctx;
     struct vor_app *app = submission->app;
-    const struct vor_job_label label = {.name = submission->head.besides.name,
-                                        .key = &submission->head.besides.key,
+    const struct vor_job_label label = {.name = submission->head.options.name,
+                                        .key = &submission->head.options.key,
                                         .span = &submission->span,
                                         .jobs_max = (uint64_t)submission->quota.jobs,
                                         .bytes_max = (uint64_t)submission->quota.bytes,
@@ -336,7 +337,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
         return vor_outcome_reply(app, request, outcome, NULL, NULL);
     submission->admission = (struct vor_admission){
         .uploads = submission->uploads,
-        .caller = vor_auth_sharer(request),
+        .caller = vor_auth_fairness_key(request),
         .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
         .keep_faces = (int)vor_spec_faces(&submission->head.spec),
         .keep_doubles = vor_spec_keeps_points(&submission->head.spec),
@@ -470,7 +471,7 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
         return vor_problem_say(
             app, request, "idempotency-key-reused",
             "Idempotency-Key %s belongs to job %s, which has another process, parameter or input",
-            submission->head.besides.key.text, id.text);
+            submission->head.options.key.text, id.text);
     if (submission->outcome != VOR_DONE)
         return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
     vor_request_set_job(request, id.text);
@@ -497,7 +498,7 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         return begin(app, request);
     if (step == VOR_STEP_BODY) {
         enum vor_job_outcome outcome = VOR_UNKNOWN;
-        struct vor_besides_inputs inputs;
+        struct vor_submit_inputs inputs;
 
         /* The body is in: answers a request whose key is that of a job, and admits any other. */
         if (submission->form != NULL && !vor_submit_form_end(submission->form))
@@ -505,9 +506,10 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         for (unsigned i = 0; i < submission->uploads.count; i++)
             submission->packed |= submission->uploads.item[i].is_gzip;
         if (has_key(submission) && !submission->packed) {
-            vor_besides_of_uploads(&inputs, &submission->uploads);
-            outcome = vor_besides_find(&submission->head.besides, app, &submission->head.spec,
-                                       &inputs, &submission->view, &submission->error);
+            vor_submit_inputs_of_uploads(&inputs, &submission->uploads);
+            outcome =
+                vor_submit_options_find(&submission->head.options, app, &submission->head.spec,
+                                        &inputs, &submission->view, &submission->error);
         }
         if (outcome == VOR_UNKNOWN)
             return admit(app, request, submission);

@@ -87,11 +87,11 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
 {
     enum vor_parameter parameter = vor_parameter_find(part->name);
 
-    const struct vor_submit_besides *besides = &form->head->besides;
-    bool is_besides = vor_besides_has(part->name), was_given;
+    const struct vor_submit_options *options = &form->head->options;
+    bool is_option = vor_submit_options_has(part->name), was_given;
 
-    if (!is_besides && (parameter == VOR_PARAMETER_COUNT ||
-                        !vor_process_takes(form->head->spec.process, parameter))) {
+    if (!is_option && (parameter == VOR_PARAMETER_COUNT ||
+                       !vor_process_takes(form->head->spec.process, parameter))) {
         const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
         char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX], shown[SHOWN_SIZE];
         struct vor_error which;
@@ -114,14 +114,14 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
         return vor_fail_param(err, VOR_E_PARAM, part->name,
                               "%s is given in the query and in the form, want it in one of them",
                               part->name);
-    if (is_besides)
-        was_given = strcmp(part->name, "name") == 0 ? besides->name[0] != '\0'
-                                                    : besides->input.text[0] != '\0';
+    if (is_option)
+        was_given = strcmp(part->name, "name") == 0 ? options->name[0] != '\0'
+                                                    : options->input.text[0] != '\0';
     else
         was_given = form->given[parameter];
     if (was_given)
         return refuse_twice(part->name, err);
-    if (!is_besides)
+    if (!is_option)
         form->given[parameter] = true;
     memcpy(form->name, part->name, strlen(part->name) + 1);
     return VOR_OK;
@@ -164,7 +164,7 @@ static vor_status on_end(void *ctx, struct vor_error *err)
         form->text[form->size] = '\0';
         if (strlen(form->text) != form->size)
             return vor_fail_param(err, VOR_E_PARAM, form->name, "%s has a NUL", form->name);
-        status = vor_besides_take(&form->head->besides, form->name, form->text, &taken, err);
+        status = vor_submit_options_take(&form->head->options, form->name, form->text, &taken, err);
         if (status != VOR_OK || taken)
             return status;
         return vor_spec_set(&form->head->spec, form->name, form->text, err);
@@ -232,7 +232,7 @@ int vor_submit_form_take(void *ctx, const void *bytes, size_t size)
 
 static vor_status check_whole(struct vor_submit_form *form, struct vor_error *err)
 {
-    const struct vor_submit_besides *besides = &form->head->besides;
+    const struct vor_submit_options *options = &form->head->options;
     const struct vor_spec *spec = &form->head->spec;
     unsigned inputs = 0;
     vor_status status = vor_multipart_finish(&form->scanner, err);
@@ -243,12 +243,12 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
         for (unsigned k = 0; spec->process->inputs[k].name != NULL; k++)
             if (spec->process->inputs[k].name == form->uploads->item[i].name)
                 inputs |= 1u << k;
-    if (besides->input.text[0] != '\0') {
+    if (options->input.text[0] != '\0') {
         if ((inputs & 1) != 0)
             return vor_fail_param(
                 err, VOR_E_PARAM, "input",
                 "input is job:%s, but the form has a file %s too; send one of them",
-                besides->input.text, spec->process->inputs[0].name);
+                options->input.text, spec->process->inputs[0].name);
         inputs |= 1;
     }
     return vor_spec_check_inputs(spec, inputs, err);
@@ -257,12 +257,12 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
 /* Adds the main input if it is that of another job; false after a problem has been replied. */
 static bool add_kept(struct vor_submit_form *form)
 {
-    const struct vor_submit_besides *besides = &form->head->besides;
+    const struct vor_submit_options *options = &form->head->options;
     struct vor_upload upload = {.name = form->head->spec.process->inputs[0].name};
 
-    if (besides->input.text[0] == '\0')
+    if (options->input.text[0] == '\0')
         return true;
-    upload.bytes = vor_besides_open(form->app, form->request, besides);
+    upload.bytes = vor_submit_options_open(form->app, form->request, options);
     if (upload.bytes != NULL)
         (void)vor_uploads_add(form->uploads, &upload);
     return upload.bytes != NULL;

@@ -42,7 +42,7 @@ static vor_status read_pairs(struct vor_request *request, struct vor_submit_head
         if (vor_request_query(request, name) != value)
             return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
                                   vor_quote(quoted, sizeof quoted, name, strlen(name)));
-        status = vor_besides_take(&out->besides, name, value, &taken, err);
+        status = vor_submit_options_take(&out->options, name, value, &taken, err);
         if (status == VOR_OK && !taken)
             status = vor_spec_set(&out->spec, name, value, err);
         if (status != VOR_OK)
@@ -56,7 +56,7 @@ static bool read_spec(struct vor_app *app, struct vor_request *request, struct v
     struct vor_error err;
 
     if (read_pairs(request, out, &err) == VOR_OK &&
-        vor_besides_read_key(&out->besides, request, &err) == VOR_OK)
+        vor_submit_options_read_key(&out->options, request, &err) == VOR_OK)
         return true;
     vor_problem_error(app, request, &err, NULL);
     return false;

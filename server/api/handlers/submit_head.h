@@ -2,8 +2,8 @@
 #ifndef VOR_SERVER_API_HANDLERS_SUBMIT_HEAD_H
 #define VOR_SERVER_API_HANDLERS_SUBMIT_HEAD_H
 
-#include "server/api/handlers/submit_besides.h"
 #include "server/api/handlers/submit_body.h"
+#include "server/api/handlers/submit_options.h"
 
 enum vor_submit_mode {
     VOR_SUBMIT_SYNC,  /**< wait for the result */
@@ -13,7 +13,7 @@ enum vor_submit_mode {
 
 struct vor_submit_head {
     struct vor_spec spec; /**< checked (vor_spec_check) once complete */
-    struct vor_submit_besides besides;
+    struct vor_submit_options options;
     struct vor_submit_body body;
     enum vor_submit_mode mode;
     double wait_seconds; /**< SYNC: then 201 after all; negative: for as long as it takes */

@@ -1,4 +1,4 @@
-#include "server/cli/say.h"
+#include "server/cli/cli_log.h"
 
 #include "server/cli/interrupt.h"
 

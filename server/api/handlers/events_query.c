@@ -1,4 +1,4 @@
-#include "server/api/handlers/events_ask.h"
+#include "server/api/handlers/events_query.h"
 
 #include "core/base/quote.h"
 #include "server/api/handlers/prefer.h"
@@ -24,7 +24,8 @@ static double wait_of(const struct vor_request *request)
     return preferences.wait_seconds;
 }
 
-bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char *name, size_t *out)
+bool vor_query_points(struct vor_app *app, struct vor_request *request, const char *name,
+                      size_t *out)
 {
     const char *text = vor_request_query(request, name);
     char quoted[64], *end;
@@ -43,12 +44,12 @@ bool vor_ask_points(struct vor_app *app, struct vor_request *request, const char
     return false;
 }
 
-bool vor_events_ask_one(struct vor_app *app, struct vor_request *request,
-                        struct vor_events_ask *out)
+bool vor_events_query_one(struct vor_app *app, struct vor_request *request,
+                          struct vor_events_query *out)
 {
     const char *last = last_id_of(request);
 
-    if (!vor_ask_points(app, request, "preview", &out->preview))
+    if (!vor_query_points(app, request, "preview", &out->preview))
         return false;
     out->wait = wait_of(request);
     out->is_replay = last != NULL;
@@ -70,7 +71,7 @@ static bool next_item(const char **at, const char **item, size_t *length)
     return true;
 }
 
-static bool has_job(const struct vor_events_ask *ask, const struct vor_uuid *id)
+static bool has_job(const struct vor_events_query *ask, const struct vor_uuid *id)
 {
     for (unsigned i = 0; i < ask->count; i++)
         if (strcmp(ask->jobs[i].id.text, id->text) == 0)
@@ -79,7 +80,7 @@ static bool has_job(const struct vor_events_ask *ask, const struct vor_uuid *id)
 }
 
 /* True when the item was taken in; else a problem has been replied. */
-static bool add_job(struct vor_app *app, struct vor_request *request, struct vor_events_ask *out,
+static bool add_job(struct vor_app *app, struct vor_request *request, struct vor_events_query *out,
                     const char *item, size_t length)
 {
     struct vor_uuid id;
@@ -101,7 +102,8 @@ static bool add_job(struct vor_app *app, struct vor_request *request, struct vor
     return false;
 }
 
-static bool read_jobs(struct vor_app *app, struct vor_request *request, struct vor_events_ask *out)
+static bool read_jobs(struct vor_app *app, struct vor_request *request,
+                      struct vor_events_query *out)
 {
     const char *at = vor_request_query(request, "jobs"), *item;
     size_t length;
@@ -118,7 +120,7 @@ static bool read_jobs(struct vor_app *app, struct vor_request *request, struct v
     return true;
 }
 
-static bool read_position(struct vor_events_ask *out, unsigned index, const char *item,
+static bool read_position(struct vor_events_query *out, unsigned index, const char *item,
                           size_t length)
 {
     char text[VOR_POSITION_SIZE];
@@ -132,7 +134,7 @@ static bool read_position(struct vor_events_ask *out, unsigned index, const char
 }
 
 static bool read_positions(struct vor_app *app, struct vor_request *request,
-                           struct vor_events_ask *out)
+                           struct vor_events_query *out)
 {
     const char *last = last_id_of(request), *at = last, *item;
     unsigned count = 0;
@@ -153,10 +155,10 @@ static bool read_positions(struct vor_app *app, struct vor_request *request,
     return false;
 }
 
-bool vor_events_ask_many(struct vor_app *app, struct vor_request *request,
-                         struct vor_events_ask *out)
+bool vor_events_query_many(struct vor_app *app, struct vor_request *request,
+                           struct vor_events_query *out)
 {
-    *out = (struct vor_events_ask){.is_many = true, .wait = wait_of(request)};
-    return vor_ask_points(app, request, "preview", &out->preview) && read_jobs(app, request, out) &&
-           read_positions(app, request, out);
+    *out = (struct vor_events_query){.is_many = true, .wait = wait_of(request)};
+    return vor_query_points(app, request, "preview", &out->preview) &&
+           read_jobs(app, request, out) && read_positions(app, request, out);
 }

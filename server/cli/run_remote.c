@@ -1,23 +1,23 @@
 /* voronoid PROCESS --server URL: the same job, done by a daemon. The body goes up, the events come
  * back, and when they end, the result; ^C dismisses the job. voronoid submit: only the first of
  * these. */
-#include "server/cli/there.h"
+#include "server/cli/run_remote.h"
 
 #include "core/base/utf8.h"
 #include "proto/codec.h"
 #include "server/cli/batch.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/follow.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
 #include "server/cli/overwrite.h"
-#include "server/cli/say.h"
 #include "server/store/row.h"
 
 #include <string.h>
 #include <sys/stat.h>
 
-struct there {
+struct remote_run {
     struct vor_follow follow;
     struct vor_output output;
     struct vor_input in_memory[VOR_INPUTS_MAX]; /* inputs whose length no file tells */
@@ -89,7 +89,7 @@ static void build_url(struct vor_text *url, const struct vor_follow *follow)
 
 /* One input: a regular file as it lies on the disk, everything else through memory, because its
  * length must be known. NULL after a failure. */
-static FILE *open_input(struct there *t, unsigned i, int64_t *size)
+static FILE *open_input(struct remote_run *t, unsigned i, int64_t *size)
 {
     const char *path = t->follow.cli->input[i];
     struct vor_input *in_memory = &t->in_memory[i];
@@ -112,7 +112,7 @@ static FILE *open_input(struct there *t, unsigned i, int64_t *size)
 }
 
 /* Opens the inputs that files were given for. Says which cannot be, and returns its exit code. */
-static int open_inputs(struct there *t, struct vor_remote_call *call)
+static int open_inputs(struct remote_run *t, struct vor_remote_call *call)
 {
     const struct vor_cli *cli = t->follow.cli;
     const struct vor_artefact_info *inputs = cli->spec.process->inputs;
@@ -153,7 +153,7 @@ static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
     return code;
 }
 
-static int submit(struct there *t, struct vor_json **info)
+static int submit(struct remote_run *t, struct vor_json **info)
 {
     struct vor_remote_call call = {.files = 0};
     int code = open_inputs(t, &call);
@@ -181,7 +181,7 @@ static int submit(struct there *t, struct vor_json **info)
 }
 
 /* A document of a daemon is one line without its end, as the body of an answer. */
-static int end_line(struct there *t)
+static int end_line(struct remote_run *t)
 {
     const struct vor_artefact_info *output = &t->follow.cli->spec.process->outputs[0];
 
@@ -190,7 +190,7 @@ static int end_line(struct there *t)
 }
 
 /* Writes the document that came as lines. */
-static vor_status save_lines(struct there *t, struct vor_text *document)
+static vor_status save_lines(struct remote_run *t, struct vor_text *document)
 {
     struct vor_error *err = &t->follow.err;
     vor_status status = vor_lines_from_json(document, t->follow.cli, err);
@@ -200,7 +200,7 @@ static vor_status save_lines(struct there *t, struct vor_text *document)
     return status;
 }
 
-static int fetch_main(struct there *t)
+static int fetch_main(struct remote_run *t)
 {
     struct vor_follow *follow = &t->follow;
     const struct vor_cli *cli = follow->cli;
@@ -230,7 +230,7 @@ static int fetch_main(struct there *t)
     return code;
 }
 
-static int work(struct there *t)
+static int work(struct remote_run *t)
 {
     struct vor_follow *follow = &t->follow;
     struct vor_json *info;
@@ -262,10 +262,10 @@ static int work(struct there *t)
     return code;
 }
 
-int vor_cli_process_there(const struct vor_cli *cli)
+int vor_cli_run_remote(const struct vor_cli *cli)
 {
     const char *output = cli->option[VOR_OPTION_OUTPUT];
-    struct there t;
+    struct remote_run t;
     int code, replace;
 
     memset(&t, 0, sizeof t);
@@ -286,7 +286,7 @@ static int submit_one(const struct vor_cli *cli, const char *input, void *ctx)
 {
     struct vor_cli one = *cli;
     struct vor_json *info = NULL;
-    struct there t;
+    struct remote_run t;
     int code;
 
     (void)ctx;

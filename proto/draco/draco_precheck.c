@@ -1,4 +1,4 @@
-#include "proto/draco/draco_gate.h"
+#include "proto/draco/draco_precheck.h"
 
 #include "core/cloud/cloud.h"
 
@@ -426,8 +426,8 @@ static void refuse_loose(struct walk *walk, uint32_t flags)
                          what));
 }
 
-vor_status vor_draco_gate(const uint8_t *bytes, size_t size, const struct vor_limits *limits,
-                          struct vor_error *err)
+vor_status vor_draco_precheck(const uint8_t *bytes, size_t size, const struct vor_limits *limits,
+                              struct vor_error *err)
 {
     struct walk walk = {
         .bytes = bytes, .size = size, .status = VOR_OK, .err = err, .limits = limits};

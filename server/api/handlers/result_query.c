@@ -1,4 +1,4 @@
-#include "server/api/handlers/ask.h"
+#include "server/api/handlers/result_query.h"
 
 #include "core/base/quote.h"
 #include "proto/codec.h"
@@ -24,14 +24,14 @@ static const char *refuse_format(const char *value, char *out, size_t size)
 }
 
 /* Reads the value of format; NULL, or what is wrong with it. */
-static const char *read_format(struct vor_result_ask *ask, const char *value, char *out,
+static const char *read_format(struct vor_result_query *ask, const char *value, char *out,
                                size_t size)
 {
     if (ask->has_format)
         return "format is given more than once";
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         if (strcmp(vor_format(i)->name, value) == 0) {
-            *ask = (struct vor_result_ask){true, i};
+            *ask = (struct vor_result_query){true, i};
             return NULL;
         }
     return refuse_format(value, out, size);
@@ -46,14 +46,14 @@ static bool has_ticket(const struct vor_request *request, const char *name)
            vor_path_segment(vor_request_path(request), 4, &output) > 0;
 }
 
-bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_format,
-                  struct vor_result_ask *out)
+bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+                           struct vor_result_query *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
     const char *name;
     char detail[256], shown[SHOWN];
 
-    *out = (struct vor_result_ask){.has_format = false};
+    *out = (struct vor_result_query){.has_format = false};
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
         if (has_ticket(request, name))
             continue;
@@ -75,7 +75,7 @@ bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_f
     return true;
 }
 
-bool vor_ask_accepts(struct vor_app *app, struct vor_request *request, const char *media_type)
+bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const char *media_type)
 {
     if (vor_accept_takes(request, media_type))
         return true;

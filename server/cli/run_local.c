@@ -1,19 +1,19 @@
-#include "server/cli/here.h"
+#include "server/cli/run_local.h"
 
 #include "proto/json/json.h"
 #include "server/base/clock.h"
+#include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
 #include "server/cli/overwrite.h"
-#include "server/cli/say.h"
 #include "server/cli/work.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* One run: whatever is at fault when it fails is named by `subject`. */
-struct here {
+struct local_run {
     const struct vor_cli *cli;
     struct vor_spec spec; /* that of the command, with the format of the result */
     const char *subject;
@@ -39,7 +39,7 @@ static const struct vor_format *format_of_result(const struct vor_cli *cli,
 }
 
 /* The inputs that files were given for, by the names of the process's row. */
-static vor_status load(struct here *r, struct vor_error *err)
+static vor_status load(struct local_run *r, struct vor_error *err)
 {
     const struct vor_artefact_info *inputs = r->cli->spec.process->inputs;
     double began = vor_clock_seconds();
@@ -59,7 +59,7 @@ static vor_status load(struct here *r, struct vor_error *err)
     return status;
 }
 
-static vor_status run(struct here *r, struct vor_error *err)
+static vor_status run(struct local_run *r, struct vor_error *err)
 {
     const struct vor_cloud *cloud =
         vor_artefacts_cloud(&r->in, r->cli->spec.process->inputs[0].name);
@@ -76,7 +76,7 @@ static vor_status run(struct here *r, struct vor_error *err)
     return status;
 }
 
-static vor_status save_cloud(struct here *r, const struct vor_artefact *result,
+static vor_status save_cloud(struct local_run *r, const struct vor_artefact *result,
                              struct vor_error *err)
 {
     struct vor_sink sink = {&r->output, vor_output_write};
@@ -93,7 +93,7 @@ static vor_status save_cloud(struct here *r, const struct vor_artefact *result,
     return r->format->write(&sink, &result->cloud, &options, err);
 }
 
-static vor_status save_document(struct here *r, const struct vor_document *document,
+static vor_status save_document(struct local_run *r, const struct vor_document *document,
                                 struct vor_error *err)
 {
     struct vor_text text;
@@ -112,7 +112,7 @@ static vor_status save_document(struct here *r, const struct vor_document *docum
 }
 
 /* The end of a run that has a report. */
-static vor_status finish(struct here *r, struct vor_error *err)
+static vor_status finish(struct local_run *r, struct vor_error *err)
 {
     const struct vor_artefact *main = vor_artefacts_find(&r->out, r->spec.process->outputs[0].name);
     struct vor_text text;
@@ -134,7 +134,7 @@ static vor_status finish(struct here *r, struct vor_error *err)
 }
 
 /* Refuses what can be refused before the work. */
-static vor_status check(struct here *r, struct vor_error *err)
+static vor_status check(struct local_run *r, struct vor_error *err)
 {
     const struct vor_process_info *process = r->spec.process;
 
@@ -146,7 +146,7 @@ static vor_status check(struct here *r, struct vor_error *err)
 }
 
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
-static vor_status work(struct here *r, struct vor_error *err)
+static vor_status work(struct local_run *r, struct vor_error *err)
 {
     vor_status status;
     const struct vor_artefact *result;
@@ -187,9 +187,9 @@ static vor_status work(struct here *r, struct vor_error *err)
     return status == VOR_OK ? finish(r, err) : status;
 }
 
-int vor_cli_process_here(const struct vor_cli *cli)
+int vor_cli_run_local(const struct vor_cli *cli)
 {
-    struct here r;
+    struct local_run r;
     struct vor_error err;
     vor_status status;
 

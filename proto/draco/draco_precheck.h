@@ -1,6 +1,6 @@
 /** What can be told about a Draco file without the library, so that nothing absurd reaches it. */
-#ifndef VOR_PROTO_DRACO_GATE_H
-#define VOR_PROTO_DRACO_GATE_H
+#ifndef VOR_PROTO_DRACO_PRECHECK_H
+#define VOR_PROTO_DRACO_PRECHECK_H
 
 #include "core/base/status.h"
 #include "proto/limits.h"
@@ -40,7 +40,7 @@ uint64_t vor_draco_points_max(size_t size, const struct vor_limits *limits);
  *  O(metadata + attributes) time, no allocation. Thread-safe.
  *
  *  Source: the Draco bitstream specification, draft of 2017, and files of every version. */
-VOR_NODISCARD vor_status vor_draco_gate(const uint8_t *bytes, size_t size,
-                                        const struct vor_limits *limits, struct vor_error *err);
+VOR_NODISCARD vor_status vor_draco_precheck(const uint8_t *bytes, size_t size,
+                                            const struct vor_limits *limits, struct vor_error *err);
 
 #endif

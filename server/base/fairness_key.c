@@ -1,12 +1,12 @@
-#include "server/base/sharer.h"
+#include "server/base/fairness_key.h"
 
 #include <stdio.h>
 #include <string.h>
 
-struct vor_sharer vor_sharer_of_address(const char *text)
+struct vor_fairness_key vor_fairness_key_of_address(const char *text)
 {
     static const uint8_t ipv4[12] = {[10] = 0xff, [11] = 0xff};
-    struct vor_sharer sharer = {.name = ""};
+    struct vor_fairness_key sharer = {.name = ""};
     char shown[VOR_ADDRESS_TEXT];
     struct vor_address address;
 
@@ -19,15 +19,15 @@ struct vor_sharer vor_sharer_of_address(const char *text)
     return sharer;
 }
 
-struct vor_sharer vor_sharer_of_key(const char *name)
+struct vor_fairness_key vor_fairness_key_of_key(const char *name)
 {
-    struct vor_sharer sharer;
+    struct vor_fairness_key sharer;
 
     (void)snprintf(sharer.name, sizeof sharer.name, "key %s", name);
     return sharer;
 }
 
-bool vor_sharer_same(const struct vor_sharer *a, const struct vor_sharer *b)
+bool vor_fairness_key_same(const struct vor_fairness_key *a, const struct vor_fairness_key *b)
 {
     return strcmp(a->name, b->name) == 0;
 }

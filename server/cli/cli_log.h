@@ -1,6 +1,6 @@
 /** What a command tells its caller: lines on stderr and the exit code. */
-#ifndef VOR_CLI_SAY_H
-#define VOR_CLI_SAY_H
+#ifndef VOR_CLI_LOG_H
+#define VOR_CLI_LOG_H
 
 #include "core/base/status.h"
 

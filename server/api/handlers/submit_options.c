@@ -1,4 +1,4 @@
-#include "server/api/handlers/submit_besides.h"
+#include "server/api/handlers/submit_options.h"
 
 #include "core/base/quote.h"
 #include "core/base/utf8.h"
@@ -11,7 +11,7 @@
 
 enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
 
-static vor_status take_name(struct vor_submit_besides *out, const char *value,
+static vor_status take_name(struct vor_submit_options *out, const char *value,
                             struct vor_error *err)
 {
     long count = vor_utf8_count(value);
@@ -27,8 +27,8 @@ static vor_status take_name(struct vor_submit_besides *out, const char *value,
     return VOR_OK;
 }
 
-vor_status vor_besides_take(struct vor_submit_besides *out, const char *name, const char *value,
-                            int *taken, struct vor_error *err)
+vor_status vor_submit_options_take(struct vor_submit_options *out, const char *name,
+                                   const char *value, int *taken, struct vor_error *err)
 {
     *taken = 1;
     if (strcmp(name, "name") == 0)
@@ -49,7 +49,7 @@ vor_status vor_besides_take(struct vor_submit_besides *out, const char *name, co
     return VOR_OK;
 }
 
-bool vor_besides_has(const char *name)
+bool vor_submit_options_has(const char *name)
 {
     return strcmp(name, "name") == 0 || strcmp(name, "input") == 0;
 }
@@ -59,8 +59,8 @@ static int is_key_character(char c)
     return c > ' ' && c < 0x7F && strchr("\",\\", c) == NULL;
 }
 
-vor_status vor_besides_read_key(struct vor_submit_besides *out, const struct vor_request *request,
-                                struct vor_error *err)
+vor_status vor_submit_options_read_key(struct vor_submit_options *out,
+                                       const struct vor_request *request, struct vor_error *err)
 {
     unsigned index = 0;
     const char *value = vor_request_header_next(request, "Idempotency-Key", &index);
@@ -115,10 +115,10 @@ static struct vor_blob_writer *open_upload(struct vor_app *app, struct vor_reque
     return upload;
 }
 
-struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request *request,
-                                         const struct vor_submit_besides *besides)
+struct vor_blob_writer *vor_submit_options_open(struct vor_app *app, struct vor_request *request,
+                                                const struct vor_submit_options *options)
 {
-    const struct vor_uuid *id = &besides->input;
+    const struct vor_uuid *id = &options->input;
     struct vor_job_view view;
     enum vor_job_outcome outcome;
     struct vor_error err;
@@ -135,7 +135,7 @@ struct vor_blob_writer *vor_besides_open(struct vor_app *app, struct vor_request
     return open_upload(app, request, &view);
 }
 
-void vor_besides_of_uploads(struct vor_besides_inputs *out, const struct vor_uploads *uploads)
+void vor_submit_inputs_of_uploads(struct vor_submit_inputs *out, const struct vor_uploads *uploads)
 {
     out->count = uploads->count;
     for (unsigned i = 0; i < uploads->count; i++) {
@@ -144,7 +144,8 @@ void vor_besides_of_uploads(struct vor_besides_inputs *out, const struct vor_upl
     }
 }
 
-void vor_besides_of_admitted(struct vor_besides_inputs *out, const struct vor_admitted *admitted)
+void vor_submit_inputs_of_admitted(struct vor_submit_inputs *out,
+                                   const struct vor_admitted *admitted)
 {
     out->count = admitted->count;
     for (unsigned i = 0; i < admitted->count; i++) {
@@ -155,7 +156,7 @@ void vor_besides_of_admitted(struct vor_besides_inputs *out, const struct vor_ad
 
 /* "cloud SHA-256", a line an input, in the order of the process's. */
 static void list_inputs(struct vor_text *text, const struct vor_artefact_info *info,
-                        const struct vor_besides_inputs *inputs)
+                        const struct vor_submit_inputs *inputs)
 {
     for (; info->name != NULL; info++)
         for (unsigned i = 0; i < inputs->count; i++)
@@ -163,8 +164,8 @@ static void list_inputs(struct vor_text *text, const struct vor_artefact_info *i
                 vor_text_printf(text, "%s %s\n", info->name, inputs->item[i].sha256);
 }
 
-static vor_status print(struct vor_submit_besides *besides, const struct vor_spec *spec,
-                        const struct vor_besides_inputs *inputs, struct vor_error *err)
+static vor_status print(struct vor_submit_options *options, const struct vor_spec *spec,
+                        const struct vor_submit_inputs *inputs, struct vor_error *err)
 {
     struct vor_digest *digest = vor_digest_create();
     struct vor_text text;
@@ -173,7 +174,7 @@ static vor_status print(struct vor_submit_besides *besides, const struct vor_spe
     vor_text_init(&text, 0);
     vor_text_printf(&text, "%s\n", spec->process->id);
     vor_json_spec(&text, spec);
-    vor_text_printf(&text, "\n%s\n", besides->name);
+    vor_text_printf(&text, "\n%s\n", options->name);
     list_inputs(&text, spec->process->inputs, inputs);
     vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
@@ -181,19 +182,19 @@ static vor_status print(struct vor_submit_besides *besides, const struct vor_spe
         status = vor_fail(err, VOR_E_NOMEM, "the digest of a request");
     if (status == VOR_OK) {
         vor_digest_update(digest, text.data, text.size);
-        vor_digest_hex(digest, besides->key.fingerprint);
+        vor_digest_hex(digest, options->key.fingerprint);
     }
     vor_digest_destroy(digest);
     vor_text_free(&text);
     return status;
 }
 
-enum vor_job_outcome vor_besides_find(struct vor_submit_besides *besides, const struct vor_app *app,
-                                      const struct vor_spec *spec,
-                                      const struct vor_besides_inputs *inputs,
-                                      struct vor_job_view *out, struct vor_error *err)
+enum vor_job_outcome vor_submit_options_find(struct vor_submit_options *options,
+                                             const struct vor_app *app, const struct vor_spec *spec,
+                                             const struct vor_submit_inputs *inputs,
+                                             struct vor_job_view *out, struct vor_error *err)
 {
-    if (print(besides, spec, inputs, err) != VOR_OK)
+    if (print(options, spec, inputs, err) != VOR_OK)
         return VOR_FAILED;
-    return vor_worker_find_key(app->worker, &besides->key, out, err);
+    return vor_worker_find_key(app->worker, &options->key, out, err);
 }

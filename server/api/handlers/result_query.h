@@ -1,11 +1,11 @@
 /** What a request for a result asks for besides its path. */
-#ifndef VOR_SERVER_API_HANDLERS_ASK_H
-#define VOR_SERVER_API_HANDLERS_ASK_H
+#ifndef VOR_SERVER_API_HANDLERS_RESULT_QUERY_H
+#define VOR_SERVER_API_HANDLERS_RESULT_QUERY_H
 
 #include "server/api/app.h"
 
 /** The query of a request for a result. */
-struct vor_result_ask {
+struct vor_result_query {
     bool has_format;
     unsigned format; /**< index of vor_format */
 };
@@ -16,12 +16,12 @@ struct vor_result_ask {
  * ticket to one result
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */
-bool vor_ask_read(struct vor_app *app, struct vor_request *request, bool takes_format,
-                  struct vor_result_ask *out);
+bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+                           struct vor_result_query *out);
 
 /** Checks that the caller takes what will be sent.
  *
  *  @return true, or false after a not-acceptable problem has been replied */
-bool vor_ask_accepts(struct vor_app *app, struct vor_request *request, const char *media_type);
+bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const char *media_type);
 
 #endif
