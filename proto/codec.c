@@ -80,25 +80,6 @@ const struct vor_format *vor_format_by_media_type(const char *media_type)
     return NULL;
 }
 
-static vor_status unknown_format(const uint8_t *bytes, size_t size, struct vor_error *err)
-{
-    const struct vor_foreign *foreign = size > 0 ? vor_foreign_sniff(bytes, size) : NULL;
-    char shown[80];
-
-    if (size == 0)
-        vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
-    else if (foreign != NULL)
-        vor_fail(err, VOR_E_UNSUPPORTED, "the input is %s, want PLY or Draco: %s", foreign->name,
-                 foreign->hint);
-    else
-        vor_fail(err, VOR_E_UNSUPPORTED,
-                 "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",
-                 vor_quote(shown, sizeof shown, bytes, size < 16 ? size : 16));
-    if (err != NULL)
-        err->byte_offset = 0;
-    return VOR_E_UNSUPPORTED;
-}
-
 vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **format,
                           const uint8_t *bytes, size_t size, const struct vor_limits *limits,
                           struct vor_error *err)
@@ -106,8 +87,23 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
     const struct vor_format *found = vor_format_sniff(bytes, size);
     vor_status status;
 
-    if (found == NULL)
-        return unknown_format(bytes, size, err);
+    if (found == NULL) {
+        const struct vor_foreign *foreign = size > 0 ? vor_foreign_sniff(bytes, size) : NULL;
+        char shown[80];
+
+        if (size == 0)
+            vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
+        else if (foreign != NULL)
+            vor_fail(err, VOR_E_UNSUPPORTED, "the input is %s, want PLY or Draco: %s",
+                     foreign->name, foreign->hint);
+        else
+            vor_fail(err, VOR_E_UNSUPPORTED,
+                     "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",
+                     vor_quote(shown, sizeof shown, bytes, size < 16 ? size : 16));
+        if (err != NULL)
+            err->byte_offset = 0;
+        return VOR_E_UNSUPPORTED;
+    }
     if (format != NULL)
         *format = found;
     status = found->read(out, bytes, size, limits, err);

@@ -92,17 +92,6 @@ static vor_status put_head(const struct vor_sink *sink, const struct vor_cloud *
     return put(sink, &head, sizeof head, err);
 }
 
-static vor_status put_row(const struct vor_sink *sink, const struct vor_attribute *attribute,
-                          struct vor_error *err)
-{
-    struct row row = {.semantic = (uint32_t)attribute->semantic,
-                      .type = (uint32_t)attribute->type,
-                      .components = attribute->components};
-
-    memcpy(row.name, attribute->name, strnlen(attribute->name, sizeof row.name - 1));
-    return put(sink, &row, sizeof row, err);
-}
-
 static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *notes,
                            struct vor_error *err)
 {
@@ -116,24 +105,20 @@ static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *
     return status;
 }
 
-static vor_status put_faces(const struct vor_sink *sink, const struct vor_cloud *cloud,
-                            struct vor_error *err)
-{
-    struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0};
-    vor_status status = put(sink, &faces, sizeof faces, err);
-
-    if (status == VOR_OK)
-        status = put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err);
-    return status;
-}
-
 vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
                           struct vor_error *err)
 {
     vor_status status = put_head(sink, cloud, err);
 
-    for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++)
-        status = put_row(sink, &cloud->attributes[i], err);
+    for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++) {
+        struct row row = {.semantic = (uint32_t)cloud->attributes[i].semantic,
+                          .type = (uint32_t)cloud->attributes[i].type,
+                          .components = cloud->attributes[i].components};
+
+        memcpy(row.name, cloud->attributes[i].name,
+               strnlen(cloud->attributes[i].name, sizeof row.name - 1));
+        status = put(sink, &row, sizeof row, err);
+    }
     if (status == VOR_OK)
         status = put(sink, cloud->xyz, cloud->n * 3 * sizeof *cloud->xyz, err);
     for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++) {
@@ -144,8 +129,13 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
     }
     if (status == VOR_OK && (has_notes(&cloud->notes) || has_faces(cloud) || cloud->exact != NULL))
         status = put_tail(sink, &cloud->notes, err);
-    if (status == VOR_OK && (has_faces(cloud) || cloud->exact != NULL))
-        status = put_faces(sink, cloud, err);
+    if (status == VOR_OK && (has_faces(cloud) || cloud->exact != NULL)) {
+        struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0};
+
+        status = put(sink, &faces, sizeof faces, err);
+        if (status == VOR_OK)
+            status = put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err);
+    }
     if (status == VOR_OK && cloud->exact != NULL)
         status = put(sink, cloud->exact, cloud->n * 3 * sizeof *cloud->exact, err);
     return status;

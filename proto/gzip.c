@@ -38,47 +38,6 @@ static vor_status refuse(const struct inflation *z, const char *what, struct vor
     return VOR_E_REQUEST;
 }
 
-static vor_status refuse_excess(const struct inflation *z, struct vor_error *err)
-{
-    if (z->most < z->asked)
-        (void)vor_fail(err, VOR_E_BYTES,
-                       "the gzip body of %zu bytes inflates to more than %llu, want at most %d "
-                       "times its size, or 1 MiB",
-                       z->size, (unsigned long long)z->most, VOR_GZIP_RATIO_MAX);
-    else
-        (void)vor_fail(err, VOR_E_BYTES,
-                       "the gzip body of %zu bytes inflates to more than %llu bytes", z->size,
-                       (unsigned long long)z->most);
-    if (err != NULL) {
-        err->limit = z->most;
-        err->got = z->most + 1;
-    }
-    return VOR_E_BYTES;
-}
-
-static void give(struct inflation *z)
-{
-    size_t left = z->size - z->given;
-    uInt piece = left < FEED ? (uInt)left : FEED;
-
-    z->stream.next_in = z->bytes + z->given;
-    z->stream.avail_in = piece;
-    z->given += piece;
-}
-
-/* Behind the end of a member: another one begins, or the body is over. */
-static vor_status end_member(struct inflation *z, int *done, struct vor_error *err)
-{
-    size_t at = position(z);
-
-    *done = at == z->size;
-    if (*done)
-        return VOR_OK;
-    if (z->size - at < 2 || z->bytes[at] != MAGIC_1 || z->bytes[at + 1] != MAGIC_2)
-        return refuse(z, "has data after its end", err);
-    return inflateReset(&z->stream) == Z_OK ? VOR_OK : refuse(z, "cannot be read", err);
-}
-
 /* Inflates up to a block. */
 static vor_status step(struct inflation *z, int *done, struct vor_error *err)
 {
@@ -86,19 +45,48 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
     size_t got;
     int code;
 
-    if (z->stream.avail_in == 0)
-        give(z);
+    if (z->stream.avail_in == 0) {
+        size_t left = z->size - z->given;
+        uInt piece = left < FEED ? (uInt)left : FEED;
+
+        z->stream.next_in = z->bytes + z->given;
+        z->stream.avail_in = piece;
+        z->given += piece;
+    }
     z->stream.next_out = z->block;
     z->stream.avail_out = room < BLOCK ? (uInt)room : BLOCK;
     code = inflate(&z->stream, Z_NO_FLUSH);
     got = (size_t)(z->stream.next_out - z->block);
-    if (got == room)
-        return refuse_excess(z, err);
+    if (got == room) {
+        if (z->most < z->asked)
+            (void)vor_fail(err, VOR_E_BYTES,
+                           "the gzip body of %zu bytes inflates to more than %llu, want at most %d "
+                           "times its size, or 1 MiB",
+                           z->size, (unsigned long long)z->most, VOR_GZIP_RATIO_MAX);
+        else
+            (void)vor_fail(err, VOR_E_BYTES,
+                           "the gzip body of %zu bytes inflates to more than %llu bytes", z->size,
+                           (unsigned long long)z->most);
+        if (err != NULL) {
+            err->limit = z->most;
+            err->got = z->most + 1;
+        }
+        return VOR_E_BYTES;
+    }
     z->out += got;
     if (got > 0 && z->sink->write(z->sink->ctx, z->block, got) != 0)
         return vor_fail(err, VOR_E_IO, "the inflated gzip body cannot be kept");
-    if (code == Z_STREAM_END)
-        return end_member(z, done, err);
+    if (code == Z_STREAM_END) {
+        size_t at = position(z);
+
+        /* Behind the end of a member: another one begins, or the body is over. */
+        *done = at == z->size;
+        if (*done)
+            return VOR_OK;
+        if (z->size - at < 2 || z->bytes[at] != MAGIC_1 || z->bytes[at + 1] != MAGIC_2)
+            return refuse(z, "has data after its end", err);
+        return inflateReset(&z->stream) == Z_OK ? VOR_OK : refuse(z, "cannot be read", err);
+    }
     if (code == Z_MEM_ERROR)
         return vor_fail(err, VOR_E_NOMEM, "inflating a gzip body");
     if (code == Z_BUF_ERROR && position(z) == z->size)
@@ -108,21 +96,13 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
     return VOR_OK;
 }
 
-static uint64_t most_of(size_t size, uint64_t most)
-{
-    uint64_t ratio = (uint64_t)size * VOR_GZIP_RATIO_MAX;
-
-    if (ratio < VOR_GZIP_FREE)
-        ratio = VOR_GZIP_FREE;
-    return ratio < most ? ratio : most;
-}
-
 vor_status vor_gzip_inflate(const struct vor_sink *sink, const uint8_t *bytes, size_t size,
                             uint64_t most, struct vor_error *err)
 {
     struct inflation z;
     vor_status status = VOR_OK;
     int done = 0;
+    uint64_t ratio;
 
     if (size == 0)
         return vor_fail(err, VOR_E_EMPTY, "the gzip body is empty: 0 bytes");
@@ -131,7 +111,10 @@ vor_status vor_gzip_inflate(const struct vor_sink *sink, const uint8_t *bytes, s
     z.bytes = bytes;
     z.size = size;
     z.asked = most;
-    z.most = most_of(size, most);
+    ratio = (uint64_t)size * VOR_GZIP_RATIO_MAX;
+    if (ratio < VOR_GZIP_FREE)
+        ratio = VOR_GZIP_FREE;
+    z.most = ratio < most ? ratio : most;
     if (inflateInit2(&z.stream, WINDOW + GZIP_ONLY) != Z_OK)
         return vor_fail(err, VOR_E_NOMEM, "inflating a gzip body");
     while (status == VOR_OK && !done)

@@ -177,14 +177,6 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
 
 /* --- heads ------------------------------------------------------------------------------------ */
 
-static void begin_head(struct vor_multipart *scanner)
-{
-    scanner->state = VOR_MULTIPART_LINE;
-    scanner->head_size = scanner->line_size = 0;
-    scanner->has_disposition = scanner->is_file = scanner->is_unnamed = 0;
-    scanner->name[0] = scanner->coding[0] = '\0';
-}
-
 static const char *take_name(struct vor_multipart *scanner, const struct parameter *parameter)
 {
     if (scanner->name[0] != '\0')
@@ -193,30 +185,6 @@ static const char *take_name(struct vor_multipart *scanner, const struct paramet
         return "a part's name is empty or longer than 64 characters";
     memcpy(scanner->name, parameter->value, parameter->length + 1);
     return NULL;
-}
-
-/* What is wrong with a Content-Disposition; NULL for nothing. */
-static const char *take_disposition(struct vor_multipart *scanner, const char *value)
-{
-    const char *at = behind_word(value, "form-data"), *wrong = NULL;
-    struct parameter parameter;
-    int read = 0;
-
-    if (scanner->has_disposition++)
-        return "a part has two Content-Dispositions";
-    if (at == NULL)
-        return "a part's Content-Disposition is not form-data";
-    while (wrong == NULL && (read = next_parameter(&at, &parameter)) > 0) {
-        int is_plain = strcasecmp(parameter.name, "filename") == 0;
-
-        if (strcasecmp(parameter.name, "name") == 0)
-            wrong = take_name(scanner, &parameter);
-        if (is_plain || strcasecmp(parameter.name, "filename*") == 0)
-            scanner->is_file = 1;
-        if (is_plain)
-            scanner->is_unnamed = parameter.length == 0;
-    }
-    return read < 0 ? "a part's Content-Disposition cannot be read" : wrong;
 }
 
 static const char *take_coding(struct vor_multipart *scanner, const char *value)
@@ -234,15 +202,6 @@ static const char *take_coding(struct vor_multipart *scanner, const char *value)
     return NULL;
 }
 
-/* Base64 and quoted-printable are for mail; RFC 7578, 4.7 has none of them. */
-static const char *take_transfer(const char *value)
-{
-    if (behind_word(value, "binary") != NULL || behind_word(value, "8bit") != NULL ||
-        behind_word(value, "7bit") != NULL)
-        return NULL;
-    return "a part's Content-Transfer-Encoding is none of binary, 8bit and 7bit";
-}
-
 /* What is wrong with a header line; NULL for nothing. */
 static const char *take_line(struct vor_multipart *scanner)
 {
@@ -254,12 +213,37 @@ static const char *take_line(struct vor_multipart *scanner)
     if (p == line || *p != ':')
         return "a header line of a part is not NAME: VALUE";
     *p++ = '\0';
-    if (strcasecmp(line, "Content-Disposition") == 0)
-        return take_disposition(scanner, p);
+    if (strcasecmp(line, "Content-Disposition") == 0) {
+        const char *at = behind_word(p, "form-data"), *wrong = NULL;
+        struct parameter parameter;
+        int read = 0;
+
+        /* What is wrong with a Content-Disposition; NULL for nothing. */
+        if (scanner->has_disposition++)
+            return "a part has two Content-Dispositions";
+        if (at == NULL)
+            return "a part's Content-Disposition is not form-data";
+        while (wrong == NULL && (read = next_parameter(&at, &parameter)) > 0) {
+            int is_plain = strcasecmp(parameter.name, "filename") == 0;
+
+            if (strcasecmp(parameter.name, "name") == 0)
+                wrong = take_name(scanner, &parameter);
+            if (is_plain || strcasecmp(parameter.name, "filename*") == 0)
+                scanner->is_file = 1;
+            if (is_plain)
+                scanner->is_unnamed = parameter.length == 0;
+        }
+        return read < 0 ? "a part's Content-Disposition cannot be read" : wrong;
+    }
     if (strcasecmp(line, "Content-Encoding") == 0)
         return take_coding(scanner, p);
-    if (strcasecmp(line, "Content-Transfer-Encoding") == 0)
-        return take_transfer(p);
+    if (strcasecmp(line, "Content-Transfer-Encoding") == 0) {
+        /* Base64 and quoted-printable are for mail; RFC 7578, 4.7 has none of them. */
+        if (behind_word(p, "binary") != NULL || behind_word(p, "8bit") != NULL ||
+            behind_word(p, "7bit") != NULL)
+            return NULL;
+        return "a part's Content-Transfer-Encoding is none of binary, 8bit and 7bit";
+    }
     return NULL;
 }
 
@@ -323,7 +307,10 @@ static vor_status at_break(struct vor_multipart *scanner, char c, struct vor_err
 {
     if (c != '\n')
         return refuse_byte(scanner, err, "want LF after CR", c);
-    begin_head(scanner);
+    scanner->state = VOR_MULTIPART_LINE;
+    scanner->head_size = scanner->line_size = 0;
+    scanner->has_disposition = scanner->is_file = scanner->is_unnamed = 0;
+    scanner->name[0] = scanner->coding[0] = '\0';
     return VOR_OK;
 }
 
@@ -384,18 +371,6 @@ static vor_status tell_data(struct vor_multipart *scanner, const char *bytes, si
     return size > 0 ? scanner->events.data(scanner->events.ctx, bytes, size, err) : VOR_OK;
 }
 
-/* The bytes of a boundary that did not come to its end are data. They lay in pieces before, so they
- * are told from the boundary itself; but not the line end of the head, which was none. */
-static vor_status tell_matched(struct vor_multipart *scanner, size_t before, struct vor_error *err)
-{
-    size_t implied = scanner->implied;
-
-    scanner->implied = 0;
-    return before > implied
-               ? tell_data(scanner, scanner->delimiter + implied, before - implied, err)
-               : VOR_OK;
-}
-
 /* Takes data up to a boundary or to the end of the piece; *used says how much that was. A boundary
  * has one CR, its first byte, so after a mismatch nothing but the byte at hand can begin another.
  * Data is told in at most two calls, however many CRs there are in it. */
@@ -412,7 +387,15 @@ static vor_status take_data(struct vor_multipart *scanner, const char *at, size_
             scanner->matched++;
             i++;
         } else if (scanner->matched > 0) {
-            status = tell_matched(scanner, before, err);
+            size_t implied = scanner->implied;
+
+            /* The bytes of a boundary that did not come to its end are data. They lay in pieces
+             * before, so they are told from the boundary itself; but not the line end of the head,
+             * which was none. */
+            scanner->implied = 0;
+            status = before > implied
+                         ? tell_data(scanner, scanner->delimiter + implied, before - implied, err)
+                         : VOR_OK;
             before = scanner->matched = 0;
         } else {
             cr = memchr(at + i, '\r', left - i);

@@ -112,17 +112,6 @@ static vor_status too_long(struct vor_error *err, const char *what, size_t limit
     return VOR_E_LIMIT;
 }
 
-static vor_status add_data(struct vor_sse_parser *parser, const char *value, size_t size,
-                           struct vor_error *err)
-{
-    if (size + 1 > VOR_SSE_DATA_MAX - parser->data.size)
-        return too_long(err, "an event", VOR_SSE_DATA_MAX, parser->data.size + size + 1);
-    vor_text_add(&parser->data, value, size);
-    vor_text_add(&parser->data, "\n", 1);
-    parser->seen_data = 1;
-    return vor_text_status(&parser->data, err);
-}
-
 /* Digits only, or the field is ignored. */
 static void set_retry(struct vor_sse_parser *parser, const char *value, size_t size)
 {
@@ -150,8 +139,14 @@ static vor_status take_field(struct vor_sse_parser *parser, const char *line, si
         value++;
         length--;
     }
-    if (is(line, name, "data"))
-        return add_data(parser, value, length, err);
+    if (is(line, name, "data")) {
+        if (length + 1 > VOR_SSE_DATA_MAX - parser->data.size)
+            return too_long(err, "an event", VOR_SSE_DATA_MAX, parser->data.size + length + 1);
+        vor_text_add(&parser->data, value, length);
+        vor_text_add(&parser->data, "\n", 1);
+        parser->seen_data = 1;
+        return vor_text_status(&parser->data, err);
+    }
     if (is(line, name, "event")) {
         replace(&parser->name, value, length);
         return vor_text_status(&parser->name, err);

@@ -104,13 +104,6 @@ static vor_status copy_values(const struct load *load, unsigned index, void *out
     return VOR_OK;
 }
 
-static void find_origin(struct load *load)
-{
-    load->has_origin = vor_draco_origin(load->decoded, load->origin, load->type) &&
-                       isfinite(load->origin[0]) && isfinite(load->origin[1]) &&
-                       isfinite(load->origin[2]);
-}
-
 static void restore_origin(const struct load *load)
 {
     if (!load->has_origin)
@@ -226,14 +219,6 @@ static int narrow(struct vor_attribute *attribute, size_t n, enum vor_type type)
     return 1;
 }
 
-static void note_meaning(struct vor_notes *notes, const char *name)
-{
-    char what[VOR_MEMBER_TEXT_SIZE];
-
-    (void)snprintf(what, sizeof what, "meaning of %.50s", name);
-    vor_dropped_add(notes->dropped, &notes->dropped_count, what, 1);
-}
-
 static vor_status load_attribute(const struct load *load, unsigned index)
 {
     struct vor_draco_info info;
@@ -255,29 +240,17 @@ static vor_status load_attribute(const struct load *load, unsigned index)
                                      info.components, &attribute, load->err);
     if (status != VOR_OK)
         return status;
-    if (semantic == VOR_GENERIC && info.kind != VOR_DRACO_GENERIC)
-        note_meaning(&load->cloud->notes, attribute->name);
+    if (semantic == VOR_GENERIC && info.kind != VOR_DRACO_GENERIC) {
+        char what[VOR_MEMBER_TEXT_SIZE];
+
+        (void)snprintf(what, sizeof what, "meaning of %.50s", attribute->name);
+        vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, what, 1);
+    }
     status = copy_values(load, index, attribute->data);
     if (status == VOR_OK && attribute->type == VOR_INT64 &&
         (type == VOR_INT32 || type == VOR_UINT32))
         (void)narrow(attribute, load->n, type);
     return status;
-}
-
-/* Leaves out triangles of one point, which vor_draco_write fills up with; returns how many stay. */
-static size_t drop_filling(uint32_t *triangles, size_t count)
-{
-    size_t kept = 0;
-
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t *corner = triangles + 3 * i;
-
-        if (corner[0] == corner[1] && corner[0] == corner[2])
-            continue;
-        memmove(triangles + 3 * kept, corner, 3 * sizeof *corner);
-        kept++;
-    }
-    return kept;
 }
 
 /* The faces, if they are wanted. */
@@ -297,8 +270,20 @@ static vor_status load_faces(const struct load *load)
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
-    if (load->limits->keep_faces == VOR_FACES_KEPT)
-        cloud->triangle_count = drop_filling(cloud->triangles, faces);
+    if (load->limits->keep_faces == VOR_FACES_KEPT) {
+        size_t kept = 0;
+
+        /* Triangles of one point, which vor_draco_write fills up with, are left out. */
+        for (size_t i = 0; i < faces; i++) {
+            const uint32_t *corner = cloud->triangles + 3 * i;
+
+            if (corner[0] == corner[1] && corner[0] == corner[2])
+                continue;
+            memmove(cloud->triangles + 3 * kept, corner, 3 * sizeof *corner);
+            kept++;
+        }
+        cloud->triangle_count = kept;
+    }
     return VOR_OK;
 }
 
@@ -308,7 +293,9 @@ static vor_status load_cloud(struct load *load)
     vor_status status = find_position(load);
 
     load->n = vor_draco_points(load->decoded);
-    find_origin(load);
+    load->has_origin = vor_draco_origin(load->decoded, load->origin, load->type) &&
+                       isfinite(load->origin[0]) && isfinite(load->origin[1]) &&
+                       isfinite(load->origin[2]);
     if (status != VOR_OK)
         return status;
     if (load->n > most) {

@@ -54,11 +54,6 @@ static const char *implied_name(enum vor_semantic semantic)
     return names[semantic];
 }
 
-static int same(const double a[3], const double b[3])
-{
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
-}
-
 /* Moves the positions into the frame that is asked for. A coordinate whose origin stays is not
  * touched: adding 0 would turn -0 into 0. */
 static vor_status choose_frame(struct plan *plan, const struct vor_write_options *options,
@@ -69,7 +64,8 @@ static vor_status choose_frame(struct plan *plan, const struct vor_write_options
 
     for (int c = 0; c < 3; c++)
         plan->origin[c] = origin[c];
-    if (same(origin, cloud->origin))
+    if (origin[0] == cloud->origin[0] && origin[1] == cloud->origin[1] &&
+        origin[2] == cloud->origin[2])
         return VOR_OK;
     plan->xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *plan->xyz);
     if (plan->xyz == NULL)
@@ -141,13 +137,6 @@ static int holds_bits(const struct vor_attribute *attribute, size_t n)
     return vor_attribute_is_packed(attribute);
 }
 
-static void carry_bits(struct vor_draco_column *column)
-{
-    column->type = vor_type_name_sized(VOR_FLOAT32);
-    column->scalar = VOR_DRACO_UINT8;
-    column->components *= (unsigned)sizeof(float);
-}
-
 static vor_status quantize(struct plan *plan, const struct vor_write_options *options,
                            struct vor_error *err)
 {
@@ -157,22 +146,20 @@ static vor_status quantize(struct plan *plan, const struct vor_write_options *op
     if (options->quantization_bits == 0)
         return VOR_OK;
     for (unsigned i = 1; i < plan->count; i++)
-        if (holds_bits(&plan->cloud->attributes[i - 1], n))
-            carry_bits(&plan->columns[i]);
-        else if (plan->columns[i].scalar == VOR_DRACO_FLOAT32 &&
-                 vor_draco_bound(&plan->columns[i], n))
+        if (holds_bits(&plan->cloud->attributes[i - 1], n)) {
+            plan->columns[i].type = vor_type_name_sized(VOR_FLOAT32);
+            plan->columns[i].scalar = VOR_DRACO_UINT8;
+            plan->columns[i].components *= (unsigned)sizeof(float);
+        } else if (plan->columns[i].scalar == VOR_DRACO_FLOAT32 &&
+                   vor_draco_bound(&plan->columns[i], n)) {
             vor_draco_fit_attribute(&plan->columns[i], n);
+        }
     if (!vor_draco_bound(position, n))
         return VOR_OK;
     if (options->quantization_bits < 0)
         return vor_draco_fit_positions(position, plan->cloud, options->spacing, err);
     position->bits = options->quantization_bits;
     return VOR_OK;
-}
-
-static int is_int32(const struct vor_draco_column *column)
-{
-    return column->scalar == VOR_DRACO_INT32 || column->scalar == VOR_DRACO_UINT32;
 }
 
 static int64_t int32_at(const struct vor_draco_column *column, size_t i)
@@ -316,7 +303,7 @@ static vor_status leave_kd_tree(struct plan *plan, struct vor_error *err)
             column->bits = are_unit_vectors(column, n) ? VOR_DRACO_NORMAL_BITS : 0;
         if (column->bits > SYMBOL_BITS_MAX)
             column->bits = 0;
-        if (is_int32(column) &&
+        if ((column->scalar == VOR_DRACO_INT32 || column->scalar == VOR_DRACO_UINT32) &&
             !(plan->reorders ? breaker_takes_int32(column, n) : sequence_takes_int32(column, n)))
             status = carry(plan, i, err);
     }
@@ -375,27 +362,6 @@ static vor_status encode(const struct plan *plan, struct taker *taker, int compr
     }
 }
 
-/* A file of next to no bytes for its points (all in one place, say) looks like a bomb. */
-static void drop_quantization(struct plan *plan)
-{
-    plan->reorders = 0;
-    for (unsigned i = 0; i < plan->count; i++)
-        plan->columns[i].bits = 0;
-}
-
-/* A mesh with points that are no face's, or edges of more than two faces, that edgebreaker cannot
- * hold. */
-static vor_status encode_in_order(struct plan *plan, struct taker *taker, int compression,
-                                  struct vor_error *err)
-{
-    vor_status status;
-
-    plan->reorders = 0;
-    taker->loses = 0;
-    status = leave_kd_tree(plan, err);
-    return status == VOR_OK ? encode(plan, taker, compression, err) : status;
-}
-
 static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink, int compression,
                                   struct vor_error *err)
 {
@@ -406,11 +372,21 @@ static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink
         status = leave_kd_tree(plan, err);
     if (status == VOR_OK)
         status = encode(plan, &taker, compression, err);
-    if (taker.loses)
-        status = encode_in_order(plan, &taker, compression, err);
+    if (taker.loses) {
+        /* A mesh with points that are no face's, or edges of more than two faces, that edgebreaker
+         * cannot hold. */
+        plan->reorders = 0;
+        taker.loses = 0;
+        status = leave_kd_tree(plan, err);
+        if (status == VOR_OK)
+            status = encode(plan, &taker, compression, err);
+    }
     if (!taker.absurd)
         return status;
-    drop_quantization(plan);
+    /* A file of next to no bytes for its points (all in one place, say) looks like a bomb. */
+    plan->reorders = 0;
+    for (unsigned i = 0; i < plan->count; i++)
+        plan->columns[i].bits = 0;
     status = leave_kd_tree(plan, err);
     return status == VOR_OK ? encode(plan, &taker, compression, err) : status;
 }

@@ -82,12 +82,6 @@ static void put_list(struct vor_text *text, const struct vor_member *row, const 
     vor_json_end_array(text);
 }
 
-static void put_vector(struct vor_text *text, const double *vector)
-{
-    for (int c = 0; c < 3; c++)
-        vor_json_put_double(text, axes[c], vector[c]);
-}
-
 static void put_member(struct vor_text *text, const char *name, const struct vor_member *row,
                        const void *values)
 {
@@ -105,7 +99,8 @@ static void put_member(struct vor_text *text, const char *name, const struct vor
         vor_json_put_double(text, name, *(const double *)value);
         return;
     case VOR_MEMBER_VECTOR:
-        put_vector(text, value);
+        for (int c = 0; c < 3; c++)
+            vor_json_put_double(text, axes[c], ((const double *)value)[c]);
         return;
     case VOR_MEMBER_TEXT:
         vor_json_put_string(text, name, value);
@@ -238,15 +233,6 @@ void vor_json_members_read(void *values, const struct vor_members *members,
 
 /* --- the schema ------------------------------------------------------------------------------- */
 
-static void put_words(struct vor_text *text, const struct vor_member *row)
-{
-    vor_json_key(text, "enum");
-    vor_json_begin_array(text);
-    for (unsigned i = 0; i < row->word_count; i++)
-        vor_json_string(text, row->words[i]);
-    vor_json_end_array(text);
-}
-
 /* What a member is, into its open schema. */
 static void put_type(struct vor_text *text, const struct vor_member *row)
 {
@@ -266,7 +252,11 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
         return;
     case VOR_MEMBER_WORD:
         vor_json_put_string(text, "type", "string");
-        put_words(text, row);
+        vor_json_key(text, "enum");
+        vor_json_begin_array(text);
+        for (unsigned i = 0; i < row->word_count; i++)
+            vor_json_string(text, row->words[i]);
+        vor_json_end_array(text);
         return;
     case VOR_MEMBER_LIST:
         vor_json_put_string(text, "type", "array");
@@ -296,17 +286,6 @@ static void put_property(struct vor_text *text, const char *name, const struct v
     vor_json_end_object(text);
 }
 
-/* The names of the rows within their object, a vector's three for it. */
-static void put_names(struct vor_text *text, const struct rows *rows)
-{
-    for (const struct vor_member *row = rows->begin; row < rows->end; row++) {
-        for (int c = 0; row->kind == VOR_MEMBER_VECTOR && c < 3; c++)
-            vor_json_string(text, axes[c]);
-        if (row->kind != VOR_MEMBER_VECTOR && row->kind != VOR_MEMBER_OPTIONAL)
-            vor_json_string(text, name_in(rows, row));
-    }
-}
-
 static void put_properties(struct vor_text *text, const struct rows *rows)
 {
     for (const struct vor_member *row = rows->begin; row < rows->end; row++) {
@@ -315,23 +294,6 @@ static void put_properties(struct vor_text *text, const struct rows *rows)
         if (row->kind != VOR_MEMBER_VECTOR && row->kind != VOR_MEMBER_OPTIONAL)
             put_property(text, name_in(rows, row), row);
     }
-}
-
-static void put_object_property(struct vor_text *text, const struct rows *rows)
-{
-    begin_object_of(text, rows);
-    vor_json_put_string(text, "type", "object");
-    if (rows->begin->kind == VOR_MEMBER_OPTIONAL)
-        vor_json_put_string(text, "description", rows->begin->sentence);
-    vor_json_key(text, "required");
-    vor_json_begin_array(text);
-    put_names(text, rows);
-    vor_json_end_array(text);
-    vor_json_key(text, "properties");
-    vor_json_begin_object(text);
-    put_properties(text, rows);
-    vor_json_end_object(text);
-    vor_json_end_object(text);
 }
 
 /* The names of what stands at the top: objects, but optional ones, and members in none. */
@@ -359,10 +321,29 @@ void vor_json_members_schema(struct vor_text *text, const struct vor_members *me
     vor_json_begin_object(text);
     for (const struct vor_member *at = members->rows; at < end_of(members); at = rows.end) {
         rows = rows_from(members, at);
-        if (rows.object > 0)
-            put_object_property(text, &rows);
-        else
+        if (rows.object > 0) {
+            begin_object_of(text, &rows);
+            vor_json_put_string(text, "type", "object");
+            if (rows.begin->kind == VOR_MEMBER_OPTIONAL)
+                vor_json_put_string(text, "description", rows.begin->sentence);
+            vor_json_key(text, "required");
+            vor_json_begin_array(text);
+            /* The names of the rows within their object, a vector's three for it. */
+            for (const struct vor_member *row = rows.begin; row < rows.end; row++) {
+                for (int c = 0; row->kind == VOR_MEMBER_VECTOR && c < 3; c++)
+                    vor_json_string(text, axes[c]);
+                if (row->kind != VOR_MEMBER_VECTOR && row->kind != VOR_MEMBER_OPTIONAL)
+                    vor_json_string(text, name_in(&rows, row));
+            }
+            vor_json_end_array(text);
+            vor_json_key(text, "properties");
+            vor_json_begin_object(text);
             put_properties(text, &rows);
+            vor_json_end_object(text);
+            vor_json_end_object(text);
+        } else {
+            put_properties(text, &rows);
+        }
     }
     vor_json_end_object(text);
 }

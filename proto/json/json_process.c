@@ -100,18 +100,6 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     vor_json_end_object(text);
 }
 
-static void put_inputs(struct vor_text *text, const struct vor_process_info *process)
-{
-    vor_json_key(text, "inputs");
-    vor_json_begin_object(text);
-    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
-        put_artefact(text, &process->inputs[i]);
-    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
-        if (vor_process_takes(process, (enum vor_parameter)i))
-            put_parameter(text, process, (enum vor_parameter)i);
-    vor_json_end_object(text);
-}
-
 static void put_outputs(struct vor_text *text, const struct vor_process_info *process)
 {
     vor_json_key(text, "outputs");
@@ -162,15 +150,6 @@ static void put_presets(struct vor_text *text, const struct vor_process_info *pr
     vor_json_end_array(text);
 }
 
-/* What is told while it runs. */
-static void put_record(struct vor_text *text)
-{
-    vor_json_key(text, "x-record");
-    vor_json_begin_object(text);
-    vor_json_members_schema(text, &vor_record_members);
-    vor_json_end_object(text);
-}
-
 static void put_words(struct vor_text *text, const char *key, const char *const *words)
 {
     vor_json_key(text, key);
@@ -209,9 +188,20 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
 {
     vor_json_begin_object(text);
     put_summary(text, process, links, link_count);
-    put_inputs(text, process);
+    vor_json_key(text, "inputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; process->inputs[i].name != NULL; i++)
+        put_artefact(text, &process->inputs[i]);
+    for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
+        if (vor_process_takes(process, (enum vor_parameter)i))
+            put_parameter(text, process, (enum vor_parameter)i);
+    vor_json_end_object(text);
     put_outputs(text, process);
     put_presets(text, process);
-    put_record(text);
+    /* What is told while it runs. */
+    vor_json_key(text, "x-record");
+    vor_json_begin_object(text);
+    vor_json_members_schema(text, &vor_record_members);
+    vor_json_end_object(text);
     vor_json_end_object(text);
 }

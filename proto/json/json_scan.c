@@ -167,23 +167,11 @@ static int skip_digits(struct scan *s)
     return s->at > from;
 }
 
-static vor_status check_finite(const struct scan *s, size_t from)
-{
-    char number[VOR_JSON_NUMBER_LENGTH_MAX + 1];
-    size_t length = s->at - from;
-
-    if (length > VOR_JSON_NUMBER_LENGTH_MAX)
-        return exceed(s, "too many characters in a number", VOR_JSON_NUMBER_LENGTH_MAX, length);
-    memcpy(number, s->bytes + from, length);
-    number[length] = '\0';
-    if (!isfinite(strtod(number, NULL)))
-        return reject(s, from, "a number beyond the range of a double");
-    return VOR_OK;
-}
-
 static vor_status scan_number(struct scan *s)
 {
     size_t from = s->at;
+    char number[VOR_JSON_NUMBER_LENGTH_MAX + 1];
+    size_t length;
 
     if (peek(s) == '-')
         s->at++;
@@ -203,7 +191,14 @@ static vor_status scan_number(struct scan *s)
         if (!skip_digits(s))
             return unexpected(s, "a digit of the exponent");
     }
-    return check_finite(s, from);
+    length = s->at - from;
+    if (length > VOR_JSON_NUMBER_LENGTH_MAX)
+        return exceed(s, "too many characters in a number", VOR_JSON_NUMBER_LENGTH_MAX, length);
+    memcpy(number, s->bytes + from, length);
+    number[length] = '\0';
+    if (!isfinite(strtod(number, NULL)))
+        return reject(s, from, "a number beyond the range of a double");
+    return VOR_OK;
 }
 
 static vor_status scan_word(struct scan *s, const char *word)

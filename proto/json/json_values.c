@@ -36,22 +36,6 @@ int vor_json_record_read(struct vor_record *out, const struct vor_json *object)
     return 1;
 }
 
-static void put_errors(struct vor_text *text, const struct vor_problem_doc *problem)
-{
-    vor_json_key(text, "errors");
-    vor_json_begin_array(text);
-    for (size_t i = 0; i < problem->error_count; i++) {
-        vor_json_begin_object(text);
-        if (problem->errors[i].pointer != NULL)
-            vor_json_put_string(text, "pointer", problem->errors[i].pointer);
-        else
-            vor_json_put_string(text, "parameter", problem->errors[i].parameter);
-        vor_json_put_string(text, "detail", problem->errors[i].detail);
-        vor_json_end_object(text);
-    }
-    vor_json_end_array(text);
-}
-
 void vor_json_problem(struct vor_text *text, const struct vor_problem_doc *problem)
 {
     vor_json_begin_object(text);
@@ -73,8 +57,20 @@ void vor_json_problem(struct vor_text *text, const struct vor_problem_doc *probl
         vor_json_put_i64(text, "byteOffset", problem->byte_offset);
     if (problem->queue_depth >= 0)
         vor_json_put_i64(text, "queueDepth", problem->queue_depth);
-    if (problem->error_count > 0)
-        put_errors(text, problem);
+    if (problem->error_count > 0) {
+        vor_json_key(text, "errors");
+        vor_json_begin_array(text);
+        for (size_t i = 0; i < problem->error_count; i++) {
+            vor_json_begin_object(text);
+            if (problem->errors[i].pointer != NULL)
+                vor_json_put_string(text, "pointer", problem->errors[i].pointer);
+            else
+                vor_json_put_string(text, "parameter", problem->errors[i].parameter);
+            vor_json_put_string(text, "detail", problem->errors[i].detail);
+            vor_json_end_object(text);
+        }
+        vor_json_end_array(text);
+    }
     vor_json_end_object(text);
 }
 
@@ -118,26 +114,6 @@ static void put_inputs(struct vor_text *text, const struct vor_status_info *info
     vor_json_end_object(text);
 }
 
-static void put_target(struct vor_text *text, const struct vor_status_info *info)
-{
-    vor_json_key(text, "target");
-    vor_json_begin_object(text);
-    if (info->target_points > 0)
-        vor_json_put_u64(text, "points", info->target_points);
-    put_if_given(text, "format", info->target_format);
-    vor_json_end_object(text);
-}
-
-static void put_origin(struct vor_text *text, const double origin[3])
-{
-    vor_json_key(text, "origin");
-    vor_json_begin_object(text);
-    vor_json_put_double(text, "x", origin[0]);
-    vor_json_put_double(text, "y", origin[1]);
-    vor_json_put_double(text, "z", origin[2]);
-    vor_json_end_object(text);
-}
-
 static void put_own_members(struct vor_text *text, const struct vor_status_info *info)
 {
     vor_json_key(text, "voronoid");
@@ -160,10 +136,22 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
         vor_json_key(text, "parameters");
         vor_json_spec_changed(text, info->parameters);
     }
-    if (info->target_points > 0 || is_given(info->target_format))
-        put_target(text, info);
-    if (info->origin != NULL)
-        put_origin(text, info->origin);
+    if (info->target_points > 0 || is_given(info->target_format)) {
+        vor_json_key(text, "target");
+        vor_json_begin_object(text);
+        if (info->target_points > 0)
+            vor_json_put_u64(text, "points", info->target_points);
+        put_if_given(text, "format", info->target_format);
+        vor_json_end_object(text);
+    }
+    if (info->origin != NULL) {
+        vor_json_key(text, "origin");
+        vor_json_begin_object(text);
+        vor_json_put_double(text, "x", info->origin[0]);
+        vor_json_put_double(text, "y", info->origin[1]);
+        vor_json_put_double(text, "z", info->origin[2]);
+        vor_json_end_object(text);
+    }
     vor_json_key(text, "metrics");
     if (info->metrics != NULL)
         vor_json_record(text, info->metrics);

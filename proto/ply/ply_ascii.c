@@ -193,17 +193,6 @@ static vor_status take_item(struct vor_ply_body *body, const struct vor_ply_colu
     return status == VOR_OK ? VOR_OK : vor_ply_at(err, offset_of(body, token), status);
 }
 
-static vor_status take_list(struct vor_ply_body *body, const struct vor_ply_column *column,
-                            size_t row, const struct vor_ply_items *items, struct vor_error *err)
-{
-    uint64_t count = 0;
-    vor_status status = read_count(&count, body, column, row, err);
-
-    for (uint64_t i = 0; status == VOR_OK && i < count; i++)
-        status = take_item(body, column, row, i, items, err);
-    return status;
-}
-
 /* Refuses what a row of that many properties has behind them. */
 static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned properties,
                           struct vor_error *err)
@@ -280,11 +269,16 @@ static vor_status take_row(struct vor_ply_body *body, const struct vor_ply_eleme
     for (unsigned k = 0; status == VOR_OK && k < element->property_count; k++) {
         const struct vor_ply_column column = {.property = &element->properties[k]};
 
-        if (k == list)
-            status = take_list(body, &column, row, items, err);
-        else
+        if (k == list) {
+            uint64_t count = 0;
+
+            status = read_count(&count, body, &column, row, err);
+            for (uint64_t i = 0; status == VOR_OK && i < count; i++)
+                status = take_item(body, &column, row, i, items, err);
+        } else {
             status = column.property->list ? skip_list(body, &column, row, err)
                                            : skip_scalar(body, column.property, row, err);
+        }
     }
     return status == VOR_OK ? end_row(body, row, element->property_count, err) : status;
 }

@@ -298,14 +298,6 @@ static unsigned run_length(const struct vor_ply_rows *rows, unsigned k)
     return run;
 }
 
-static void convert(const struct vor_ply_column *column, size_t first, size_t n,
-                    const uint8_t *from, size_t from_stride, int swap)
-{
-    for (size_t i = 0; i < n; i++)
-        store(column->to + (first + i) * column->to_stride, column->to_type,
-              load(from + i * from_stride, column->property->type, swap));
-}
-
 /* Rows first .. first + n - 1, which begin at `from`. */
 static void read_block(const struct vor_ply_rows *rows, size_t first, size_t n, const uint8_t *from,
                        size_t row, int swap)
@@ -319,7 +311,9 @@ static void read_block(const struct vor_ply_rows *rows, size_t first, size_t n, 
 
         run = 1;
         if (column->property->type != column->to_type) {
-            convert(column, first, n, from, row, swap);
+            for (size_t i = 0; i < n; i++)
+                store(column->to + (first + i) * column->to_stride, column->to_type,
+                      load(from + i * row, column->property->type, swap));
         } else {
             run = run_length(rows, k);
             vor_ply_copy(to, (struct vor_ply_source){from, row}, n, size, run, swap);

@@ -104,15 +104,6 @@ static void end_face(struct vor_ply_faces *faces)
     faces->first = faces->count;
 }
 
-static vor_status out_of_range(const struct vor_ply_faces *faces, uint64_t row, uint64_t item,
-                               double value, struct vor_error *err)
-{
-    return vor_fail(err, VOR_E_FORMAT, "corner %llu of %s %llu is vertex %.0f, want %s0 to %llu",
-                    (unsigned long long)item, faces->is_strip ? "strip" : "face",
-                    (unsigned long long)row, value, faces->is_strip ? "-1, or " : "",
-                    (unsigned long long)faces->vertices - 1);
-}
-
 static vor_status take(void *ctx, uint64_t row, uint64_t item, double value, struct vor_error *err)
 {
     struct vor_ply_faces *faces = ctx;
@@ -126,7 +117,10 @@ static vor_status take(void *ctx, uint64_t row, uint64_t item, double value, str
     if (faces->is_strip && value == -1)
         return VOR_OK;
     if (!(value >= 0 && value < (double)faces->vertices))
-        return out_of_range(faces, row, item, value, err);
+        return vor_fail(
+            err, VOR_E_FORMAT, "corner %llu of %s %llu is vertex %.0f, want %s0 to %llu",
+            (unsigned long long)item, faces->is_strip ? "strip" : "face", (unsigned long long)row,
+            value, faces->is_strip ? "-1, or " : "", (unsigned long long)faces->vertices - 1);
     index = (uint32_t)value;
     if (before >= 2 && faces->is_strip && before % 2 == 1) /* every other one is turned over */
         status = add(faces, last[1], last[0], index, err);

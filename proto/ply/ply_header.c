@@ -101,15 +101,6 @@ static const char *show(char out[SHOWN], struct word word)
     return vor_quote(out, SHOWN, word.at, word.length);
 }
 
-static vor_status no_end(const struct scan *scan, struct vor_error *err)
-{
-    if (scan->cut)
-        vor_fail(err, VOR_E_FORMAT, "no end_header within the first %zu bytes", scan->size);
-    else
-        vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header", scan->size);
-    return vor_ply_at(err, scan->size, VOR_E_FORMAT);
-}
-
 /* False when a byte is neither printable nor a blank. */
 static int cut_words(struct line *line)
 {
@@ -138,8 +129,14 @@ static vor_status next_line(struct scan *scan, struct line *line, struct vor_err
     size_t window = left < VOR_PLY_LINE_MAX + 2 ? left : VOR_PLY_LINE_MAX + 2;
     const uint8_t *end = memchr(begin, scan->stop, window);
 
-    if (end == NULL && window == left)
-        return no_end(scan, err);
+    if (end == NULL && window == left) {
+        if (scan->cut)
+            vor_fail(err, VOR_E_FORMAT, "no end_header within the first %zu bytes", scan->size);
+        else
+            vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header",
+                     scan->size);
+        return vor_ply_at(err, scan->size, VOR_E_FORMAT);
+    }
     line->at = (const char *)begin;
     line->offset = scan->at;
     line->length = end != NULL ? (size_t)(end - begin) : window;
@@ -271,20 +268,6 @@ static vor_status add_property(struct vor_ply_element *element,
     return VOR_OK;
 }
 
-static vor_status read_property(struct vor_ply_header *header, const struct line *line,
-                                struct vor_error *err)
-{
-    struct vor_ply_property property;
-    vor_status status;
-
-    if (header->element_count == 0)
-        return bad_line(line, "an element line before any property", err);
-    status = parse_property(&property, line, err);
-    if (status != VOR_OK)
-        return status;
-    return add_property(&header->elements[header->element_count - 1], &property, line->offset, err);
-}
-
 int vor_ply_is_remark(const char *at, size_t size)
 {
     static const char *const words[] = {"comment", "obj_info"};
@@ -313,8 +296,18 @@ static vor_status read_line(struct scan *scan, struct vor_ply_header *header, st
         return read_format(scan, header, line, err);
     if (is(line->word[0], "element"))
         return read_element(scan, header, line, err);
-    if (is(line->word[0], "property"))
-        return read_property(header, line, err);
+    if (is(line->word[0], "property")) {
+        struct vor_ply_property property;
+        vor_status status;
+
+        if (header->element_count == 0)
+            return bad_line(line, "an element line before any property", err);
+        status = parse_property(&property, line, err);
+        if (status != VOR_OK)
+            return status;
+        return add_property(&header->elements[header->element_count - 1], &property, line->offset,
+                            err);
+    }
     if (!is(line->word[0], "end_header") || line->words != 1)
         return bad_line(line, "format, comment, obj_info, element, property or end_header", err);
     *end = 1;

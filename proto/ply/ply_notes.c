@@ -5,17 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void note_element(struct vor_notes *notes, const struct vor_ply_element *element)
-{
-    char what[VOR_MEMBER_TEXT_SIZE];
-
-    (void)snprintf(what, sizeof what, "%.*s",
-                   element->name_length < sizeof what ? (int)element->name_length
-                                                      : (int)sizeof what - 1,
-                   element->name);
-    vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
-}
-
 /* Notes one property of an element as ELEMENT.PROPERTY. */
 static void note_property(struct vor_notes *notes, const struct vor_ply_element *element,
                           const struct vor_ply_property *property)
@@ -29,13 +18,6 @@ static void note_property(struct vor_notes *notes, const struct vor_ply_element 
     vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
 }
 
-static void note_lists(struct vor_notes *notes, const struct vor_ply_element *vertex)
-{
-    for (unsigned k = 0; k < vertex->property_count; k++)
-        if (vertex->properties[k].list)
-            note_property(notes, vertex, &vertex->properties[k]);
-}
-
 /* Notes an element beside the vertices: where it holds faces that are kept, what else it has. */
 static void note_other(struct vor_notes *notes, const struct vor_ply_element *element,
                        int keep_faces)
@@ -45,7 +27,13 @@ static void note_other(struct vor_notes *notes, const struct vor_ply_element *el
     if (list >= 0 && __builtin_add_overflow(notes->faces, element->count, &notes->faces))
         notes->faces = UINT64_MAX;
     if (list < 0 || !keep_faces) {
-        note_element(notes, element);
+        char what[VOR_MEMBER_TEXT_SIZE];
+
+        (void)snprintf(what, sizeof what, "%.*s",
+                       element->name_length < sizeof what ? (int)element->name_length
+                                                          : (int)sizeof what - 1,
+                       element->name);
+        vor_dropped_add(notes->dropped, &notes->dropped_count, what, element->count);
         return;
     }
     for (unsigned k = 0; k < element->property_count; k++)
@@ -104,7 +92,9 @@ vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
     for (unsigned i = 0; i < header->element_count; i++)
         if (&header->elements[i] != vertex)
             note_other(notes, &header->elements[i], keep_faces);
-    note_lists(notes, vertex);
+    for (unsigned k = 0; k < vertex->property_count; k++)
+        if (vertex->properties[k].list)
+            note_property(notes, vertex, &vertex->properties[k]);
     vor_dropped_add(notes->dropped, &notes->dropped_count, "comment", others);
     if (size == 0)
         return VOR_OK;

@@ -244,13 +244,20 @@ static int parse_whole(const uint8_t *at, const uint8_t *end, uint64_t *value, i
     return 1;
 }
 
-static enum vor_ply_number read_integer(const uint8_t *token, size_t length, enum vor_type type,
+enum vor_ply_number vor_ply_number_read(const uint8_t *token, size_t length, enum vor_type type,
                                         void *out)
 {
-    int negative = token[0] == '-', over;
-    size_t sign = token[0] == '-' || token[0] == '+';
-    uint64_t value, most = largest(type);
+    int negative, over;
+    size_t sign;
+    uint64_t value, most;
 
+    if (length == 0 || length > VOR_PLY_NUMBER_MAX)
+        return VOR_PLY_NUMBER_JUNK;
+    if (type == VOR_FLOAT32 || type == VOR_FLOAT64)
+        return read_real(token, length, type == VOR_FLOAT32, out);
+    negative = token[0] == '-';
+    sign = token[0] == '-' || token[0] == '+';
+    most = largest(type);
     if (sign == length || token[sign] == '-' || token[sign] == '+' ||
         !parse_whole(token + sign, token + length, &value, &over))
         return VOR_PLY_NUMBER_JUNK;
@@ -260,14 +267,4 @@ static enum vor_ply_number read_integer(const uint8_t *token, size_t length, enu
         return VOR_PLY_NUMBER_RANGE;
     store_integer(negative ? 0 - value : value, type, out); /* two's complement */
     return VOR_PLY_NUMBER_OK;
-}
-
-enum vor_ply_number vor_ply_number_read(const uint8_t *token, size_t length, enum vor_type type,
-                                        void *out)
-{
-    if (length == 0 || length > VOR_PLY_NUMBER_MAX)
-        return VOR_PLY_NUMBER_JUNK;
-    if (type == VOR_FLOAT32 || type == VOR_FLOAT64)
-        return read_real(token, length, type == VOR_FLOAT32, out);
-    return read_integer(token, length, type, out);
 }

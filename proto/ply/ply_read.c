@@ -247,17 +247,6 @@ static vor_status plan(struct reader *reader, struct vor_error *err)
     return status == VOR_OK ? plan_attributes(reader, err) : status;
 }
 
-static vor_status read_vertices(struct reader *reader, struct vor_error *err)
-{
-    vor_status status = plan(reader, err);
-
-    if (status != VOR_OK)
-        return status;
-    return reader->body.encoding == VOR_PLY_ASCII
-               ? vor_ply_ascii_rows(&reader->body, &reader->rows, err)
-               : vor_ply_binary_rows(&reader->body, &reader->rows, err);
-}
-
 static int is_kept(const struct reader *reader, const struct vor_ply_element *element)
 {
     return element == reader->vertex || (reader->keep_faces && vor_ply_face_list(element) >= 0);
@@ -266,8 +255,15 @@ static int is_kept(const struct reader *reader, const struct vor_ply_element *el
 static vor_status read_element(struct reader *reader, const struct vor_ply_element *element,
                                struct vor_error *err)
 {
-    if (element == reader->vertex)
-        return read_vertices(reader, err);
+    if (element == reader->vertex) {
+        vor_status status = plan(reader, err);
+
+        if (status != VOR_OK)
+            return status;
+        return reader->body.encoding == VOR_PLY_ASCII
+                   ? vor_ply_ascii_rows(&reader->body, &reader->rows, err)
+                   : vor_ply_binary_rows(&reader->body, &reader->rows, err);
+    }
     if (is_kept(reader, element))
         return vor_ply_faces_read(&reader->faces, &reader->body, element, err);
     return reader->body.encoding == VOR_PLY_ASCII
@@ -292,26 +288,6 @@ static vor_status read_elements(struct reader *reader, struct vor_error *err)
     return status;
 }
 
-/* What faces may be: as many as a Draco file may have of them, and with indices of its vertices. */
-static void expect_faces(struct reader *reader, const struct vor_limits *limits)
-{
-    reader->keep_faces = limits->keep_faces;
-    reader->faces.memory = reader->cloud.memory;
-    reader->faces.tells_apart = limits->keep_faces == VOR_FACES_KEPT;
-    reader->faces.vertices = reader->vertex->count;
-    reader->faces.most = 2 * (limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX);
-}
-
-/* Refuses or drops points that are not finite. */
-static vor_status sift(struct reader *reader, int is_drop, struct vor_error *err)
-{
-    vor_status status = VOR_OK;
-
-    if (reader->body.not_finite > 0)
-        status = vor_cloud_sift(&reader->cloud, reader->wide, is_drop, err);
-    return status == VOR_OK ? VOR_OK : vor_ply_at(err, reader->body.not_finite, status);
-}
-
 static vor_status read_file(struct reader *reader, const struct vor_limits *limits,
                             struct vor_error *err)
 {
@@ -326,10 +302,21 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
     status = find_vertex(reader, limits, err);
     if (status != VOR_OK)
         return status;
-    expect_faces(reader, limits);
+    /* What faces may be: as many as a Draco file may have of them, and with indices of its
+     * vertices. */
+    reader->keep_faces = limits->keep_faces;
+    reader->faces.memory = reader->cloud.memory;
+    reader->faces.tells_apart = limits->keep_faces == VOR_FACES_KEPT;
+    reader->faces.vertices = reader->vertex->count;
+    reader->faces.most = 2 * (limits->points < VOR_POINTS_MAX ? limits->points : VOR_POINTS_MAX);
     status = read_elements(reader, err);
-    if (status == VOR_OK)
-        status = sift(reader, limits->drop_invalid, err);
+    if (status == VOR_OK) {
+        /* Refuses or drops points that are not finite. */
+        status = VOR_OK;
+        if (reader->body.not_finite > 0)
+            status = vor_cloud_sift(&reader->cloud, reader->wide, limits->drop_invalid, err);
+        status = status == VOR_OK ? VOR_OK : vor_ply_at(err, reader->body.not_finite, status);
+    }
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
     if (status == VOR_OK && reader->wide != NULL && limits->keep_doubles)

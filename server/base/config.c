@@ -249,16 +249,6 @@ static void read_file(struct reading *reading)
         note(reading, &why);
 }
 
-/* What holds where nothing is given, or what is given is refused. */
-static void set_defaults(struct reading *reading)
-{
-    struct vor_error why;
-
-    for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        if (set(reading->config, i, vor_setting_infos[i].fallback, &why) != VOR_OK)
-            note(reading, &why);
-}
-
 /* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
 static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
 {
@@ -551,9 +541,13 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                            char *(*getenv)(const char *name), struct vor_error *err)
 {
     struct reading reading = {.config = out, .first = {.status = VOR_OK}};
+    struct vor_error why;
 
     memset(out, 0, sizeof *out);
-    set_defaults(&reading);
+    /* What holds where nothing is given, or what is given is refused. */
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (set(reading.config, i, vor_setting_infos[i].fallback, &why) != VOR_OK)
+            note(&reading, &why);
     read_arguments(&reading, argc, argv);
     read_environment(&reading, getenv);
     read_file(&reading);

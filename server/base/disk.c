@@ -98,25 +98,21 @@ const char *vor_storage_place(const char *where, const char *scheme)
     return where + length + 1;
 }
 
-/* Makes the entry of path in its parent directory durable. */
-static int sync_parent(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    char *parent = slash == NULL ? strdup(".") : strndup(path, (size_t)(slash - path) + 1);
-    int fd = parent != NULL ? open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    int failed = fd < 0 || fsync(fd) != 0 ? errno : 0;
-
-    if (fd >= 0)
-        close(fd);
-    free(parent);
-    return failed;
-}
-
 /* 0, or an errno. */
 static int make_one(const char *path)
 {
-    if (mkdir(path, 0700) == 0)
-        return sync_parent(path);
+    if (mkdir(path, 0700) == 0) {
+        const char *slash = strrchr(path, '/');
+        char *parent = slash == NULL ? strdup(".") : strndup(path, (size_t)(slash - path) + 1);
+        int fd = parent != NULL ? open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+        int failed = fd < 0 || fsync(fd) != 0 ? errno : 0;
+
+        /* Makes the entry of path in its parent directory durable. */
+        if (fd >= 0)
+            close(fd);
+        free(parent);
+        return failed;
+    }
     return errno == EEXIST ? 0 : errno;
 }
 
@@ -149,36 +145,27 @@ static long read_holder(int fd)
     return holder > 0 ? holder : -1;
 }
 
-/* On a full disk the lock holds all the same; it just does not say who has it. */
-static void write_holder(int fd)
-{
-    char text[24];
-    int size = snprintf(text, sizeof text, "%ld\n", (long)getpid());
-
-    if (ftruncate(fd, 0) == 0 && pwrite(fd, text, (size_t)size, 0) != size)
-        (void)!ftruncate(fd, 0);
-}
-
-/* A file that cannot be opened or, where there is none, be made in its folder. */
-static vor_status fail_open(struct vor_error *err, int number, const char *path)
-{
-    char *copy = access(path, F_OK) != 0 ? strdup(path) : NULL;
-    vor_status status = vor_fail_access(err, number, copy != NULL ? cut_folder(copy) : path);
-
-    free(copy);
-    return status;
-}
-
 vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
 {
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     vor_status status;
 
     *holder = 0;
-    if (file < 0)
-        return fail_open(err, errno, path);
+    if (file < 0) {
+        char *copy = access(path, F_OK) != 0 ? strdup(path) : NULL;
+
+        /* A file that cannot be opened or, where there is none, be made in its folder. */
+        status = vor_fail_access(err, errno, copy != NULL ? cut_folder(copy) : path);
+        free(copy);
+        return status;
+    }
     if (flock(file, LOCK_EX | LOCK_NB) == 0) {
-        write_holder(file);
+        char text[24];
+        int size = snprintf(text, sizeof text, "%ld\n", (long)getpid());
+
+        /* On a full disk the lock holds all the same; it just does not say who has it. */
+        if (ftruncate(file, 0) == 0 && pwrite(file, text, (size_t)size, 0) != size)
+            (void)!ftruncate(file, 0);
         *fd = file;
         return VOR_OK;
     }

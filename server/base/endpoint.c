@@ -21,12 +21,6 @@ static vor_status parse_path(struct vor_endpoint *out, const char *flag, const c
     return VOR_OK;
 }
 
-static int is_loopback(const char *host)
-{
-    return strncmp(host, "127.", 4) == 0 || strcmp(host, "::1") == 0 ||
-           strcasecmp(host, "localhost") == 0;
-}
-
 vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const char *text,
                               struct vor_error *err)
 {
@@ -50,6 +44,7 @@ vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const 
     }
     memcpy(out->host, text, length);
     out->port = (unsigned)port;
-    out->loopback = is_loopback(out->host);
+    out->loopback = strncmp(out->host, "127.", 4) == 0 || strcmp(out->host, "::1") == 0 ||
+                    strcasecmp(out->host, "localhost") == 0;
     return VOR_OK;
 }

@@ -49,7 +49,7 @@ void vor_keys_close(struct vor_keys *keys);
  *  @retval as vor_keys_open */
 VOR_NODISCARD vor_status vor_keys_reload(struct vor_keys *keys, struct vor_error *err);
 
-/** Finds the caller of a key, in a time that does not depend on which key it is nearly.
+/** Finds the caller of a key: every key is compared, each in constant time.
  *
  *  @return false, and *out stays as it is, when it is none */
 bool vor_keys_find(struct vor_keys *keys, const char *key, struct vor_principal *out);

@@ -68,25 +68,6 @@ static void put_text(struct vor_text *line, const char *name, const char *text)
     vor_json_put_string(line, name, text);
 }
 
-static void put_field(struct vor_text *line, const struct vor_log_field *field)
-{
-    switch (field->kind) {
-    case VOR_LOG_KIND_TEXT:
-        put_text(line, field->name, field->text);
-        break;
-    case VOR_LOG_KIND_KNOWN:
-        if (field->text != NULL && field->text[0] != '\0')
-            put_text(line, field->name, field->text);
-        break;
-    case VOR_LOG_KIND_COUNT:
-        vor_json_put_i64(line, field->name, field->count);
-        break;
-    case VOR_LOG_KIND_REAL:
-        vor_json_put_double(line, field->name, field->real);
-        break;
-    }
-}
-
 void vor_log_write(enum vor_log_level level, const char *message,
                    const struct vor_log_field *fields)
 {
@@ -100,8 +81,23 @@ void vor_log_write(enum vor_log_level level, const char *message,
     vor_json_put_string(&line, "ts", vor_clock_text(vor_clock_wall_ms(), time));
     vor_json_put_string(&line, "level", words[level]);
     put_text(&line, "msg", message);
-    for (; fields->name != NULL; fields++)
-        put_field(&line, fields);
+    for (; fields->name != NULL; fields++) {
+        switch (fields->kind) {
+        case VOR_LOG_KIND_TEXT:
+            put_text(&line, fields->name, fields->text);
+            break;
+        case VOR_LOG_KIND_KNOWN:
+            if (fields->text != NULL && fields->text[0] != '\0')
+                put_text(&line, fields->name, fields->text);
+            break;
+        case VOR_LOG_KIND_COUNT:
+            vor_json_put_i64(&line, fields->name, fields->count);
+            break;
+        case VOR_LOG_KIND_REAL:
+            vor_json_put_double(&line, fields->name, fields->real);
+            break;
+        }
+    }
     vor_json_end_object(&line);
     vor_text_add(&line, "\n", 1);
     if (vor_text_status(&line, NULL) == VOR_OK)

@@ -27,8 +27,8 @@ int vor_machine_thread(pthread_t *thread, const char *name, void *(*run)(void *a
 void vor_machine_set_oom_score(int score);
 
 /** From now on memory that is freed in pieces of 256 KiB and more goes back to the system at once,
- *  in any thread. As the C library is by itself, one large piece that was freed raises the size
- * from which on pieces go back, and later ones stay with the process, in each of its arenas. */
+ *  in any thread. By default glibc raises its mmap threshold after a large free, and keeps later
+ *  pieces in each of its arenas; this fixes the threshold. */
 void vor_machine_give_back(void);
 
 #endif

@@ -197,32 +197,27 @@ static void put_series(struct vor_text *text, const struct series *series, const
     vor_text_puts(text, le != NULL || before[0] == ',' ? "} " : " ");
 }
 
-static void put_histogram(struct vor_text *text, struct series *series)
-{
-    const double *bound = bounds[infos[series->metric].kind];
-    double sum = atomic_load(&series->value);
-    uint64_t count = 0;
-    char le[32];
-
-    for (unsigned i = 0; i < BOUNDS_MAX && bound[i] > 0; i++) {
-        count += atomic_load(&series->count[i]);
-        (void)snprintf(le, sizeof le, "%.10g", bound[i]);
-        put_series(text, series, "_bucket", le);
-        vor_text_printf(text, "%llu\n", (unsigned long long)count);
-    }
-    count += atomic_load(&series->count[BOUNDS_MAX]);
-    put_series(text, series, "_bucket", "+Inf");
-    vor_text_printf(text, "%llu\n", (unsigned long long)count);
-    put_series(text, series, "_sum", NULL);
-    vor_text_printf(text, "%.17g\n", sum);
-    put_series(text, series, "_count", NULL);
-    vor_text_printf(text, "%llu\n", (unsigned long long)count);
-}
-
 static void put_one(struct vor_text *text, struct series *series)
 {
     if (bounds[infos[series->metric].kind][0] > 0) {
-        put_histogram(text, series);
+        const double *bound = bounds[infos[series->metric].kind];
+        double sum = atomic_load(&series->value);
+        uint64_t count = 0;
+        char le[32];
+
+        for (unsigned i = 0; i < BOUNDS_MAX && bound[i] > 0; i++) {
+            count += atomic_load(&series->count[i]);
+            (void)snprintf(le, sizeof le, "%.10g", bound[i]);
+            put_series(text, series, "_bucket", le);
+            vor_text_printf(text, "%llu\n", (unsigned long long)count);
+        }
+        count += atomic_load(&series->count[BOUNDS_MAX]);
+        put_series(text, series, "_bucket", "+Inf");
+        vor_text_printf(text, "%llu\n", (unsigned long long)count);
+        put_series(text, series, "_sum", NULL);
+        vor_text_printf(text, "%.17g\n", sum);
+        put_series(text, series, "_count", NULL);
+        vor_text_printf(text, "%llu\n", (unsigned long long)count);
     } else {
         put_series(text, series, "", NULL);
         vor_text_printf(text, "%.17g\n", atomic_load(&series->value));

@@ -20,32 +20,6 @@ static double seconds(const struct timeval *time)
     return (double)time->tv_sec + (double)time->tv_usec / 1e6;
 }
 
-static void put_cpu(struct vor_text *text)
-{
-    struct rusage usage;
-
-    if (getrusage(RUSAGE_SELF, &usage) == 0)
-        put(text, "process_cpu_seconds_total", "counter", "CPU time, user and system",
-            seconds(&usage.ru_utime) + seconds(&usage.ru_stime));
-}
-
-static void put_descriptors(struct vor_text *text)
-{
-    DIR *directory = opendir("/proc/self/fd");
-    struct rlimit limit;
-    double count = -3; /* ".", ".." and the directory itself */
-
-    if (directory != NULL) {
-        while (readdir(directory) != NULL)
-            count++;
-        (void)closedir(directory);
-        put(text, "process_open_fds", "gauge", "Open file descriptors", count);
-    }
-    if (getrlimit(RLIMIT_NOFILE, &limit) == 0)
-        put(text, "process_max_fds", "gauge", "Largest number of open file descriptors",
-            (double)limit.rlim_cur);
-}
-
 /* Fields 20, 22, 23 and 24 of proc(5)'s stat; the name before them may hold blanks. */
 static void put_stat(struct vor_text *text)
 {
@@ -76,7 +50,23 @@ static void put_stat(struct vor_text *text)
 
 void vor_process_write(struct vor_text *text)
 {
-    put_cpu(text);
-    put_descriptors(text);
+    struct rusage usage;
+    DIR *directory;
+    struct rlimit limit;
+    double count = -3; /* ".", ".." and the directory itself */
+
+    if (getrusage(RUSAGE_SELF, &usage) == 0)
+        put(text, "process_cpu_seconds_total", "counter", "CPU time, user and system",
+            seconds(&usage.ru_utime) + seconds(&usage.ru_stime));
+    directory = opendir("/proc/self/fd");
+    if (directory != NULL) {
+        while (readdir(directory) != NULL)
+            count++;
+        (void)closedir(directory);
+        put(text, "process_open_fds", "gauge", "Open file descriptors", count);
+    }
+    if (getrlimit(RLIMIT_NOFILE, &limit) == 0)
+        put(text, "process_max_fds", "gauge", "Largest number of open file descriptors",
+            (double)limit.rlim_cur);
     put_stat(text);
 }

@@ -45,12 +45,6 @@ void vor_rates_destroy(struct vor_rates *rates)
     free(rates);
 }
 
-static void fill(struct bucket *bucket, double now)
-{
-    bucket->tokens = fmin(bucket->holds, bucket->tokens + fmax(0, now - bucket->at) * bucket->rate);
-    bucket->at = now;
-}
-
 /* The bucket of a name, or NULL; forgets full ones on the way. The mutex is held. */
 static struct bucket *find(struct vor_rates *rates, const char *name, double now)
 {
@@ -59,7 +53,9 @@ static struct bucket *find(struct vor_rates *rates, const char *name, double now
     while (*at != NULL) {
         struct bucket *bucket = *at;
 
-        fill(bucket, now);
+        bucket->tokens =
+            fmin(bucket->holds, bucket->tokens + fmax(0, now - bucket->at) * bucket->rate);
+        bucket->at = now;
         if (strcmp(bucket->name, name) == 0) {
             found = bucket;
         } else if (bucket->tokens >= bucket->holds) {

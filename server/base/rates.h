@@ -19,7 +19,7 @@ void vor_rates_destroy(struct vor_rates *rates);
  *  @return 0 when there was one; else the seconds until there is one. Without memory for another
  *          bucket there is always one.
  *
- *  A bucket that is full again is forgotten: there are as many as names in the last two seconds. */
+ *  Full buckets are dropped, so memory is bounded by the callers of the last two seconds. */
 double vor_rates_take(struct vor_rates *rates, const char *name, double rate, double now);
 
 /** The tokens that a name with that rate has left. */

@@ -267,14 +267,6 @@ static bool read_line(struct hops *hops, const char *at)
     }
 }
 
-static void read_lines(struct hops *hops, const struct vor_head *head)
-{
-    for (size_t i = 0; i < head->field_count; i++)
-        if (strcasecmp(head->fields[i].name, "Forwarded") == 0 &&
-            !read_line(hops, head->fields[i].value))
-            hops->count = 0;
-}
-
 /* --- the walk --------------------------------------------------------------------------------- */
 
 /* Goes back from hop to hop as long as the one before it was a trusted proxy. */
@@ -313,7 +305,10 @@ void vor_forwarded_read(struct vor_via *out, const struct vor_head *head,
     if (!vor_networks_hold(trusted, peer))
         return;
     if (family == VOR_PROXY_FORWARDED) {
-        read_lines(&hops, head);
+        for (size_t i = 0; i < head->field_count; i++)
+            if (strcasecmp(head->fields[i].name, "Forwarded") == 0 &&
+                !read_line(&hops, head->fields[i].value))
+                hops.count = 0;
     } else {
         each_entry(head, "X-Forwarded-For", add_node, &hops);
         take_last(out, head, "X-Forwarded-Proto", take_scheme);

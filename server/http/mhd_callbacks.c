@@ -15,8 +15,8 @@
 
 enum { STREAM_BLOCK = 1024 /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */ };
 
-/* The library of which this is known leaves a block where it came; it hands the pieces over as
- * pointers into it (0.9.75; its header and its tests in framing.t say the same of them). */
+/* libmicrohttpd 0.9.75 does not copy the header block: names and values point into it (framing.t
+ * holds that). Of later versions it is not known. */
 static const char *block_of(const struct vor_request *request)
 {
     return MHD_VERSION < 0x00097600 ? request->block : NULL;
@@ -39,17 +39,6 @@ static bool request_sleep(struct vor_request *request, bool stays)
     return sleeps;
 }
 
-/* Gives back what the library has cleared of the connection's memory. It reads a head into half of
- * that, and fills the rest of the half with zeros once the reply begins: 24 KiB that a stream would
- * hold to its end. Memory of more than 32 KiB is a mapping of its own there (0.9.75), at the
- * beginning of which the request line stands. */
-static void trim(struct vor_request *request)
-{
-    if (request->line != NULL)
-        vor_release_zero_pages((void *)(uintptr_t)request->line, VOR_CONNECTION_BYTES);
-    request->line = NULL;
-}
-
 static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
 {
     vor_conn_wait(request->conn, false);
@@ -64,7 +53,13 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
             return MHD_CONTENT_READER_END_OF_STREAM;
         if (vor_request_gone(request))
             return MHD_CONTENT_READER_END_WITH_ERROR;
-        trim(request);
+        /* Gives back what the library has cleared of the connection's memory. It reads a head into
+         * half of that, and fills the rest of the half with zeros once the reply begins: 24 KiB
+         * that a stream would hold to its end. Memory of more than 32 KiB is a mapping of its own
+         * there (0.9.75), at the beginning of which the request line stands. */
+        if (request->line != NULL)
+            vor_release_zero_pages((void *)(uintptr_t)request->line, VOR_CONNECTION_BYTES);
+        request->line = NULL;
         if (request_sleep(request, false))
             return 0;
         if (vor_request_closing(request))
@@ -291,33 +286,6 @@ static const char *check_head(struct vor_request *request, const char **detail)
     return "malformed-request";
 }
 
-/* The library closes the connection of a request that is answered in this first call. So a request
- * without a body is answered in the second one. */
-static enum MHD_Result first_call(struct vor_request *request, const char *method,
-                                  const char *version)
-{
-    const char *detail, *slug;
-
-    request->method = vor_method_find(method);
-    request->head.version = version;
-    request->head.block = block_of(request);
-    if (request->head.block != NULL)
-        request->line = request->block - strlen(method) - 1;
-    request->stage = VOR_AT_HEAD;
-    (void)atomic_fetch_add(&request->http->busy, 1);
-    slug = check_head(request, &detail);
-    if (slug != NULL) {
-        struct vor_refusal refusal = {400, slug, detail, 0, 0};
-
-        request->path = "";
-        request->length = -1;
-        refuse(request, &refusal);
-        return queue_reply(request);
-    }
-    vor_conn_phase(request->conn, VOR_PHASE_SERVE);
-    return request->length != 0 ? run(request, VOR_STEP_HEAD) : MHD_YES;
-}
-
 static enum MHD_Result take_piece(struct vor_request *request, const char *bytes, size_t *size)
 {
     struct vor_refusal refusal;
@@ -350,8 +318,30 @@ static enum MHD_Result take_piece(struct vor_request *request, const char *bytes
 static enum MHD_Result take_turn(struct vor_request *request, const char *method,
                                  const char *version, const char *data, size_t *size)
 {
-    if (request->stage == VOR_AT_NEW)
-        return first_call(request, method, version);
+    if (request->stage == VOR_AT_NEW) {
+        const char *detail, *slug;
+
+        /* The library closes the connection of a request that is answered in this first call. So a
+         * request without a body is answered in the second one. */
+        request->method = vor_method_find(method);
+        request->head.version = version;
+        request->head.block = block_of(request);
+        if (request->head.block != NULL)
+            request->line = request->block - strlen(method) - 1;
+        request->stage = VOR_AT_HEAD;
+        (void)atomic_fetch_add(&request->http->busy, 1);
+        slug = check_head(request, &detail);
+        if (slug != NULL) {
+            struct vor_refusal refusal = {400, slug, detail, 0, 0};
+
+            request->path = "";
+            request->length = -1;
+            refuse(request, &refusal);
+            return queue_reply(request);
+        }
+        vor_conn_phase(request->conn, VOR_PHASE_SERVE);
+        return request->length != 0 ? run(request, VOR_STEP_HEAD) : MHD_YES;
+    }
     if (*size > 0)
         return take_piece(request, data, size);
     switch (request->stage) {

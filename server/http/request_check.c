@@ -106,23 +106,6 @@ static uintptr_t gap(const char *before, const char *after)
     return (uintptr_t)after - ((uintptr_t)before + strlen(before));
 }
 
-/* Of a block whose strings are still in place: two bytes, CR and LF, stand between two lines. */
-static const char *check_lines(const struct vor_head *head)
-{
-    const char *before = head->version;
-
-    for (size_t i = 0; i < head->field_count && head->block != NULL; i++) {
-        uintptr_t between = gap(before, head->fields[i].name);
-
-        if (between == 1)
-            return "a line ends with a line feed alone";
-        if (between != 2)
-            return "a header value holds NUL or continues on the next line";
-        before = head->fields[i].value;
-    }
-    return NULL;
-}
-
 static bool all_digits(const char *text)
 {
     size_t length = strlen(text);
@@ -134,6 +117,7 @@ static const char *check_framing(const struct vor_head *head)
 {
     const char *coding = vor_head_find(head, "Transfer-Encoding");
     const char *length = vor_head_find(head, "Content-Length");
+    const char *before;
 
     if (count_fields(head, "Content-Length") > 1)
         return "more than one Content-Length";
@@ -149,7 +133,19 @@ static const char *check_framing(const struct vor_head *head)
         return "Content-Length is not a whole number";
     if (count_fields(head, "Host") > 1)
         return "more than one Host";
-    return check_lines(head);
+    /* Of a block whose strings are still in place: two bytes, CR and LF, stand between two lines.
+     */
+    before = head->version;
+    for (size_t i = 0; i < head->field_count && head->block != NULL; i++) {
+        uintptr_t between = gap(before, head->fields[i].name);
+
+        if (between == 1)
+            return "a line ends with a line feed alone";
+        if (between != 2)
+            return "a header value holds NUL or continues on the next line";
+        before = head->fields[i].value;
+    }
+    return NULL;
 }
 
 /* What the request line and the whole block must be. */

@@ -3,9 +3,9 @@
  *
  *  Its first message from the front is struct vor_codec_start; its descriptors are the ring, then
  * the input. What comes of the work goes into the ring, VOR_RING_SLOTS parts of VOR_RING_PART bytes
- * each that are filled one behind the other; after each, it says so (VOR_CODEC_PART), and waits for
- * a message of the front, any, before it fills one that the front has not told to have emptied. Its
- * last message is VOR_CODEC_END. The front believes nothing of all this before it has checked it.
+ * each that are filled one behind the other; after each, it says so (VOR_CODEC_PART). It reuses a
+ * slot only after the front has acknowledged it, by any message. Its last message is VOR_CODEC_END.
+ * The front believes nothing of all this before it has checked it.
  */
 #ifndef VOR_SERVER_WORK_CODEC_CHILD_H
 #define VOR_SERVER_WORK_CODEC_CHILD_H
