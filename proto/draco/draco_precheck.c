@@ -206,17 +206,6 @@ static void walk_metadata_block(struct walk *walk)
     }
 }
 
-static void walk_metadata(struct walk *walk)
-{
-    uint32_t attributes = varint(walk, "the metadata");
-
-    for (uint32_t i = 0; i < attributes && walk->status == VOR_OK; i++) {
-        (void)varint(walk, "the metadata");
-        walk_metadata_block(walk);
-    }
-    walk_metadata_block(walk);
-}
-
 /* The table of attributes: returns the scalars of a point. */
 static uint32_t walk_attributes(struct walk *walk)
 {
@@ -304,13 +293,6 @@ static void walk_kd_tree(struct walk *walk, uint32_t points)
         walk_kd_floats(walk, points);
 }
 
-/* A coder of single bits: its first probability, the size of its data, the data. */
-static void walk_bits(struct walk *walk)
-{
-    (void)fixed(walk, 1, "the kd-tree");
-    skip(walk, varint(walk, "the kd-tree"), "the kd-tree");
-}
-
 /* Bitstream 2.3: the data of the tree's four coders, and behind them what turns integers into the
  * values of attributes: of floats the quantisation, of signed integers their minima. So the end of
  * the stream is known nearly, before the tree is decoded, whose points may be millions in a few
@@ -322,8 +304,11 @@ static void walk_kd_coders(struct walk *walk, unsigned level, uint32_t scalars)
     unsigned direct = coders > 0 ? 3 : 4;
     uint64_t most;
 
-    for (unsigned i = 0; i < coders; i++)
-        walk_bits(walk);
+    for (unsigned i = 0; i < coders; i++) {
+        /* A coder of single bits: its first probability, the size of its data, the data. */
+        (void)fixed(walk, 1, "the kd-tree");
+        skip(walk, varint(walk, "the kd-tree"), "the kd-tree");
+    }
     for (unsigned i = 0; i < direct; i++)
         skip(walk, fixed(walk, 4, "the kd-tree"), "the kd-tree");
     most = walk->at + (uint64_t)scalars * SCALAR_TAIL_MAX;
@@ -437,8 +422,15 @@ vor_status vor_draco_precheck(const uint8_t *bytes, size_t size, const struct vo
         refuse_loose(&walk, flags);
     if (walk.status != VOR_OK)
         return walk.status;
-    if ((flags & METADATA) != 0 && walk.version >= BITSTREAM(1, 3))
-        walk_metadata(&walk);
+    if ((flags & METADATA) != 0 && walk.version >= BITSTREAM(1, 3)) {
+        uint32_t attributes = varint(&walk, "the metadata");
+
+        for (uint32_t i = 0; i < attributes && walk.status == VOR_OK; i++) {
+            (void)varint(&walk, "the metadata");
+            walk_metadata_block(&walk);
+        }
+        walk_metadata_block(&walk);
+    }
     walk.metadata = walk.at - HEADER;
     if (bytes[KIND] == POINT_CLOUD)
         walk_point_cloud(&walk);

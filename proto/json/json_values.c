@@ -74,19 +74,23 @@ void vor_json_problem(struct vor_text *text, const struct vor_problem_doc *probl
     vor_json_end_object(text);
 }
 
+void vor_json_link(struct vor_text *text, const struct vor_link *link)
+{
+    vor_json_begin_object(text);
+    put_if_given(text, "rel", link->rel);
+    put_if_given(text, "type", link->type);
+    put_if_given(text, "title", link->title);
+    put_if_given(text, "href", link->href);
+    if (link->length >= 0)
+        vor_json_put_i64(text, "length", link->length);
+    vor_json_end_object(text);
+}
+
 void vor_json_links(struct vor_text *text, const struct vor_link *links, size_t count)
 {
     vor_json_begin_array(text);
-    for (size_t i = 0; i < count; i++) {
-        vor_json_begin_object(text);
-        put_if_given(text, "rel", links[i].rel);
-        put_if_given(text, "type", links[i].type);
-        put_if_given(text, "title", links[i].title);
-        put_if_given(text, "href", links[i].href);
-        if (links[i].length >= 0)
-            vor_json_put_i64(text, "length", links[i].length);
-        vor_json_end_object(text);
-    }
+    for (size_t i = 0; i < count; i++)
+        vor_json_link(text, &links[i]);
     vor_json_end_array(text);
 }
 

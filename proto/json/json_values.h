@@ -58,6 +58,7 @@ struct vor_link {
 };
 
 /** [{"rel","type","title","href","length"}, ...] */
+void vor_json_link(struct vor_text *text, const struct vor_link *link);
 void vor_json_links(struct vor_text *text, const struct vor_link *links, size_t count);
 
 /** An input of a job. Strings are borrowed; sha256 may be NULL. */

@@ -162,6 +162,23 @@ enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request
     return vor_problem_reply(app, request, &problem);
 }
 
+enum vor_next vor_problem_no_memory(struct vor_app *app, struct vor_request *request)
+{
+    struct vor_error err;
+
+    (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+    return vor_problem_error(app, request, &err, NULL);
+}
+
+enum vor_next vor_problem_or_wait(struct vor_app *app, struct vor_request *request)
+{
+    if (vor_request_gone(request))
+        return vor_problem_say(app, request, "client-closed", "the client disconnected");
+    if (vor_request_closing(request))
+        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
+    return VOR_NEXT_WAIT;
+}
+
 enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
                             const char *media_type, struct vor_text *text)
 {

@@ -75,6 +75,13 @@ enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, 
 enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
                                 const struct vor_error *err, const char *job_id);
 
+/** The same where memory for a request is out. */
+enum vor_next vor_problem_no_memory(struct vor_app *app, struct vor_request *request);
+
+/** What a request does that waits for another thread: waits on, or replies why that is in vain, as
+ *  its client has left or the daemon goes down. */
+enum vor_next vor_problem_or_wait(struct vor_app *app, struct vor_request *request);
+
 /** Replies with a document and frees it; one that could not be built becomes a problem. */
 enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
                             const char *media_type, struct vor_text *text);

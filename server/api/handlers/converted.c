@@ -47,19 +47,15 @@ static bool is_made(struct vor_app *app, struct vor_request *request,
     struct vor_error err;
     vor_status status;
 
-    *next = VOR_NEXT_WAIT;
-    if (vor_conversion_over(wait->conversion, &status, &err)) {
-        if (status == VOR_OK)
-            return true;
+    if (!vor_conversion_over(wait->conversion, &status, &err)) {
+        *next = vor_problem_or_wait(app, request);
+        return false;
+    }
+    if (status != VOR_OK)
         *next = status == VOR_E_CANCELLED
                     ? vor_problem_say(app, request, "draining", "the daemon is shutting down")
                     : vor_problem_error(app, request, &err, view->id.text);
-    } else if (vor_request_gone(request)) {
-        *next = vor_problem_say(app, request, "client-closed", "the client disconnected");
-    } else if (vor_request_closing(request)) {
-        *next = vor_problem_say(app, request, "draining", "the daemon is shutting down");
-    }
-    return false;
+    return status == VOR_OK;
 }
 
 enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request,
@@ -84,10 +80,8 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
         struct wait *wait = calloc(1, sizeof *wait);
         enum vor_job_outcome outcome;
 
-        if (wait == NULL) {
-            (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-            return vor_problem_error(app, request, &err, view->id.text);
-        }
+        if (wait == NULL)
+            return vor_problem_no_memory(app, request);
         wait->waker = vor_request_waker(request);
         wait->waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = wait->waker};
         vor_request_set_state(request, wait, release);

@@ -398,11 +398,9 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
                                     const struct vor_events_query *ask)
 {
     struct stream *stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
-    struct vor_error err;
 
     if (stream == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a stream");
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_no_memory(app, request);
         return NULL;
     }
     stream->app = app;

@@ -10,11 +10,7 @@ static void put_link(struct vor_app *app, struct vor_request *request, struct vo
     char url[VOR_URL_MAX];
     struct vor_link link = {rel, type, NULL, vor_app_url(app, request, path, url), -1};
 
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "rel", link.rel);
-    vor_json_put_string(text, "type", link.type);
-    vor_json_put_string(text, "href", link.href);
-    vor_json_end_object(text);
+    vor_json_link(text, &link);
 }
 
 enum vor_next vor_handle_landing(void *ctx, struct vor_request *request, enum vor_step step)

@@ -37,7 +37,6 @@ static enum vor_next reply_job(struct vor_app *app, struct vor_request *request,
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
     struct dismissal *dismissal;
-    struct vor_error err;
     struct vor_uuid id;
 
     if (!vor_job_of_path(app, request, &id))
@@ -45,10 +44,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     if (vor_request_closing(request))
         return vor_outcome_reply(app, request, VOR_DRAINING, NULL, &id);
     dismissal = calloc(1, sizeof *dismissal);
-    if (dismissal == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        return vor_problem_error(app, request, &err, NULL);
-    }
+    if (dismissal == NULL)
+        return vor_problem_no_memory(app, request);
     dismissal->work = (struct vor_dismissal){.id = id,
                                              .why = "dismissed by the caller",
                                              .done = on_dismissed,

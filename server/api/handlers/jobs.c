@@ -199,11 +199,7 @@ static void put_list_link(struct listing *list, const char *rel, const char *cur
     if (cursor != NULL)
         vor_text_printf(&url, "%ccursor=%s", mark, cursor);
     link.href = url.data;
-    vor_json_begin_object(&list->text);
-    vor_json_put_string(&list->text, "rel", link.rel);
-    vor_json_put_string(&list->text, "type", link.type);
-    vor_json_put_string(&list->text, "href", link.href);
-    vor_json_end_object(&list->text);
+    vor_json_link(&list->text, &link);
     vor_text_free(&url);
 }
 
@@ -219,15 +215,12 @@ static enum vor_next begin_list(struct vor_app *app, struct vor_request *request
 {
     struct vor_job_filter filter;
     struct listing *list;
-    struct vor_error err;
 
     if (!vor_job_filter_read(app, request, &filter))
         return VOR_NEXT_REPLY;
     list = calloc(1, sizeof *list);
-    if (list == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        return vor_problem_error(app, request, &err, NULL);
-    }
+    if (list == NULL)
+        return vor_problem_no_memory(app, request);
     list->app = app;
     list->request = request;
     list->filter = filter;
@@ -269,12 +262,9 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
 
     if (step == VOR_STEP_HEAD)
         return begin_list(ctx, request);
-    if (vor_request_gone(request))
-        return vor_problem_say(ctx, request, "client-closed", "the client disconnected");
-    if (vor_request_closing(request))
-        return vor_problem_say(ctx, request, "draining", "the daemon is shutting down");
-    if (!vor_deferred_is_done(&list->deferred))
-        return VOR_NEXT_WAIT;
+    if (!vor_deferred_is_done(&list->deferred) || vor_request_gone(request) ||
+        vor_request_closing(request))
+        return vor_problem_or_wait(ctx, request);
     if (list->status != VOR_OK)
         return vor_problem_error(ctx, request, &list->error, NULL);
     return write_slice(list) ? begin_slice(list) : reply_list(list);

@@ -217,16 +217,6 @@ static void wake(void *ctx)
     vor_waker_drop(ctx);
 }
 
-/* Waits until a file is read, or replies why that is in vain. */
-static enum vor_next wait_verdict(struct vor_app *app, struct vor_request *request)
-{
-    if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the client disconnected");
-    if (vor_request_closing(request))
-        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
-    return VOR_NEXT_WAIT;
-}
-
 /* True when the bytes of a file are those that were written, or none are to be sent. Else *next is
  * what the handler returns; once woken, it is called again and asks again. */
 static bool is_sound(struct vor_app *app, struct vor_request *request,
@@ -246,7 +236,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
     if (verdict != VOR_VERDICT_WAIT)
         vor_waker_drop(asker.ctx);
     if (verdict == VOR_VERDICT_WAIT) {
-        *next = wait_verdict(app, request);
+        *next = vor_problem_or_wait(app, request);
     } else if (verdict == VOR_VERDICT_DAMAGED) {
         (void)snprintf(detail, sizeof detail,
                        "the stored bytes of %s are not those that were written (SHA-256 %s)",

@@ -139,7 +139,6 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
                          struct submission *submission)
 {
     enum vor_job_outcome outcome = VOR_DONE;
-    struct vor_error err;
 
     if (has_key(submission))
         outcome = vor_inflight_begin(app->inflight, &submission->head.options.key);
@@ -148,8 +147,7 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
                         "a request with Idempotency-Key %s is in progress; try again later",
                         submission->head.options.key.text);
     } else if (outcome != VOR_DONE) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_no_memory(app, request);
     }
     submission->in_flight = has_key(submission) && outcome == VOR_DONE;
     return outcome == VOR_DONE;
@@ -236,7 +234,6 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct vor_submit_head head;
     struct submission *submission;
     struct vor_body_sink sink;
-    struct vor_error err;
 
     if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head) ||
         !check_room(app, request, &head) || !vor_limits_room(app, request, &head.options.key))
@@ -248,10 +245,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     if (vor_request_length(request) <= (int64_t)limit && !check_disk(app, request))
         return VOR_NEXT_REPLY;
     submission = calloc(1, sizeof *submission);
-    if (submission == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        return vor_problem_error(app, request, &err, NULL);
-    }
+    if (submission == NULL)
+        return vor_problem_no_memory(app, request);
     submission->app = app;
     atomic_flag_clear(&submission->cancels);
     submission->head = head;
@@ -522,9 +517,5 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         return wait_for_end(app, request, submission);
     if (vor_deferred_is_done(&submission->deferred))
         return accepted(app, request, submission);
-    if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the client disconnected");
-    if (vor_request_closing(request))
-        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
-    return VOR_NEXT_WAIT;
+    return vor_problem_or_wait(app, request);
 }

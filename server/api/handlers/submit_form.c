@@ -186,8 +186,7 @@ struct vor_submit_form *vor_submit_form_begin(struct vor_app *app, struct vor_re
     struct vor_error err;
 
     if (form == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a form");
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_no_memory(app, request);
         return NULL;
     }
     form->app = app;

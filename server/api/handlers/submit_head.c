@@ -62,24 +62,18 @@ static bool read_spec(struct vor_app *app, struct vor_request *request, struct v
     return false;
 }
 
-static bool is_word(const char *text, size_t length, const char *word)
-{
-    return strlen(word) == length && strncasecmp(text, word, length) == 0;
-}
-
 static void take_range(struct acceptance *accept, const struct vor_accept_range *range)
 {
     const char *type = range->type;
-    size_t word = strlen(type);
     const struct vor_format *format = vor_format_by_media_type(type);
 
-    if (range->quality <= 0 || word == 0)
+    if (range->quality <= 0 || type[0] == '\0')
         return;
-    accept->stream = accept->stream || is_word(type, word, "text/event-stream");
-    accept->json = accept->json || is_word(type, word, "application/json");
-    accept->any = accept->any || is_word(type, word, "*/*") ||
-                  is_word(type, word, "application/*") ||
-                  is_word(type, word, "application/octet-stream");
+    accept->stream = accept->stream || strcasecmp(type, "text/event-stream") == 0;
+    accept->json = accept->json || strcasecmp(type, "application/json") == 0;
+    accept->any = accept->any || strcasecmp(type, "*/*") == 0 ||
+                  strcasecmp(type, "application/*") == 0 ||
+                  strcasecmp(type, "application/octet-stream") == 0;
     if (format == NULL || range->quality <= accept->quality)
         return;
     accept->quality = range->quality;

@@ -29,12 +29,9 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     double limit = app->config->number[VOR_SET_BODY_LIMIT];
     struct vor_text *body = calloc(1, sizeof *body);
     struct vor_body_sink sink = {body, take};
-    struct vor_error err;
 
-    if (body == NULL) {
-        (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
-        return vor_problem_error(app, request, &err, NULL);
-    }
+    if (body == NULL)
+        return vor_problem_no_memory(app, request);
     vor_text_init(body, VOR_JSON_SIZE_MAX);
     vor_request_set_state(request, body, release);
     vor_request_take_body(request, &sink,
