@@ -34,7 +34,8 @@ static int is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-size_t vor_ply_begin(const uint8_t *bytes, size_t size)
+/* Where the word "ply" begins: behind a byte order mark, if there is one. */
+static size_t find_begin(const uint8_t *bytes, size_t size)
 {
     return size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
 }
@@ -42,7 +43,7 @@ size_t vor_ply_begin(const uint8_t *bytes, size_t size)
 /* Where the first line ends: size where it is not "ply". */
 static size_t magic_end(const uint8_t *bytes, size_t size)
 {
-    size_t at = vor_ply_begin(bytes, size);
+    size_t at = find_begin(bytes, size);
 
     if (size - at < 3 || memcmp(bytes + at, "ply", 3) != 0)
         return size;
@@ -324,7 +325,7 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
 
     out->element_count = 0;
     scan.stop = vor_ply_line_stop(bytes, size);
-    scan.at = vor_ply_begin(bytes, scan.size);
+    scan.at = find_begin(bytes, scan.size);
     if (scan.size - scan.at < 3 || memcmp(bytes + scan.at, "ply", 3) != 0)
         return vor_ply_at(err, 0, vor_fail(err, VOR_E_FORMAT, "the file does not begin with ply"));
     status = next_line(&scan, &line, err);

@@ -43,9 +43,6 @@ struct vor_ply_header {
 VOR_NODISCARD vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
                                              size_t size, size_t limit, struct vor_error *err);
 
-/** Where the word "ply" begins: behind a byte order mark, if there is one. */
-size_t vor_ply_begin(const uint8_t *bytes, size_t size);
-
 /** True where the first line is "ply", with blanks behind it or not. */
 int vor_ply_is(const uint8_t *bytes, size_t size);
 

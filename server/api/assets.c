@@ -57,26 +57,15 @@ static const char *media_type_of(const char *name)
     return "application/octet-stream";
 }
 
-int vor_asset_at(struct vor_asset *out, unsigned index)
-{
-    const struct embedded *file;
-
-    if (index >= EMBEDDED_COUNT)
-        return 0;
-    file = &embedded[index];
-    *out = (struct vor_asset){file->name, media_type_of(file->name), file->digest, file->bytes,
-                              (size_t)*file->size};
-    return 1;
-}
-
 int vor_asset_find(struct vor_asset *out, const char *name, size_t length)
 {
-    struct vor_asset asset;
+    for (unsigned i = 0; i < EMBEDDED_COUNT; i++) {
+        const struct embedded *file = &embedded[i];
 
-    for (unsigned i = 0; vor_asset_at(&asset, i); i++) {
-        if (strlen(asset.name) != length || memcmp(asset.name, name, length) != 0)
+        if (strlen(file->name) != length || memcmp(file->name, name, length) != 0)
             continue;
-        *out = asset;
+        *out = (struct vor_asset){file->name, media_type_of(file->name), file->digest, file->bytes,
+                                  (size_t)*file->size};
         return 1;
     }
     return 0;

@@ -21,7 +21,4 @@ struct vor_asset {
 /** The file of that name (length bytes); false when there is none. */
 int vor_asset_find(struct vor_asset *out, const char *name, size_t length);
 
-/** File number `index`; false past the last. */
-int vor_asset_at(struct vor_asset *out, unsigned index);
-
 #endif

@@ -219,7 +219,9 @@ int vor_follow_ask(struct vor_follow *follow, struct vor_json **json)
     return status != VOR_OK ? vor_follow_no_answer(follow) : code;
 }
 
-int vor_follow_stop(struct vor_follow *follow)
+/* Asks for the job to end with the best so far: VOR_EXIT_OK, also where it is over already;
+ * VOR_EXIT_INTERRUPTED, after it was said, where it has not begun. */
+static int stop_job(struct vor_follow *follow)
 {
     char url[VOR_REMOTE_URL_MAX + 16];
     struct vor_remote_call call = {
@@ -260,7 +262,7 @@ static int listen_to_end(struct vor_follow *follow)
         if (listen(follow) == VOR_E_CANCELLED && vor_interrupt_seen())
             return vor_follow_no_answer(follow);
         if (vor_interrupt_stops() && !follow->told_to_stop) {
-            code = vor_follow_stop(follow);
+            code = stop_job(follow);
             if (code != VOR_EXIT_OK)
                 return code;
             continue;

@@ -48,12 +48,6 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
  *  returned. */
 int vor_follow_ask(struct vor_follow *follow, struct vor_json **json);
 
-/** Asks for the job to end with the best so far.
- *
- *  @return VOR_EXIT_OK, also where it is over already; VOR_EXIT_INTERRUPTED, after it was said,
- * where it has not begun */
-int vor_follow_stop(struct vor_follow *follow);
-
 /** True when the job is known to be over. */
 int vor_follow_is_over(const struct vor_follow *follow);
 

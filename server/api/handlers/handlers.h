@@ -59,13 +59,10 @@ enum vor_next vor_handle_ticket(void *app, struct vor_request *request, enum vor
 
 /** What they share. */
 
-/** The process that segment `index` of the path names, of those that HTTP offers.
+/** The process that a request to start a job names, of those that HTTP offers: /v1/PROCESS, or
+ *  /v1/processes/PROCESS/execution.
  *
  *  @return NULL after a no-such-process problem has been replied */
-const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
-                                                   unsigned index);
-
-/** The same for a request to start a job: /v1/PROCESS, or /v1/processes/PROCESS/execution. */
 const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
                                                      struct vor_request *request);
 

@@ -57,7 +57,8 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     return vor_app_reply(ctx, request, 200, "application/json", &text);
 }
 
-const struct vor_process_info *vor_process_of_path(struct vor_app *app, struct vor_request *request,
+/* The process that segment `index` of the path names; NULL after a problem has been replied. */
+static const struct vor_process_info *find_process(struct vor_app *app, struct vor_request *request,
                                                    unsigned index)
 {
     const struct vor_process_info *process;
@@ -82,12 +83,12 @@ const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
     size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
     bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
 
-    return vor_process_of_path(app, request, is_long ? 2 : 1);
+    return find_process(app, request, is_long ? 2 : 1);
 }
 
 enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    const struct vor_process_info *process = vor_process_of_path(ctx, request, 2);
+    const struct vor_process_info *process = find_process(ctx, request, 2);
     struct process_links links = {0};
     struct vor_text text;
 
