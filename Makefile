@@ -4,7 +4,7 @@ B := build/$(config)
 
 CC ?= gcc
 CXX ?= g++
-PKGS := libmicrohttpd libcjson draco sqlite3 libcurl nettle zlib libseccomp
+PKGS := libcjson draco sqlite3 libcurl nettle zlib libseccomp
 VERSION := 0.1.0
 
 WARN := -Wall -Wextra -Wshadow -Wpointer-arith -Wcast-qual -Wformat=2 -Wundef -Werror=format-security
@@ -45,9 +45,9 @@ PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PK
 COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -isystem build/headers -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
-# FLANN by the library that runs: its -dev package, whose headers may stand in build/headers alone (docker/install.sh), brings
-# HDF5, MPI and boost, which only its own tools use.
-LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -l:libflann.so.1.9 -lm -lstdc++
+# FLANN and libmicrohttpd by the libraries that run: the -dev packages, whose headers may stand in build/headers alone
+# (docker/install.sh), bring HDF5, MPI, boost and GnuTLS, which we do not call.
+LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -l:libmicrohttpd.so.12 -l:libflann.so.1.9 -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 LINK := $(CXX) $(flags) $(if $(filter release debug arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 LINK_TEST := $(LINK) $(if $(filter-out arm64,$(config)),$(LDFAST))

@@ -6,7 +6,7 @@ began=$SECONDS
 mkdir -p "$VORONOID_CACHE/passed"
 find "$VORONOID_CACHE/passed" -type f -mtime +30 -delete
 mapfile -t sources < <(git ls-files -co --exclude-standard core proto server docker/pages | grep -E '\.c$' | xargs ls -S)
-PACKAGE_FLAGS=$(pkg-config --cflags libmicrohttpd libcjson sqlite3 libcurl nettle zlib libseccomp)
+PACKAGE_FLAGS=$(pkg-config --cflags libcjson sqlite3 libcurl nettle zlib libseccomp)
 RULES=$(cat .clang-tidy tests/lint/analyse.sh && gcc --version && clang-tidy --version && cppcheck --version)
 export VORONOID_CACHE PACKAGE_FLAGS RULES
 if ! printf '%s\n' "${sources[@]}" | xargs -P "$(nproc)" -n 1 tests/lint/analyse.sh; then
