@@ -125,7 +125,7 @@ static vor_status scan_escape(struct scan *s)
     if (c == 'u')
         return scan_unicode(s);
     if (c <= 0 || strchr("\"\\/bfnrt", c) == NULL)
-        return reject(s, s->at, "a backslash that is not before one of \" \\ / b f n r t u");
+        return reject(s, s->at, "an escape other than a backslash before \" \\ / b f n r t u");
     s->at += 2;
     return VOR_OK;
 }

@@ -38,8 +38,8 @@
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that have ended")    \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Jobs put back into the queue because the daemon (restart) or their process (worker) ended " \
-      "while they ran")                                                                            \
+      "Jobs put back into the queue because the daemon (restart) or their worker process "         \
+      "(worker) ended during the run")                                                             \
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \

@@ -83,10 +83,10 @@ class Peers:
     def apart(self, size):
         for path in glob.glob(f"{self.folder}/in_*"):
             os.remove(path)
-        shutil.copy(self.cloud, f"{self.folder}/in.ply")
+        shutil.copyfile(self.cloud, f"{self.folder}/in.ply")
         _, cpu = run("CloudCompare", "-SILENT", "-AUTO_SAVE", "OFF", "-NO_TIMESTAMP", "-C_EXPORT_FMT", "PLY", "-O", f"{self.folder}/in.ply",
                      "-SS", "SPATIAL", size, "-SAVE_CLOUDS")
-        shutil.copy(glob.glob(f"{self.folder}/in_*.ply")[0], self.out)
+        shutil.copyfile(glob.glob(f"{self.folder}/in_*.ply")[0], self.out)
         return cpu
 
     def sized(self, work):
@@ -120,7 +120,7 @@ def main():
                 ("Open3D, farthest points", has_open3d(), peers.farthest),
                 ("PCL, voxel grid", shutil.which("pcl_voxel_grid"), peers.voxels),
                 ("CloudCompare, minimum distance", shutil.which("CloudCompare"), peers.apart)]
-        shutil.copy(cloud, peers.out)
+        shutil.copyfile(cloud, peers.out)
         text = f"{cloud}, {len(positions(peers.out)):,} points, to {POINTS:,}\n\n| | delta | points | CPU time |\n|---|---|---|---|\n"
         for name, is_here, work in rows:
             if is_here:
