@@ -6,12 +6,12 @@
 #include <string.h>
 
 struct status_row {
-    const char *slug, *sentence;
+    const char *slug;
     int http;
 };
 
 static const struct status_row rows[VOR_STATUS_COUNT] = {
-#define STATUS_ROW(name, http, slug, retryable, sentence) {slug, sentence, http},
+#define STATUS_ROW(name, http, slug, retryable, sentence) {slug, http},
     VOR_STATUS_TABLE(STATUS_ROW)
 #undef STATUS_ROW
 };
@@ -30,11 +30,6 @@ int vor_status_http(vor_status status)
 const char *vor_status_slug(vor_status status)
 {
     return row_of(status)->slug;
-}
-
-const char *vor_status_sentence(vor_status status)
-{
-    return row_of(status)->sentence;
 }
 
 static void begin(struct vor_error *err, vor_status status, const char *parameter)

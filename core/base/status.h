@@ -57,10 +57,9 @@ struct vor_error {
                               limit and what was declared or is estimated; else 0 */
 };
 
-/** HTTP status, problem slug and sentence of a row of the table; status must be one. */
+/** HTTP status and problem slug of a row of the table; status must be one. */
 int vor_status_http(vor_status status);
 const char *vor_status_slug(vor_status status);
-const char *vor_status_sentence(vor_status status);
 
 /** Fills *err (which may be NULL) and returns status: every failure passes through here. Sets
  *  parameter to "", byte_offset to -1, limit and got to 0. */

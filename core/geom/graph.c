@@ -1,5 +1,7 @@
 #include "core/geom/graph.h"
 
+#include "core/base/union.h"
+
 #include <assert.h>
 #include <string.h>
 
@@ -169,26 +171,6 @@ unsigned vor_graph_around(const struct vor_graph *graph, uint32_t i, uint32_t *o
     return count;
 }
 
-/* The root of a point's tree, whose number is the smallest in it. Halves the path on the way. */
-static uint32_t root(uint32_t *parent, uint32_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
-static void join(uint32_t *parent, uint32_t i, uint32_t j)
-{
-    uint32_t a = root(parent, i), b = root(parent, j);
-
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
 vor_status vor_graph_components(uint32_t *component, size_t *count, const struct vor_graph *graph,
                                 struct vor_error *err)
 {
@@ -200,10 +182,10 @@ vor_status vor_graph_components(uint32_t *component, size_t *count, const struct
         parent[i] = (uint32_t)i;
     for (size_t i = 0; i < graph->n; i++)
         for (unsigned a = 0; a < graph->count[i]; a++)
-            join(parent, (uint32_t)i, graph->list[i * graph->most + a]);
+            vor_union_join(parent, (uint32_t)i, graph->list[i * graph->most + a]);
     *count = 0;
     for (size_t i = 0; i < graph->n; i++) {
-        uint32_t first = root(parent, (uint32_t)i);
+        uint32_t first = vor_union_root(parent, (uint32_t)i);
 
         component[i] = first == i ? (uint32_t)(*count)++ : component[first];
     }

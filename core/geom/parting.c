@@ -1,5 +1,7 @@
 #include "core/geom/parting.h"
 
+#include "core/base/union.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -40,11 +42,7 @@ static int stronger(const void *a, const void *b)
 
 static uint32_t find(struct parting *parting, uint32_t i)
 {
-    uint32_t *group = parting->group;
-
-    while (group[i] != i)
-        i = group[i] = group[group[i]];
-    return i;
+    return vor_union_root(parting->group, i);
 }
 
 /* Whether groups a and b were parted. Looks through the shorter list; what it finds comes first

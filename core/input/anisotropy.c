@@ -9,8 +9,6 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Neighbours that a tensor is averaged with. */
-    LISTED = 12,
     /* Times that tensors of curvature are averaged. At 2 / 6: mean distance of fandisk from its
      * mesh of 5,000 points, over that without a metric, 0.57 / 0.61. */
     SMOOTHED = 2,
@@ -18,8 +16,6 @@ enum {
     SMOOTHED_METRIC = 1
 };
 
-/* Cosine between normals below which a neighbour lies on another face (input/tensor.c). */
-#define SAME_FACE 0.5
 /* Standard errors of a curvature below which it counts as none. At 0.5 / 1 / 3: mean distance of
  * fandisk from its mesh of 5,000 points, over that without a metric, 0.52 / 0.57 / 0.72, of a cow
  * 0.86 / 0.84 / 0.85, delta of the cow 0.034 / 0.032 / 0.023. */
@@ -62,7 +58,8 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
         work->bend == NULL || work->next == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the metric at %zu points", n);
     memcpy(out->xyz, work->curved->domain->xyz, 3 * n * sizeof *out->xyz);
-    return vor_graph_init(&work->graph, n, n > LISTED ? LISTED : (unsigned)n - 1, memory, err);
+    return vor_graph_init(&work->graph, n,
+                          n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);
 }
 
 /* Curvature that the fit to k points leaves uncertain: its standard error. Over a disc of radius
@@ -122,7 +119,7 @@ static void smooth_block(void *ctx, size_t begin, size_t end, unsigned worker)
             size_t other = graph->list[i * graph->most + j];
             double along = cosine(work, i, other);
 
-            if (!(fabs(along) >= SAME_FACE))
+            if (!(fabs(along) >= VOR_TENSOR_SAME_FACE))
                 continue;
             for (size_t c = 0; c < 6; c++)
                 sum[c] += along < 0 ? -work->bend[7 * other + c] : work->bend[7 * other + c];
@@ -181,7 +178,7 @@ static void even_block(void *ctx, size_t begin, size_t end, unsigned worker)
         for (unsigned j = 0; j < graph->count[i]; j++) {
             size_t other = graph->list[i * graph->most + j];
 
-            for (size_t c = 0; fabs(cosine(work, i, other)) >= SAME_FACE && c < 6; c++)
+            for (size_t c = 0; fabs(cosine(work, i, other)) >= VOR_TENSOR_SAME_FACE && c < 6; c++)
                 sum[c] += (double)out->tensor[6 * other + c];
         }
         vor_metric_axes(axis, normal);

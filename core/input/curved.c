@@ -9,8 +9,6 @@
 #include <string.h>
 
 enum {
-    /* Neighbours whose disc gives the area of a point. */
-    LISTED = 12,
     /* Points that the area is estimated at: its error is 0.29 over their square root. */
     SAMPLED = 4096,
     /* Fewest and most points that a curvature is taken of: fewer are uncertain, more than these do
@@ -50,13 +48,13 @@ static vor_status diagonal(double *out, const struct vor_domain *domain, const s
 static double estimate_area(const struct vor_domain *domain)
 {
     size_t sampled = domain->n < SAMPLED ? domain->n : SAMPLED;
-    unsigned k = domain->n > LISTED ? LISTED + 1 : (unsigned)domain->n;
+    unsigned k = domain->n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED + 1 : (unsigned)domain->n;
     double sum = 0;
 
     for (size_t i = 0; i < sampled; i++) {
         size_t at = (size_t)((double)i / (double)sampled * (double)domain->n);
-        uint32_t index[LISTED + 1];
-        float distance2[LISTED + 1];
+        uint32_t index[VOR_CURVED_LISTED + 1];
+        float distance2[VOR_CURVED_LISTED + 1];
 
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
         sum += PI * (double)distance2[k - 1] / (k - 1);

@@ -9,6 +9,9 @@
 #include "core/geom/surface.h"
 #include "core/input/domain.h"
 
+/** Neighbours of a place: their disc gives its area, values are averaged with theirs. */
+enum { VOR_CURVED_LISTED = 12 };
+
 /** The places; owns what it made. */
 struct vor_curved {
     struct vor_domain thin;          /**< or empty */

@@ -15,8 +15,6 @@ enum {
     BLOCK = 256, /* points of one task */
     QUOTED = 64, /* bytes of a name in a message */
     NAMES = 512, /* of all of them */
-    /* Neighbours in the list of a point of the field. */
-    LISTED = 12,
     /* Most points of the field for each one that a curvature is taken at: their lists have four
      * such then. At 1 / 3: igea34k to 3,000 delta 0.0293 / 0.0301, slope -0.235 / -0.235; CPU over
      * that of an even spread 1.8 / 1.6. */
@@ -153,7 +151,8 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
         work->area == NULL || work->given == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the density at %zu points", n);
     memcpy(field->xyz, work->curved->domain->xyz, 3 * n * sizeof *field->xyz);
-    return vor_graph_init(&work->graph, n, n > LISTED ? LISTED : (unsigned)n - 1, memory, err);
+    return vor_graph_init(&work->graph, n,
+                          n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);
 }
 
 /* Of a point that no curvature was taken at. */

@@ -2,15 +2,6 @@
 
 #include <string.h>
 
-/* Points that the field around a place is computed of: four times the coefficients of what is
- * linear along a surface. */
-enum { AROUND = 12 };
-
-/* Over the squared distance of the farthest of them: where weights end. */
-#define WEIGHT_ENDS2 1.5
-/* Of the distance of the farthest: how far from the place the values are used. Half of it is about
- * one spacing of the field. */
-#define REACH 0.5
 /* Of the sum of the squares: keeps the slope across the surface, which the points do not show, at
  * 0. */
 #define RIDGE 1e-3
@@ -18,13 +9,13 @@ enum { AROUND = 12 };
 /* Weighted sums of the points around a place. */
 struct fit {
     unsigned count;
-    double weight[AROUND], total, mean[3], value;
+    double weight[VOR_FIELD_AROUND], total, mean[3], value;
 };
 
 static void weigh(struct fit *fit, const struct vor_field *field, const uint32_t *index,
                   const float *distance2)
 {
-    double end2 = WEIGHT_ENDS2 * (double)distance2[fit->count - 1];
+    double end2 = VOR_FIELD_ENDS2 * (double)distance2[fit->count - 1];
 
     for (unsigned j = 0; j < fit->count; j++) {
         double inside = end2 > 0 ? 1 - (double)distance2[j] / end2 : 1;
@@ -67,9 +58,9 @@ static void find_slope(double slope[3], const struct fit *fit, const struct vor_
 
 void vor_field_find(struct vor_field_near *out, const struct vor_field *field, const float x[3])
 {
-    struct fit fit = {.count = field->n < AROUND ? (unsigned)field->n : AROUND};
-    uint32_t index[AROUND];
-    float distance2[AROUND];
+    struct fit fit = {.count = field->n < VOR_FIELD_AROUND ? (unsigned)field->n : VOR_FIELD_AROUND};
+    uint32_t index[VOR_FIELD_AROUND];
+    float distance2[VOR_FIELD_AROUND];
     double slope[3], value;
 
     vor_knn_search(field->knn, x, 1, fit.count, index, distance2);
@@ -82,7 +73,7 @@ void vor_field_find(struct vor_field_near *out, const struct vor_field *field, c
         out->slope[c] = (float)slope[c];
     }
     out->value = (float)fmin(fmax(value, field->least), field->most);
-    out->reach = (float)(REACH * sqrt((double)distance2[fit.count - 1]));
+    out->reach = (float)(VOR_FIELD_REACH * sqrt((double)distance2[fit.count - 1]));
 }
 
 void vor_field_free(struct vor_field *field)

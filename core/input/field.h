@@ -9,6 +9,15 @@
 #include "core/base/linalg.h"
 #include "core/knn/knn.h"
 
+/** Points that a field around a place is computed of, this one and a metric: four times the
+ *  coefficients of what is linear along a surface. */
+enum { VOR_FIELD_AROUND = 12 };
+/** Over the squared distance of the farthest of them: where weights end. */
+#define VOR_FIELD_ENDS2 1.5
+/** Of the distance of the farthest: how far from the place the values are used. Half of it is about
+ *  one spacing of the field. */
+#define VOR_FIELD_REACH 0.5
+
 /** The field; owns everything. All zero: no density was asked for. Lengths are normalised. */
 struct vor_field {
     struct vor_memory *memory;

@@ -1,18 +1,8 @@
 #include "core/input/tensor.h"
 
+#include "core/input/field.h"
+
 #include <string.h>
-
-/* Points that the metric around a place is the mean of, as many as for a density (input/field.c).
- */
-enum { AROUND = 12 };
-
-/* As in input/field.c. */
-#define WEIGHT_ENDS2 1.5
-#define REACH 0.5
-
-/* Cosine between normals below which a point lies on another face, beyond a crease, and has no part
- * in the mean. */
-#define SAME_FACE 0.5
 
 /* Weighted sums of the points around a place. */
 struct sums {
@@ -29,7 +19,7 @@ static void add(struct sums *sums, const struct vor_tensors *tensors, uint32_t j
 
     for (int c = 0; c < 3; c++)
         cosine += (double)normal[c] * (double)like[c];
-    if (j != nearest && !(fabs(cosine) >= SAME_FACE))
+    if (j != nearest && !(fabs(cosine) >= VOR_TENSOR_SAME_FACE))
         return;
     for (int c = 0; c < 3; c++)
         sums->normal[c] += (cosine < 0 ? -weight : weight) * (double)normal[c];
@@ -40,14 +30,14 @@ static void add(struct sums *sums, const struct vor_tensors *tensors, uint32_t j
 void vor_tensor_find(struct vor_tensor_near *out, const struct vor_tensors *tensors,
                      const float x[3])
 {
-    unsigned count = tensors->n < AROUND ? (unsigned)tensors->n : AROUND;
-    uint32_t index[AROUND];
-    float distance2[AROUND];
+    unsigned count = tensors->n < VOR_FIELD_AROUND ? (unsigned)tensors->n : VOR_FIELD_AROUND;
+    uint32_t index[VOR_FIELD_AROUND];
+    float distance2[VOR_FIELD_AROUND];
     struct sums sums = {{0}, {0}};
     double axis[2][3], plane[3], length, end2;
 
     vor_knn_search(tensors->knn, x, 1, count, index, distance2);
-    end2 = WEIGHT_ENDS2 * (double)distance2[count - 1];
+    end2 = VOR_FIELD_ENDS2 * (double)distance2[count - 1];
     for (unsigned j = 0; j < count; j++) {
         double inside = end2 > 0 ? 1 - (double)distance2[j] / end2 : 1;
 
@@ -67,7 +57,7 @@ void vor_tensor_find(struct vor_tensor_near *out, const struct vor_tensors *tens
         out->normal[c] = (float)sums.normal[c];
         out->at[c] = x[c];
     }
-    out->reach = (float)(REACH * sqrt((double)distance2[count - 1]));
+    out->reach = (float)(VOR_FIELD_REACH * sqrt((double)distance2[count - 1]));
 }
 
 void vor_tensors_free(struct vor_tensors *tensors)

@@ -11,6 +11,10 @@
 #include "core/geom/metric.h"
 #include "core/knn/knn.h"
 
+/** Cosine between normals below which a point lies on another face, beyond a crease, and has no
+ * part in the mean. */
+#define VOR_TENSOR_SAME_FACE 0.5
+
 /** The field; owns everything. All zero: no metric was asked for. */
 struct vor_tensors {
     struct vor_memory *memory;

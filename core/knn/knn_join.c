@@ -1,5 +1,6 @@
 #include "core/knn/knn_join.h"
 
+#include "core/base/union.h"
 #include "core/knn/knn_tree.h"
 
 #include <string.h>
@@ -30,25 +31,6 @@ struct part {
     int whole;      /* its points are known to be one part */
     uint32_t from;  /* the first point of the narrow box that it was taken out of, or NONE */
 };
-
-static uint32_t root_of(uint32_t *root, uint32_t i)
-{
-    while (root[i] != i) {
-        root[i] = root[root[i]];
-        i = root[i];
-    }
-    return i;
-}
-
-static void join_points(uint32_t *root, uint32_t i, uint32_t j)
-{
-    uint32_t a = root_of(root, i), b = root_of(root, j);
-
-    if (a < b)
-        root[b] = a;
-    else
-        root[a] = b;
-}
 
 static unsigned char *whole_of(const struct join *join, const struct vor_boxes_node *in,
                                unsigned lane)
@@ -134,13 +116,15 @@ static void join_leaves(const struct join *join, struct part a, struct part b)
     for (uint32_t i = 0; i < a.count; i++)
         for (uint32_t j = 0; j < b.count; j++)
             if (points_near(join, a, i, b, j))
-                join_points(join->root, first_a + (a.narrow ? 0 : i), first_b + (b.narrow ? 0 : j));
+                vor_union_join(join->root, first_a + (a.narrow ? 0 : i),
+                               first_b + (b.narrow ? 0 : j));
 }
 
 static int same_part(const struct join *join, struct part a, struct part b)
 {
     return a.whole && b.whole &&
-           root_of(join->root, first_point(join, a)) == root_of(join->root, first_point(join, b));
+           vor_union_root(join->root, first_point(join, a)) ==
+               vor_union_root(join->root, first_point(join, b));
 }
 
 /* Joins points of two disjoint boxes that are near each other. */
@@ -153,7 +137,7 @@ static void join_across(const struct join *join, struct part a, struct part b)
     if (same_part(join, a, b))
         return;
     if (a.narrow && b.narrow) {
-        join_points(join->root, first_point(join, a), first_point(join, b));
+        vor_union_join(join->root, first_point(join, a), first_point(join, b));
         return;
     }
     if (a.count > 0 && b.count > 0) {
@@ -185,9 +169,9 @@ static int join_leaf(const struct join *join, struct part part)
         join->root[first + i] = first + i;
         for (uint32_t j = 0; j < i; j++)
             if (points_near(join, part, i, part, j))
-                join_points(join->root, first + i, first + j);
+                vor_union_join(join->root, first + i, first + j);
     }
-    for (i = 0; i < part.count && root_of(join->root, first + i) == first; i++)
+    for (i = 0; i < part.count && vor_union_root(join->root, first + i) == first; i++)
         ;
     return i == part.count;
 }

@@ -3,6 +3,7 @@
 #include "core/base/rng.h"
 #include "core/knn/knn.h"
 #include "core/lop/tree.h"
+#include "core/seeds/hurried.h"
 
 #include <assert.h>
 #include <math.h>
@@ -10,8 +11,6 @@
 enum {
     /* Points of one task. */
     BLOCK = 256,
-    /* Nearest points, the point itself included: the first ring and a little of the second. */
-    FEW = 9,
     /* Stream of random numbers. */
     STREAM_FAR = 3
 };
@@ -27,7 +26,7 @@ struct between {
 
 /* The points that others are put towards. */
 struct towards {
-    uint32_t index[FEW];
+    uint32_t index[VOR_HURRIED_FEW];
     unsigned count;
     float room;
 };
@@ -41,9 +40,9 @@ static double dotf(const float a[3], const float b[3])
 static void look_around(struct towards *out, const struct between *between, size_t i)
 {
     const float *normal = between->samples->normal;
-    unsigned k = between->begun < FEW ? (unsigned)between->begun : FEW;
-    uint32_t index[FEW];
-    float distance2[FEW];
+    unsigned k = between->begun < VOR_HURRIED_FEW ? (unsigned)between->begun : VOR_HURRIED_FEW;
+    uint32_t index[VOR_HURRIED_FEW];
+    float distance2[VOR_HURRIED_FEW];
 
     vor_knn_search(between->knn, &between->samples->xyz[3 * i], 1, k, index, distance2);
     out->count = 0;

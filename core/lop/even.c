@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/lop/edges.h"
+#include "core/seeds/repel.h"
 #include "core/seeds/stage.h"
 
 #include <string.h>
@@ -14,12 +15,7 @@ enum {
     /* Steps from one list of neighbours to the next; then points are put back onto the surface. At
      * 4 / 8: fandisk30k_noise2 to 120,000, delta 0.0586 / 0.0584, near edges both 5.47e-4; an
      * armadillo with noise to 22,000, delta 0.201 / 0.162, 10.6 / 9.6 CPU s. */
-    LIST_EVERY = 8,
-    /* Exponent of the force at the first and at the last step, as in seeds/repel.c. */
-    SOFT = 4,
-    HARD = 14,
-    /* Neighbours whose mean distance is the spacing of a place, where each keeps its own. */
-    SPACING_OF = 6
+    LIST_EVERY = 8
 };
 
 /* Spacings that neighbours are listed from, and that the force extends to. */
@@ -27,14 +23,6 @@ enum {
 #define FORCE_REACH 1.7
 /* Mean distance to the nearest point over that to the six nearest, where points were inserted. */
 #define NEAREST_OF_SIX 0.87
-/* As in seeds/repel.c: the step over the sum of forces, times 2 S; the share of the last step that
- * is added; the longest step. */
-#define GAIN 0.2
-#define MOMENTUM 0.7
-#define STEP_MAX 0.05
-/* Largest (h/d)^(2S - 1). The force is bounded, and not what d is multiplied by: that fell to 0
- * between points that are nearly one, and they stayed so. */
-#define FORCE_MAX 50.0
 /* Length of the mean of the unit vectors to the neighbours, above which a point is at the border.
  * It is 0.64 where they fill half of the plane. */
 #define BORDER 0.4
@@ -105,12 +93,12 @@ static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct apart *apart = ctx;
     struct even *even = apart->even;
     size_t n = even->samples->n;
-    unsigned k = n > SPACING_OF ? SPACING_OF + 1 : (unsigned)n;
+    unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
-        uint32_t index[SPACING_OF + 1];
-        float distance2[SPACING_OF + 1];
+        uint32_t index[VOR_LOP_SPACING_OF + 1];
+        float distance2[VOR_LOP_SPACING_OF + 1];
         double sum = 0;
 
         vor_knn_search(apart->knn, &even->samples->xyz[3 * i], 1, k, index, distance2);
@@ -260,7 +248,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
 {
     const float *x = &even->samples->xyz[3 * i], *n = &even->samples->normal[3 * i];
     double h2 = (double)even->spacing[i] * (double)even->spacing[i], count = 0;
-    double scale = GAIN / (2 * even->power);
+    double scale = VOR_REPEL_GAIN / (2 * even->power);
 
     memset(push, 0, sizeof *push);
     push->nearest2 = LIST_REACH * LIST_REACH * h2; /* of a point alone: what is known of it */
@@ -278,8 +266,10 @@ static void push_from(struct push *push, const struct even *even, size_t i)
             continue;
         if (d2 > FORCE_REACH * FORCE_REACH * h2 || !(d2 > 0))
             continue;
-        weight = FORCE_MAX * sqrt(h2 / d2);
-        if (FORCE_MAX * d2 > h2)
+        /* The force is bounded, and not what d is multiplied by: that fell to 0 between points that
+         * are nearly one, and they stayed so. */
+        weight = VOR_REPEL_FORCE_MAX * sqrt(h2 / d2);
+        if (VOR_REPEL_FORCE_MAX * d2 > h2)
             weight = fmin(vor_power(h2 / d2, even->power), weight);
         count++;
         for (int c = 0; c < 3; c++) {
@@ -342,14 +332,14 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         const float *x = &even->samples->xyz[3 * i];
         float *step = &even->step[3 * i], *y = &even->next[3 * i];
-        double limit = STEP_MAX * (double)even->spacing[i], v[3] = {0}, length, part;
+        double limit = VOR_REPEL_STEP_MAX * (double)even->spacing[i], v[3] = {0}, length, part;
         struct push push;
 
         push_from(&push, even, i);
         if (even->listed[i] > 0) /* else it is as far as it was measured */
             even->nearest[i] = (float)sqrt(push.nearest2);
         for (int c = 0; c < 3; c++)
-            v[c] = push.force[c] + MOMENTUM * (double)step[c];
+            v[c] = push.force[c] + VOR_REPEL_MOMENTUM * (double)step[c];
         keep(even, i, &push, v);
         length = sqrt(vor_dot(v, v));
         part = length > limit ? limit / length : 1;
@@ -384,7 +374,8 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     unsigned done = stage->record.step, steps = stage->record.of;
     vor_status status = VOR_OK;
 
-    even->power = SOFT + (HARD - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    even->power =
+        VOR_REPEL_SOFT + (VOR_REPEL_HARD - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
     if (done % LIST_EVERY == 0 && done > 0)
         status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
     if (status == VOR_OK && done % LIST_EVERY == 0)

@@ -26,9 +26,7 @@
 enum {
     /** Pairs that a point keeps. At 4 / 6 / 12, fandisk, 22,000 to 120,000: delta 0.097 / 0.093 /
      *  0.090, CPU 1.0 / 1.15 / 1.3 s. */
-    VOR_LOP_PAIRS = 6,
-    /** Neighbours whose mean distance is the spacing of the samples at a place. */
-    VOR_LOP_SPACING_OF = 6
+    VOR_LOP_PAIRS = 6
 };
 
 /** Clearances within which a point inserted looks for partners. At 1.8 / 2.2 / 2.5, as above: delta

@@ -6,6 +6,9 @@
 
 #include <stddef.h>
 
+/** Neighbours whose mean distance is the spacing of the samples at a place. */
+enum { VOR_LOP_SPACING_OF = 6 };
+
 /** Coordinates are those of the domain; normals are unit vectors that face outwards. */
 struct vor_lop_samples {
     struct vor_memory *memory;

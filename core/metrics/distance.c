@@ -2,42 +2,11 @@
 
 #include "core/base/stat.h"
 #include "core/knn/knn.h"
+#include "core/metrics/uniformity.h"
 
 #include <math.h>
 
-enum {
-    BLOCK = 256, /* points of one task */
-    SEVENTH = 7  /* the sixth neighbour, as the point itself comes first */
-};
-
-struct search {
-    float *out;
-    const float *queries;
-    const struct vor_knn *knn;
-    unsigned k; /* distances are those to the k-th nearest */
-};
-
-static void search_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    const struct search *search = ctx;
-    uint32_t index[SEVENTH * BLOCK];
-    float distance2[SEVENTH * BLOCK];
-
-    (void)worker;
-    vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
-                   distance2);
-    for (size_t i = begin; i < end; i++)
-        search->out[i] = sqrtf(distance2[(i - begin + 1) * search->k - 1]);
-}
-
-static vor_status kth_distances(float *out, const float *queries, size_t n,
-                                const struct vor_knn *knn, unsigned k, const struct vor_run *run,
-                                struct vor_error *err)
-{
-    struct search search = {out, queries, knn, k};
-
-    return vor_run_for(run, n, BLOCK, search_block, &search, err);
-}
+enum { SEVENTH = 7 }; /* the sixth neighbour, as the point itself comes first */
 
 static struct vor_stat summarise(const float *d, size_t n)
 {
@@ -102,17 +71,17 @@ static vor_status measure(struct vor_distances *out, float *d, const struct inde
     size_t n = cloud->n, m = reference->n;
     struct vor_stat forth, back;
     double mean;
-    vor_status status = kth_distances(d, cloud->xyz, n, reference->knn, 1, run, err);
+    vor_status status = vor_kth_distances(d, cloud->xyz, n, reference->knn, 1, run, err);
 
     if (status != VOR_OK)
         return status;
     forth = summarise(d, n);
-    status = kth_distances(d, reference->xyz, m, cloud->knn, 1, run, err);
+    status = vor_kth_distances(d, reference->xyz, m, cloud->knn, 1, run, err);
     if (status != VOR_OK)
         return status;
     back = summarise(d, m);
     put_directions(out, &forth, &back, diagonal(reference->xyz, m));
-    status = kth_distances(d, reference->xyz, m, reference->knn, SEVENTH, run, err);
+    status = vor_kth_distances(d, reference->xyz, m, reference->knn, SEVENTH, run, err);
     if (status != VOR_OK)
         return status;
     mean = summarise(d, m).mean;

@@ -36,35 +36,42 @@ void vor_uniformity_from(struct vor_uniformity *out, const float *nearest, size_
     out->epsilon = 1 / sqrt(1 + out->delta * out->delta);
 }
 
-struct nearest {
+struct search {
     float *out;
-    const float *xyz;
+    const float *queries;
     const struct vor_knn *knn;
+    unsigned k;
 };
 
-static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void search_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    const struct nearest *nearest = ctx;
-    uint32_t index[2 * BLOCK];
-    float distance2[2 * BLOCK];
+    const struct search *search = ctx;
+    uint32_t index[VOR_KTH_MAX * BLOCK];
+    float distance2[VOR_KTH_MAX * BLOCK];
 
     (void)worker;
-    vor_knn_search(nearest->knn, &nearest->xyz[3 * begin], end - begin, 2, index, distance2);
-    for (size_t i = begin; i < end; i++) /* itself, or one it coincides with, comes first */
-        nearest->out[i] = sqrtf(distance2[2 * (i - begin) + 1]);
+    vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
+                   distance2);
+    for (size_t i = begin; i < end; i++)
+        search->out[i] = sqrtf(distance2[(i - begin + 1) * search->k - 1]);
+}
+
+vor_status vor_kth_distances(float *out, const float *queries, size_t n, const struct vor_knn *knn,
+                             unsigned k, const struct vor_run *run, struct vor_error *err)
+{
+    struct search search = {out, queries, knn, k};
+
+    return vor_run_for(run, n, BLOCK, search_block, &search, err);
 }
 
 vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
                                  const struct vor_knn *knn, const struct vor_run *run,
                                  struct vor_error *err)
 {
-    struct nearest work = {nearest, xyz, knn};
-
-    if (n == 1) {
-        nearest[0] = 0;
-        return VOR_OK;
-    }
-    return vor_run_for(run, n, BLOCK, nearest_block, &work, err);
+    if (n > 1) /* itself, or one it coincides with, comes first */
+        return vor_kth_distances(nearest, xyz, n, knn, 2, run, err);
+    nearest[0] = 0;
+    return VOR_OK;
 }
 
 vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, size_t n,

@@ -34,6 +34,13 @@ VOR_NODISCARD vor_status vor_nearest_distances(float *nearest, const float *xyz,
                                                const struct vor_knn *knn, const struct vor_run *run,
                                                struct vor_error *err);
 
+/** Finds the distance of each of n queries (n x 3) to its k-th nearest indexed point, k <=
+ *  VOR_KTH_MAX. Fails and costs as vor_nearest_distances. */
+VOR_NODISCARD vor_status vor_kth_distances(float *out, const float *queries, size_t n,
+                                           const struct vor_knn *knn, unsigned k,
+                                           const struct vor_run *run, struct vor_error *err);
+enum { VOR_KTH_MAX = 7 };
+
 /** Measures how evenly n points (n x 3) are spread. Fails as vor_nearest_distances.
  *
  *  @retval VOR_E_NOMEM  the index does not fit

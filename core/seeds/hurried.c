@@ -6,19 +6,16 @@
 
 #define PI 3.14159265358979323846
 
-/* Neighbours, the point itself included: the first ring and a little of the second. */
-enum { FEW = 9 };
-
 static unsigned few_of(const struct vor_domain *domain)
 {
-    return domain->n < FEW ? (unsigned)domain->n : FEW;
+    return domain->n < VOR_HURRIED_FEW ? (unsigned)domain->n : VOR_HURRIED_FEW;
 }
 
 double vor_hurried_area(const struct vor_domain *domain, const float x[3])
 {
     unsigned k = few_of(domain);
-    uint32_t index[FEW];
-    float distance2[FEW];
+    uint32_t index[VOR_HURRIED_FEW];
+    float distance2[VOR_HURRIED_FEW];
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);
     return PI * (double)distance2[k - 1] / (k - 1);
@@ -28,8 +25,8 @@ void vor_hurried_draw(float out[3], const struct vor_domain *domain, const float
                       const double unit[2])
 {
     unsigned k = few_of(domain);
-    uint32_t index[FEW];
-    float distance2[FEW];
+    uint32_t index[VOR_HURRIED_FEW];
+    float distance2[VOR_HURRIED_FEW];
     const float *to;
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);

@@ -14,11 +14,8 @@
  */
 
 enum {
-    /* The exponent S at the first step. At 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the
-     * same. */
-    SOFT = 4,
-    /* From this S on the force extends to HARD_REACH. At 5 / 7 / 14 only searches change: on autzen
-     * 191 / 198 / 214 thousand. */
+    /* From this S on the force extends to VOR_HARD_REACH. At 5 / 7 / 14 only searches change: on
+     * autzen 191 / 198 / 214 thousand. */
     HARDER = 7,
     /* Steps from one look for holes to the next around a point with no hole near. At 3 / 6 / 12
      * only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an aim. */
@@ -37,19 +34,9 @@ enum {
     RECORD_EVERY = 10
 };
 
-/* Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its
- * searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
-#define STEP_MAX 0.05
-/* Largest (h/d)^(2S) of a pair: keeps the sum of forces finite. Steps are bounded, so 25 and 100
- * move no figure. */
-#define FORCE_MAX 50.0
 /* Spacings: nearer pairs part along the surface, and by a force of that length. It matters where
  * points coincide; 0.05 and 0.2 move no figure. */
 #define OVERLAP 0.1
-/* Spacings that repulsion extends to for S of HARDER and more, where the force beyond it is below a
- * 290th of that at h. At 1.25 / 1.5 / 2 only searches change: on autzen 192 / 198 / 214 thousand.
- */
-#define HARD_REACH 1.5
 /* With a density: neighbours are looked for so much farther than the force extends by the seed's
  * own spacing. Where that grows by the usual 0.2 of the way, one 1.5 spacings away has a spacing
  * larger by less than that. */
@@ -81,14 +68,11 @@ struct aim {
     double soft_reach; /* spacings that soft repulsion extends to */
 };
 
-/* Even distances to the nearest point. hard at 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129, bunny
- * 0.0244 / 0.0185 / 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. cells at 1 / 3 /
- * 6: CPU of autzen 2.0 / 1.7 / 1.3 s, searches 245 / 198 / 185 thousand, delta the same. gain at
- * 0.1 / 0.2 / 0.4: fandisk 0.0220 / 0.0197 / 0.0193, bunny 0.0209 / 0.0185 / 0.0179, largest
- * distance on fandisk 5.1e-3 / 4.5e-3 / 5.6e-3. momentum at 0.35 / 0.7 / 0.9: six on igea 0.757 /
- * 0.812 / 0.857, fandisk 0.0202 / 0.0197 / 0.0221. soft_reach at 1.5 / 2 / 2.5: only the largest
+/* Even distances to the nearest point. cells at 1 / 3 / 6: CPU of autzen 2.0 / 1.7 / 1.3 s,
+ * searches 245 / 198 / 185 thousand, delta the same. soft_reach at 1.5 / 2 / 2.5: only the largest
  * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. */
-static const struct aim even_distances = {14, 3, 0.2, 0.7, 2.0};
+static const struct aim even_distances = {VOR_REPEL_HARD, 3, VOR_REPEL_GAIN, VOR_REPEL_MOMENTUM,
+                                          2.0};
 
 /* Six neighbours around each point, for triangles; meshes move the points once more, so that even
  * distances are lost anyway. Mean quality of triangles on igea, 20,000 points, and fandisk, 10,000,
@@ -215,7 +199,7 @@ static double force_reach(const struct polish *polish)
 {
     return polish->power < HARDER && !vor_stretched_are(&polish->seeds->stretched)
                ? polish->aim->soft_reach
-               : HARD_REACH;
+               : VOR_HARD_REACH;
 }
 
 /* Square of the spacing of a pair, given the values of the field at both: the larger. The nearest
@@ -247,9 +231,9 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
         if (d2 > reach * reach * h2)
             continue;
         away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
-        weight = FORCE_MAX;
-        if (FORCE_MAX * d2 > h2)
-            weight = fmin(vor_power(h2 / d2, polish->power), FORCE_MAX);
+        weight = VOR_REPEL_FORCE_MAX;
+        if (VOR_REPEL_FORCE_MAX * d2 > h2)
+            weight = fmin(vor_power(h2 / d2, polish->power), VOR_REPEL_FORCE_MAX);
         for (int c = 0; c < 3; c++)
             force[c] += scale * weight * d[c];
     }
@@ -296,7 +280,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     const struct vor_seeds *seeds = polish->seeds;
     double v[3], x[3] = {0}, y[3]; /* clang-analyzer cannot see that seeds->n > i */
     double foot[3], out[3];
-    double length, h = spacing_of(polish, i), limit = STEP_MAX * h;
+    double length, h = spacing_of(polish, i), limit = VOR_REPEL_STEP_MAX * h;
 
     vor_seeds_position(seeds, i, x);
     repulsion(polish, scratch, i, v);
@@ -392,7 +376,8 @@ static void harden(struct polish *polish)
     unsigned done = polish->stage.record.step, steps = polish->stage.record.of;
 
     polish->h = polish->stage.spacing;
-    polish->power = SOFT + (polish->aim->hard - SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->power =
+        VOR_REPEL_SOFT + (polish->aim->hard - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
     polish->cells = done % polish->aim->cells == 0;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);

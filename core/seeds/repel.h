@@ -32,6 +32,28 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
+enum {
+    /** The exponent S at the first step. At 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the
+     *  same (repel.c says on what figures are). */
+    VOR_REPEL_SOFT = 4,
+    /** The same at the last one, for even distances. At 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129,
+     *  bunny 0.0244 / 0.0185 / 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. */
+    VOR_REPEL_HARD = 14
+};
+
+/** Step over the sum of forces, times 2 S. At 0.1 / 0.2 / 0.4: fandisk 0.0220 / 0.0197 / 0.0193,
+ *  bunny 0.0209 / 0.0185 / 0.0179, largest distance on fandisk 5.1e-3 / 4.5e-3 / 5.6e-3. */
+#define VOR_REPEL_GAIN 0.2
+/** Share of the last step that is added to the next. At 0.35 / 0.7 / 0.9: six on igea 0.757 / 0.812
+ *  / 0.857, fandisk 0.0202 / 0.0197 / 0.0221. */
+#define VOR_REPEL_MOMENTUM 0.7
+/** Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its
+ *  searches 171 / 198 / 233 thousand, largest distance on fandisk 4.4e-3 / 4.5e-3 / 5.9e-3. */
+#define VOR_REPEL_STEP_MAX 0.05
+/** Largest (h/d)^(2S) of a pair: keeps the sum of forces finite. Steps are bounded, so 25 and 100
+ *  move no figure. */
+#define VOR_REPEL_FORCE_MAX 50.0
+
 /** What follows a method: attaches the seeds to the input, evens them out, and attaches them to the
  *  whole of it (seeds/attach.h). seeds->xyz ends as the most even positions of all, those before
  *  the first step included. The steps end at the number that the request allows, at its delta or

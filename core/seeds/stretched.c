@@ -9,9 +9,6 @@ enum {
     NEAR_IN_METRIC = 24
 };
 
-/* Spacings in the metric within which a list is to hold all seeds: as far as hard repulsion reaches
- * (HARD_REACH in seeds/repel.c). */
-#define NEAR 1.5
 /* Spacings that the seeds of a list may have moved. */
 #define MOVED 0.8
 /* Factor by which a distance in float32 may be off, and more. */
@@ -75,7 +72,7 @@ unsigned vor_stretched_listed(const struct vor_tensors *field, unsigned listed)
 
     if (!vor_tensors_are(field))
         return listed;
-    radius = NEAR * sqrt(field->most) + MOVED;
+    radius = VOR_HARD_REACH * sqrt(field->most) + MOVED;
     wanted = fmax(ceil(WITHIN_ONE * radius * radius), listed);
     return (unsigned)fmin(wanted, VOR_POINT_LISTS_LISTED_MAX);
 }

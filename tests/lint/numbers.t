@@ -1,0 +1,32 @@
+#!/usr/bin/perl
+# How many named numbers steer what the engine makes of points. Each needs a reason, and most were tuned: so they only become
+# fewer. A number that sizes a task, a buffer or a message, or that only tells rows apart, moves no point.
+use strict;
+use warnings;
+use Test::More;
+
+my $most = 590; # lower it with those that go; it aims at 380
+
+my @rooms = map { "core/$_" } qw(geom input seeds opt cvt kmeans lop mesh);
+my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS)(?:_|$)/;
+
+# Names that have a number as their value, by #define or in an enum that gives some of its names one.
+sub numbers {
+    my ($path) = @_;
+    open my $in, '<', $path or die "$path: $!\n";
+    my $text = do { local $/; <$in> };
+    $text =~ s{/\*.*?\*/}{ }gs;
+    my $number = qr/[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?[FfUuLl]*/i;
+    my @found = $text =~ /^#define[ ]+([A-Z][A-Z0-9_]+)[ ]+\(?$number\)?[ ]*$/mg;
+    while ($text =~ /\benum\s*\w*\s*\{([^}]*)\}/g) {
+        my $body = $1;
+        push @found, $body =~ /\b([A-Z][A-Z0-9_]+)\s*=\s*$number\s*(?=,|\z)/g;
+    }
+    return map { "$path $_" } grep { !/$no_point/ } @found;
+}
+
+my @found = map { numbers($_) } grep { -f } split /\n/, `git ls-files @rooms`;
+diag $_ for $ENV{VOR_NUMBERS} ? @found : ();
+cmp_ok scalar @found, '>', 100, 'numbers are found';
+cmp_ok scalar @found, '<=', $most, 'no more numbers steer geometry than there were';
+done_testing;
