@@ -13,14 +13,14 @@ use Time::HiRes qw(time);
 use Vt;
 
 my $dir = tempdir(CLEANUP => 1);
-my %key = map { $_ => "secret-of-$_-" . 'x' x 20 } qw(alice bob reader sender root slow small stored);
+my %key = map { $_ => "secret-of-$_-" . 'x' x 20 } qw(alice bob reader sender root slow small stored six);
 my $open_rate = 'jobs=1000,rate=10000';
 my @lines = (
     "# who may call\n",
     line('alice', 'submit,read', $open_rate), line('bob', 'submit,read', $open_rate),
     line('reader', 'read', $open_rate), line('sender', 'submit', $open_rate), line('root', 'admin', $open_rate),
     line('slow', 'submit,read', 'jobs=3,rate=2'), line('small', 'submit,read', "$open_rate,points=500"),
-    line('stored', 'submit,read', "$open_rate,bytes=9000"),
+    line('stored', 'submit,read', "$open_rate,bytes=9000"), line('six', 'submit,read', "$open_rate,bytes=600K"),
 );
 my $file = write_keys("$dir/keys", @lines);
 
@@ -202,6 +202,26 @@ is_problem(ask('stored', 'POST', "/v1/resample?$quick", content => $gzipped, hea
     429, 'too-much-stored', 'inflated bytes count');
 ask('stored', 'DELETE', $fits->{headers}{location} =~ s/^\Q$daemon->{url}\E//r);
 is ask('stored', 'POST', "/v1/resample?$quick", content => sphere_ply(500))->{status}, 200, 'a removed job makes room';
+
+# Six uploads of which two are too many, all of them here but for their last bytes before any is complete.
+my $large = sphere_ply(35_900);
+IO::Compress::Gzip::gzip(\$large, \my $small_of_large);
+my @six = map {
+    my $head = "POST /v1/resample?$quick HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer $key{six}\r\n"
+        . "Prefer: respond-async\r\nConnection: close\r\n";
+    my $body = $_ % 3 == 2 ? $small_of_large : $large;
+    $head .= $_ % 3 == 1 ? "Transfer-Encoding: chunked\r\n" : 'Content-Length: ' . length($body) . "\r\n";
+    $head .= "Content-Encoding: gzip\r\n" if $_ % 3 == 2;
+    $body = join '', map { sprintf("%x\r\n%s\r\n", length, $_) } unpack('(a50000)*', $body), '' if $_ % 3 == 1;
+    my $socket = $daemon->connect;
+    print $socket "$head\r\n", substr $body, 0, -4;
+    [$socket, substr $body, -4];
+} 0 .. 5;
+print { $_->[0] } $_->[1] for @six;
+$_->[0]->flush for @six;
+my @answers = sort map { Vt::read_all($_->[0]) } @six;
+is "@{[map { m{\AHTTP/1\.1 (\d+)} } @answers]}", '201 429 429 429 429 429', 'six uploads at once, chunked and gzip among them, are never over a quota';
+finish('six', $answers[0] =~ m{^Location: \S+/v1/jobs/(\S+)}mi);
 
 my @held = map { submit('slow', $long) } 1 .. 3;
 $refused = ask('slow', 'POST', "/v1/resample?$quick", content => $cloud);

@@ -3,6 +3,7 @@
 #include "proto/sse.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
+#include "server/base/metrics.h"
 
 #include <math.h>
 
@@ -163,4 +164,30 @@ int vor_event_tell_preview(const struct vor_teller *teller, const struct vor_pre
     told = vor_event_frame(teller, "preview", NULL, &data, out);
     vor_text_free(&data);
     return told;
+}
+
+void vor_events_count_dropped(struct vor_position from, struct vor_position to, size_t sent)
+{
+    uint32_t begin = from.attempt == to.attempt && from.number <= to.number ? from.number : 0;
+
+    if (to.number - begin > sent)
+        vor_metric_add(VOR_METRIC_STREAM_DROPPED, (double)(to.number - begin - sent), NULL);
+}
+
+enum vor_next vor_events_reply_nothing(struct vor_request *request)
+{
+    vor_reply_bytes(request, 204, NULL, "", 0);
+    return VOR_NEXT_REPLY;
+}
+
+void vor_events_reply_crowded(struct vor_request *request)
+{
+    enum { RETRY_MS = 10000 };
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_sse_retry(&text, RETRY_MS);
+    vor_reply_bytes(request, 200, "text/event-stream", text.data, text.size);
+    vor_text_free(&text);
+    vor_reply_close(request);
 }

@@ -27,4 +27,15 @@ int vor_event_tell_preview(const struct vor_teller *teller, const struct vor_pre
 int vor_event_frame(const struct vor_teller *teller, const char *name, const char *id,
                     const struct vor_text *data, struct vor_text *out);
 
+/** Counts events that a slow reader was not told: of those from one position to the next `sent`
+ * were read. */
+void vor_events_count_dropped(struct vor_position from, struct vor_position to, size_t sent);
+
+/** Says that there is nothing more to tell. */
+enum vor_next vor_events_reply_nothing(struct vor_request *request);
+
+/** Says that there are too many streams: an EventSource never comes back after an error status, but
+ *  it does after the end of a stream. */
+void vor_events_reply_crowded(struct vor_request *request);
+
 #endif

@@ -15,11 +15,12 @@
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
+#include "server/http/deferred.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, RETRY_FULL_MS = 10000 };
+enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000 };
 enum { FEW = 64 };                 /* streams; so many writes take 3 ms */
 enum { ANSWER_BYTES = 256 << 10 }; /* of a poll, about: 500 events; who wants more asks again */
 static const double progress_pause = 0.1;
@@ -38,11 +39,18 @@ struct track {
 };
 
 struct stream {
+    struct vor_deferred deferred; /* first; the look-up of a job */
     struct vor_app *app;
     struct vor_request *request;
     struct vor_followed
         followed; /* the job whose events are written; its track has the references */
-    struct vor_waker *waker;
+    bool is_looking_up;
+    struct vor_task task;
+    struct vor_uuid wanted;              /* the job that is looked up, */
+    char tenant[VOR_JOB_PRINCIPAL_SIZE]; /* if it is this one's; "" for anybody's, */
+    enum vor_job_outcome outcome;        /* and what came of it */
+    struct vor_followed found;
+    struct vor_error error;
     atomic_bool armed; /* progress may wake the request */
     bool is_many;      /* ids have the positions of all jobs */
     bool is_lines;     /* NDJSON */
@@ -72,17 +80,25 @@ static void leave(struct track *track)
     track->is_over = true;
 }
 
-static void release(void *state)
+/* The last hold is given back: that of the request, or of a look-up that outlived it. */
+static void free_stream(struct vor_deferred *deferred)
 {
-    struct stream *stream = state;
+    struct stream *stream = (struct stream *)deferred;
+
+    vor_worker_unfollow(&stream->found);
+    vor_text_free(&stream->text);
+    free(stream);
+}
+
+/* The request is over, and is not to be woken any more. */
+static void end_stream(struct vor_deferred *deferred)
+{
+    struct stream *stream = (struct stream *)deferred;
 
     for (unsigned i = 0; i < stream->count; i++)
         leave(&stream->tracks[i]);
     if (stream->wait < 0)
         (void)atomic_fetch_sub(&stream->app->streams, 1);
-    vor_waker_drop(stream->waker);
-    vor_text_free(&stream->text);
-    free(stream);
 }
 
 /* A few streams are woken at once. Among many each waits for its turn, so that an event of a job
@@ -94,28 +110,69 @@ static void on_event(void *ctx, enum vor_event_kind kind)
     if (kind != VOR_EVENT_END && !atomic_load(&stream->armed))
         return;
     if (atomic_load(&stream->app->streams) <= FEW)
-        vor_waker_wake(stream->waker);
+        vor_waker_wake(stream->deferred.waker);
     else
         vor_request_wake_after(stream->request, 0);
 }
 
-/* Begins to follow the job of a track, whose description is then at hand. */
-static enum vor_job_outcome look_up(struct stream *stream, struct track *track,
-                                    struct vor_error *err)
+/* Begins to follow the job that was looked up, whose description is then at hand. */
+static enum vor_job_outcome take_found(struct stream *stream, struct track *track)
 {
-    enum vor_job_outcome outcome =
-        vor_worker_follow(stream->app->worker, &track->id, &stream->followed, err);
-
+    stream->is_looking_up = false;
+    if (stream->outcome != VOR_DONE)
+        return stream->outcome;
+    stream->followed = stream->found;
+    stream->found.job = NULL;
+    stream->found.bus = NULL;
     track->job = stream->followed.job;
     track->bus = stream->followed.bus;
-    if (outcome != VOR_DONE)
-        return outcome;
     track->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
     vor_bus_subscribe(track->bus, &track->subscriber);
     track->is_looking = stream->preview > 0 && track->job != NULL;
     if (track->is_looking)
         vor_preview_look(vor_job_preview(track->job));
     return VOR_DONE;
+}
+
+/* Reads what there is of a job; one of another caller's is unknown. */
+static void look_up(struct stream *stream)
+{
+    struct vor_worker *worker = stream->app->worker;
+
+    stream->outcome = VOR_DONE;
+    if (stream->tenant[0] != '\0')
+        stream->outcome = vor_worker_get_of(worker, &stream->wanted, stream->tenant,
+                                            &stream->found.row, &stream->error);
+    if (stream->outcome == VOR_DONE)
+        stream->outcome =
+            vor_worker_follow(worker, &stream->wanted, &stream->found, &stream->error);
+}
+
+/* On a thread that reads the store. */
+static void run_look_up(void *ctx)
+{
+    struct stream *stream = ctx;
+
+    look_up(stream);
+    vor_deferred_complete(&stream->deferred);
+}
+
+/* Has a track's job looked up: VOR_DONE, and the request is woken then, or VOR_DRAINING. */
+static enum vor_job_outcome begin_look_up(struct stream *stream, const struct track *track)
+{
+    enum vor_job_outcome outcome;
+
+    stream->wanted = track->id;
+    stream->task = (struct vor_task){.run = run_look_up,
+                                     .ctx = stream,
+                                     .caller = vor_auth_fairness_key(stream->request),
+                                     .weight = 1000}; /* beside the rows of a list */
+    vor_deferred_retain(&stream->deferred);
+    outcome = vor_worker_read_soon(stream->app->worker, &stream->task);
+    stream->is_looking_up = outcome == VOR_DONE;
+    if (!stream->is_looking_up)
+        vor_deferred_cancel(&stream->deferred);
+    return outcome;
 }
 
 /* Has the description of a track's job at hand. That of one that is over was read when it was
@@ -204,15 +261,6 @@ static void say_goodbye(struct stream *stream, unsigned retry_ms)
     stream->ended = true;
 }
 
-/* Of those from one position to the next `sent` were read. */
-static void count_dropped(struct vor_position from, struct vor_position to, size_t sent)
-{
-    uint32_t begin = from.attempt == to.attempt && from.number <= to.number ? from.number : 0;
-
-    if (to.number - begin > sent)
-        vor_metric_add(VOR_METRIC_STREAM_DROPPED, (double)(to.number - begin - sent), NULL);
-}
-
 /* Writes the events of one track that wait on its bus; false when there are none. */
 static bool take_events(struct stream *stream, struct track *track)
 {
@@ -244,27 +292,24 @@ static bool take_events(struct stream *stream, struct track *track)
         if (is_end)
             end_turns(stream, track);
     }
-    count_dropped(before, track->position, count);
+    vor_events_count_dropped(before, track->position, count);
     count += has_preview;
     vor_metric_add(VOR_METRIC_STREAM_EVENTS, (double)count, NULL);
     return count > 0;
 }
 
-/* The same for one that may have to be looked up first. */
+/* The same for one that may have to be looked up first, which takes a while. */
 static bool take_turn(struct stream *stream, struct track *track)
 {
     enum vor_job_outcome outcome = VOR_DONE;
-    struct vor_error err;
 
     if (track->bus == NULL) {
-        const char *tenant = vor_auth_tenant(stream->request);
-
-        /* Who asks for another caller's job learns nothing of it. */
-        if (tenant != NULL)
-            outcome = vor_worker_get_of(stream->app->worker, &track->id, tenant,
-                                        &stream->followed.row, &err);
-        if (outcome == VOR_DONE)
-            outcome = look_up(stream, track, &err);
+        if (!stream->is_looking_up)
+            outcome = begin_look_up(stream, track);
+        if (stream->is_looking_up && !vor_deferred_is_done(&stream->deferred))
+            return false;
+        if (stream->is_looking_up)
+            outcome = take_found(stream, track);
     }
     if (outcome == VOR_UNKNOWN) {
         write_unknown(stream, track);
@@ -278,15 +323,20 @@ static bool take_turn(struct stream *stream, struct track *track)
     return true;
 }
 
-/* Goes on around the tracks up to one that has something to say; false once none of the rest has. A
- * track keeps its turn while it catches up. */
+/* Goes on around the tracks up to one that has something to say; false once none of the rest has,
+ * or one is looked up. A track keeps its turn while it catches up. */
 static bool take_round(struct stream *stream)
 {
     for (; stream->at < stream->count; stream->at++) {
         struct track *track = &stream->tracks[stream->at];
 
-        if (track->is_over || !take_turn(stream, track))
+        if (track->is_over)
             continue;
+        if (!take_turn(stream, track)) {
+            if (stream->is_looking_up && track->bus == NULL)
+                return false;
+            continue;
+        }
         if (track->is_over || (!track->is_replay && track->job != NULL))
             stream->at++;
         return true;
@@ -393,22 +443,31 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
     return (long)size;
 }
 
-/* A stream of the jobs that are asked for; NULL after a problem has been replied. */
+/* A stream of the jobs that are asked for; NULL after a reply. */
 static struct stream *stream_create(struct vor_app *app, struct vor_request *request,
                                     const struct vor_events_query *ask)
 {
     struct stream *stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
+    const char *tenant = vor_auth_tenant(request);
 
+    vor_reply_header(request, "Cache-Control", "no-store");
+    vor_reply_header(request, "X-Accel-Buffering", "no");
+    if (ask->wait < 0 &&
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
+        vor_events_reply_crowded(request);
+        free(stream);
+        return NULL;
+    }
     if (stream == NULL) {
         vor_problem_no_memory(app, request);
         return NULL;
     }
     stream->app = app;
     stream->request = request;
-    stream->waker = vor_request_waker(request);
     stream->sent_at = vor_clock_seconds();
     stream->is_lines = vor_accepts(request, "application/x-ndjson");
     stream->is_many = ask->is_many;
+    (void)snprintf(stream->tenant, sizeof stream->tenant, "%s", tenant != NULL ? tenant : "");
     stream->preview = ask->preview;
     stream->wait = ask->wait;
     stream->deadline = stream->sent_at + ask->wait;
@@ -422,7 +481,8 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     atomic_init(&stream->armed, true);
     if (stream->wait < 0)
         (void)atomic_fetch_add(&app->streams, 1);
-    vor_request_set_state(request, stream, release);
+    vor_deferred_begin(&stream->deferred, request, free_stream);
+    stream->deferred.over = end_stream;
     return stream;
 }
 
@@ -441,8 +501,11 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     stream->at = 0;
     while (!stream->ended && stream->text.size < ANSWER_BYTES && take_round(stream))
         continue;
-    if (!stream->has_told && !stream->ended && left > 0 && !vor_request_gone(request) &&
-        !vor_request_closing(request) && !atomic_load(&app->draining)) {
+    if (((!stream->has_told && left > 0) || stream->is_looking_up) && !stream->ended &&
+        !vor_request_gone(request) && !vor_request_closing(request) &&
+        !atomic_load(&app->draining)) {
+        if (stream->is_looking_up)
+            return VOR_NEXT_WAIT;
         vor_request_wake_after(request, left);
         return VOR_NEXT_WAIT;
     }
@@ -452,89 +515,80 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     return vor_app_reply(app, request, 200, media_type(stream), &stream->text);
 }
 
-static enum vor_next reply_nothing(struct vor_request *request)
+static enum vor_next reply_stream(struct vor_app *app, struct vor_request *request)
 {
-    vor_reply_bytes(request, 204, NULL, "", 0);
-    return VOR_NEXT_REPLY;
-}
+    struct stream *stream = vor_request_state(request);
 
-static bool is_at_end(const struct track *track)
-{
-    struct vor_position end;
-
-    return track->is_replay && vor_bus_ended(track->bus, &end) &&
-           end.attempt == track->position.attempt && end.number == track->position.number;
-}
-
-/* Whether there is such a job is told before the stream of one begins, in that of many. */
-static enum vor_next reply_events(struct vor_app *app, struct vor_request *request,
-                                  const struct vor_events_query *ask)
-{
-    struct stream *stream;
-    struct vor_error err;
-
-    vor_reply_header(request, "Cache-Control", "no-store");
-    vor_reply_header(request, "X-Accel-Buffering", "no");
-    if (ask->wait < 0 &&
-        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
-        struct vor_text text;
-
-        /* An EventSource never comes back after an error status; it does after the end of a stream.
-         */
-        vor_text_init(&text, 0);
-        vor_sse_retry(&text, RETRY_FULL_MS);
-        vor_reply_bytes(request, 200, "text/event-stream", text.data, text.size);
-        vor_text_free(&text);
-        vor_reply_close(request);
-        return VOR_NEXT_REPLY;
-    }
-    stream = stream_create(app, request, ask);
-    if (stream == NULL)
-        return VOR_NEXT_REPLY;
-    if (!ask->is_many) {
-        enum vor_job_outcome outcome = look_up(stream, &stream->tracks[0], &err);
-
-        if (outcome != VOR_DONE)
-            return vor_outcome_reply(app, request, outcome, &err, &ask->jobs[0].id);
-        if (is_at_end(&stream->tracks[0]))
-            return reply_nothing(request);
-    } else if (is_done(stream)) {
-        return reply_nothing(request);
-    }
-    if (ask->wait >= 0)
+    if (stream->wait >= 0)
         return answer_poll(app, request);
     vor_reply_stream(request, 200, media_type(stream), read_stream, stream);
     return VOR_NEXT_REPLY;
+}
+
+/* The stream of one job, once that was looked up: whether there is one is told before it begins. */
+static enum vor_next reply_found(struct vor_app *app, struct vor_request *request)
+{
+    struct stream *stream = vor_request_state(request);
+    struct track *track = &stream->tracks[0];
+    enum vor_job_outcome outcome = take_found(stream, track);
+    struct vor_position end;
+
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &stream->error, &track->id);
+    return track->is_replay && vor_bus_ended(track->bus, &end) &&
+                   end.attempt == track->position.attempt && end.number == track->position.number
+               ? vor_events_reply_nothing(request)
+               : reply_stream(app, request);
 }
 
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
                                const struct vor_uuid *id)
 {
     struct vor_events_query ask = {.count = 1, .wait = -1};
+    struct stream *stream;
 
     ask.jobs[0].id = *id;
-    return reply_events(app, request, &ask);
+    stream = stream_create(app, request, &ask);
+    if (stream == NULL)
+        return VOR_NEXT_REPLY;
+    stream->wanted = *id;
+    look_up(stream); /* it was accepted just now: there is hardly anything to read */
+    return reply_found(app, request);
 }
 
 enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_events_query ask = {.count = 1};
+    struct stream *stream = vor_request_state(request);
 
-    if (step == VOR_STEP_WAKE)
+    if (step == VOR_STEP_WAKE && !stream->is_looking_up)
         return answer_poll(ctx, request);
+    if (step == VOR_STEP_WAKE && vor_deferred_is_done(&stream->deferred))
+        return reply_found(ctx, request);
+    if (step == VOR_STEP_WAKE)
+        return vor_problem_or_wait(ctx, request);
     if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) ||
         !vor_events_query_one(ctx, request, &ask))
         return VOR_NEXT_REPLY;
-    return reply_events(ctx, request, &ask);
+    stream = stream_create(ctx, request, &ask);
+    if (stream == NULL)
+        return VOR_NEXT_REPLY;
+    if (begin_look_up(stream, &stream->tracks[0]) != VOR_DONE)
+        return vor_outcome_reply(ctx, request, VOR_DRAINING, NULL, NULL);
+    return VOR_NEXT_WAIT;
 }
 
 enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_events_query ask;
+    struct stream *stream;
 
     if (step == VOR_STEP_WAKE)
         return answer_poll(ctx, request);
     if (!vor_events_query_many(ctx, request, &ask))
         return VOR_NEXT_REPLY;
-    return reply_events(ctx, request, &ask);
+    stream = stream_create(ctx, request, &ask);
+    if (stream == NULL)
+        return VOR_NEXT_REPLY;
+    return is_done(stream) ? vor_events_reply_nothing(request) : reply_stream(ctx, request);
 }

@@ -84,11 +84,13 @@ enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_st
     struct vor_text text;
 
     vor_prefer_read(request, &preferences);
+    if (!vor_job_look_up(app, request, &view))
+        return VOR_NEXT_REPLY;
     if (step == VOR_STEP_HEAD && preferences.wait_seconds > 0 &&
         vor_request_header(request, "If-None-Match") != NULL &&
-        !begin_poll(app, request, preferences.wait_seconds))
-        return VOR_NEXT_REPLY;
-    if (!vor_job_look_up(app, request, &view))
+        !vor_job_status_over(view.status) && /* what is over does not change */
+        (!begin_poll(app, request, preferences.wait_seconds) ||
+         !vor_job_look_up(app, request, &view)))
         return VOR_NEXT_REPLY;
     if (view.expired)
         return vor_result_missing(app, request, &view);
