@@ -295,7 +295,8 @@ struct vor_stage_done {
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Triangles that may connect two sheets of the input that cross or lie too close together: "  \
       "the surface fitted at one corner misses another corner by more than a fifth of their "      \
-      "distance")                                                                                  \
+      "distance; if the input was not found to have sheets, triangles at points nearer to "        \
+      "another sheet than their edges are long")                                                   \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Triangles left out if the input has several sheets nearly everywhere: those at points "     \
       "where two sheets meet, those that pass through others, and pieces that this cuts off")      \

@@ -2,6 +2,7 @@
 
 #include "core/mesh/close.h"
 #include "core/mesh/crossing.h"
+#include "core/mesh/crowded.h"
 #include "core/mesh/describe.h"
 #include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
@@ -181,9 +182,11 @@ static vor_status make(struct making *making, struct vor_error *err)
         status = vor_balls_make(&making->balls, &making->sheet, run, err);
     if (status == VOR_OK)
         status = on_one(making, advance);
-    vor_balls_free(&making->balls);
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++)
         status = on_one(making, close_loops);
+    if (status == VOR_OK)
+        status = vor_crowded_find(&making->sheet, &making->complex, &making->balls, run, err);
+    vor_balls_free(&making->balls);
     if (status == VOR_OK && making->how->moves)
         status = better(making, err);
     if (status == VOR_OK)

@@ -117,6 +117,7 @@ void vor_sheet_free(struct vor_sheet *sheet)
     if (sheet->seeds == NULL)
         return;
     vor_free(sheet->seeds->run.memory, sheet->root);
+    vor_free(sheet->seeds->run.memory, sheet->crowded);
     vor_free(sheet->seeds->run.memory, sheet->near);
     vor_free(sheet->seeds->run.memory, sheet->normal);
     vor_graph_free(&sheet->own);
@@ -231,8 +232,10 @@ int vor_sheet_doubts(const struct vor_sheet *sheet, const uint32_t corner[3])
 {
     const struct vor_last_fit *fit = sheet->seeds->last_fit;
 
-    if (sheet->graph == NULL ||
-        !(fit[corner[0]].layered || fit[corner[1]].layered || fit[corner[2]].layered))
+    if (sheet->graph == NULL)
+        return sheet->crowded != NULL && (sheet->crowded[corner[0]] || sheet->crowded[corner[1]] ||
+                                          sheet->crowded[corner[2]]);
+    if (!(fit[corner[0]].layered || fit[corner[1]].layered || fit[corner[2]].layered))
         return 0;
     for (int c = 0; c < 3; c++)
         if (passes(sheet, corner[c], corner[(c + 1) % 3]) ||

@@ -13,10 +13,12 @@ struct vor_sheet {
     const struct vor_graph *graph; /**< neighbours of the input on one sheet, or NULL: the nearest
                                         points lie on one */
     struct vor_graph own;          /**< made for the purpose, or all zero */
-    float *normal;  /**< n x 3: unit normal of the surface at each seed, of any sign; 0
-                         where there is no surface */
-    float *near;    /**< n: distance to the nearest input point, where the seed was then */
-    uint32_t *root; /**< n: an input point on the sheet of each seed; NULL without graph */
+    float *normal;          /**< n x 3: unit normal of the surface at each seed, of any sign; 0
+                                 where there is no surface */
+    float *near;            /**< n: distance to the nearest input point, where the seed was then */
+    unsigned char *crowded; /**< n: another sheet is nearer than the edges (mesh/crowded.h); NULL
+                                 with a graph, and before that is known */
+    uint32_t *root;         /**< n: an input point on the sheet of each seed; NULL without graph */
 };
 
 /** Finds the normals, and where the domain has sheets the input points that the seeds belong to.
@@ -58,8 +60,8 @@ int vor_sheet_is_along(const struct vor_sheet *sheet, const uint32_t corner[3]);
 
 /** Whether a triangle may join two sheets: where the input has several near one of its corners, the
  *  surface at a corner, continued, is farther from another than VOR_SHEET_PASSES times the way
- *  there. That surface is the last fit of the seed. Never where no lists of neighbours were made.
- *  O(1). */
+ *  there. That surface is the last fit of the seed. Where no lists of neighbours were made, whether
+ *  one of its corners is crowded. O(1). */
 int vor_sheet_doubts(const struct vor_sheet *sheet, const uint32_t corner[3]);
 
 /** Share of the way. Of the triangles on two sheets / of all, in %, so many are doubted at 0.1 /

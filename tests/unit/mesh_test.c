@@ -326,6 +326,25 @@ START_TEST(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure)
 }
 END_TEST
 
+/* Regression: nothing was unsure where the input has no lists of neighbours. */
+START_TEST(two_spheres_an_input_spacing_apart_are_unsure)
+{
+    struct vor_cloud in;
+    struct vt_meshed meshed;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 1000);
+    for (size_t i = 0; i < in.n; i += 2)
+        in.xyz[3 * i] += 2.13f; /* of 500 points on a unit sphere the spacing is .17 */
+    mesh_of(&meshed, &in, 500);
+    assert_sound(&meshed);
+    ck_assert_uint_gt(meshed.report.mesh_unsure, 0);
+    ck_assert_uint_lt(meshed.report.mesh_unsure, meshed.mesh.count / 4);
+    vt_meshed_free(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(triangles_follow_the_points_into_another_order)
 {
     struct vor_cloud in;
@@ -402,6 +421,7 @@ int main(void)
     vt_add_figures(suite, a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places,
                    VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
+    vt_add_figures(suite, two_spheres_an_input_spacing_apart_are_unsure, 0);
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
     vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
