@@ -5,17 +5,17 @@
 
 #include "server/work/live.h"
 
-/** Every row that waited or ran is back in the queue when this returns, in the order of acceptance,
- *  however many the queue takes; or it has failed, because it ran alone in too many crashes, its
- *  bytes are gone, or its request cannot be read. Also notes which blobs there are, for
- *  vor_worker_drop_strays. Call before any other thread knows the worker.
+/** Every row that ran in another life waits again when this returns, in its place, however many the
+ *  queue takes. One whose bytes are gone, or whose request cannot be read, fails once it is
+ * claimed. Also notes which blobs there are, for vor_worker_drop_strays. Call before any other
+ * thread knows the worker.
  *
  *  On a disk without a byte rows cannot be put in order. Then they stay as they are, which the log
  *  says, nothing is accepted, and vor_worker_recover_late does it later.
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM
  *
- *  Cost: two changes of the store, and some 20 microseconds for each job that waits. */
+ *  Cost: a change of the store and a read, however many jobs wait. */
 VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
 
 /** Does that if there is room by now. The sweeper's, each time it looks. */

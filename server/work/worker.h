@@ -1,8 +1,8 @@
 /** The life of jobs from acceptance to expiry: the one door for handlers.
  *
- *  A job is accepted (row durable), waits in the queue, is run by one of `jobs` runner threads on
- *  the shared pool, and ends with its row: result bytes are durable before the row says successful.
- *  What handlers see is the live job while there is one, and its row after that. */
+ *  A job is accepted (row durable), waits in the store, is claimed and run by one of `jobs` runner
+ *  threads on the shared pool, and ends with its row: result bytes are durable before the row says
+ * successful. What handlers see is the live job while there is one, and its row after that. */
 #ifndef VOR_SERVER_WORK_WORKER_H
 #define VOR_SERVER_WORK_WORKER_H
 
@@ -40,13 +40,12 @@ struct vor_worker_config {
     void *failed_ctx;
 };
 
-/** Puts every job that a former life of the daemon left waiting or running back into the queue, in
- *  the order of acceptance, or fails it with a reason; then starts the threads. The sweeper then
- *  removes expired results and bytes that no job needs.
+/** Has every job that a former life of the daemon left running wait again, in its place; then
+ * starts the threads. The sweeper then removes expired results and bytes that no job needs.
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM
  *
- *  Cost: two changes of the store, and some 20 microseconds for each job that waits. */
+ *  Cost: a change of the store and a read, however many jobs wait. */
 VOR_NODISCARD vor_status vor_worker_create(struct vor_worker **out,
                                            const struct vor_worker_config *config,
                                            struct vor_error *err);
@@ -176,7 +175,8 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_follow(struct vor_worker *worker,
                                                      struct vor_followed *out,
                                                      struct vor_error *err);
 
-/** The job as it is now. Never asks the store: a job that is not live does not change. */
+/** The job as it is now. Asks the store for its place in the queue while it waits, and nothing
+ * else: a job that is not live does not change. */
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
                          struct vor_job_view *out);
 
