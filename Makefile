@@ -84,9 +84,7 @@ TEST_BIN := $(addprefix $(B)/,$(basename $(TEST_SRC))) $(KINDS_BIN) $(COUNTED_BI
 # Of the laws these are read off the build; the others read the sources and are `make quick`.
 BINARY_LAWS := tests/lint/engine.t tests/lint/hardening.t tests/lint/openapi.t
 SOURCE_LAWS := $(sort $(filter-out $(BINARY_LAWS),$(wildcard tests/lint/*.t)))
-# Figures of the release build, which no sanitizer changes.
-ZOO := $(if $(filter release,$(config)),tests/zoo/zoo.t)
-TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/golden/*.t) $(ZOO) $(BINARY_LAWS) $(wildcard tests/page/*.t)) $(POISON_SCRIPTS)
+TEST_SCRIPTS := $(sort $(wildcard tests/http/*.t tests/cli/*.t tests/golden/*.t) $(BINARY_LAWS) $(wildcard tests/page/*.t)) $(POISON_SCRIPTS)
 TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
 
 # What sanitizers run, by what can go wrong; SANITIZE=all: everything but what only reads the build, and the page in its browser.
@@ -115,7 +113,7 @@ TEST_BIN := $(filter $(B)/%,$(TESTS))
 endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
 TEST_LONG := %/methods_interrupted %/methods_threads tests/http/bytes.t tests/page/page.t \
-    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t tests/zoo/zoo.t %/mesh_test %/worker_artefacts
+    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts
 BENCH_SRC := $(sort $(wildcard tests/by_hand/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear)
 
@@ -317,8 +315,8 @@ same: all ## compare results of the golden cases, byte for byte, with those of r
 	    rm -rf build/same && mkdir -p $$tree && git archive $$base | tar -x -C $$tree && $(MAKE) --no-print-directory -C $$tree all; \
 	fi && tests/golden/same.py $$tree/$(BIN) $(BIN) build/same/results $(if $(ONLY),'$(ONLY)')
 
-zoo: all ## every case of seeds 1 to 5 of ../shared/yardstick/zoo.py, and the scoreboard (SEEDS=a-b, FAMILIES=regex; RENEW=1 keeps what is right)
-	@VORONOID=$(BIN) JOBS=$(JOBS) tests/zoo/zoo.t long seeds=$(or $(SEEDS),1-5) $(if $(FAMILIES),'families=$(FAMILIES)') $(if $(RENEW),renew)
+zoo: all ## every case of seeds 1 to 5 of ../shared/yardstick/zoo.py, and the scoreboard (SEEDS=a-b, FAMILIES=regex; SHORT=1: what the gate runs; RENEW=1 keeps what is right)
+	@VORONOID=$(BIN) JOBS=$(JOBS) tests/zoo/score.py $(if $(SHORT),,long) $(if $(SEEDS),seeds=$(SEEDS)) $(if $(FAMILIES),'families=$(FAMILIES)') $(if $(RENEW),renew)
 
 torture: ## install what is missing, build, and measure what the daemon withstands (LONG=1, SEED=n, COUNT=n, ONLY=regex of programs)
 	@docker/install.sh build test torture $(if $(LONG),lint)

@@ -57,6 +57,7 @@ step "packages" packages
 step "formatting, include law, shapes" make quick
 step "make test" make ${long:+VT_SOAK=1} test
 step "make demo" make demo
+step "shapes with random parameters" make zoo SHORT=1
 if [ -n "$long" ]; then
     step "static analysis, nothing remembered" env VORONOID_CACHE="$PWD/build/gate/cache" make static
 else

@@ -2,7 +2,7 @@
 """Is the engine right on shapes that nobody tuned it on? Families with random parameters, and the rules of what is right, are those of
 ../shared/yardstick/zoo.py, without which this fails. right.txt has the cases that were right: one that is wrong now fails.
 
-usage: zoo.t [long] [renew] [families=REGEX] [seeds=A-B]
+usage: score.py [long] [renew] [families=REGEX] [seeds=A-B]
 
 Without `long`, which runs every case and prints the scoreboard, it is a few cases of seed 1. No case is judged by its seconds; the limit
 of zoo.py only ends one that hangs. `renew` adds to right.txt what has become right; what has become wrong is taken out by hand."""
@@ -69,7 +69,7 @@ def renew(right):
 def main():
     kept, rows, failed, asked = told(), [], False, tasks()
     print(f"1..{len(asked)}")
-    with multiprocessing.Pool(int(os.environ.get("JOBS", 1)) if LONG else 1) as pool:
+    with multiprocessing.Pool(int(os.environ.get("JOBS", 1))) as pool:
         for number, (task, some) in enumerate(zip(asked, pool.imap(run, asked)), 1):
             ran = {row["case"] for row in some}
             lost = sorted(c for n, s, c in kept - verdicts(some) if (n, s) == task[:2] and c.rstrip("*") in ran)
