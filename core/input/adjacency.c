@@ -406,7 +406,8 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     size_t n = make->domain->n;
     vor_status status = vor_run_for(run, n, BLOCK, nearest_block, make, err);
 
-    if (status == VOR_OK)
+    memset(make->noisy, 0, n);
+    if (status == VOR_OK && !make->domain->known.sheets)
         status = vor_noisy_find(make->noisy, make->domain, make->graph, run, err);
     for (int round = 0; status == VOR_OK && round < ROUNDS; round++) {
         make->first = round == 0;

@@ -260,7 +260,7 @@ static vor_status load_faces(const struct load *load)
     size_t faces = vor_draco_faces(load->decoded);
 
     cloud->notes.faces = faces;
-    if (!load->limits->keep_faces) {
+    if (faces == 0 || !load->limits->keep_faces) {
         vor_dropped_add(cloud->notes.dropped, &cloud->notes.dropped_count, "face", faces);
         return VOR_OK;
     }

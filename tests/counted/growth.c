@@ -4,8 +4,6 @@
 #include "core/input/ridges.h"
 #include "core/output/order.h"
 #include "core/seeds/sites.h"
-#include "tests/support/vt_ask.h"
-#include "tests/support/vt_data.h"
 #include "tests/support/vt_made.h"
 
 #include <math.h>
@@ -207,30 +205,6 @@ START_TEST(twice_the_points_take_twice_the_work)
 }
 END_TEST
 
-/* Vertices of wheels and boxes as a modeller leaves them: rows of points on both sides of what is
- * thin. */
-START_TEST(sheets_of_uneven_vertices_take_thrice_the_work_of_none_at_most)
-{
-    static const char *const options[] = {"points=816 polish=30",
-                                          "points=816 polish=30 intrinsic=none"};
-    struct vor_cloud in, out;
-    struct vor_report report;
-    size_t took[2];
-
-    if (!vt_cloud_open(&in, "../cases/cad-vertices-2720.ply"))
-        return;
-    for (int i = 0; i < 2; i++) {
-        begin();
-        vt_ask(&out, &report, &(struct vt_ask){&in, options[i], 1});
-        took[i] = work;
-        vor_cloud_free(&out);
-    }
-    ck_assert_msg(took[0] <= 3 * took[1], "%zu branches, without lists %zu", took[0], took[1]);
-    vor_cloud_free(&in);
-    vt_assert_no_leak();
-}
-END_TEST
-
 START_TEST(a_hole_stays_open_once_the_time_is_over)
 {
     struct vt_made made;
@@ -290,7 +264,6 @@ int main(void)
     Suite *suite = suite_create("growth");
 
     vt_add_loop(suite, twice_the_points_take_twice_the_work, sizeof rows / sizeof *rows);
-    vt_add(suite, sheets_of_uneven_vertices_take_thrice_the_work_of_none_at_most);
     vt_add(suite, a_hole_stays_open_once_the_time_is_over);
     vt_add(suite, a_line_follows_an_edge_once);
     return vt_run(suite);
