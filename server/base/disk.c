@@ -152,10 +152,11 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
 
     *holder = 0;
     if (file < 0) {
+        int number = errno;
         char *copy = access(path, F_OK) != 0 ? strdup(path) : NULL;
 
         /* A file that cannot be opened or, where there is none, be made in its folder. */
-        status = vor_fail_access(err, errno, copy != NULL ? cut_folder(copy) : path);
+        status = vor_fail_access(err, number, copy != NULL ? cut_folder(copy) : path);
         free(copy);
         return status;
     }
