@@ -99,7 +99,7 @@ struct make {
     struct vor_graph *graph;
     struct known *known;
     unsigned char *noisy; /* n: the list keeps the nearest points */
-    int first;            /* the first round */
+    int layers;           /* they are looked for, and nothing else */
 };
 
 static const float *point(const struct vor_domain *domain, uint32_t i)
@@ -278,7 +278,7 @@ static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain
     return SHORT;
 }
 
-/* Finds the sheet of point i: among layers where the input has such, else by walks. */
+/* Finds the sheet of point i: among layers, or by walks. */
 static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *recent)
 {
     const struct vor_domain *domain = make->domain;
@@ -287,9 +287,10 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     uint32_t index[VOR_NEIGHBORS_MAX];
     unsigned n;
 
-    if (make->known[i].layer || make->noisy[i] || !begin_walk(&walk, &plain, domain, (uint32_t)i))
+    if (make->known[i].layer || (!make->layers && make->noisy[i]) ||
+        !begin_walk(&walk, &plain, domain, (uint32_t)i))
         return;
-    if (domain->known.sheets && make->first) {
+    if (make->layers) {
         const float *p = point(domain, (uint32_t)i);
 
         n = vor_sheets_list(index, domain, (double[3]){(double)p[0], (double)p[1], (double)p[2]},
@@ -297,8 +298,8 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
         if (n >= FEWEST && fit_to(&own, domain, index, n)) {
             set_own(make, i, index, n, &own);
             make->known[i].layer = 1;
-            return;
         }
+        return;
     }
     give_normals(&walk, make);
     n = walk_to_sheet(&walk, &own, &plain, domain, index);
@@ -406,12 +407,15 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     size_t n = make->domain->n;
     vor_status status = vor_run_for(run, n, BLOCK, nearest_block, make, err);
 
-    memset(make->noisy, 0, n);
-    if (status == VOR_OK && !make->domain->known.sheets)
-        status = vor_noisy_find(make->noisy, make->domain, make->graph, run, err);
+    /* Where two layers are known, their nearest points are those of one: they are no noise. */
     for (int round = 0; status == VOR_OK && round < ROUNDS; round++) {
-        make->first = round == 0;
         status = vor_run_for(run, n, BLOCK, plane_block, make, err);
+        make->layers = round == 0 && make->domain->known.sheets;
+        if (status == VOR_OK && make->layers)
+            status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
+        make->layers = 0;
+        if (status == VOR_OK && round == 0)
+            status = vor_noisy_find(make->noisy, make->domain, make->graph, run, err);
         if (status == VOR_OK)
             status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
     }
