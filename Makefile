@@ -113,7 +113,7 @@ TEST_BIN := $(filter $(B)/%,$(TESTS))
 endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
 TEST_LONG := %/methods_interrupted %/methods_threads tests/http/bytes.t tests/page/page.t \
-    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts
+    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts %/growth
 BENCH_SRC := $(sort $(wildcard tests/by_hand/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear)
 

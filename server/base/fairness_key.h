@@ -15,8 +15,8 @@ struct vor_fairness_key {
     char name[VOR_FAIRNESS_KEY_SIZE];
 };
 
-/** The key of an address: of IPv6 its network of 64 bits, as whoever has one of its addresses has
- *  all of them; "" for what is no address. */
+/** The key of an address. All addresses of an IPv6 network of 64 bits have the same key, because a
+ *  caller usually owns such a network. "" if text is no address. */
 struct vor_fairness_key vor_fairness_key_of_address(const char *text);
 
 /** The key of callers with an API key of that name, at whatever address. */

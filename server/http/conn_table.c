@@ -13,8 +13,8 @@
 
 enum {
     RESERVE = 32,      /* connections beyond the limit, for health checks */
-    UNREAD_LOOKED = 16 /* silent ones that are asked whether bytes of theirs wait, before one goes
-                          that has some */
+    UNREAD_LOOKED = 16 /* connections of a queue that are checked for unread bytes; if all of these
+                          have some, one of them is closed anyway when the table is full */
 };
 static const double linger_seconds = 5;
 

@@ -1,10 +1,11 @@
 /** What a store of rows is made of: a table of functions, one table for each kind of database. A
  *  driver's own header declares its table, and store.c lists it. Callers include store.h.
  *
- *  A driver keeps its statements and its schema to itself. Every
- *  function may be called from any thread, and a change is durable when its function returns.
- *  Whoever runs a job names, in each change of its row, the attempt that claim_next gave him; once
- *  the job has been given to somebody else, such a change does nothing. */
+ *  A driver keeps its statements and its schema to itself. Every function may be called from any
+ *  thread. A change is durable when its function returns, unless store.h says that a crash of the
+ *  machine may undo it.
+ *  Each change to a running job names its attempt, the number that claim_next returned. A change
+ *  that names an older attempt does nothing, because another worker has the job by then. */
 #ifndef VOR_SERVER_STORE_DRIVER_H
 #define VOR_SERVER_STORE_DRIVER_H
 

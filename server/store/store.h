@@ -60,11 +60,10 @@ VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_jo
 
 /** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
  *
- *  Principals take turns, a job each a round, and those of one leave in the order of acceptance.
- *  One whose first job comes while others have many waiting has its turn in the round that goes on,
- *  so that it waits for no more of theirs than run at that moment. A row has its round (turn) from
- *  its insert on: it leaves before those of later rounds, and before those of its round that were
- *  accepted later.
+ *  The queue goes in rounds. In each round every principal gets one job, and the jobs of one
+ *  principal start in the order of acceptance. A principal without waiting jobs joins the current
+ *  round, so that its job does not wait behind the many that others have queued. Each row gets its
+ *  round (turn) when it is inserted; jobs start by round, and within a round by acceptance.
  *
  *  @param[out] out    the row as it is now; its attempt is the number of this start, from 1
  *  @param[out] found  0 when none waits, or the next one may not be claimed; *out is then untouched
