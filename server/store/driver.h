@@ -92,8 +92,10 @@ struct vor_hand_back {
     int64_t now_ms;
     int is_crash;     /**< its process has ended without a word: the job is to run alone */
     int was_alone;    /**< and nothing ran beside it, which counts against the job */
+    unsigned most;    /**< so many crashes that count end the job: it is not put back; 0: none do */
     int changed;      /**< the store's: 0 when this is not the running attempt */
     unsigned crashes; /**< that count against the job, this one included */
+    int is_over;      /**< it crashed too often, and stays running: its caller is to finish it */
 };
 
 /** What waits. */

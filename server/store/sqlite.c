@@ -180,6 +180,7 @@ static void take_crashes(void *ctx, struct vor_sqlite_row *row)
 
     run->changed = 1;
     run->crashes = (unsigned)vor_sqlite_number(row);
+    run->is_over = vor_sqlite_number(row) != 0;
 }
 
 static vor_status hand_back(struct vor_store *store, const struct vor_uuid *id,
@@ -187,12 +188,15 @@ static vor_status hand_back(struct vor_store *store, const struct vor_uuid *id,
 {
     run->changed = 0;
     run->crashes = 0;
+    run->is_over = 0;
     return vor_sqlite_change_each(
         vor_sqlite_of(store), take_crashes, run, err,
-        "UPDATE job SET status = 'accepted', alone = max(alone, ?4), crashes = crashes + ?5,"
-        " updated = ?3 WHERE id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes",
-        "tiiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->is_crash != 0),
-        (int64_t)(run->is_crash && run->was_alone));
+        "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3,"
+        " status = CASE WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running'"
+        " ELSE 'accepted' END WHERE id = ?1 AND attempt = ?2 AND status = 'running'"
+        " RETURNING crashes, status = 'running'",
+        "tiiiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->is_crash != 0),
+        (int64_t)(run->is_crash && run->was_alone), (int64_t)run->most);
 }
 
 /* Bytes of the outputs that are blobs. */

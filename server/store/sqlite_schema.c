@@ -102,8 +102,9 @@ static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
  * from the first on. */
 static const char migration[] =
     "BEGIN; ALTER TABLE job RENAME TO job_before;" TABLES
-    "INSERT INTO job (" COLUMNS ", report_bytes, turn) SELECT " COLUMNS ","
+    "INSERT INTO job (" COLUMNS ", report_bytes, memory, turn) SELECT " COLUMNS ","
     " coalesce(length(CAST(report AS BLOB)), 0),"
+    " CASE WHEN status IN ('accepted', 'running') THEN 9223372036854775807 ELSE 0 END,"
     " CASE status WHEN 'accepted' THEN row_number() OVER (PARTITION BY principal, status"
     " ORDER BY seq) - 1 ELSE 0 END FROM job_before ORDER BY seq;"
     "INSERT INTO job_blob SELECT seq, report, trace FROM job_before"

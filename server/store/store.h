@@ -79,7 +79,8 @@ VOR_NODISCARD vor_status vor_store_beat(struct vor_store *store, const struct vo
                                         struct vor_error *err);
 
 /** running -> accepted, in its place: the daemon goes down in good order, or the run's process has
- *  ended. */
+ *  ended. A job that has crashed too often (run->most) stays running, so that nobody claims it
+ *  before its caller finishes it. */
 VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
                                              struct vor_hand_back *run, struct vor_error *err);
 

@@ -348,8 +348,7 @@ static vor_status put_back(struct run *run, struct vor_hand_back *back, int *aga
 
     pthread_mutex_lock(&worker->claim);
     status = vor_store_hand_back(worker->config.store, &run->view.id, back, err);
-    *again = status == VOR_OK && back->changed &&
-             !(back->was_alone && back->crashes >= worker->config.faults_max) &&
+    *again = status == VOR_OK && back->changed && !back->is_over &&
              vor_job_restart(run->job, back->is_crash, vor_clock_wall_ms());
     if (*again) {
         vor_worker_let_go(run->runner); /* another runner may have it at once */
@@ -366,7 +365,8 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
     struct vor_hand_back back = {.attempt = run->attempt,
                                  .now_ms = vor_clock_wall_ms(),
                                  .is_crash = end != VOR_RUN_DISTURBED,
-                                 .was_alone = end == VOR_RUN_CRASHED_ALONE};
+                                 .was_alone = end == VOR_RUN_CRASHED_ALONE,
+                                 .most = run->worker->config.faults_max};
     struct vor_error err;
     int again;
 
@@ -382,11 +382,10 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
     }
     if (again) {
         vor_count_again();
-    } else if (back.changed) {
+    } else if (back.is_over) {
         (void)vor_fail(problem, VOR_E_INTERNAL,
                        "crashed: the worker ended %u times while it worked on this job alone",
                        back.crashes);
-        run->attempt = 0; /* it does not run any more */
         finish(run, problem);
     }
     return again;

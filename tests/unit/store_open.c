@@ -130,6 +130,7 @@ START_TEST(a_store_of_version_6_is_taken_with_its_jobs)
     const char *dir = vt_dir_make();
     struct vor_uuid id = {"01908d7e-0000-7000-8000-000000000003"};
     struct vor_job_view row, next = vt_row(10);
+    struct vor_claim claim = {.owner = id.text, .now_ms = 1, .memory = UINT64_MAX / 4};
     struct vor_ledger ledger;
     struct vor_store *store;
     char path[512], *report;
@@ -157,8 +158,13 @@ START_TEST(a_store_of_version_6_is_taken_with_its_jobs)
         ck_assert(ledger.jobs == 1 && ledger.bytes == 1110);
         if (opening == 1)
             vt_assert_ok(vor_store_insert(store, &next, NULL, &vt_err));
+        /* What a job of before needs is not known: it runs with nothing beside it. */
+        vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+        ck_assert_int_eq(found, opening);
+        claim.memory = UINT64_MAX;
         vor_store_close(store);
     }
+    ck_assert_int_eq(row.seq, 4);
     ck_assert_int_eq(next.seq, 10);
 }
 END_TEST

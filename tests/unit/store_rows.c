@@ -403,6 +403,13 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
         ck_assert(get(store, &runs.id).alone);
         ck_assert_int_eq(get(store, &runs.id).updated, 77);
     }
+    ck_assert_uint_eq(vt_claim(store, &runs.id), 4);
+    crashed.attempt = 4;
+    crashed.most = 3; /* nobody claims it before its caller has finished it */
+    vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
+    ck_assert(crashed.changed && crashed.is_over);
+    ck_assert_uint_eq(crashed.crashes, 3);
+    ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_RUNNING);
     vor_store_close(store);
 }
 END_TEST
