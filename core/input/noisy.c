@@ -59,6 +59,10 @@ static void region_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct find *find = ctx;
 
     (void)worker;
+    if (begin > 0 && end - begin < REGION)
+        return; /* a rest: of the region before it */
+    if (find->domain->n - end < REGION)
+        end = find->domain->n;
     vor_sort_floats(&find->rough[begin], end - begin);
     memset(&find->out[begin],
            (double)find->rough[begin + vor_quantile_rank(NOISY_SHARE, end - begin)] > NOISY,

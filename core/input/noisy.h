@@ -9,7 +9,8 @@
 #include "core/geom/graph.h"
 #include "core/input/domain.h"
 
-/** Finds the points in noisy regions, each of 1,024 points that follow each other.
+/** Finds the points in noisy regions, each of 1,024 points that follow each other, the last of up
+ *  to 2,047.
  *
  *  @param[out] out    n: 1 for those, else 0
  *  @param[in]  graph  lists of the points nearest to each, nearest first

@@ -478,13 +478,18 @@ static vor_status go_on(struct front *front, const struct vor_run *run, struct v
     struct vor_complex *complex = front->complex;
     vor_status status = VOR_OK;
 
-    for (size_t t = 0, there = complex->count; t < there && status == VOR_OK; t++)
-        if (complex->triangle[3 * t] != VOR_COMPLEX_GONE)
+    for (size_t t = 0, there = complex->count; t < there && status == VOR_OK; t++) {
+        if (t % POLLED == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (status == VOR_OK && complex->triangle[3 * t] != VOR_COMPLEX_GONE)
             status = push_edges(front, t, err);
+    }
     if (status == VOR_OK)
         status = advance(front, run, err);
     for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
-        if (complex->degree[i] > 0 || !vor_sheet_has(front->sheet, i))
+        if (i % POLLED == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (status != VOR_OK || complex->degree[i] > 0 || !vor_sheet_has(front->sheet, i))
             continue;
         status = begin_at(front, (uint32_t)i, err);
         if (status == VOR_OK)

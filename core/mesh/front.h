@@ -4,8 +4,10 @@
  *  smallest empty ball, if the surface does not fold back there; the best of all open edges comes
  *  first, those over which the surface turns by less than 30 degrees before sharper ones. Where
  *  nothing is left to do and points are without triangles, it begins there anew. The mesh stays a
- *  manifold of two sides, over the input, on one sheet, and passes through itself nowhere. Creases,
- *  tips and uneven points need no agreement between neighbours, which dual cells do.
+ *  manifold of two sides, over the input, on one sheet. A triangle that passes through one of
+ *  those at the points nearest to its third corner is not taken. Others are not looked at: a mesh
+ *  of very noisy points may pass through itself (20,000 points, noise of 1.2 spacings: 105 pairs).
+ *  Creases, tips and uneven points need no agreement between neighbours, which dual cells do.
  *
  *  Source: Cohen-Steiner and Da 2004, "A greedy Delaunay-based surface reconstruction algorithm".
  *  Departure: no Delaunay triangulation is made: whether a triangle has an empty ball is read off
@@ -27,7 +29,7 @@
  *  @param[in,out] complex  a manifold; stays so, but for points of several fans
  *  @param[in]     balls    of its points
  *
- *  @retval VOR_E_NOMEM     25 bytes a point and 20 an open edge do not fit
+ *  @retval VOR_E_NOMEM     25 bytes a point and 48 for each edge that was open do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n), one thread. */

@@ -186,15 +186,13 @@ static void take_crashes(void *ctx, struct vor_sqlite_row *row)
 static vor_status hand_back(struct vor_store *store, const struct vor_uuid *id,
                             struct vor_hand_back *run, struct vor_error *err)
 {
-    run->changed = 0;
+    run->changed = run->is_over = 0;
     run->crashes = 0;
-    run->is_over = 0;
     return vor_sqlite_change_each(
         vor_sqlite_of(store), take_crashes, run, err,
-        "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3,"
-        " status = CASE WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running'"
-        " ELSE 'accepted' END WHERE id = ?1 AND attempt = ?2 AND status = 'running'"
-        " RETURNING crashes, status = 'running'",
+        "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3, status = CASE"
+        " WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running' ELSE 'accepted' END WHERE"
+        " id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes, status = 'running'",
         "tiiiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->is_crash != 0),
         (int64_t)(run->is_crash && run->was_alone), (int64_t)run->most);
 }

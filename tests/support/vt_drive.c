@@ -216,8 +216,10 @@ void vt_drive_failures(const struct vt_row *row)
         vor_status status;
 
         if (!vt_soaks() && row->options != NULL &&
-            (at >= CALLS || tried[place_of[at]]++ > 0 || fresh++ % VT_STEP_FAILS > 0))
+            (at >= CALLS || tried[place_of[at]] || fresh++ % VT_STEP_FAILS > 0))
             continue;
+        if (at < CALLS)
+            tried[place_of[at]] = 1;
         vt_memory.fail_at = atomic_load(&vt_memory.calls) + at + 1;
         status = attempt(&call, row, &in, &engine.run);
         ck_assert_msg(status == VOR_E_NOMEM && vt_err.message[0] != '\0',
