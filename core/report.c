@@ -73,9 +73,9 @@ static const char *const loop_kind_words[] = {"hole", "rim"};
 static const char *const hole_outcome_words[] = {"filled", "rim", "too-long", "not-chosen",
                                                  "not-closed"};
 static const char *const loop_why_words[] = {
-    "the surface lies around it",
-    "the surface lies to one side, as at the end of a tube",
-    "the surface lies within it",
+    "enclosed by the surface",
+    "at the end of a surface like a tube",
+    "encloses the surface",
 };
 
 /* The kinds of members that these tables use besides those of members.h. */

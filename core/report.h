@@ -197,11 +197,11 @@ struct vor_stage_done {
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
     X(OPTIONAL, has_metric, "metric", "", "How the result follows the metric; only with one")      \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Length over width of cells in the metric: median over places of the surface")               \
+      "Ratio of length to width of cells in the metric: median over places of the surface")        \
     X(REAL, metric_high, "metric.aspect_p95", "", "The same: 95th percentile")                     \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Length over width of the cells of the result, as the root of the ratio of their principal " \
-      "second moments: median")                                                                    \
+      "Ratio of length to width of the cells of the result, as the root of the ratio of "          \
+      "their principal second moments: median")                                                    \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
       "Relative deviation of a cell's length over width from that of the metric: median")          \
     X(REAL, metric_off_high, "metric.off_p90", "", "The same: 90th percentile")                    \
@@ -252,8 +252,10 @@ struct vor_stage_done {
       "into points")                                                                               \
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
       "Mean distance to the nearest neighbour in the result")                                      \
-    X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
-    X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
+    X(REAL, min_over_mean, "min_over_mean", "",                                                    \
+      "Smallest of those distances, divided by their mean")                                        \
+    X(REAL, max_over_mean, "max_over_mean", "",                                                    \
+      "Largest of those distances, divided by their mean")                                         \
     X(REAL, six_share, "six_share", "",                                                            \
       "Share of the points of the result with six Voronoi neighbours")                             \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
@@ -349,18 +351,20 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
     X(REAL, mean_nn, "mean_nn", "unit of the cloud",                                               \
       "Mean distance to the nearest other point: the spacing")                                     \
-    X(REAL, min_over_mean, "min_over_mean", "", "Smallest of those distances over their mean")     \
-    X(REAL, max_over_mean, "max_over_mean", "", "Largest of those distances over their mean")      \
+    X(REAL, min_over_mean, "min_over_mean", "",                                                    \
+      "Smallest of those distances, divided by their mean")                                        \
+    X(REAL, max_over_mean, "max_over_mean", "",                                                    \
+      "Largest of those distances, divided by their mean")                                         \
     X(U64, invalid, "invalid", "points",                                                           \
       "Points that were left out because a coordinate was not finite")                             \
     X(U64, coincident, "coincident", "points", "Points at the same position as another one")       \
     X(OPTIONAL, has_reference, "input", "",                                                        \
       "The cloud compared with the reference; only with one")                                      \
     X(REAL, far_over_knn6_mean, "input.far_over_knn6_mean", "",                                    \
-      "Distance of the farthest point to the reference over the mean distance of a reference "     \
-      "point to its 6th neighbour")                                                                \
+      "The largest distance to the reference, divided by the mean distance of reference "          \
+      "points to their sixth neighbour")                                                           \
     X(REAL, far_over_knn6_p999, "input.far_over_knn6_p999", "",                                    \
-      "The same over the 99.9th percentile of those distances")                                    \
+      "The same, divided by the 99.9th percentile of those distances")                             \
     X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "unit of the cloud",                         \
       "Mean distance of a point to the nearest reference point")                                   \
     X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "unit of the cloud",                           \
@@ -376,9 +380,10 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, hausdorff, "input.hausdorff", "unit of the cloud",                                     \
       "Hausdorff distance: the larger of out_to_ref_max and ref_to_out_max")                       \
     X(REAL, hausdorff_relative, "input.hausdorff_relative", "",                                    \
-      "hausdorff over the diagonal of the reference's bounding box")                               \
+      "hausdorff divided by the diagonal of the reference's bounding box")                         \
     X(REAL, chamfer, "input.chamfer", "unit of the cloud",                                         \
-      "Chamfer distance: out_to_ref_mean + ref_to_out_mean (of distances, not of their squares)")  \
+      "Chamfer distance: out_to_ref_mean plus ref_to_out_mean (of distances, not of "              \
+      "their squares)")                                                                            \
     X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
       "Mean squared distance point to point, of the worse direction")                              \
     X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null where that is 0")   \
@@ -484,7 +489,7 @@ struct vor_loop_told {
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
       "Whether sheets lie closer together than a fit reaches, on much of the cloud")               \
     X(REAL, own, "sheets.own", "",                                                                 \
-      "Share of the points of which the neighbours are not simply the nearest points")             \
+      "Share of the points that have other neighbours than the nearest points")                    \
     X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
     X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
     X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")  \

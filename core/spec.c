@@ -477,6 +477,12 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     if (is_unbounded(spec))
         return vor_fail_param(err, VOR_E_TARGET, name, "%s is %.10g%s, want %.0f to %.0f", name,
                               spec->value[from], asked, least, most);
+    if (process->ratio_min == 0 && process->ratio_max == 1)
+        return vor_fail_param(err, VOR_E_TARGET, name,
+                              "%s is %.10g%s, want %.0f to %.0f: %s cannot give more points than "
+                              "the input has (%llu)",
+                              name, spec->value[from], asked, least, most, process->id,
+                              (unsigned long long)input);
     if (process->ratio_min > 0)
         (void)snprintf(times, sizeof times, "%g to", process->ratio_min);
     return vor_fail_param(

@@ -119,8 +119,8 @@ enum vor_method_choice {
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
       "Number of points of the result. Give one of points, ratio and spacing")                     \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
-      "Number of points of the result over that of the input. A default applies only without "     \
-      "points and spacing")                                                                        \
+      "Number of points of the result, divided by that of the input. A default applies "           \
+      "only without points and spacing")                                                           \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
@@ -140,19 +140,19 @@ enum vor_method_choice {
       "dense everywhere; curvature: denser where the surface bends more; edges: denser along "     \
       "sharp edges, an error if there are none; attribute:NAME: a scalar of the input, 0 or more") \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
-      "Largest spacing over the smallest, if density is not uniform")                              \
+      "Ratio of the largest to the smallest spacing, when density is not uniform")                 \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
-      "Largest change of the spacing between two places over their distance, if density is not "   \
-      "uniform")                                                                                   \
+      "How fast spacing may change: its difference between two places divided by their "           \
+      "distance. Only for a non-uniform density")                                                  \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
-      "Shape of the cells. isotropic: as long as wide; anisotropic: longer in the direction in "   \
-      "which the surface bends less, by the square root of the ratio of its principal "            \
-      "curvatures; attribute:NAME: by positive definite tensors of the input, six scalars "        \
-      "NAME_xx, NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz; lp: squares along the directions of " \
-      "curvature, by distances to the power p, without a polish")                                  \
+      "Shape of the cells. isotropic: as long as wide; anisotropic: longer in the "                \
+      "direction in which the surface bends less, by the square root of the ratio of its "         \
+      "principal curvatures; attribute:NAME: from positive definite tensors in the input "         \
+      "(six scalars NAME_xx, NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz); lp: squares "           \
+      "along the curvature directions, from the L_p energy, without polish")                       \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
-      "Largest length over width of a cell, if metric is not isotropic")                           \
+      "Largest ratio of length to width of a cell, if metric is not isotropic")                    \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
       "Power of metric lp, an even number: 2 gives hexagons, 8 gives squares")                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
@@ -160,8 +160,8 @@ enum vor_method_choice {
       "metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the energy is " \
       "still that of the metric, and there is no polish")                                          \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Number of iterations. Default: at most 12, or 100 without a polish, and fewer once delta "  \
-      "stays the same; 35 for kmeans, metric lp and cells euclid")                                 \
+      "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
+      "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
@@ -180,11 +180,11 @@ enum vor_method_choice {
       "ones smooth more. For wlop and ear, like rounds, steps and samples")                        \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
-      "Distance up to which points act on each other. auto: twice the spacing of the samples, or " \
-      "more if the input is noisy; paper: the diagonal of the bounding box over the square root "  \
-      "of the number of input points")                                                             \
+      "Distance up to which points act on each other. auto: twice the spacing of the "             \
+      "samples, or more if the input is noisy; paper: the diagonal of the bounding box "           \
+      "divided by the square root of the number of input points")                                  \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
-      "Repulsion between points over their attraction by input points")                            \
+      "Ratio of the repulsion between points to their attraction by input points")                 \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
       "random first points stay")                                                                  \
@@ -234,9 +234,9 @@ enum vor_method_choice {
       "mls where none is named")                                                                   \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
-      "Normals of the input. use: fitted normals face the same side; estimate: they are ignored; " \
-      "auto: as use if all are finite and not zero; otherwise the valid ones decide which way "    \
-      "each connected part faces")                                                                 \
+      "Normals of the input. use: orient fitted normals like the input's; estimate: "              \
+      "ignore the input's; auto: use them if all are finite and non-zero, else the valid "         \
+      "ones orient each connected part")                                                           \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
       "How to find the input points that lie on one sheet. local: by the points between them; "    \
       "satellites: by distances along the surface from three points; none: all nearby points "     \
@@ -394,16 +394,16 @@ struct vor_artefact_info {
       "Measures how evenly a cloud is spread and, with a reference, how far the two are apart")    \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
-      "Describes a cloud: its parts, how even and how noisy its points are, and the properties "   \
-      "that other processes determine first")                                                      \
+      "Describes a cloud: its parts, how even and how noisy its points are, and what "             \
+      "other processes determine before they start")                                               \
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
       "Writes the points of a cloud with their attributes and faces in another format, or the "    \
       "same one; they move only by the rounding of the format")                                    \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
-      "Spreads points as resample does and connects them by triangles, a manifold with faces "     \
-      "that point outward")                                                                        \
+      "Spreads points as resample does and joins them into a manifold triangle mesh "              \
+      "facing outward")                                                                            \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

@@ -196,14 +196,16 @@ static vor_status no_setting(const char *name, size_t length, const char *prefix
 {
     char meant[VOR_NEAREST_TEXT_SIZE];
     struct vor_nearest nearest;
+    int is_address = length == 4 && (memcmp(name, "port", 4) == 0 || memcmp(name, "host", 4) == 0);
 
     vor_nearest_init(&nearest, name, length);
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
         vor_nearest_try(&nearest, vor_setting_infos[i].flag, strlen(vor_setting_infos[i].flag));
     return vor_fail(err, VOR_E_PARAM, "no setting \"%s%.*s\"%s", prefix,
                     (int)(length < 60 ? length : 60), name,
-                    nearest.count > 0 ? vor_nearest_text(&nearest, prefix, meant)
-                                      : "; see voronoid serve --help");
+                    is_address          ? "; the address is --listen HOST:PORT"
+                    : nearest.count > 0 ? vor_nearest_text(&nearest, prefix, meant)
+                                        : "; see voronoid serve --help");
 }
 
 static int find_setting(const char *flag)

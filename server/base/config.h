@@ -76,13 +76,14 @@ enum vor_setting_kind {
       "Total size of results that are kept; those of the jobs that ended first are deleted "       \
       "first. 0: half of the disk of --blobs")                                                     \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "How long files of jobs that a damaged --store has lost are kept, in the folder lost of "    \
-      "--blobs")                                                                                   \
+      "How long to keep files of jobs lost from a damaged --store (in lost/ under "                \
+      "--blobs)")                                                                                  \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
       "Total size of these files; the oldest are deleted first")                                   \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Space held in reserve, in a file beside --store, so that jobs can still be finished and "   \
-      "deleted when the disk is full. Uploads leave the same space free again")                    \
+      "Space held in reserve, in a file beside --store, so that jobs can still be "                \
+      "finished and deleted when the disk is full. Uploads leave that much free in "               \
+      "addition")                                                                                  \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
       "path that a trusted proxy sends, else http:// and the Host header")                         \

@@ -75,7 +75,8 @@ void vor_config_help(FILE *out)
     }
     vor_markup_wrap_string(
         out,
-        "A flag overrides the environment, which overrides the file of --config. A variable with "
-        "_FILE after its name is a file that holds the value. voronoid help settings has more.",
+        "A flag overrides the environment, which overrides the file of --config. A "
+        "variable with a name that ends in _FILE gives the path of a file with the value. "
+        "voronoid help settings has more.",
         0);
 }

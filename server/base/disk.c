@@ -172,8 +172,13 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
     }
     if (errno == EWOULDBLOCK) {
         *holder = read_holder(file);
-        status = *holder > 0 ? vor_fail(err, VOR_E_IO, "%s is in use by process %ld", path, *holder)
-                             : vor_fail(err, VOR_E_IO, "%s is in use by another process", path);
+        status =
+            *holder > 0
+                ? vor_fail(err, VOR_E_IO,
+                           "%s is in use by process %ld, another daemon; choose another --data",
+                           path, *holder)
+                : vor_fail(err, VOR_E_IO, "%s is in use by another daemon; choose another --data",
+                           path);
     } else {
         status = vor_fail_errno(err, errno, path);
     }

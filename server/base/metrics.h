@@ -27,7 +27,7 @@
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
       "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
-      "Requests answered with a problem, by the last word of its type")                            \
+      "Requests answered with a problem, by the last path segment of its type")                    \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
       "Number of open connections above which requests are refused")                               \

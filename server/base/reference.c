@@ -54,7 +54,7 @@ static void add_values(struct vor_text *text, enum vor_parameter parameter)
             memcpy(first, values, sizeof first);
             vor_text_printf(text, "      %s", values);
         } else if (strcmp(values, first) != 0) {
-            vor_text_printf(text, "; of %s: %s", process->id, values);
+            vor_text_printf(text, "; for %s: %s", process->id, values);
         }
     }
     vor_text_puts(text, ".\n");
@@ -67,7 +67,7 @@ static void add_takers(struct vor_text *text, enum vor_parameter parameter)
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
         if (vor_process_takes(process, parameter))
-            vor_text_printf(text, "%s %s", count++ > 0 ? "," : "      Of", process->id);
+            vor_text_printf(text, "%s %s", count++ > 0 ? "," : "      Applies to:", process->id);
     vor_text_puts(text, ".\n");
 }
 
@@ -102,7 +102,7 @@ static void add_presets(struct vor_text *text)
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
         for (unsigned k = 0; (preset = vor_named_preset(process->id, k)) != NULL; k++)
-            vor_text_printf(text, "  %s, of %s\n      %s: %s.\n", preset->name, process->id,
+            vor_text_printf(text, "  %s, for %s\n      %s: %s.\n", preset->name, process->id,
                             preset->sentence,
                             preset->values[0] != '\0' ? preset->values : "the defaults");
 }

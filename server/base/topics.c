@@ -42,6 +42,14 @@ int vor_topic_at(struct vor_topic *out, unsigned index)
 
 int vor_topic_find(struct vor_topic *out, const char *name)
 {
+    /* Words that people look for, and the topic that has them. */
+    static const struct {
+        const char *word, *topic;
+    } aliases[] = {{"backup", "data"}, {"restore", "data"}, {"nginx", "proxies"}};
+
+    for (size_t i = 0; i < sizeof aliases / sizeof aliases[0]; i++)
+        if (strcmp(aliases[i].word, name) == 0)
+            name = aliases[i].topic;
     for (unsigned i = 0; vor_topic_at(out, i); i++)
         if (strcmp(out->name, name) == 0)
             return 1;

@@ -35,7 +35,8 @@ struct vor_topic {
 /** Topic number `index`; false past the last. */
 int vor_topic_at(struct vor_topic *out, unsigned index);
 
-/** The topic of that name; false when there is none. */
+/** The topic of that name or, such as backup for data, of another word for it; false when there is
+ *  none. */
 int vor_topic_find(struct vor_topic *out, const char *name);
 
 /** Calls `show` for each block of a topic in order; in the place of a table, for the blocks of

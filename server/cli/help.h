@@ -9,8 +9,7 @@
 
 /** Sentences of the help and of the manual. */
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
-#define VOR_HELP_JOBS                                                                              \
-    "A job is named by its ID, or by the beginning of its ID if no other job's begins so."
+#define VOR_HELP_JOBS "Name a job by its ID or any unique prefix of it."
 #define VOR_HELP_WORDS                                                                             \
     "Options are --name VALUE or --name=VALUE; a name may be shortened as long as it stays "       \
     "unambiguous. After -- there are only operands."

@@ -254,16 +254,20 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     struct vor_report told = {0};
     double points = number_at(vor_json_get(report, "points"), "out"), sum = 0, number;
     const char *plural = points == 1 ? "" : "s";
-    char line[256], steps[128];
+    char line[256], steps[128], after[sizeof steps + 8] = "", end[24] = "";
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
     read_stages(&told, report);
+    /* Without steps there was nothing to end; all iterations done is the usual end. */
+    if (told.stages_count > 0)
+        (void)snprintf(after, sizeof after, " after %s",
+                       vor_report_steps(&told, steps, sizeof steps));
+    if (told.stages_count > 0 && stopped != NULL && strcmp(stopped, "iterations") != 0)
+        (void)snprintf(end, sizeof end, " (%.20s)", stopped);
     if (vor_process_takes(progress->cli->spec.process, VOR_PARAM_POINTS))
-        (void)snprintf(line, sizeof line, "%.0f point%s, delta %.4f after %s (%.20s), %.1f s",
-                       points, plural, number_at(report, "delta"),
-                       vor_report_steps(&told, steps, sizeof steps),
-                       stopped != NULL ? stopped : "?", sum);
+        (void)snprintf(line, sizeof line, "%.0f point%s, delta %.4f%s%s, %.1f s", points, plural,
+                       number_at(report, "delta"), after, end, sum);
     else
         (void)snprintf(line, sizeof line, "%.0f point%s, %.1f s", points, plural, sum);
     vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],

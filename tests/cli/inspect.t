@@ -68,11 +68,11 @@ my $square = join '', map { sprintf "%.3f %.3f 42\n", 500000 + ($_ % 40) + 0.2 *
 my $utm = spew("$folder/utm.ply",
     "ply\nformat ascii 1.0\nelement vertex 1600\nproperty double x\nproperty double y\nproperty double z\nend_header\n$square");
 my ($loop) = @{ decode_json((run(['inspect', $utm, '--json']))[1])->{loops} };
-is "$loop->{id} $loop->{kind}, $loop->{why}", '1 rim, the surface lies within it', 'a square has a rim';
+is "$loop->{id} $loop->{kind}, $loop->{why}", '1 rim, encloses the surface', 'a square has a rim';
 cmp_ok abs($loop->{length} - 158), '<', 6, 'as long as its sides';
 cmp_ok abs($loop->{centre}{$_->[0]} - $_->[1]), '<', 0.5, "$_->[0] of its centre keeps its digits" for ['x', 500019.5], ['y', 4100019.5], ['z', 42];
 my ($line) = grep {/^loops/} split /\n/, (run(['inspect', $utm]))[1];
-like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, centre 5000\S+ 41000\S+ 42 unit of the cloud, kind rim, why the surface lies within it, turns -\S+\z/, 'its line has all of it';
+like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, centre 5000\S+ 41000\S+ 42 unit of the cloud, kind rim, why encloses the surface, turns -\S+\z/, 'its line has all of it';
 
 for my $case (
     ['a parameter that it does not take', ['--points', 5], 'inspect: --points is an option of resample, denoise, upsample, simplify, mesh, not of inspect'],

@@ -45,7 +45,7 @@ subtest 'the topics' => sub {
     like printed('help', 'settings'), qr/^  \Q$_\E\b.*\n {6}\S/m, "help settings has $_" for @settings;
     # What stands in words as well is what the tables say.
     my ($serve, $resample, $upsample) = map { printed($_, '--help') } qw(serve resample upsample);
-    my %says = (limits => qr/at most 1 GiB, inputs 50 million points,\s+results 10 million;/, choosing => qr/^      Four times as many,.*one iteration/m,
+    my %says = (limits => qr/at most 1 GiB, inputs 50 million points,\s+results 10 million;/, choosing => qr/default four times as many points .*: one\s+iteration/,
         keys => qr/at most 16 jobs that wait or run and may\s+send\s+10\s+requests\s+per\s+second/);
     like printed('help', $_), $says{$_}, "help $_ says what the tables have" for sort keys %says;
     like slurp('README.md'), qr/^- 1 GiB, 50 million points in, 10 million out;/m, 'and so does README.md';
@@ -55,6 +55,7 @@ subtest 'the topics' => sub {
     like $upsample, qr/--$_->[0] VALUE\n(?: {6}\S.*\n)*? {6}.*default $_->[1]$/m, "the tables: $_->[0] is $_->[1] of upsample" for [ratio => 4], [iterations => 1];
     like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(16\),\s+rate=N\s+job\s+requests\s+per\s+second\s+\(10\)/, 'the tables: quotas';
     like printed('help', 'metrics'), qr/^  voronoid_queue_jobs\n      gauge by state[.] /m, 'help metrics has what /metrics has';
+    is printed('help', $_->[0]), printed('help', $_->[1]), "help $_->[0] is help $_->[1]" for ['backup', 'data'], ['restore', 'data'], ['nginx', 'proxies'];
 };
 
 subtest 'the manual' => sub {

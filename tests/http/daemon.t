@@ -32,7 +32,7 @@ for my $case (
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
     [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/no setting "-x"; see voronoid serve --help/],
     [['--strea=0'], qr/--streams is "0"/], [['--jobs', '0x1'], qr/--jobs is "0x1", want/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
-    [['--colour=red'], qr/no setting "--colour"; see/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no setting "--lisen"; did you mean --listen\?/],
+    [['--colour=red'], qr/no setting "--colour"; see/], [['--port=80'], qr/no setting "--port"; the address is --listen HOST:PORT/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no setting "--lisen"; did you mean --listen\?/],
 ) {
     my ($arguments, $message) = @$case;
     my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1), @$arguments);

@@ -96,9 +96,9 @@ my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d
 for (
     ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/(\d+ million) points in/, $in], ['README.md', qr/(\d+ million) out/, $out],
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/(\d+ million) points,/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
-    ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/Up to (\d+) times/, $most],
-    ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/(\w+) times as many, and/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
-    [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/at most (\d+), or 100 without/]],
+    ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/At most (\d+) times/, $most],
+    ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
+    [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+) \(100 without/]],
     ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+) requests per/, $rate], ['server/cli/command.h', qr/wait or run \((\d+)\)/, $jobs],
     ['server/cli/command.h', qr/"per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+) seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
     ["$help/reports.txt", qr/more than ([\d,]+) input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],

@@ -213,7 +213,7 @@ START_TEST(the_summary_names_iterations_and_polish_steps)
     ck_assert_str_eq(
         summary("{\"points\":{\"out\":7},\"delta\":0.5,\"stages\":["
                 "{\"stage\":\"iterate\",\"steps\":6}],\"stopped\":\"iterations\",\"seconds\":{}}"),
-        "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations (iterations), "
+        "voronoid: out.ply: 7 points, delta 0.5000 after 6 iterations, "
         "0.0 s\n");
     ck_assert_str_eq(summary("{\"points\":{\"out\":7},\"delta\":0.5,\"iterations\":6,\"stages\":["
                              "{\"stage\":\"polish\",\"steps\":4},{\"stage\":\"melt\",\"steps\":3},"

@@ -352,6 +352,7 @@ START_TEST(a_lock_names_its_holder_and_dies_with_it)
     child = locked_child(path);
     vt_assert_fails(VOR_E_IO, vor_storage_lock(&fd, path, &holder, &vt_err));
     ck_assert_int_eq(holder, child);
+    ck_assert_ptr_nonnull(strstr(vt_err.message, ", another daemon; choose another --data"));
     ck_assert_int_eq(fd, -1);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);

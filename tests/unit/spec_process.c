@@ -225,7 +225,7 @@ START_TEST(a_target_is_held_against_the_input_as_its_process_wants)
                   "want 1000 to 16000: upsample gives 1 to 16 for each of the input's 1000"},
                  {"upsample", 10000000, 1e7, 1e7, "want 10000000 to 10000000"},
                  {"simplify", 1000, 1, 1000,
-                  "want 1 to 1000: simplify gives up to 1 for each of the input's 1000"},
+                  "want 1 to 1000: simplify cannot give more points than the input has (1000)"},
                  {"simplify", 20000000, 1, 1e7, "want 1 to 10000000"}};
 
     struct vor_spec spec = request_for(cases[_i].process);
