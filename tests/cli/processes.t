@@ -66,7 +66,7 @@ for my $server ([], ['--server', $daemon->{url}]) {
 # Refused by the daemon as here.
 unlink $out;
 for my $case (
-    [['simplify', '-n', 601], qr/points is 601, want 1 to 600: simplify gives up to 1 for each of the input's 600$/],
+    [['simplify', '-n', 601], qr/points is 601, want 1 to 600: simplify cannot give more points than the input has \(600\)$/],
     [['upsample', '-n', 599], qr/points is 599, want 600 to 9600: upsample gives 1 to 16 for each of the input's 600$/],
     [['simplify', '--spacing', 0.1], qr/spacing is 0\.1 and needs 1\d\d\d points, want 1 to 600: simplify /],
 ) {

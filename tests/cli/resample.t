@@ -115,7 +115,7 @@ subtest 'the polish' => sub {
     is "$first->{run_stage} $first->{step} $first->{of} $first->{ahead}", 'polish 10 40 0', 'so does the polish';
     ($code, $stdout, $stderr) = run(['resample', $in, @polished, '-fo', "$folder/p.ply"]);
     my $counted = $report->{polish_steps} > 0 ? " and $report->{polish_steps} polish steps" : '';
-    like $stderr, qr/ after 6 iterations$counted \(\w+\), \d+\.\d s\n\z/, 'the summary tells both';
+    like $stderr, qr/ after 6 iterations$counted, \d+\.\d s\n\z/, 'the summary tells both';
     unlink "$folder/p.ply";
     my (undef, $all) = run(['resample', $in, '-n', 60, '--iterations', 2, '--json', '-fo', '/dev/null']);
     my (undef, $help) = run(['resample', '--help']);
