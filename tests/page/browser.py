@@ -68,7 +68,8 @@ class Browser:
         options = webdriver.ChromeOptions()
         drawing = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] if webgl else ["--disable-gpu", "--disable-3d-apis"]
         for flag in ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
-                     "--disable-background-networking", "--disable-component-update", f"--window-size={size[0]},{size[1]}", *drawing]:
+                     "--disable-background-networking", "--disable-component-update", "--disable-gpu-compositing",
+                     f"--window-size={size[0]},{size[1]}", *drawing]:
             options.add_argument(flag)
         options.add_experimental_option("perfLoggingPrefs", {"enableNetwork": True, "enablePage": False})
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
