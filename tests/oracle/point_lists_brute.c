@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N_MAX = 2000, STEPS = 8, ASKED = 60, SHAPES = 6 };
+enum { N_MAX = 1400, STEPS = 8, ASKED = 60, SHAPES = 6 };
 
 #define FAR 0.3 /* spacings beyond which a point is a jumper */
 

@@ -261,6 +261,7 @@ def surface(browser):
     ok(wait("triangles in colours", shown), "the triangles of a result are drawn, and coloured")
     draw("surface")
     browser.picture(f"{PICTURES}/mesh.png")
+    draw("dots")  # which software draws far sooner
     choose("resample")
 
 

@@ -229,6 +229,6 @@ END_TEST
 void vt_suite(Suite *suite)
 {
     vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
-                   VT_FEWER(VT_SOAK_LOOPS(2, SHAPES)));
+                   VT_FEWER(VT_SOAK_LOOPS(1, SHAPES)));
     vt_add_figures(suite, draco_keeps_the_order, 0);
 }

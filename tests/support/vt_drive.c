@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { MOMENTS = 5, UNSET = 0x5a };
+enum { MOMENTS = 3, UNSET = 0x5a };
 
 /* Allocations of one call by the place that asked: the function that called vor_malloc, and its
  * caller. A place that failed for one row of a table need not fail for the next. */
