@@ -72,6 +72,7 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
     int fd = openat(directory, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *stream = fd >= 0 ? fdopendir(fd) : NULL;
     struct dirent *entry;
+    vor_status status;
 
     if (stream == NULL) {
         int number = errno;
@@ -83,8 +84,9 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
     while ((errno = 0, entry = readdir(stream)) != NULL)
         if (!is_dots(entry->d_name))
             visit(ctx, entry->d_name);
+    status = errno == 0 ? VOR_OK : vor_fail_errno(err, errno, "the blob directory");
     closedir(stream);
-    return VOR_OK;
+    return status;
 }
 
 static void unlink_tmp(void *ctx, const char *name)
@@ -212,13 +214,15 @@ static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
     return VOR_OK;
 }
 
-/* Makes a name in keep durable, or takes it away. */
-static vor_status sync_name(struct vor_blob_writer *base, const char *file, struct vor_error *err)
+/* Makes a name in keep durable, or takes it away; with the bytes, if those are another blob's,
+ * whose commit may have been lazy. */
+static vor_status sync_name(struct vor_blob_writer *base, const char *file, int with_bytes,
+                            struct vor_error *err)
 {
     struct directory *directory = (struct directory *)base->blobs;
     vor_status status;
 
-    if (base->is_lazy || fsync(directory->keep) == 0)
+    if (base->is_lazy || ((!with_bytes || fsync(base->fd) == 0) && fsync(directory->keep) == 0))
         return VOR_OK;
     status = vor_fail_errno(err, errno, "making a blob's name durable");
     (void)unlinkat(directory->keep, file, 0);
@@ -275,7 +279,7 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
     if (writer->from[0] != '\0') {
         /* Not on every file system, and not once the other blob is dropped. */
         if (linkat(directory->keep, writer->from, directory->keep, file, 0) == 0)
-            return sync_name(base, file, err);
+            return sync_name(base, file, 1, err);
         status = copy_source(directory, writer, err);
         if (status != VOR_OK)
             return status;
@@ -285,7 +289,7 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
     if (renameat(directory->tmp, writer->file, directory->keep, file) != 0)
         return vor_fail_errno(err, errno, "naming a blob");
     writer->file[0] = '\0';
-    return sync_name(base, file, err);
+    return sync_name(base, file, 0, err);
 }
 
 static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,

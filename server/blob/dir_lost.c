@@ -122,8 +122,13 @@ vor_status vor_dir_trim_lost(int parent, const struct vor_lost_bounds *bounds,
     struct list list = {0};
     struct dirent *entry;
 
-    if (stream == NULL)
-        return errno == ENOENT ? VOR_OK : vor_fail_errno(err, errno, "the folder of lost bytes");
+    if (stream == NULL) {
+        int number = errno;
+
+        if (folder >= 0)
+            close(folder);
+        return number == ENOENT ? VOR_OK : vor_fail_errno(err, number, "the folder of lost bytes");
+    }
     while ((entry = readdir(stream)) != NULL)
         note(&list, folder, entry->d_name);
     if (list.count > 0)

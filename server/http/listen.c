@@ -27,14 +27,16 @@ static const double grace_seconds = 0.5; /* a client far away needs as long to s
 static int open_listener(const struct addrinfo *at)
 {
     int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int on = 1;
+    int on = 1, failed;
 
     if (fd < 0)
         return -1;
     (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
         return fd;
+    failed = errno;
     (void)close(fd);
+    errno = failed;
     return -1;
 }
 

@@ -288,8 +288,11 @@ static int make_ring(const uint8_t **bytes, uint64_t size)
         fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
         map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | vor_ring_flags(size), fd, 0);
     if (map == MAP_FAILED) {
+        int failed = errno;
+
         if (fd >= 0)
             (void)close(fd);
+        errno = failed;
         return -1;
     }
     *bytes = map;

@@ -73,6 +73,11 @@ void vt_sync_close_after(int passing)
     atomic_store(&gate->closed, 1);
 }
 
+int vt_sync_left(void)
+{
+    return atomic_load(&gate->passing);
+}
+
 int vt_sync_open(void)
 {
     atomic_store(&gate->closed, 0);

@@ -10,6 +10,9 @@ void vt_sync_fail(int rows, int bytes);
 /** Lets so many syncs pass from now on; those that come after them wait, 30 seconds at most. */
 void vt_sync_close_after(int passing);
 
+/** How many may still pass. */
+int vt_sync_left(void);
+
 /** Lets all pass again, those that wait first of all. False when one of them waited all of its
  *  30 seconds: whoever should have opened the gate waited for that sync. */
 int vt_sync_open(void);
