@@ -41,6 +41,7 @@ struct vor_job_filter {
     int64_t duration_min, duration_max; /**< ms since the start, of those that started; 0 for any */
     int64_t now;                        /**< wall clock: the end of what still runs */
     const char *tenant;                 /**< borrowed; only this principal's; NULL for any */
+    int is_kept;                        /**< only those that keep uploads */
     size_t limit;                       /**< 1 .. 10000 */
 };
 
@@ -143,6 +144,8 @@ struct vor_store_driver {
     vor_status (*waiting)(struct vor_store *store, struct vor_waiting *out, struct vor_error *err);
     vor_status (*evict)(struct vor_store *store, enum vor_evict why, int64_t limit,
                         struct vor_evictions *evictions, struct vor_error *err);
+    vor_status (*forget_uploads)(struct vor_store *store, const struct vor_uuid *id,
+                                 struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
     vor_status (*reap)(struct vor_store *store, const char *owner, int64_t now_ms, uint64_t *reaped,

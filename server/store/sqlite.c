@@ -224,7 +224,7 @@ static vor_status finish_row(struct vor_store *store, const struct vor_job_view 
             " problem = ?7, report_bytes = ?8, output_format = ?9,"
             " output_points = ?10, output_bytes = ?11, output_sha256 = ?12,"
             " updated = ?13, finished = ?13, expires = ?14, attempt = ?15, outputs = ?16,"
-            " kept = ?17, held = ?18"
+            " kept = min(kept, ?17), held = ?18"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
             " ELSE status = 'running' AND attempt = ?2 END RETURNING seq",
             "tititttiiiitiiitii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
@@ -507,7 +507,7 @@ static void status_words(char *out, size_t size, unsigned statuses)
     " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"                                        \
     " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
     " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
-    " ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
+    " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
 
 static vor_status list_rows(struct vor_store *store, const struct vor_job_filter *filter,
                             int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
@@ -521,19 +521,16 @@ static vor_status list_rows(struct vor_store *store, const struct vor_job_filter
                             filter->name != NULL     ? LIST("job_named", " AND name = ?10")
                             : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
                                                      : LIST("job_listed", ""),
-                            "ttiiiiiiitt", statuses, filter->process,
+                            "ttiiiiiiitti", statuses, filter->process,
                             filter->before_seq > 0 ? filter->before_seq : INT64_MAX,
                             (int64_t)filter->limit, filter->created_from, filter->created_to,
                             filter->duration_min, filter->duration_max, filter->now, filter->name,
-                            filter->tenant);
+                            filter->tenant, (int64_t)filter->is_kept);
 }
 
 static void take_claimed(void *ctx, struct vor_sqlite_row *row)
 {
-    struct taken *taken = ctx;
-
-    read_row(taken->row, row);
-    taken->found = 1;
+    (void)take_row(ctx, row);
 }
 
 static vor_status claim_next(struct vor_store *store, const struct vor_claim *claim,
@@ -594,6 +591,7 @@ const struct vor_store_driver vor_store_sqlite = {
     .list = list_rows,
     .waiting = vor_sqlite_waiting,
     .evict = vor_sqlite_evict,
+    .forget_uploads = vor_sqlite_forget_uploads,
     .shift = vor_sqlite_shift,
     .newest = vor_sqlite_newest,
     .reap = vor_sqlite_reap,

@@ -64,6 +64,15 @@ vor_status vor_sqlite_evict(struct vor_store *store, enum vor_evict why, int64_t
     return status;
 }
 
+vor_status vor_sqlite_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
+                                     struct vor_error *err)
+{
+    int changed;
+
+    return vor_sqlite_change(vor_sqlite_of(store), &changed, err,
+                             "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0", "t", id->text);
+}
+
 vor_status vor_sqlite_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
     int changed;

@@ -20,6 +20,8 @@ static inline struct vor_sqlite *vor_sqlite_of(struct vor_store *store)
 
 vor_status vor_sqlite_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
                             struct vor_evictions *evictions, struct vor_error *err);
+vor_status vor_sqlite_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
+                                     struct vor_error *err);
 vor_status vor_sqlite_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err);
 vor_status vor_sqlite_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
 vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,

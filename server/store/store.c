@@ -248,6 +248,12 @@ vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t 
                : status;
 }
 
+vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
+                                    struct vor_error *err)
+{
+    return store->driver->forget_uploads(store, id, err);
+}
+
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
     vor_status status = store->driver->shift(store, by_ms, err);

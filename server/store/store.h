@@ -85,7 +85,7 @@ VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const stru
                                              struct vor_hand_back *run, struct vor_error *err);
 
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
- *  message, finished, expires and kept of the row.
+ *  message, finished and expires of the row; what it keeps only becomes less.
  *
  *  @param[in]  attempt  only if this is the running attempt; 0 for whichever, also a waiting job
  *  @param[in]  ending   may be NULL
@@ -154,6 +154,10 @@ VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct 
  *  Cost: a read as long as the limit holds, else a change or two, however many jobs there are. */
 VOR_NODISCARD vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
                                          struct vor_evictions *evictions, struct vor_error *err);
+
+/** Notes that a job keeps no uploads any more. */
+VOR_NODISCARD vor_status vor_store_forget_uploads(struct vor_store *store,
+                                                  const struct vor_uuid *id, struct vor_error *err);
 
 /** Moves the time at which each job expires: the wall clock has moved by that. */
 VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,

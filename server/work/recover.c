@@ -133,6 +133,66 @@ static void say_strays(int is_lost, size_t files, uint64_t bytes)
         vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
 }
 
+/* --- uploads that a crash of the machine took --------------------------------------------------
+ */
+
+/* Jobs whose uploads are not there, or not whole. */
+struct missing {
+    struct vor_worker *worker;
+    struct vor_evicted job[16];
+    size_t count, seen;
+    int64_t seq; /* of the row seen last */
+};
+
+static int note_missing(void *ctx, const struct vor_job_view *row)
+{
+    struct missing *missing = ctx;
+    const struct vor_artefact_info *input = row->spec.process->inputs;
+    vor_status status = row->request_lost ? VOR_E_PARAM : VOR_OK; /* its inputs are not known */
+    uint64_t bytes = 0, size;
+    int found;
+
+    missing->seen++;
+    missing->seq = row->seq;
+    for (; input->name != NULL && status == VOR_OK; input++) {
+        char blob[VOR_BLOB_NAME_MAX + 1];
+
+        status = vor_blob_get(missing->worker->config.blobs, &row->id,
+                              vor_blob_of_upload(input->name, blob), NULL, &size, &found, NULL);
+        bytes += size;
+    }
+    if (status == VOR_OK && bytes != row->kept) {
+        struct vor_evicted *one = &missing->job[missing->count++];
+
+        one->id = row->id;
+        memcpy(one->process, row->process, sizeof one->process);
+    }
+    return missing->count < sizeof missing->job / sizeof missing->job[0];
+}
+
+/* A kept upload waits for no disk, so that of the last ones before a crash of the machine there may
+ * be the row alone, or a part of the bytes: then there is nothing to promise. */
+static void forget_missing(struct vor_worker *worker)
+{
+    struct vor_job_filter filter = {.is_kept = 1, .limit = 1000};
+    struct missing missing = {.worker = worker};
+    struct vor_error err;
+
+    do {
+        missing.count = missing.seen = 0;
+        if (vor_store_list(worker->config.store, &filter, note_missing, &missing, &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "kept uploads not looked for", VOR_TEXT("error", err.message));
+        for (size_t i = 0; i < missing.count; i++) {
+            const struct vor_evicted *job = &missing.job[i];
+
+            if (vor_store_forget_uploads(worker->config.store, &job->id, &err) == VOR_OK)
+                vor_worker_drop_uploads(worker, &job->id, job->process);
+            vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
+        }
+        filter.before_seq = missing.seq;
+    } while (missing.seen > 0 && !vor_worker_pause(worker, 0));
+}
+
 void vor_worker_drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
@@ -154,6 +214,7 @@ void vor_worker_drop_strays(struct vor_worker *worker)
     }
     vor_found_free(found);
     say_strays(is_lost, files, bytes);
+    forget_missing(worker);
 }
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)

@@ -23,10 +23,10 @@ void vor_worker_recover_late(struct vor_worker *worker);
 
 /** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
  *  warning, when the store has lost rows: it says so itself, or there are more results without any
- *  row than a crash leaves. Ends early when the daemon
- *  goes down; the next start does the rest.
+ *  row than a crash leaves. Rows of uploads that are missing, or not whole, keep none from then on.
+ *  Ends early when the daemon goes down; the next start does the rest.
  *
- *  Cost: a read of the store for each blob. */
+ *  Cost: a read of the store for each blob, and of the rows that keep uploads. */
 void vor_worker_drop_strays(struct vor_worker *worker);
 
 #endif

@@ -314,6 +314,43 @@ START_TEST(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others)
 }
 END_TEST
 
+/* What a power cut takes that comes after the rows and before the bytes of kept uploads: all of
+ * them, or their end. */
+START_TEST(the_next_start_forgets_uploads_that_are_missing_or_not_whole)
+{
+    enum { MISSING, SHORT, WHOLE, JOBS };
+    struct vt_daemon_options options = {.keep = UINT64_MAX / 2};
+    const char *dir = vt_dir_make();
+    struct vor_store *store = vt_dir_store(dir);
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_job_view rows[JOBS];
+    struct vt_daemon daemon;
+    char path[512];
+
+    for (int i = 0; i < JOBS; i++) {
+        struct vor_admitted admitted = {.count = 0};
+
+        rows[i] = vt_row(10);
+        rows[i].kept = admit(&admitted, blobs, UINT64_MAX);
+        rows[i].id = admitted.id;
+        rows[i].input[0] = admitted.item[0].found;
+        leave(store, &rows[i], DONE);
+        (void)snprintf(path, sizeof path, "%s/blobs/keep/%.36s.upload", dir, rows[i].id.text);
+        ck_assert_int_eq(i == MISSING ? unlink(path) : i == SHORT ? truncate(path, 100) : 0, 0);
+    }
+    vor_store_close(store);
+    vor_blobs_close(blobs);
+    vt_daemon_start(&daemon, dir, &options);
+    wait_until_gone(dir, &rows[SHORT].id);
+    while (vt_daemon_get(&daemon, &rows[MISSING].id).kept > 0) /* the oldest is the last */
+        vt_nap();
+    ck_assert_uint_eq(vt_daemon_get(&daemon, &rows[SHORT].id).kept, 0);
+    ck_assert_uint_eq(vt_daemon_get(&daemon, &rows[WHOLE].id).kept, rows[WHOLE].kept);
+    vt_daemon_stop(&daemon);
+    ck_assert(is_there(dir, &rows[WHOLE].id));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("kept_inputs");
@@ -326,5 +363,6 @@ int main(void)
     vt_add(suite, a_job_waits_for_the_disk_six_times);
     vt_add(suite, a_dismissal_drops_the_upload_and_a_failure_keeps_it);
     vt_add_loop(suite, the_next_start_drops_the_uploads_that_no_row_counts_and_no_others, LEFTS);
+    vt_add(suite, the_next_start_forgets_uploads_that_are_missing_or_not_whole);
     return vt_run(suite);
 }
