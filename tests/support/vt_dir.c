@@ -146,6 +146,16 @@ struct vor_job_view vt_row(unsigned points)
     return row;
 }
 
+struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id)
+{
+    struct vor_job_view row;
+    int found;
+
+    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
+    ck_assert(found);
+    return row;
+}
+
 uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id)
 {
     const struct vor_claim claim = {"a former life", vor_clock_wall_ms(), UINT64_MAX, 1};

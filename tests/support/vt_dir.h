@@ -31,6 +31,9 @@ struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, si
 /** A row to insert: id fresh, `points` asked for of a cloud of 100. */
 struct vor_job_view vt_row(unsigned points);
 
+/** The row of a job that there is. */
+struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id);
+
 /** Claims the job that is next: its attempt, or 0 when there is none. id, if it is not NULL, is the
  *  one that it must be. */
 uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id);

@@ -6,16 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static struct vor_job_view get(struct vor_store *store, const struct vor_uuid *id)
-{
-    struct vor_job_view row;
-    int found;
-
-    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
-    ck_assert(found);
-    return row;
-}
-
 static void dismiss(struct vor_store *store, struct vor_job_view row)
 {
     int changed;
@@ -107,14 +97,15 @@ START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another
         waits[tenant]++;
         if (i % 7 == 6)
             waits[claim_letter(store) - 'a']--;
-        if (_i % 2 == 0 || i % 10 != 9 || get(store, &rows[i - 5].id).status != VOR_JOB_ACCEPTED)
+        if (_i % 2 == 0 || i % 10 != 9 ||
+            vt_stored(store, &rows[i - 5].id).status != VOR_JOB_ACCEPTED)
             continue;
         dismiss(store, rows[i - 5]);
         waits[rows[i - 5].key.principal[0] - 'a']--;
         gone++;
     }
     for (int i = 0; i < JOBS; i++)
-        told[i] = get(store, &rows[i].id).queue_position;
+        told[i] = vt_stored(store, &rows[i].id).queue_position;
     vt_assert_ok(vor_store_waiting(store, &waiting, &vt_err));
     ck_assert_uint_eq(waiting.jobs, (size_t)(JOBS - JOBS / 7 - gone));
     ck_assert_uint_eq(waiting.decoded, 7 * waiting.jobs);
@@ -125,7 +116,7 @@ START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another
             next++;
         ck_assert_int_eq(rows[next].key.principal[0], letter);
         hand_back(store, &rows[next].id);
-        ck_assert_int_eq(get(store, &rows[next].id).queue_position, 0);
+        ck_assert_int_eq(vt_stored(store, &rows[next].id).queue_position, 0);
         ck_assert_int_eq(claim_letter(store), letter);
         waits[tenant]--;
         for (int other = 0; other < TENANTS; other++) {
@@ -149,9 +140,9 @@ START_TEST(a_place_in_a_long_queue_is_counted_right)
         ids[i] = insert_of(store, "", 0).id;
     for (int claimed = 0; claimed < 3; claimed++) {
         for (int i = claimed; i < JOBS; i += 37)
-            ck_assert_int_eq(get(store, &ids[i]).queue_position, i - claimed);
+            ck_assert_int_eq(vt_stored(store, &ids[i]).queue_position, i - claimed);
         ck_assert_uint_eq(vt_claim(store, &ids[claimed]), 1);
-        ck_assert_int_eq(get(store, &ids[claimed]).queue_position, -1);
+        ck_assert_int_eq(vt_stored(store, &ids[claimed]).queue_position, -1);
     }
     vor_store_close(store);
 }

@@ -22,16 +22,6 @@ static struct vor_job_view insert(struct vor_store *store, unsigned points)
     return row;
 }
 
-static struct vor_job_view get(struct vor_store *store, const struct vor_uuid *id)
-{
-    struct vor_job_view row;
-    int found;
-
-    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
-    ck_assert(found);
-    return row;
-}
-
 static int finish(struct vor_store *store, struct vor_job_view row, enum vor_job_status status,
                   uint32_t attempt)
 {
@@ -80,7 +70,7 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     vor_store_close(store);
 
     store = vt_dir_store(dir);
-    back = get(store, &row.id);
+    back = vt_stored(store, &row.id);
     ck_assert_int_eq(back.status, VOR_JOB_ACCEPTED);
     ck_assert_int_eq(back.stage, VOR_STAGE_QUEUED);
     ck_assert_int_eq(back.seq, 1);
@@ -115,7 +105,7 @@ START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
     vt_assert_ok(vor_spec_set(&row.spec, "outliers", _i % 2 ? "keep" : "drop", &vt_err));
     (void)snprintf(row.process, sizeof row.process, "%s", process->id);
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
-    back = get(store, &row.id);
+    back = vt_stored(store, &row.id);
     ck_assert_str_eq(back.process, process->id);
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
     vor_store_close(store);
@@ -135,7 +125,7 @@ START_TEST(inputs_beside_the_main_one_come_back)
         .format = 1, .points = 17, .bytes = UINT64_C(1) << 40, .seconds = 0.1};
     memset(row.input[1].sha256, 'b', 64);
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
-    back = get(store, &row.id);
+    back = vt_stored(store, &row.id);
     ck_assert_uint_eq(back.inputs, 3);
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
         ck_assert_uint_eq(back.input[i].format, row.input[i].format);
@@ -145,7 +135,7 @@ START_TEST(inputs_beside_the_main_one_come_back)
         ck_assert_double_eq(back.input[i].seconds, row.input[i].seconds);
     }
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 0));
-    ck_assert_uint_eq(get(store, &row.id).inputs, 3);
+    ck_assert_uint_eq(vt_stored(store, &row.id).inputs, 3);
     vor_store_close(store);
 }
 END_TEST
@@ -191,7 +181,7 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     row.expires = 8000;
     vt_assert_ok(vor_store_finish(store, &row, 1, &ending, &changed, &vt_err));
     ck_assert_int_eq(changed, 1);
-    back = get(store, &row.id);
+    back = vt_stored(store, &row.id);
     ck_assert_int_eq(back.status, VOR_JOB_SUCCESSFUL);
     ck_assert_int_eq(back.progress, 100);
     ck_assert_int_eq(back.stage, VOR_STAGE_ENCODE);
@@ -230,7 +220,7 @@ START_TEST(a_failure_comes_back_with_its_problem)
         row.problem.limit = 1000;
         row.problem.got = 2000;
         ck_assert(finish(store, row, VOR_JOB_FAILED, 0));
-        back = get(store, &row.id);
+        back = vt_stored(store, &row.id);
         ck_assert_mem_eq(&back.problem, &row.problem, sizeof row.problem);
     }
     vt_assert_ok(vor_store_report(store, &row.id, &report, &vt_err));
@@ -248,20 +238,20 @@ START_TEST(only_the_running_attempt_may_end_beat_or_release)
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1)); /* still waits */
     ck_assert_uint_eq(vt_claim(store, &row.id), 1);
     ck_assert(release(store, &row.id, 1));
-    ck_assert_uint_eq(get(store, &row.id).attempt, 2); /* the next one */
+    ck_assert_uint_eq(vt_stored(store, &row.id).attempt, 2); /* the next one */
     ck_assert_uint_eq(vt_claim(store, &row.id), 2);
     ck_assert(!release(store, &row.id, 1));
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1));
     row.attempt = 1;
     row.progress = 50;
     vt_assert_ok(vor_store_beat(store, &row, &vt_err));
-    ck_assert_int_eq(get(store, &row.id).progress, 0);
+    ck_assert_int_eq(vt_stored(store, &row.id).progress, 0);
     row.attempt = 2;
     vt_assert_ok(vor_store_beat(store, &row, &vt_err));
-    ck_assert_int_eq(get(store, &row.id).progress, 50);
+    ck_assert_int_eq(vt_stored(store, &row.id).progress, 50);
     row.progress = 20;
     vt_assert_ok(vor_store_beat(store, &row, &vt_err));
-    ck_assert_int_eq(get(store, &row.id).progress, 50); /* never falls */
+    ck_assert_int_eq(vt_stored(store, &row.id).progress, 50); /* never falls */
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));
     vor_store_close(store);
 }
@@ -365,7 +355,7 @@ START_TEST(results_expire_then_are_forgotten)
     ck_assert_str_eq(expired[0].process, "resample");
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 2002, &evictions, &vt_err));
     ck_assert_uint_eq(evictions.count, 1);
-    back = get(store, &rows[0].id);
+    back = vt_stored(store, &rows[0].id);
     ck_assert(back.expired);
     vt_assert_ok(vor_store_report(store, &rows[0].id, &report, &vt_err));
     ck_assert_ptr_null(report);
@@ -399,9 +389,9 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
         vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
         ck_assert(crashed.changed);
         ck_assert_uint_eq(crashed.crashes, attempt - 1);
-        ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_ACCEPTED);
-        ck_assert(get(store, &runs.id).alone);
-        ck_assert_int_eq(get(store, &runs.id).updated, 77);
+        ck_assert_int_eq(vt_stored(store, &runs.id).status, VOR_JOB_ACCEPTED);
+        ck_assert(vt_stored(store, &runs.id).alone);
+        ck_assert_int_eq(vt_stored(store, &runs.id).updated, 77);
     }
     ck_assert_uint_eq(vt_claim(store, &runs.id), 4);
     crashed.attempt = 4;
@@ -409,7 +399,7 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
     vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
     ck_assert(crashed.changed && crashed.is_over);
     ck_assert_uint_eq(crashed.crashes, 3);
-    ck_assert_int_eq(get(store, &runs.id).status, VOR_JOB_RUNNING);
+    ck_assert_int_eq(vt_stored(store, &runs.id).status, VOR_JOB_RUNNING);
     vor_store_close(store);
 }
 END_TEST
