@@ -229,9 +229,10 @@ void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *di
 
 /** Hands over a task that reads the store, for callers that must not wait for it.
  *
- *  @retval VOR_DONE, VOR_DRAINING */
-VOR_NODISCARD enum vor_job_outcome vor_worker_read_soon(struct vor_worker *worker,
-                                                        struct vor_task *task);
+ *  @retval VOR_DONE, VOR_DRAINING
+ *  @retval VOR_FAILED there is no thread for it, and none can be started */
+VOR_NODISCARD enum vor_job_outcome
+vor_worker_read_soon(struct vor_worker *worker, struct vor_task *task, struct vor_error *err);
 
 /** Waits until everything handed over is done, `seconds` at most. */
 void vor_worker_settle(struct vor_worker *worker, double seconds);

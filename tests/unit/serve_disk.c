@@ -1,3 +1,5 @@
+#define _GNU_SOURCE /* prlimit */
+
 /* A daemon with one HTTP thread on a disk that does not answer: whoever asks for something that has
  * to be on the disk waits, and nobody else does. */
 #include "server/base/uuid.h"
@@ -10,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -266,6 +269,44 @@ START_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
 }
 END_TEST
 
+/* Regression: reads and dismissals for which no thread could be started were told as the daemon's
+ * end. */
+START_TEST(who_gets_no_thread_is_told_so)
+{
+    struct rlimit limit = {RLIM_INFINITY, RLIM_INFINITY}, tight = limit;
+    unsigned long pages = 0;
+    struct vt_serve serve;
+    struct vor_uuid id;
+    const char *text;
+    char path[64];
+    FILE *file;
+
+    vt_serve_start(&serve, vt_dir_make());
+    id = finished(&serve);
+    (void)snprintf(path, sizeof path, "/proc/%d/statm", (int)serve.pid);
+    file = fopen(path, "r");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_int_eq(fscanf(file, "%lu", &pages), 1);
+    ck_assert_int_eq(fclose(file), 0);
+    tight.rlim_cur = pages * (unsigned long)sysconf(_SC_PAGESIZE) + ((rlim_t)1 << 20);
+    ck_assert_int_eq(prlimit(serve.pid, RLIMIT_AS, &tight, &limit), 0);
+    for (int i = 0; i < 3; i++) {
+        static const char *const calls[][2] = {
+            {"GET", "/trace"}, {"GET", "/events"}, {"DELETE", ""}};
+        char line[128];
+
+        (void)snprintf(line, sizeof line, "%s /v1/jobs/%s%s", calls[i][0], id.text, calls[i][1]);
+        ck_assert_int_eq(vt_serve_call(&serve, line, "", &text), 503);
+        ck_assert_ptr_nonnull(strstr(text, "/problems/store-unavailable"));
+        ck_assert_ptr_nonnull(strstr(text, "no thread can be started"));
+    }
+    ck_assert_int_eq(prlimit(serve.pid, RLIMIT_AS, &limit, NULL), 0);
+    ck_assert_int_eq(status_of(&serve, "GET", &id, "/trace"), 200);
+    ck_assert_int_eq(status_of(&serve, "DELETE", &id, ""), 200);
+    ck_assert_int_eq(vt_serve_stop(&serve), 0);
+}
+END_TEST
+
 void vt_suite(Suite *suite)
 {
     vt_add(suite, nobody_waits_for_the_disk_of_somebody_else_s_dismissal);
@@ -275,4 +316,5 @@ void vt_suite(Suite *suite)
     vt_add(suite, a_dismissal_whose_caller_left_is_done_all_the_same);
     vt_add(suite, a_dismissal_with_a_body_is_answered);
     vt_add(suite, a_dismissal_under_way_is_answered_before_the_daemon_ends);
+    vt_add(suite, who_gets_no_thread_is_told_so);
 }

@@ -157,21 +157,17 @@ static void run_look_up(void *ctx)
     vor_deferred_complete(&stream->deferred);
 }
 
-/* Has a track's job looked up: VOR_DONE, and the request is woken then, or VOR_DRAINING. */
+/* Has a track's job looked up: VOR_DONE, and the request is woken then, or why not. */
 static enum vor_job_outcome begin_look_up(struct stream *stream, const struct track *track)
 {
     enum vor_job_outcome outcome;
 
     stream->wanted = track->id;
-    stream->task = (struct vor_task){.run = run_look_up,
-                                     .ctx = stream,
-                                     .caller = vor_auth_fairness_key(stream->request),
-                                     .weight = 1000}; /* beside the rows of a list */
-    vor_deferred_retain(&stream->deferred);
-    outcome = vor_worker_read_soon(stream->app->worker, &stream->task);
+    stream->task =
+        (struct vor_task){.run = run_look_up, .weight = 1000}; /* beside the rows of a list */
+    outcome = vor_read_begin(stream->app, stream->request, &stream->deferred, &stream->task,
+                             &stream->error);
     stream->is_looking_up = outcome == VOR_DONE;
-    if (!stream->is_looking_up)
-        vor_deferred_cancel(&stream->deferred);
     return outcome;
 }
 
@@ -560,6 +556,7 @@ enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor
 {
     struct vor_events_query ask = {.count = 1};
     struct stream *stream = vor_request_state(request);
+    enum vor_job_outcome outcome;
 
     if (step == VOR_STEP_WAKE && !stream->is_looking_up)
         return answer_poll(ctx, request);
@@ -573,9 +570,9 @@ enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor
     stream = stream_create(ctx, request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
-    if (begin_look_up(stream, &stream->tracks[0]) != VOR_DONE)
-        return vor_outcome_reply(ctx, request, VOR_DRAINING, NULL, NULL);
-    return VOR_NEXT_WAIT;
+    outcome = begin_look_up(stream, &stream->tracks[0]);
+    return outcome == VOR_DONE ? VOR_NEXT_WAIT
+                               : vor_outcome_reply(ctx, request, outcome, &stream->error, NULL);
 }
 
 enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, enum vor_step step)

@@ -81,6 +81,16 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                 enum vor_job_outcome outcome, const struct vor_error *err,
                                 const struct vor_uuid *id);
 
+/** jobs.c: has task->run, of task->weight, read the store for a request that waits. It is given
+ *  deferred, which it completes.
+ *
+ *  @retval VOR_DONE the request is to wait
+ *  @retval others   as vor_worker_read_soon; run will not be called */
+struct vor_deferred;
+enum vor_job_outcome vor_read_begin(struct vor_app *app, struct vor_request *request,
+                                    struct vor_deferred *deferred, struct vor_task *task,
+                                    struct vor_error *err);
+
 /** jobs_filter.c: which jobs a list is asked for.
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */

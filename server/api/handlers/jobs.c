@@ -133,21 +133,32 @@ static void read_slice(void *ctx)
     vor_deferred_complete(&list->deferred);
 }
 
+enum vor_job_outcome vor_read_begin(struct vor_app *app, struct vor_request *request,
+                                    struct vor_deferred *deferred, struct vor_task *task,
+                                    struct vor_error *err)
+{
+    enum vor_job_outcome outcome;
+
+    task->ctx = deferred;
+    task->caller = vor_auth_fairness_key(request);
+    vor_deferred_retain(deferred);
+    outcome = vor_worker_read_soon(app->worker, task, err);
+    if (outcome != VOR_DONE)
+        vor_deferred_cancel(deferred);
+    return outcome;
+}
+
 static enum vor_next begin_slice(struct listing *list)
 {
     enum vor_job_outcome outcome;
 
     list->filter.limit = list->left < SLICE ? list->left + 1 : SLICE;
-    list->task = (struct vor_task){.run = read_slice,
-                                   .ctx = list,
-                                   .caller = vor_auth_fairness_key(list->request),
-                                   .weight = list->walks ? SIZE_MAX : list->filter.limit};
-    vor_deferred_retain(&list->deferred);
-    outcome = vor_worker_read_soon(list->app->worker, &list->task);
-    if (outcome == VOR_DONE)
-        return VOR_NEXT_WAIT;
-    vor_deferred_cancel(&list->deferred);
-    return vor_outcome_reply(list->app, list->request, outcome, NULL, NULL);
+    list->task =
+        (struct vor_task){.run = read_slice, .weight = list->walks ? SIZE_MAX : list->filter.limit};
+    outcome = vor_read_begin(list->app, list->request, &list->deferred, &list->task, &list->error);
+    return outcome == VOR_DONE
+               ? VOR_NEXT_WAIT
+               : vor_outcome_reply(list->app, list->request, outcome, &list->error, NULL);
 }
 
 /* False when the page is full, or there are no more jobs. */

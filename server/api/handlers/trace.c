@@ -3,7 +3,6 @@
  */
 #include "proto/csv.h"
 #include "server/api/accept.h"
-#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/http/deferred.h"
@@ -91,6 +90,7 @@ static void read_trace(void *ctx)
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
+    enum vor_job_outcome outcome;
     struct trace *trace;
     struct vor_uuid id;
 
@@ -102,17 +102,12 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     trace->app = app;
     trace->id = id;
     trace->is_table = vor_accepts(request, "text/csv");
-    trace->task = (struct vor_task){.run = read_trace,
-                                    .ctx = trace,
-                                    .caller = vor_auth_fairness_key(request),
-                                    .weight = WEIGHT};
+    trace->task = (struct vor_task){.run = read_trace, .weight = WEIGHT};
     vor_text_init(&trace->text, 0);
     vor_deferred_begin(&trace->deferred, request, free_trace);
-    vor_deferred_retain(&trace->deferred);
-    if (vor_worker_read_soon(app->worker, &trace->task) == VOR_DONE)
-        return VOR_NEXT_WAIT;
-    vor_deferred_cancel(&trace->deferred);
-    return vor_outcome_reply(app, request, VOR_DRAINING, NULL, NULL);
+    outcome = vor_read_begin(app, request, &trace->deferred, &trace->task, &trace->error);
+    return outcome == VOR_DONE ? VOR_NEXT_WAIT
+                               : vor_outcome_reply(app, request, outcome, &trace->error, NULL);
 }
 
 enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_step step)
