@@ -28,7 +28,8 @@ bool vor_accept_next(const struct vor_request *request, struct vor_accept_walk *
     if (walk->at != NULL)
         walk->at += strspn(walk->at, ", \t");
     while (walk->at == NULL || *walk->at == '\0') {
-        walk->at = vor_request_header_next(request, "Accept", &walk->index);
+        walk->at = vor_request_header_next(request, walk->header != NULL ? walk->header : "Accept",
+                                           &walk->index);
         if (walk->at == NULL)
             return false;
         walk->at += strspn(walk->at, ", \t");
@@ -61,7 +62,7 @@ static int closeness(const char *range, const char *media_type)
 
 bool vor_accept_takes(const struct vor_request *request, const char *media_type)
 {
-    struct vor_accept_walk walk = {0, NULL};
+    struct vor_accept_walk walk = {NULL};
     struct vor_accept_range range;
     bool given = false;
     double quality = 0;
@@ -81,7 +82,7 @@ bool vor_accept_takes(const struct vor_request *request, const char *media_type)
 
 double vor_accept_named(const struct vor_request *request, const char *media_type)
 {
-    struct vor_accept_walk walk = {0, NULL};
+    struct vor_accept_walk walk = {NULL};
     struct vor_accept_range range;
     double quality = 0;
 

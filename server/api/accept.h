@@ -1,4 +1,4 @@
-/** What a caller takes, by its Accept headers. */
+/** What a caller takes, by its headers Accept and Accept-Encoding. */
 #ifndef VOR_SERVER_API_ACCEPT_H
 #define VOR_SERVER_API_ACCEPT_H
 
@@ -6,13 +6,15 @@
 
 #include <stdbool.h>
 
-/** A walk over the ranges of all Accept headers; all zero at its beginning. */
+/** A walk over the ranges of all headers of a name; all zero but for that at its beginning. */
 struct vor_accept_walk {
+    const char *header; /**< NULL: Accept */
     unsigned index;
     const char *at; /**< rest of the header at hand; NULL before the first */
 };
 
-/** One range: a media type, with stars or without; "" for one that is no such thing. */
+/** One range: a media type, with stars or without, or a coding; "" for one that is no such thing.
+ */
 struct vor_accept_range {
     char type[80];
     double quality; /**< its q; 1 when it has none */

@@ -9,7 +9,6 @@
 #include "server/api/problem.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -23,35 +22,18 @@
 /* Bytes that a file may have once inflated; three.js has 1.2 MB before it is made smaller. */
 enum { PLAIN_MAX = 16 << 20 };
 
-/* The q that one coding of a list has (RFC 9110, 12.5.3), -1 where it is another. */
-static double quality_in(const char *item, size_t length, const char *coding)
-{
-    size_t word = strcspn(item, ",; \t");
-    const char *q;
-
-    if (word != strlen(coding) || strncasecmp(item, coding, word) != 0)
-        return -1;
-    q = memchr(item, '=', length);
-    return q == NULL ? 1 : strtod(q + 1, NULL);
-}
-
 /* True when the client reads gzip: it is named with a q above 0, or a star is and gzip is not. */
 static bool takes_gzip(const struct vor_request *request)
 {
-    unsigned index = 0;
-    const char *value;
+    struct vor_accept_walk walk = {.header = "Accept-Encoding"};
+    struct vor_accept_range range;
     double named = -1, any = -1;
 
-    while ((value = vor_request_header_next(request, "Accept-Encoding", &index)) != NULL) {
-        while (*(value += strspn(value, ", \t")) != '\0') {
-            size_t length = strcspn(value, ",");
-
-            if (named < 0)
-                named = quality_in(value, length, "gzip");
-            if (any < 0)
-                any = quality_in(value, length, "*");
-            value += length;
-        }
+    while (vor_accept_next(request, &walk, &range)) {
+        if (named < 0 && strcasecmp(range.type, "gzip") == 0)
+            named = range.quality;
+        if (any < 0 && strcmp(range.type, "*") == 0)
+            any = range.quality;
     }
     return named >= 0 ? named > 0 : any > 0;
 }

@@ -84,7 +84,7 @@ static void take_range(struct acceptance *accept, const struct vor_accept_range 
 
 static void read_accept(struct vor_request *request, struct acceptance *accept)
 {
-    struct vor_accept_walk walk = {0, NULL};
+    struct vor_accept_walk walk = {NULL};
     struct vor_accept_range range;
 
     *accept = (struct acceptance){0};
