@@ -4,12 +4,37 @@
 
 #include <assert.h>
 
-struct vor_upload *vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload)
+void vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload)
 {
     assert(uploads->count < VOR_INPUTS_MAX);
     vor_metric_add(VOR_METRIC_UPLOADS, 1, NULL);
-    uploads->item[uploads->count] = *upload;
-    return &uploads->item[uploads->count++];
+    uploads->item[uploads->count++] = *upload;
+}
+
+/* A file for bytes that come. Room is kept for them as they do, and not for a length that was
+ * declared: else a few callers who declare much and send nothing would have the disk. */
+static vor_status create_file(struct vor_blob_writer **out, struct vor_blobs *blobs,
+                              struct vor_error *err)
+{
+    vor_status status = vor_blob_create(blobs, out, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_blob_promise(*out, 0, err);
+    if (status != VOR_OK)
+        vor_blob_discard(*out);
+    return status;
+}
+
+vor_status vor_uploads_begin(struct vor_uploads *uploads, const char *name, int is_gzip,
+                             struct vor_blobs *blobs, struct vor_error *err)
+{
+    struct vor_upload upload = {.name = name, .is_gzip = is_gzip};
+    vor_status status = create_file(&upload.bytes, blobs, err);
+
+    if (status == VOR_OK)
+        vor_uploads_add(uploads, &upload);
+    return status;
 }
 
 void vor_uploads_drop_last(struct vor_uploads *uploads)
@@ -48,12 +73,10 @@ vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs
 
     if (!upload->is_gzip)
         return VOR_OK;
-    status = vor_blob_create(blobs, &inflated, err);
+    status = create_file(&inflated, blobs, err);
     if (status != VOR_OK)
         return status;
-    status = vor_blob_promise(inflated, 0, err);
-    if (status == VOR_OK)
-        status = inflate_to(inflated, upload->bytes, *most, place, err);
+    status = inflate_to(inflated, upload->bytes, *most, place, err);
     if (status != VOR_OK) {
         vor_blob_discard(inflated);
         return status;

@@ -22,7 +22,14 @@ struct vor_uploads {
 };
 
 /** Adds one, with its file. Its bytes count as an upload under way until they are discarded. */
-struct vor_upload *vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload);
+void vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload);
+
+/** Adds one whose bytes are to come (vor_blob_append to that of the last item).
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM nothing is added */
+VOR_NODISCARD vor_status vor_uploads_begin(struct vor_uploads *uploads, const char *name,
+                                           int is_gzip, struct vor_blobs *blobs,
+                                           struct vor_error *err);
 
 /** Discards the bytes of the one added last, and forgets it. */
 void vor_uploads_drop_last(struct vor_uploads *uploads);

@@ -1,17 +1,15 @@
 /* A job from its upload to the answer. The head is read and refused before the body comes; the body
- * goes to a file, or to one for each file of a form; a thread of admission decodes it and accepts
- * the job; then the caller gets 201, a stream, or waits for the result.
+ * goes to a file, or to one for each file of a form, or is JSON and refused; a thread of admission
+ * decodes it and accepts the job; then the caller gets 201, a stream, or waits for the result.
  *
  * The request may be over while admission still works for it, so both hold the same struct.
  *
  * A request with a key holds it until its job has a row. Its job goes on when the caller leaves,
  * because the caller can come back: the same request again gets the same job. */
-#include "server/api/handlers/submit_head.h"
+#include "server/api/handlers/submission.h"
 
 #include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/submit_form.h"
-#include "server/api/handlers/submit_json.h"
 #include "server/api/limits.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
@@ -20,7 +18,6 @@
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/http/deferred.h"
-#include "server/work/admit.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +30,8 @@ struct submission {
     struct vor_quota quota; /* of the key */
     struct vor_span span;
     double deadline;              /* of the wait; 0 for none */
-    struct vor_submit_form *form; /* NULL when the body is a cloud */
+    struct vor_submit_form *form; /* NULL when the body is none */
+    struct vor_text json;         /* likewise */
     struct vor_uploads uploads;
     atomic_flag cancels; /* the job is being cancelled */
     bool settled;        /* the caller of a synchronous call got an answer */
@@ -70,6 +68,7 @@ static void free_submission(struct vor_deferred *deferred)
 
     end_flight(submission);
     vor_submit_form_free(submission->form);
+    vor_text_free(&submission->json);
     vor_uploads_discard(&submission->uploads);
     free(submission);
 }
@@ -123,6 +122,12 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
     return vor_error_storage_full(&err) ? 507 : 503;
 }
 
+static int take_json(void *ctx, const void *bytes, size_t size)
+{
+    vor_text_add(ctx, bytes, size);
+    return 0; /* what does not fit is found at the end; the limit of the body comes first */
+}
+
 static bool check_disk(struct vor_app *app, struct vor_request *request)
 {
     int64_t length = vor_request_length(request);
@@ -168,37 +173,20 @@ static bool check_room(struct vor_app *app, struct vor_request *request,
     return false;
 }
 
-/* The main input is that of another job, and the body is empty. */
-static struct vor_blob_writer *open_kept(struct vor_app *app, struct vor_request *request,
-                                         const struct vor_submit_options *options)
+/* Whether there is room for a job and its inputs; false after a problem has been replied. */
+static bool has_room(struct vor_app *app, struct vor_request *request,
+                     const struct vor_submit_head *head)
 {
-    struct vor_error err;
-
-    if (vor_request_length(request) == 0)
-        return vor_submit_options_open(app, request, options);
-    (void)vor_fail_param(&err, VOR_E_PARAM, "input",
-                         "input is job:%s, but the body is a cloud too; send one of them",
-                         options->input.text);
-    vor_problem_error(app, request, &err, NULL);
-    return NULL;
-}
-
-/* A file for the body; NULL after a problem has been replied. Room is kept for its bytes as they
- * come and not for the length that was declared: else a few callers who declare much and send
- * nothing would have the disk. */
-static struct vor_blob_writer *create_upload(struct vor_app *app, struct vor_request *request)
-{
-    struct vor_blob_writer *writer = NULL;
-    struct vor_error err;
-    vor_status status = vor_blob_create(app->blobs, &writer, &err);
-
-    if (status == VOR_OK)
-        status = vor_blob_promise(writer, 0, &err);
-    if (status == VOR_OK)
-        return writer;
-    vor_blob_discard(writer);
-    vor_problem_error(app, request, &err, NULL);
-    return NULL;
+    if (!check_room(app, request, head) || !vor_limits_room(app, request, &head->options.key))
+        return false;
+    if (head->mode == VOR_SUBMIT_STREAM &&
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
+        vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
+                        app->config->number[VOR_SET_STREAMS]);
+        return false;
+    }
+    return vor_request_length(request) > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] ||
+           check_disk(app, request);
 }
 
 /* Where the body goes; false after a problem has been replied. */
@@ -206,26 +194,33 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
-    struct vor_upload upload = {.name = head->spec.process->inputs[0].name, /* the main input */
-                                .is_gzip = head->body.is_gzip};
+    const char *name = head->spec.process->inputs[0].name; /* the main input */
+    vor_status status = VOR_OK;
+    struct vor_error err;
 
-    if (head->body.is_form) {
+    switch (head->body) {
+    case VOR_SUBMIT_FORM:
         submission->form =
             vor_submit_form_begin(app, request, &submission->head, &submission->uploads);
         *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
         return submission->form != NULL;
+    case VOR_SUBMIT_JSON:
+        vor_text_init(&submission->json, VOR_JSON_SIZE_MAX);
+        *sink = (struct vor_body_sink){&submission->json, take_json};
+        return true;
+    case VOR_SUBMIT_CLOUD:
+        break;
     }
     *sink = (struct vor_body_sink){submission, take_piece};
-    if (head->options.input.text[0] != '\0') {
-        upload.is_gzip = 0;
-        upload.bytes = open_kept(app, request, &head->options);
-    } else {
-        upload.bytes = create_upload(app, request);
-    }
-    if (upload.bytes == NULL)
-        return false;
-    (void)vor_uploads_add(&submission->uploads, &upload);
-    return true;
+    if (head->options.input.text[0] == '\0')
+        status = vor_uploads_begin(&submission->uploads, name, head->is_gzip, app->blobs, &err);
+    else if (vor_request_length(request) != 0)
+        status = vor_fail_param(&err, VOR_E_PARAM, "input",
+                                "input is job:%s, but the body is a cloud too; send one of them",
+                                head->options.input.text);
+    if (status != VOR_OK)
+        vor_problem_error(app, request, &err, NULL);
+    return status == VOR_OK;
 }
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
@@ -235,14 +230,11 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     struct submission *submission;
     struct vor_body_sink sink;
 
-    if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head) ||
-        !check_room(app, request, &head) || !vor_limits_room(app, request, &head.options.key))
+    if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head))
         return VOR_NEXT_REPLY;
-    if (head.mode == VOR_SUBMIT_STREAM &&
-        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
-        return vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
-                               app->config->number[VOR_SET_STREAMS]);
-    if (vor_request_length(request) <= (int64_t)limit && !check_disk(app, request))
+    if (head.body == VOR_SUBMIT_JSON)
+        limit = limit < VOR_JSON_SIZE_MAX ? limit : VOR_JSON_SIZE_MAX;
+    else if (!has_room(app, request, &head))
         return VOR_NEXT_REPLY;
     submission = calloc(1, sizeof *submission);
     if (submission == NULL)
@@ -258,6 +250,29 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
+}
+
+/* The body is in: true when inputs and parameters are all there; else a problem has been replied.
+ */
+static bool end_body(struct vor_app *app, struct vor_request *request,
+                     struct submission *submission)
+{
+    struct vor_submit_head *head = &submission->head;
+    struct vor_upload kept = {.name = head->spec.process->inputs[0].name};
+
+    if (head->body == VOR_SUBMIT_JSON) {
+        vor_submit_json_refuse(app, request, head->spec.process, &submission->json);
+        return false;
+    }
+    if (submission->form != NULL && !vor_submit_form_end(submission->form))
+        return false;
+    if (head->options.input.text[0] != '\0') { /* the main input is that of another job */
+        kept.bytes = vor_submit_options_open(app, request, &head->options);
+        if (kept.bytes == NULL)
+            return false;
+        vor_uploads_add(&submission->uploads, &kept);
+    }
+    return submission->form == NULL || vor_submit_complete(app, request, head);
 }
 
 /* Whether nobody waits for admission any more; who has a key can come back. */
@@ -487,17 +502,15 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     struct vor_app *app = ctx;
     struct submission *submission = vor_request_state(request);
 
-    if (vor_request_length(request) != 0 && vor_submit_body_is_json(request))
-        return vor_submit_json(app, request, step);
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY) {
         enum vor_job_outcome outcome = VOR_UNKNOWN;
         struct vor_submit_inputs inputs;
 
-        /* The body is in: answers a request whose key is that of a job, and admits any other. */
-        if (submission->form != NULL && !vor_submit_form_end(submission->form))
+        if (!end_body(app, request, submission))
             return VOR_NEXT_REPLY;
+        /* Answers a request whose key is that of a job, and admits any other. */
         for (unsigned i = 0; i < submission->uploads.count; i++)
             submission->packed |= submission->uploads.item[i].is_gzip;
         if (has_key(submission) && !submission->packed) {

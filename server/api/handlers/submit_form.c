@@ -1,8 +1,7 @@
-#include "server/api/handlers/submit_form.h"
+#include "server/api/handlers/submission.h"
 
 #include "core/base/quote.h"
 #include "proto/multipart.h"
-#include "server/api/handlers/submit_head.h"
 #include "server/api/problem.h"
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
@@ -57,7 +56,6 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
                              const struct vor_multipart_part *part, struct vor_error *err)
 {
     struct vor_uploads *uploads = form->uploads;
-    struct vor_upload upload = {.name = input->name};
     int coding = vor_submit_coding(part->coding);
     char shown[SHOWN_SIZE];
     vor_status status;
@@ -69,17 +67,11 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
         return vor_fail(err, VOR_E_UNSUPPORTED,
                         "the Content-Encoding of %s is %s, want gzip or none", input->name,
                         vor_quote(shown, sizeof shown, part->coding, strlen(part->coding)));
-    upload.is_gzip = coding > 0;
-    status = vor_blob_create(form->app->blobs, &upload.bytes, err);
+    status = vor_uploads_begin(uploads, input->name, coding > 0, form->app->blobs, err);
     if (status == VOR_OK)
-        status = vor_blob_promise(upload.bytes, 0, err);
-    if (status != VOR_OK) {
-        vor_blob_discard(upload.bytes);
-        return status;
-    }
-    form->file = vor_uploads_add(uploads, &upload);
+        form->file = &uploads->item[uploads->count - 1];
     form->is_unnamed = part->is_unnamed;
-    return VOR_OK;
+    return status;
 }
 
 static vor_status begin_text(struct vor_submit_form *form, const struct vor_multipart_part *part,
@@ -253,26 +245,12 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
     return vor_spec_check_inputs(spec, inputs, err);
 }
 
-/* Adds the main input if it is that of another job; false after a problem has been replied. */
-static bool add_kept(struct vor_submit_form *form)
-{
-    const struct vor_submit_options *options = &form->head->options;
-    struct vor_upload upload = {.name = form->head->spec.process->inputs[0].name};
-
-    if (options->input.text[0] == '\0')
-        return true;
-    upload.bytes = vor_submit_options_open(form->app, form->request, options);
-    if (upload.bytes != NULL)
-        (void)vor_uploads_add(form->uploads, &upload);
-    return upload.bytes != NULL;
-}
-
 bool vor_submit_form_end(struct vor_submit_form *form)
 {
     struct vor_error *err = &form->error;
 
     if (err->status == VOR_OK && check_whole(form, err) == VOR_OK)
-        return add_kept(form) && vor_submit_complete(form->app, form->request, form->head);
+        return true;
     vor_problem_error(form->app, form->request, err, NULL);
     return false;
 }

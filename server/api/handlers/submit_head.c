@@ -1,7 +1,8 @@
-#include "server/api/handlers/submit_head.h"
+#include "server/api/handlers/submission.h"
 
 #include "core/base/quote.h"
 #include "proto/codec.h"
+#include "proto/multipart.h"
 #include "server/api/accept.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/prefer.h"
@@ -10,6 +11,8 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+
+enum { SHOWN_SIZE = 48 }; /* of a header in a message */
 
 /* What an Accept header leaves to choose from. */
 struct acceptance {
@@ -26,6 +29,59 @@ static bool begin_spec(struct vor_app *app, struct vor_request *request, struct 
     if (process != NULL)
         vor_spec_preset(spec, process);
     return process != NULL;
+}
+
+int vor_submit_coding(const char *coding)
+{
+    if (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0)
+        return 1; /* RFC 9110, 8.4.1.3: the two are the same */
+    return coding[0] == '\0' || strcasecmp(coding, "identity") == 0 ? 0 : -1;
+}
+
+static bool read_coding(struct vor_app *app, struct vor_request *request,
+                        struct vor_submit_head *out)
+{
+    unsigned index = 0;
+    const char *value = vor_request_header_next(request, "Content-Encoding", &index);
+    const char *more = vor_request_header_next(request, "Content-Encoding", &index);
+    char shown[SHOWN_SIZE];
+    int coding;
+
+    if (value == NULL)
+        return true;
+    coding = vor_submit_coding(value);
+    out->is_gzip = coding > 0;
+    if (coding >= 0 && more == NULL)
+        return true;
+    vor_reply_header(request, "Accept-Encoding", "gzip");
+    vor_problem_say(
+        app, request, "unsupported-format", "Content-Encoding is %s%s, want gzip, once, or none",
+        vor_quote(shown, sizeof shown, value, strlen(value)), more != NULL ? " and more" : "");
+    return false;
+}
+
+/* Reads Content-Type and Content-Encoding. */
+static bool read_body(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+{
+    const char *type = vor_request_header(request, "Content-Type");
+    size_t length = type != NULL ? strcspn(type, "; \t") : 0;
+
+    if (vor_request_length(request) != 0 &&
+        ((length == 16 && strncasecmp(type, "application/json", 16) == 0) ||
+         (length > 5 && strncasecmp(type + length - 5, "+json", 5) == 0)))
+        out->body = VOR_SUBMIT_JSON;
+    else if (type != NULL && vor_multipart_is_form(type))
+        out->body = VOR_SUBMIT_FORM;
+    if (out->body == VOR_SUBMIT_JSON)
+        return true;
+    if (!read_coding(app, request, out))
+        return false;
+    if (out->body != VOR_SUBMIT_FORM || !out->is_gzip)
+        return true;
+    vor_problem_say(app, request, "unsupported-format",
+                    "Content-Encoding is gzip for the whole form, want it in the headers of a part "
+                    "with a file");
+    return false;
 }
 
 static vor_status read_pairs(struct vor_request *request, struct vor_submit_head *out,
@@ -170,8 +226,11 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
     struct acceptance accept;
 
     memset(out, 0, sizeof *out);
-    if (!begin_spec(app, request, &out->spec) || !vor_submit_body_read(app, request, &out->body) ||
-        !read_spec(app, request, out))
+    if (!begin_spec(app, request, &out->spec) || !read_body(app, request, out))
+        return false;
+    if (out->body == VOR_SUBMIT_JSON)
+        return true;
+    if (!read_spec(app, request, out))
         return false;
     read_accept(request, &accept);
     vor_prefer_read(request, &preferences);
@@ -181,5 +240,5 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
         out->mode = VOR_SUBMIT_STREAM;
     else if (out->is_async && out->wait_seconds <= 0)
         out->mode = VOR_SUBMIT_ASYNC;
-    return out->body.is_form || vor_submit_complete(app, request, out);
+    return out->body == VOR_SUBMIT_FORM || vor_submit_complete(app, request, out);
 }

@@ -1,9 +1,8 @@
-#include "server/api/handlers/submit_json.h"
+#include "server/api/handlers/submission.h"
 
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -11,33 +10,6 @@ enum {
     POINTER_SIZE = 128, /* of the place of one, with the NUL; longer ones are cut */
     DETAIL_SIZE = 160   /* of the sentence of one */
 };
-
-static int take(void *ctx, const void *bytes, size_t size)
-{
-    vor_text_add(ctx, bytes, size);
-    return 0; /* what does not fit is found at the end; the limit of the body comes first */
-}
-
-static void release(void *state)
-{
-    vor_text_free(state);
-    free(state);
-}
-
-static enum vor_next begin(struct vor_app *app, struct vor_request *request)
-{
-    double limit = app->config->number[VOR_SET_BODY_LIMIT];
-    struct vor_text *body = calloc(1, sizeof *body);
-    struct vor_body_sink sink = {body, take};
-
-    if (body == NULL)
-        return vor_problem_no_memory(app, request);
-    vor_text_init(body, VOR_JSON_SIZE_MAX);
-    vor_request_set_state(request, body, release);
-    vor_request_take_body(request, &sink,
-                          limit < (double)VOR_JSON_SIZE_MAX ? (uint64_t)limit : VOR_JSON_SIZE_MAX);
-    return VOR_NEXT_BODY;
-}
 
 /* --- what is in it ---------------------------------------------------------------------------- */
 
@@ -103,17 +75,19 @@ static void look_into(struct found *found, const struct vor_json *object, const 
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static enum vor_next refuse(struct vor_app *app, struct vor_request *request, struct found *found)
+static void refuse(struct vor_app *app, struct vor_request *request, struct found *found)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-parameter");
     const char *id = found->process->id;
     char detail[1024];
 
-    if (found->count == 0)
-        return vor_problem_say(app, request, "unsupported-format",
-                               "the body is JSON, want a cloud, or a form (multipart/form-data) "
-                               "with one; parameters belong in the query, as in /v1/%s?seed=1",
-                               id);
+    if (found->count == 0) {
+        vor_problem_say(app, request, "unsupported-format",
+                        "the body is JSON, want a cloud, or a form (multipart/form-data) with one; "
+                        "parameters belong in the query, as in /v1/%s?seed=1",
+                        id);
+        return;
+    }
     (void)snprintf(
         detail, sizeof detail,
         "%s is in a JSON body, at %s; parameters belong in the query, with the cloud as the body: "
@@ -123,35 +97,25 @@ static enum vor_next refuse(struct vor_app *app, struct vor_request *request, st
     problem.detail = detail;
     problem.errors = found->errors;
     problem.error_count = found->count;
-    return vor_problem_reply(app, request, &problem);
+    vor_problem_reply(app, request, &problem);
 }
 
-static enum vor_next answer(struct vor_app *app, struct vor_request *request,
+void vor_submit_json_refuse(struct vor_app *app, struct vor_request *request,
                             const struct vor_process_info *process, const struct vor_text *body)
 {
     struct found found = {.process = process};
     struct vor_json *json = NULL;
     struct vor_error err;
-    enum vor_next next;
 
     if (vor_text_status(body, &err) != VOR_OK ||
-        vor_json_parse(&json, body->data != NULL ? body->data : "", body->size, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
+        vor_json_parse(&json, body->data != NULL ? body->data : "", body->size, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, NULL);
+        return;
+    }
     vor_text_init(&found.query, 0);
     if (vor_json_kind(json) == VOR_JSON_OBJECT)
         look_into(&found, json, "", 1);
-    next = refuse(app, request, &found);
+    refuse(app, request, &found);
     vor_text_free(&found.query);
     vor_json_free(json);
-    return next;
-}
-
-enum vor_next vor_submit_json(struct vor_app *app, struct vor_request *request, enum vor_step step)
-{
-    const struct vor_process_info *process = vor_process_of_submit(app, request);
-
-    if (process == NULL)
-        return VOR_NEXT_REPLY;
-    return step == VOR_STEP_HEAD ? begin(app, request)
-                                 : answer(app, request, process, vor_request_state(request));
 }

@@ -1,4 +1,4 @@
-#include "server/api/handlers/submit_options.h"
+#include "server/api/handlers/submission.h"
 
 #include "core/base/quote.h"
 #include "core/base/utf8.h"
