@@ -1,5 +1,7 @@
 #include "server/base/address.h"
 
+#include "server/base/command_line.h"
+
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <stdio.h>
@@ -154,16 +156,10 @@ size_t vor_host_name_length(const char *host)
  * be missing; nobody sends that, and no socket has it. */
 static bool port_is_sound(const char *text)
 {
-    size_t digits;
-    unsigned long port;
+    unsigned port;
 
-    if (text[0] == '\0')
-        return true;
-    digits = strspn(text + 1, "0123456789");
-    if (text[0] != ':' || digits == 0 || digits > 5 || text[1 + digits] != '\0')
-        return false;
-    port = strtoul(text + 1, NULL, 10);
-    return port >= 1 && port <= UINT16_MAX;
+    return text[0] == '\0' ||
+           (text[0] == ':' && strlen(text) <= 6 && vor_whole_read(&port, text + 1, 1, UINT16_MAX));
 }
 
 bool vor_host_is_sound(const char *host)

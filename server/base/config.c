@@ -1,19 +1,17 @@
 #include "server/base/config.h"
 
 #include "core/base/nearest.h"
+#include "server/base/command_line.h"
 #include "server/base/config_file.h"
 
 #include <ctype.h>
-#include <getopt.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 enum {
-    OPERAND = 1,        /* what getopt_long returns for a word that is no option */
-    LONG_SETTING = 256, /* and for a setting, above every letter: its row behind this */
-    AMONG_MAX = 512     /* bytes of the names that an ambiguous one may stand for */
+    OPERAND = 1,       /* what getopt_long returns for a word that is no option */
+    LONG_SETTING = 256 /* and for a setting, above every letter: its row behind this */
 };
 
 const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT] = {
@@ -34,34 +32,11 @@ static vor_status bad_number(const struct vor_setting_info *info, const char *te
                           info->min, info->max);
 }
 
-static int byte_shift(const char *suffix)
-{
-    static const char suffixes[] = "KMGT";
-    const char *at;
-
-    if (suffix[0] == '\0')
-        return 0;
-    at = strchr(suffixes, toupper((unsigned char)suffix[0]));
-    return at != NULL && suffix[1] == '\0' ? 10 * (int)(at - suffixes + 1) : -1;
-}
-
 static vor_status set_number(double *out, const struct vor_setting_info *info, const char *text,
                              struct vor_error *err)
 {
-    char *end;
-    double number;
-    int shift = 0;
+    double number = vor_number_read(text, strlen(text), info->kind == VOR_SETTING_BYTES);
 
-    if (strspn(text, "0123456789.") == 0 || strpbrk(text, "xX") != NULL || strlen(text) > 30)
-        return bad_number(info, text, err);
-    number = strtod(text, &end);
-    if (info->kind == VOR_SETTING_BYTES)
-        shift = byte_shift(end);
-    else if (*end != '\0')
-        shift = -1;
-    if (shift < 0)
-        return bad_number(info, text, err);
-    number = ldexp(number, shift);
     if (!(number >= info->min && number <= info->max) ||
         (info->kind != VOR_SETTING_TIME && number != rint(number)))
         return bad_number(info, text, err);
@@ -190,21 +165,26 @@ static void read_environment(struct reading *reading, char *(*get)(const char *)
             note(reading, &why);
 }
 
-/* Refuses a name, which stands behind that prefix: with those it may be meant for. */
-static vor_status no_setting(const char *name, size_t length, const char *prefix,
-                             struct vor_error *err)
+static const char the_address[] = "; the address is --listen HOST:PORT";
+
+static int is_address(const char *name)
+{
+    return strcspn(name, "=") == 4 &&
+           (memcmp(name, "port", 4) == 0 || memcmp(name, "host", 4) == 0);
+}
+
+/* Refuses a name with those that it may be meant for. */
+static vor_status no_setting(const char *name, struct vor_error *err)
 {
     char meant[VOR_NEAREST_TEXT_SIZE];
     struct vor_nearest nearest;
-    int is_address = length == 4 && (memcmp(name, "port", 4) == 0 || memcmp(name, "host", 4) == 0);
 
-    vor_nearest_init(&nearest, name, length);
+    vor_nearest_init(&nearest, name, strlen(name));
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
         vor_nearest_try(&nearest, vor_setting_infos[i].flag, strlen(vor_setting_infos[i].flag));
-    return vor_fail(err, VOR_E_PARAM, "no setting \"%s%.*s\"%s", prefix,
-                    (int)(length < 60 ? length : 60), name,
-                    is_address          ? "; the address is --listen HOST:PORT"
-                    : nearest.count > 0 ? vor_nearest_text(&nearest, prefix, meant)
+    return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"%s", name,
+                    is_address(name)    ? the_address
+                    : nearest.count > 0 ? vor_nearest_text(&nearest, "", meant)
                                         : "; see voronoid serve --help");
 }
 
@@ -224,7 +204,7 @@ static vor_status take_setting(void *ctx, unsigned line, const char *name, const
     int setting = find_setting(name);
 
     if (setting < 0 || setting == VOR_SET_CONFIG || setting == VOR_SET_CHECK_CONFIG)
-        return no_setting(name, strlen(name), "", err);
+        return no_setting(name, err);
     if (config->given[setting] && config->line[setting] == 0)
         return VOR_OK;
     if (config->line[setting] > 0 && vor_setting_infos[setting].kind != VOR_SETTING_LIST)
@@ -262,66 +242,43 @@ static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
             NULL, LONG_SETTING + i};
 }
 
-/* A flag that is none, or may be several. */
-static vor_status refuse_flag(const char *word, struct vor_error *err)
-{
-    size_t length = strcspn(word + 2, "="), at = 0;
-    char names[AMONG_MAX] = "";
-    int found = 0;
-
-    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
-        if (strncmp(vor_setting_infos[i].flag, word + 2, length) != 0)
-            continue;
-        if (at < sizeof names)
-            at += (size_t)snprintf(names + at, sizeof names - at, "%s--%s", found > 0 ? " or " : "",
-                                   vor_setting_infos[i].flag);
-        found++;
-    }
-    if (found > 1 && length > 0)
-        return vor_fail(err, VOR_E_PARAM, "%.60s may be %s", word, names);
-    return no_setting(word + 2, length, "--", err);
-}
-
-/* Takes what getopt_long returned. */
-static vor_status take(struct vor_config *config, int got, char **argv, struct vor_error *err)
-{
-    const char letter[] = {'-', (char)optopt, '\0'};
-    vor_status status;
-
-    switch (got) {
-    case OPERAND:
-        return no_setting(optarg, strlen(optarg), "", err);
-    case ':':
-        return vor_fail(err, VOR_E_PARAM, "--%s wants a value",
-                        vor_setting_infos[optopt - LONG_SETTING].flag);
-    case '?':
-        return optopt == 0 ? refuse_flag(argv[optind - 1], err)
-                           : no_setting(letter, strlen(letter), "", err);
-    default:
-        status = set(config, got - LONG_SETTING, optarg != NULL ? optarg : "1", err);
-        config->given[got - LONG_SETTING] = status == VOR_OK;
-        return status;
-    }
-}
-
 /* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
  * from an unknown setting, and prints nothing. */
 static void read_arguments(struct reading *reading, int argc, char **argv)
 {
+    struct vor_config *config = reading->config;
     struct option longs[VOR_SETTING_COUNT + 1];
+    vor_status status;
     struct vor_error why;
     int got, before = 0;
 
     make_longs(longs);
     optind = 0; /* glibc's word for a new command line */
     for (; (got = getopt_long(argc, argv, "-:", longs, NULL)) != -1; before = got) {
+        const char letter[] = {'-', (char)optopt, '\0'};
+
         if (got == OPERAND && before == '?')
             continue; /* as good as surely the value of a flag that is none */
-        if (take(reading->config, got, argv, &why) != VOR_OK)
+        if (got == OPERAND) {
+            status = no_setting(optarg, &why);
+        } else if (got == ':') {
+            status = vor_fail(&why, VOR_E_PARAM, "--%s needs a value",
+                              vor_setting_infos[optopt - LONG_SETTING].flag);
+        } else if (got == '?') {
+            const char *word = optopt == 0 ? argv[optind - 1] : letter;
+
+            status = is_address(word + 2)
+                         ? vor_fail(&why, VOR_E_PARAM, "no option %.6s%s", word, the_address)
+                         : vor_option_refuse(longs, word, "serve", &why);
+        } else {
+            status = set(config, got - LONG_SETTING, optarg != NULL ? optarg : "1", &why);
+            config->given[got - LONG_SETTING] = status == VOR_OK;
+        }
+        if (status != VOR_OK)
             note(reading, &why);
     }
     for (; optind < argc; optind++) {
-        (void)no_setting(argv[optind], strlen(argv[optind]), "", &why);
+        (void)no_setting(argv[optind], &why);
         note(reading, &why);
     }
 }

@@ -1,7 +1,7 @@
 #include "server/base/endpoint.h"
 
-#include <ctype.h>
-#include <stdlib.h>
+#include "server/base/command_line.h"
+
 #include <string.h>
 #include <strings.h>
 
@@ -26,14 +26,12 @@ vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const 
 {
     const char *colon = strrchr(text, ':');
     size_t length = colon != NULL ? (size_t)(colon - text) : 0;
-    char *end = NULL;
-    unsigned long port = colon != NULL ? strtoul(colon + 1, &end, 10) : 0;
 
     memset(out, 0, sizeof *out);
     if (strncmp(text, "unix:", 5) == 0)
         return parse_path(out, flag, text + 5, err);
-    if (length == 0 || length >= sizeof out->host || !isdigit((unsigned char)colon[1]) ||
-        *end != '\0' || port > PORT_MAX)
+    if (length == 0 || length >= sizeof out->host ||
+        !vor_whole_read(&out->port, colon + 1, 0, PORT_MAX))
         return vor_fail_param(err, VOR_E_PARAM, flag,
                               "--%s is \"%.80s\", want HOST:PORT with a port from 0 to %d, or "
                               "unix:/PATH",
@@ -43,7 +41,6 @@ vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const 
         length -= 2;
     }
     memcpy(out->host, text, length);
-    out->port = (unsigned)port;
     out->loopback = strncmp(out->host, "127.", 4) == 0 || strcmp(out->host, "::1") == 0 ||
                     strcasecmp(out->host, "localhost") == 0;
     return VOR_OK;

@@ -1,9 +1,9 @@
 #include "server/base/key_line.h"
 
 #include "core/base/quote.h"
+#include "server/base/command_line.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SHOWN_SIZE = 64 /* of what the file says, in a message */ };
@@ -101,28 +101,6 @@ static const struct quota_info quota_infos[] = {
 
 enum { QUOTAS = sizeof quota_infos / sizeof quota_infos[0] };
 
-/* A number, with K, M, G or T (1024) behind it or not, that ends where the word does; NAN for
- * anything else. */
-static double read_number(const char *text, size_t length)
-{
-    static const char suffixes[] = "KMGT";
-    char copy[32], *end;
-    const char *suffix;
-    double number;
-
-    if (length == 0 || length >= sizeof copy || strspn(text, "0123456789.") == 0 ||
-        memchr(text, 'x', length) != NULL || memchr(text, 'X', length) != NULL)
-        return NAN; /* strtod reads hexadecimal numbers as well */
-    memcpy(copy, text, length);
-    copy[length] = '\0';
-    number = strtod(copy, &end);
-    if (*end == '\0')
-        return number;
-    suffix = strchr(suffixes, *end);
-    return suffix != NULL && end[1] == '\0' ? ldexp(number, 10 * (int)(suffix - suffixes + 1))
-                                            : NAN;
-}
-
 static const struct quota_info *quota_of(const char *text, size_t length)
 {
     for (size_t i = 0; i < QUOTAS; i++) {
@@ -139,7 +117,7 @@ static vor_status read_quota(struct vor_quota *out, const char *text, size_t len
 {
     const struct quota_info *info = quota_of(text, length);
     size_t name = info != NULL ? strlen(info->name) + 1 : 0;
-    double number = info != NULL ? read_number(text + name, length - name) : NAN;
+    double number = info != NULL ? vor_number_read(text + name, length - name, 1) : NAN;
     char shown[SHOWN_SIZE];
 
     vor_quote(shown, sizeof shown, text, length);

@@ -2,6 +2,7 @@
 
 #include "core/base/quote.h"
 #include "server/base/clock.h"
+#include "server/base/command_line.h"
 #include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/job_list.h"
@@ -147,12 +148,10 @@ static vor_status read_list_options(const struct vor_cli *cli, unsigned *limit,
 {
     const char *text = cli->option[VOR_OPTION_LIMIT];
     const char *statuses = cli->option[VOR_OPTION_STATUS];
-    char quoted[64], *end = NULL;
-    unsigned long number = text != NULL ? strtoul(text, &end, 10) : LIMIT_DEFAULT;
+    char quoted[64];
 
-    *limit = (unsigned)number;
-    if (text != NULL &&
-        (text[0] < '0' || text[0] > '9' || *end != '\0' || number < 1 || number > LIMIT_MAX))
+    *limit = LIMIT_DEFAULT;
+    if (text != NULL && !vor_whole_read(limit, text, 1, LIMIT_MAX))
         return vor_fail(err, VOR_E_PARAM, "limit is %s, want a whole number from 1 to %d",
                         vor_quote(quoted, sizeof quoted, text, strlen(text)), LIMIT_MAX);
     if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||

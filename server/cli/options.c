@@ -6,11 +6,11 @@
 #include "core/spec/decimal.h"
 #include "proto/codec.h"
 #include "proto/text.h"
+#include "server/base/command_line.h"
 #include "server/base/machine.h"
 #include "server/base/uuid.h"
 #include "server/cli/menu.h"
 
-#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,31 +42,6 @@ int vor_cli_into_folder(const struct vor_cli *cli)
 
 /* Refusals. */
 
-static vor_status no_option(const struct reader *r, const char *shown)
-{
-    return vor_fail(r->err, VOR_E_PARAM, "no option %s; see voronoid %s --help", shown,
-                    r->cli->command->name);
-}
-
-/* The names that begin like this, with "or" between; how many there are. */
-static int candidates(const struct vor_menu *menu, const char *begin, size_t length,
-                      char out[NAMES_SIZE])
-{
-    size_t at = 0;
-    int found = 0;
-
-    for (int i = 0; i < menu->count; i++) {
-        if (strncmp(menu->longs[i].name, begin, length) != 0 ||
-            (i > 0 && menu->longs[i].val == menu->longs[i - 1].val && found > 0))
-            continue;
-        if (at < NAMES_SIZE)
-            at += (size_t)snprintf(out + at, NAMES_SIZE - at, "%s--%s", found > 0 ? " or " : "",
-                                   menu->longs[i].name);
-        found++;
-    }
-    return found;
-}
-
 /* A parameter that only other processes take: names them. */
 static vor_status refuse_parameter(const struct reader *r, const char *shown,
                                    enum vor_parameter parameter)
@@ -84,42 +59,20 @@ static vor_status refuse_parameter(const struct reader *r, const char *shown,
                     r->cli->command->process->id);
 }
 
-/* A long option that is none of the command's, or may be several of them. */
-static vor_status refuse_long(const struct reader *r, const char *word)
+/* A word that getopt_long does not know. */
+static vor_status refuse_word(const struct reader *r, const char *word)
 {
     const struct vor_process_info *process = r->cli->command->process;
-    const char *name = word + 2;
-    size_t length = strcspn(name, "=");
-    char shown[SHOWN_SIZE], exact[SHOWN_SIZE], names[NAMES_SIZE];
+    size_t length = strcspn(word, "=");
+    char shown[SHOWN_SIZE], exact[SHOWN_SIZE];
     enum vor_parameter parameter;
-    char meant[VOR_NEAREST_TEXT_SIZE];
-    struct vor_nearest nearest;
 
-    vor_quote(shown, sizeof shown, word, length + 2);
-    (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), name);
-    parameter = vor_menu_parameter(exact);
-    if (process != NULL && parameter != VOR_PARAMETER_COUNT &&
+    (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), word);
+    parameter = vor_menu_parameter(exact + strspn(exact, "-"));
+    if (word[1] == '-' && process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter))
-        return refuse_parameter(r, shown, parameter);
-    if (length > 0 && candidates(&r->menu, name, length, names) > 1)
-        return vor_fail(r->err, VOR_E_PARAM, "%s may be %s", shown, names);
-    vor_nearest_init(&nearest, name, length);
-    for (int i = 0; i < r->menu.count; i++)
-        if (i == 0 || r->menu.longs[i].val != r->menu.longs[i - 1].val)
-            vor_nearest_try(&nearest, r->menu.longs[i].name, strlen(r->menu.longs[i].name));
-    if (nearest.count == 0)
-        return no_option(r, shown);
-    return vor_fail(r->err, VOR_E_PARAM, "no option %s%s", shown,
-                    vor_nearest_text(&nearest, "--", meant));
-}
-
-static vor_status refuse_letter(const struct reader *r, int letter, const char *what)
-{
-    const char text[] = {'-', (char)letter};
-    char shown[SHOWN_SIZE];
-
-    vor_quote(shown, sizeof shown, text, sizeof text);
-    return what != NULL ? vor_fail(r->err, VOR_E_PARAM, "%s %s", shown, what) : no_option(r, shown);
+        return refuse_parameter(r, vor_quote(shown, sizeof shown, word, length), parameter);
+    return vor_option_refuse(r->menu.longs, word, r->cli->command->name, r->err);
 }
 
 /* Reading. */
@@ -169,23 +122,17 @@ static vor_status take(struct reader *r, int got)
                      : option_of_letter(r->cli->command, got);
 
     if (got == '?' || got == ':') {
-        const char *missing = got == ':' ? "needs a value" : NULL;
+        const char letter[] = {'-', (char)optopt, '\0'};
+        const char *word = 0 < optopt && optopt < VOR_LONG_OPTION ? letter : r->argv[optind - 1];
+        char shown[SHOWN_SIZE];
 
-        /* getopt_long returned '?', or ':' for a value that is missing. optopt is then what it
-         * would have returned, or 0 for a long option that it does not know. */
-        if (optopt == 0)
-            return refuse_long(r, r->argv[optind - 1]);
-        if (optopt >= VOR_LONG_OPTION) {
-            const char *word = r->argv[optind - 1];
-            char shown[SHOWN_SIZE];
-
-            /* The option at hand is known and stands in the word before the next one: its name is
-             * shown as it was written. */
-            vor_quote(shown, sizeof shown, word, strcspn(word, "="));
-            return vor_fail(r->err, VOR_E_PARAM, "%s %s", shown,
-                            missing != NULL ? missing : "takes no value");
-        }
-        return refuse_letter(r, optopt, missing);
+        /* '?', or ':' for a value that is missing. optopt is then what it would have returned, or 0
+         * for a long option that it does not know. One that it knows is shown as it was written. */
+        if (got == '?' && optopt < VOR_LONG_OPTION)
+            return refuse_word(r, word);
+        return vor_fail(r->err, VOR_E_PARAM, "%s %s",
+                        vor_quote(shown, sizeof shown, word, strcspn(word, "=")),
+                        got == ':' ? "needs a value" : "takes no value");
     }
     if (got == OPERAND)
         return add_operand(r, optarg);
@@ -203,15 +150,13 @@ static vor_status take(struct reader *r, int got)
 static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
 {
     const char *text = cli->option[VOR_OPTION_THREADS];
-    unsigned long threads;
-    char *end, quoted[SHOWN_SIZE];
+    char quoted[SHOWN_SIZE];
 
-    threads = text != NULL ? strtoul(text, &end, 10) : 0;
-    if (text != NULL &&
-        (text[0] < '0' || text[0] > '9' || *end != '\0' || threads > VOR_THREADS_MAX))
+    if (text != NULL && !vor_whole_read(&cli->threads, text, 0, VOR_THREADS_MAX))
         return vor_fail(err, VOR_E_PARAM, "threads is %s, want a whole number from 0 to %d",
                         vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_THREADS_MAX);
-    cli->threads = threads > 0 ? (unsigned)threads : vor_machine_cores();
+    if (cli->threads == 0)
+        cli->threads = vor_machine_cores();
     return VOR_OK;
 }
 

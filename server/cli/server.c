@@ -1,5 +1,7 @@
 #include "server/cli/server.h"
 
+#include "server/base/command_line.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,38 +19,26 @@ static int is(const char *text, size_t length, const char *word)
     return strlen(word) == length && memcmp(text, word, length) == 0;
 }
 
-/* A port that can be asked; 0 when text is none. */
-static unsigned long port_of(const char *text)
-{
-    unsigned long port;
-    char *end;
-
-    if (text[0] < '0' || text[0] > '9')
-        return 0;
-    port = strtoul(text, &end, 10);
-    return *end == '\0' && port <= PORT_MAX ? port : 0;
-}
-
 /* "HOST:PORT" of a setting as the URL to ask. */
 static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *variable,
                               const char *listen, struct vor_error *err)
 {
     const char *colon = strrchr(listen, ':');
     size_t host = colon != NULL ? (size_t)(colon - listen) : 0;
-    unsigned long port = host > 0 && host <= PATH_ROOM ? port_of(colon + 1) : 0;
+    unsigned port;
 
-    if (port == 0)
+    if (host == 0 || host > PATH_ROOM || !vor_whole_read(&port, colon + 1, 1, PORT_MAX))
         return vor_fail(
             err, VOR_E_PARAM,
             "%s is \"%.80s\", want HOST:PORT with a port from 1 to %d, or give --server "
             "URL",
             variable, listen, PORT_MAX);
     if (is(listen, host, "0.0.0.0"))
-        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://127.0.0.1:%lu", port);
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://127.0.0.1:%u", port);
     else if (is(listen, host, "[::]"))
-        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://[::1]:%lu", port);
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://[::1]:%u", port);
     else
-        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://%.*s:%lu", (int)host, listen, port);
+        (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://%.*s:%u", (int)host, listen, port);
     return VOR_OK;
 }
 

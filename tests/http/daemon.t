@@ -15,7 +15,7 @@ my $long = 'points=4000&iterations=10000';
 # Settings.
 for my $case (
     [['--queue', '0'], qr/--queue is "0", want a whole number from 1 to 100000/],
-    [['--queue=1.5'], qr/--queue is "1.5"/], [['--queue'], qr/--queue wants a value/],
+    [['--queue=1.5'], qr/--queue is "1.5"/], [['--queue'], qr/--queue needs a value/],
     [['--body-limit', '1Q'], qr/--body-limit is "1Q", want bytes/],
     [['--drain-timeout', '-1'], qr/--drain-timeout is "-1", want seconds from 0 to 3600/],
     [['--log-level', 'loud'], qr/--log-level is "loud", want one of debug info warn error off/],
@@ -30,9 +30,9 @@ for my $case (
     [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
-    [['--he=1'], qr/--he=1 may be --header-timeout or --heartbeat/], [['-x'], qr/no setting "-x"; see voronoid serve --help/],
+    [['--he=1'], qr/--he may be --header-timeout or --heartbeat/], [['-x'], qr/no option -x; see voronoid serve --help/],
     [['--strea=0'], qr/--streams is "0"/], [['--jobs', '0x1'], qr/--jobs is "0x1", want/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
-    [['--colour=red'], qr/no setting "--colour"; see/], [['--port=80'], qr/no setting "--port"; the address is --listen HOST:PORT/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no setting "--lisen"; did you mean --listen\?/],
+    [['--colour=red'], qr/no option --colour; see/], [['--port=80'], qr/no option --port; the address is --listen HOST:PORT/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no option --lisen; did you mean --listen\?/],
 ) {
     my ($arguments, $message) = @$case;
     my ($status, $text) = Vt::run('--data', tempdir(CLEANUP => 1), @$arguments);

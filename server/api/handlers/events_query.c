@@ -3,8 +3,8 @@
 #include "core/base/quote.h"
 #include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
+#include "server/base/command_line.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define BAD_QUERY "invalid-query-parameter-value"
@@ -28,14 +28,12 @@ bool vor_query_points(struct vor_app *app, struct vor_request *request, const ch
                       size_t *out)
 {
     const char *text = vor_request_query(request, name);
-    char quoted[64], *end;
-    unsigned long value;
+    char quoted[64];
+    unsigned value;
 
     if (text == NULL)
         return true;
-    value = strtoul(text, &end, 10);
-    if (text[0] >= '0' && text[0] <= '9' && *end == '\0' && value >= 1 &&
-        value <= VOR_PREVIEW_POINTS_MAX) {
+    if (vor_whole_read(&value, text, 1, VOR_PREVIEW_POINTS_MAX)) {
         *out = value;
         return true;
     }
