@@ -130,10 +130,9 @@ struct vor_stage_done {
     X(U64, points_out, "points.out", "points", "Points of the result")                             \
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result: the relative standard deviation of the distances to the nearest " \
-      "neighbour; lower is better. With a density, distances are divided by the spacing wanted "   \
-      "there; "                                                                                    \
-      "with a metric, they are in the metric. So are sigma and epsilon, and all three in events "  \
-      "and trace")                                                                                 \
+      "neighbour; lower is better. With a density, each distance is divided by the target "        \
+      "spacing there; with a metric, distances are measured in it. The same applies to sigma, "    \
+      "epsilon, events and trace")                                                                 \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean deviation of those distances from their mean")                                         \
     X(REAL, epsilon, "epsilon", "",                                                                \
@@ -159,8 +158,8 @@ struct vor_stage_done {
       "Input points that were left out because a coordinate was not finite; points.in does not "   \
       "count them")                                                                                \
     X(U64, faces, "faces", "",                                                                     \
-      "Faces of the input that its file declares, where a triangle strip counts as one; "          \
-      "sample=faces resamples their surface")                                                      \
+      "Number of faces that the input's file declares; a triangle strip counts as one. "           \
+      "sample=faces resamples them")                                                               \
     X(U64, samples, "samples", "points",                                                           \
       "Points drawn from the faces; 0 without sample=faces. All figures about input points, "      \
       "except points.in, are about these")                                                         \
@@ -189,13 +188,15 @@ struct vor_stage_done {
     X(U64, holes_points, "holes.points", "points", "Points added in holes")                        \
     X(HOLES, holes, "holes.each", "",                                                              \
       "The loops, at most 100: if there are more, those that could not be closed and the longest") \
-    X(OPTIONAL, has_density, "density", "", "How the result follows the density; only with one")   \
+    X(OPTIONAL, has_density, "density", "",                                                        \
+      "How well the result follows the density; only if the request has one")                      \
     X(REAL, density_span, "density.span", "",                                                      \
       "Ratio of the 95th to the 5th percentile of the density on the surface, after contrast and " \
       "grading")                                                                                   \
-    X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest spacing wanted")  \
-    X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest spacing wanted")    \
-    X(OPTIONAL, has_metric, "metric", "", "How the result follows the metric; only with one")      \
+    X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest target spacing")  \
+    X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest target spacing")    \
+    X(OPTIONAL, has_metric, "metric", "",                                                          \
+      "How well the result follows the metric; only if the request has one")                       \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
       "Ratio of length to width of cells in the metric: median over places of the surface")        \
     X(REAL, metric_high, "metric.aspect_p95", "", "The same: 95th percentile")                     \
@@ -203,7 +204,8 @@ struct vor_stage_done {
       "Ratio of length to width of the cells of the result, as the root of the ratio of "          \
       "their principal second moments: median")                                                    \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "Relative deviation of a cell's length over width from that of the metric: median")          \
+      "Relative difference between the ratio of length to width of a cell and that of the "        \
+      "metric: median")                                                                            \
     X(REAL, metric_off_high, "metric.off_p90", "", "The same: 90th percentile")                    \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; only if metric or cells require that")                        \
@@ -235,8 +237,8 @@ struct vor_stage_done {
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
       "Distances from all points of the result to the nearest of the same input points")           \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Points of the result at borders of the input, for any value of boundary: none on a closed " \
-      "smooth surface, about length over spacing along a border")                                  \
+      "Points of the result at borders of the input, for any value of boundary: 0 on a closed "    \
+      "smooth surface, else about the length of the border divided by the spacing")                \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Numbers of input points that local surfaces were fitted to in the last step, ascending; "   \
       "the points of all entries sum to points.out")                                               \
@@ -268,7 +270,8 @@ struct vor_stage_done {
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
       "Origin of the positions in the result's file: added to them, it gives the coordinates of "  \
       "the input. 0 if they are written unchanged, as in PLY")                                     \
-    X(OPTIONAL, has_mesh, "mesh", "", "The triangles; only for a process that makes them")         \
+    X(OPTIONAL, has_mesh, "mesh", "",                                                              \
+      "Properties of the triangle mesh; only for the process mesh")                                \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
       "Polygons, with soup; points then counts all their corners, and the other members are 0")    \
@@ -289,34 +292,34 @@ struct vor_stage_done {
       "longest edge h: 1 where all edges are equal")                                               \
     X(REAL, mesh_quality_p001, "mesh.quality_p001", "",                                            \
       "Quality below which one triangle in a thousand lies")                                       \
-    X(REAL, mesh_quality_min, "mesh.quality_min", "", "The least")                                 \
+    X(REAL, mesh_quality_min, "mesh.quality_min", "", "Lowest quality of a triangle")              \
     X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
     X(U64, mesh_loops, "mesh.loops", "", "Border loops of the mesh: rims and holes of the input")  \
     X(U64, mesh_filled, "mesh.filled", "",                                                         \
       "Small loops that were filled because the input continues under them")                       \
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
-      "Triangles that may connect two sheets of the input that cross or lie too close together: "  \
-      "the surface fitted at one corner misses another corner by more than a fifth of their "      \
-      "distance; if the input was not found to have sheets, triangles at points nearer to "        \
-      "another sheet than their edges are long")                                                   \
+      "Triangles that may connect two sheets of the input that cross or are too close together: "  \
+      "the surface fitted at one corner misses another corner by more than a fifth of the "        \
+      "distance between the two. If no sheets were found in the input: triangles with an edge "    \
+      "that is longer than the distance from one of its points to another sheet")                  \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Triangles left out if the input has several sheets nearly everywhere: those at points "     \
       "where two sheets meet, those that pass through others, and pieces that this cuts off")      \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
       "The loops with the most edges, at most 32")                                                 \
-    X(REAL, mesh_seconds, "mesh.seconds", "s", "Making the triangles")                             \
+    X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
-      "How even simple methods are on the same input; only with baselines=true, and not if "       \
-      "filters alone made the result or the caller stopped the run")                               \
+      "Results of simple methods on the same input; only with baselines=true, and not if filters " \
+      "alone made the result or the caller stopped the run")                                       \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
       "Means of the input's points in each cell of a grid")                                        \
     X(BASELINE, farthest, "baselines.farthest", "",                                                \
-      "Points of the input, each the farthest from all before it")                                 \
+      "Points of the input by farthest-point sampling: each is the farthest from all before it")   \
     X(SPEC, parameters, "parameters", "",                                                          \
-      "The request, with points computed from ratio or spacing and each auto replaced by its "     \
-      "value: for neighbors, the most frequent number")
+      "Parameters of the request, with points computed from ratio or spacing, and each auto "      \
+      "replaced by its value (for neighbors, the most frequent one)")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -359,20 +362,20 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Points that were left out because a coordinate was not finite")                             \
     X(U64, coincident, "coincident", "points", "Points at the same position as another one")       \
     X(OPTIONAL, has_reference, "input", "",                                                        \
-      "The cloud compared with the reference; only with one")                                      \
+      "The cloud compared with the reference; only if there is one")                               \
     X(REAL, far_over_knn6_mean, "input.far_over_knn6_mean", "",                                    \
-      "The largest distance to the reference, divided by the mean distance of reference "          \
-      "points to their sixth neighbour")                                                           \
+      "The largest distance to the reference, divided by the mean distance from reference points " \
+      "to their sixth neighbours")                                                                 \
     X(REAL, far_over_knn6_p999, "input.far_over_knn6_p999", "",                                    \
       "The same, divided by the 99.9th percentile of those distances")                             \
     X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "unit of the cloud",                         \
-      "Mean distance of a point to the nearest reference point")                                   \
+      "Mean distance from a point to the nearest reference point")                                 \
     X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "unit of the cloud",                           \
       "Root mean square of those distances")                                                       \
     X(REAL, out_to_ref_max, "input.out_to_ref_max", "unit of the cloud",                           \
       "Largest of those distances")                                                                \
     X(REAL, ref_to_out_mean, "input.ref_to_out_mean", "unit of the cloud",                         \
-      "Mean distance of a reference point to the nearest point")                                   \
+      "Mean distance from a reference point to the nearest point")                                 \
     X(REAL, ref_to_out_rms, "input.ref_to_out_rms", "unit of the cloud",                           \
       "Root mean square of those distances")                                                       \
     X(REAL, ref_to_out_max, "input.ref_to_out_max", "unit of the cloud",                           \
@@ -385,12 +388,12 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Chamfer distance: out_to_ref_mean plus ref_to_out_mean (of distances, not of "              \
       "their squares)")                                                                            \
     X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
-      "Mean squared distance point to point, of the worse direction")                              \
+      "Mean squared error point to point, in the worse direction")                                 \
     X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null where that is 0")   \
     X(REAL, d2_mse, "input.d2_mse", "unit of the cloud^2",                                         \
-      "Mean squared distance point to plane, of the worse direction")                              \
+      "Mean squared error point to plane, in the worse direction")                                 \
     X(REAL, d2_psnr, "input.d2_psnr", "dB", "10 log10(3 peak^2 / d2_mse); null where that is 0")   \
-    X(REAL, peak, "input.peak", "unit of the cloud", "Peak of both psnr")
+    X(REAL, peak, "input.peak", "unit of the cloud", "Peak value used for both PSNR")
 
 struct vor_measure {
     VOR_MEASURE_TABLE(VOR_FIELD)
@@ -473,12 +476,12 @@ struct vor_loop_told {
       "Parts with fewer points than two fits need: too few to show a surface")                     \
     X(U64, small_points, "components.small_points", "points", "Points on islands")                 \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
-      "Mean distance of a point to its nearest neighbour")                                         \
+      "Mean distance from a point to its nearest neighbour")                                       \
     X(REAL, spacing_p01, "spacing.p01", "unit of the cloud", "1st percentile of that distance")    \
     X(REAL, spacing_p50, "spacing.p50", "unit of the cloud", "Median of that distance")            \
     X(REAL, spacing_p99, "spacing.p99", "unit of the cloud", "99th percentile of that distance")   \
     X(REAL, noise, "noise", "unit of the cloud",                                                   \
-      "Root mean square distance of points to the surface fitted to them: median of 512 places")   \
+      "Root mean square distance from points to the surface fitted to them: median of 512 places") \
     X(U32, neighbors, "neighbors", "points",                                                       \
       "Number of points that a surface is fitted to: the choice of neighbors=auto at most places") \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
@@ -489,17 +492,18 @@ struct vor_loop_told {
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
       "Whether sheets lie closer together than a fit reaches, on much of the cloud")               \
     X(REAL, own, "sheets.own", "",                                                                 \
-      "Share of the points that have other neighbours than the nearest points")                    \
+      "Share of the points with neighbours that are not simply the nearest points")                \
     X(U64, edge_points, "edges.points", "points", "Points that lie on a sharp edge")               \
     X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
-    X(REAL, area, "area", "unit of the cloud^2", "Area of the surface, from cells of its points")  \
+    X(REAL, area, "area", "unit of the cloud^2",                                                   \
+      "Area of the surface, the sum of the cells of its points")                                   \
     X(U64, border_loops, "border.loops", "",                                                       \
       "Border loops: closed lines of points where the surface ends")                               \
     X(U64, border_holes, "border.holes", "", "Loops that are holes")                               \
     X(REAL, border_length, "border.length", "unit of the cloud", "Length of all loops")            \
     X(U64, border_open, "border.open", "",                                                         \
-      "Open border lines: three or more points where the surface ends that do not close to a "     \
-      "loop")                                                                                      \
+      "Open border lines: lines of three or more points where the surface ends that form no "      \
+      "closed loop")                                                                               \
     X(LOOPS, loops, "loops", "", "The longest of the loops, at most 100")
 
 struct vor_inspect {

@@ -7,7 +7,7 @@
 #define MESH(suffix) "convert it: assimp export in." suffix " out.ply -jiv"
 #define PDAL(suffix) "convert it: pdal translate in." suffix " out.ply"
 #define HELP "convert it as \"voronoid help formats\" says"
-#define PAGE "it is probably an error message in place of the file: download it again"
+#define PAGE "it is probably an error page instead of the file: download it again"
 #define NO_CLOUD "it is not a point cloud"
 
 enum { LOOKED_AT = 4096, LINES = 3 }; /* bytes, and lines of text, that are looked at */
@@ -237,10 +237,11 @@ static const struct {
     LOOKS("OBJ", looks_obj, MESH("obj")),
     LOOKS("NPZ", looks_npz, HELP),
     MAGIC("NPY", 0, "\x93NUMPY", HELP),
-    MAGIC(
-        "a ROS bag", 0, "#ROSBAG V",
-        "rosrun pcl_ros bag_to_pcd in.bag TOPIC DIR writes PCD files, pcl_pcd2ply makes them PLY"),
-    MAGIC("MCAP", 0, "\x89MCAP0\r\n", "export its clouds as PCD, pcl_pcd2ply makes them PLY"),
+    MAGIC("a ROS bag", 0, "#ROSBAG V",
+          "rosrun pcl_ros bag_to_pcd in.bag TOPIC DIR writes PCD files, which pcl_pcd2ply converts "
+          "to PLY"),
+    MAGIC("MCAP", 0, "\x89MCAP0\r\n",
+          "export its clouds as PCD files, which pcl_pcd2ply converts to PLY"),
     MAGIC("HDF5", 0, "\x89HDF\r\n", "export its points as PLY"),
     MAGIC("gzip", 0, "\x1f\x8b",
           "unpack it with gunzip, or send it over HTTP with Content-Encoding: gzip"),
@@ -258,8 +259,7 @@ static const struct {
     MAGIC("UTF-16", 0, "\xff\xfe", "a PLY file has to be ASCII or UTF-8"),
     MAGIC("UTF-16", 0, "\xfe\xff", "a PLY file has to be ASCII or UTF-8"),
     LOOKS("HTML", looks_html, PAGE),
-    LOOKS("JSON", looks_json,
-          "it is probably an error message, or parameters in the place of a cloud"),
+    LOOKS("JSON", looks_json, "it is probably an error message, or parameters instead of a cloud"),
     MAGIC("XML", 0, "<?xml", PAGE),
     LOOKS("PTX", looks_ptx, PDAL("ptx")),
     LOOKS("PTS", looks_pts, PDAL("pts")),

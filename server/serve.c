@@ -101,7 +101,7 @@ static void fail(void *ctx, const struct vor_error *why)
 {
     struct daemon *daemon = ctx;
 
-    vor_log(VOR_LOG_ERROR, "a disk failed: the daemon ends and recovers at its next start",
+    vor_log(VOR_LOG_ERROR, "a disk failed: the daemon exits and recovers when it starts again",
             VOR_TEXT("error", why->message), VOR_COUNT("exit", VOR_EXIT_FAILED));
     if (daemon->app.http != NULL && !atomic_exchange(&daemon->app.draining, true))
         vor_http_quiesce(daemon->app.http);
@@ -369,7 +369,7 @@ static void *drain(void *ctx)
         until = vor_clock_seconds() + SETTLE_SECONDS;
     wait_quiet(daemon, until);
     if (vor_http_busy(daemon->app.http) > 0)
-        vor_log(VOR_LOG_WARN, "slow clients are cut",
+        vor_log(VOR_LOG_WARN, "slow clients are disconnected",
                 VOR_COUNT("requests", vor_http_busy(daemon->app.http)));
     vor_http_cut_slow(daemon->app.http);
     wait_quiet(daemon, vor_clock_seconds() + LAST_SECONDS);
@@ -382,7 +382,7 @@ static void reload_keys(const struct daemon *daemon)
     struct vor_error err;
 
     if (vor_keys_reload(daemon->app.keys, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "keys not read, the previous ones stay valid",
+        vor_log(VOR_LOG_ERROR, "the keys cannot be read; the previous ones stay valid",
                 VOR_TEXT("error", err.message));
 }
 
@@ -491,7 +491,7 @@ static int run(struct daemon *daemon)
     int number = wait_end(daemon), died = number == SIGCHLD;
 
     if (died)
-        vor_log(VOR_LOG_ERROR, "the process that starts the readers of uploads has died");
+        vor_log(VOR_LOG_ERROR, "the process that starts the decoders of uploads has ended");
     vor_notify("STOPPING=1");
     vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", signal_word(number)));
     if (vor_machine_thread(&daemon->drainer, "vor-drain", drain, daemon) != 0)
@@ -530,8 +530,8 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
     if (daemon->sandbox != VOR_SANDBOX_FULL && !vor_sandbox_is_sanitizer() &&
         daemon->config.number[VOR_SET_ALLOW_WEAK_SANDBOX] == 0)
         return vor_fail(err, VOR_E_IO,
-                        "%.300s; with --allow-weak-sandbox the processes that read uploads have "
-                        "only limits of memory and time",
+                        "%.300s; with --allow-weak-sandbox, the processes that decode uploads run "
+                        "with only limits of memory and time",
                         why.message);
     if (vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err) != VOR_OK)
         return err->status;

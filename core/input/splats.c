@@ -33,7 +33,7 @@ vor_status vor_splats_check(const struct vor_cloud *cloud, const struct vor_spec
         return VOR_OK;
     return vor_fail_param(
         err, VOR_E_SPLATS, "attributes",
-        "the cloud is a 3D Gaussian splat (f_dc_0, opacity, scale_0, rot_0); its scales and "
-        "rotations would be wrong at other places: attributes=drop resamples the points alone, "
-        "filters=outliers removes outliers and keeps the other splats");
+        "the cloud is a 3D Gaussian splat (f_dc_0, opacity, scale_0, rot_0); moving the points "
+        "would make its scales and rotations wrong. attributes=drop resamples the positions alone; "
+        "filters=outliers removes outliers and keeps the other splats unchanged");
 }

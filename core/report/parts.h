@@ -62,7 +62,7 @@ enum vor_oriented {
  *  identifier, what it is about (a parameter, or a member of the report), sentence. */
 #define VOR_WARNING_KIND_TABLE(X)                                                                  \
     X(SIGMA_P, "sigmaP",                                                                           \
-      "sigmaP is below the spacing of the samples and has no effect: no point acts on another")    \
+      "sigmaP is smaller than the spacing of the samples, so that no point affects another")       \
     X(ONE_SIDED, "orientation",                                                                    \
       "Connected parts of the input have only one side, so that their normals cannot be "          \
       "consistent")
@@ -133,7 +133,7 @@ enum vor_hole_outcome {
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
       "filled, or the reason that it stayed open. rim: auto fills only holes; too-long: longer "   \
       "than holeMax; not-chosen: holes lists other numbers; not-closed: no surface was found to "  \
-      "close it, another part of the input is in the way, or the time was over")                   \
+      "close it, another part of the input is in the way, or time ran out")                        \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
       "Centre of the line through its points, in the coordinates of the cloud")                    \

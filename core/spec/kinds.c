@@ -109,7 +109,9 @@ static void want_real(const struct vor_parameter_info *info, struct line *out)
 
 static void list_range(const struct vor_parameter_info *info, struct line *out)
 {
-    add(out, "%.16g to %.16g%s%s", info->min, info->max, info->unit[0] != '\0' ? " " : "",
+    const char *before = strncmp(info->unit, "unit ", 5) == 0 ? ", in the " : " ";
+
+    add(out, "%.16g to %.16g%s%s", info->min, info->max, info->unit[0] != '\0' ? before : "",
         info->unit);
 }
 

@@ -106,7 +106,8 @@ struct vor_when {
     X("denoise", "Denoise", "denoise", "",                                                         \
       "As many points as the input has, without noise and outliers")                               \
     X("decoded", "After a codec", "denoise", "filters=mls",                                        \
-      "The same points in their order, moved back towards the surface that a codec rounded off")   \
+      "The same points in the same order, moved back towards the surface after a codec rounded "   \
+      "their positions")                                                                           \
     X("fourfold",                                                                                  \
       "\xc3\x97"                                                                                   \
       "4 points",                                                                                  \

@@ -119,10 +119,11 @@ enum vor_method_choice {
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
       "Number of points of the result. Give one of points, ratio and spacing")                     \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
-      "Number of points of the result, divided by that of the input. A default applies "           \
-      "only without points and spacing")                                                           \
+      "Number of points of the result divided by that of the input. Its default, if it has one, "  \
+      "applies only without points and spacing")                                                   \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
-      "Distance between neighbours of the result; points = area / (sqrt(3)/2 spacing^2)")          \
+      "Distance between neighbours of the result. The number of points is then area / (sqrt(3)/2 " \
+      "spacing^2)")                                                                                \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
       "How the points are spread. cvt: centroidal Voronoi tessellation of the surface, then the "  \
       "polish; wlop: weighted locally optimal projection (points repel each other, and input "     \
@@ -132,18 +133,18 @@ enum vor_method_choice {
       "points nearest to it. It has no polish, follows the density of the input and needs at "     \
       "least as many input points as the result has")                                              \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
-      "Local surface fitted to the input. quadric: follows its curvature; plane: flat, and does "  \
-      "not keep edges, as in Chen et al. 2018")                                                    \
+      "Local surface fitted to the input. quadric: follows its curvature; plane: flat, as in "     \
+      "Chen et al. 2018; does not keep edges")                                                     \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
-      "Where points lie denser; the spacing is proportional to density^(-1/4). uniform: equally "  \
+      "Where points are denser; the spacing is proportional to density^(-1/4). uniform: equally "  \
       "dense everywhere; curvature: denser where the surface bends more; edges: denser along "     \
       "sharp edges, an error if there are none; attribute:NAME: a scalar of the input, 0 or more") \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
-      "Ratio of the largest to the smallest spacing, when density is not uniform")                 \
+      "Ratio of the largest to the smallest spacing, if density is not uniform")                   \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
-      "How fast spacing may change: its difference between two places divided by their "           \
-      "distance. Only for a non-uniform density")                                                  \
+      "How fast the spacing may change: its difference between two places, divided by the "        \
+      "distance between them. Only for a density that is not uniform")                             \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
       "Shape of the cells. isotropic: as long as wide; anisotropic: longer in the "                \
@@ -156,28 +157,29 @@ enum vor_method_choice {
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
       "Power of metric lp, an even number: 2 gives hexagons, 8 gives squares")                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
-      "Distance that divides the surface into cells. metric: the distance of the parameter "       \
-      "metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the energy is " \
-      "still that of the metric, and there is no polish")                                          \
+      "Distance by which the surface is divided into cells. metric: the distance of the "          \
+      "parameter metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the " \
+      "energy is still that of the metric, and there is no polish")                                \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
       "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
-      "that evenly spread points would have")                                                      \
+      "of evenly spread points")                                                                   \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
       "Number of input points that a local surface is fitted to. auto: chosen per region from "    \
       "the noise of the input")                                                                    \
     X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
-      "Window of the Anderson acceleration; 0: plain Lloyd. Default: momentum instead")            \
+      "Window of the Anderson acceleration; 0: plain Lloyd iterations. Default: momentum instead " \
+      "of Anderson acceleration")                                                                  \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
       "Largest number of polish steps after the iterations: points repel each other, which evens " \
       "out the spacing. 0: no polish")                                                             \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
-      "Angle between normals that count as similar: smaller values keep flatter edges, larger "    \
-      "ones smooth more. For wlop and ear, like rounds, steps and samples")                        \
+      "Largest angle between normals that count as similar: smaller values keep flatter edges, "   \
+      "larger ones smooth more. Only for methods wlop and ear, like rounds, steps and samples")    \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
       "Distance up to which points act on each other. auto: twice the spacing of the "             \
@@ -187,21 +189,21 @@ enum vor_method_choice {
       "Ratio of the repulsion between points to their attraction by input points")                 \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
-      "random first points stay")                                                                  \
+      "points stay at their random first positions")                                               \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
       "Projection steps per round. Default: 12, or 4 for ear before a polish")                     \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
       "How strongly insertion prefers edges; 0: it inserts points evenly everywhere")              \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
-      "Phases of ear. resample: all points come from the projection; insert: points are inserted " \
-      "between input points, which are not projected; both: first resample, then insert")          \
+      "Phases of ear. resample: only projects points; insert: only inserts points between the "    \
+      "input points; both: first projects, then inserts")                                          \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
       "Number of points before the insertion: projected ones or, with phases=insert, input "       \
       "points. Nothing is inserted if the result has no more than these. auto: half of the "       \
       "input's points (with phases=insert all of them), or as many as the result has if that is "  \
       "less")                                                                                      \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
-      "Gaps of the input that are wider than its spacing. keep: nothing is inserted there; fill: " \
+      "Gaps in the input that are wider than its spacing. keep: nothing is inserted there; fill: " \
       "they are filled, as far as sigmaP reaches")                                                 \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
       "Borders of the input. keep: no point moves beyond them; free: no restriction; sites: the "  \
@@ -214,8 +216,8 @@ enum vor_method_choice {
       "Length of border below which holes=auto fills a hole; auto: the diagonal of the input's "   \
       "bounding box")                                                                              \
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
-      "Sharp edges of the input. ignore: they are not treated differently; sites: the first "      \
-      "points are placed evenly along them and stay there")                                        \
+      "Sharp edges of the input. ignore: no special treatment; sites: the first points are "       \
+      "placed evenly along them and stay there")                                                   \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Input points off the surface: isolated points and scattered noise. drop: they are "         \
       "ignored; pull: they are moved onto the surface. Default: drop for method ear, because "     \
@@ -225,26 +227,25 @@ enum vor_method_choice {
       "from its faces, at least eight per point of the result; an error if the input has no "      \
       "faces")                                                                                     \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
-      "Filters of the input, in this order. outliers: drops outliers, or pulls them with "         \
-      "outliers=pull; mls: moves each point onto the smooth surface around it; thin: thins the "   \
-      "points to the mean distance to the three nearest. With mls or outliers, and without "       \
-      "points, ratio and spacing, the result is the filtered input in its order, with its "        \
-      "attributes; upsample keeps its ratio. denoise by method cvt or kmeans applies outliers "    \
-      "and "                                                                                       \
-      "mls where none is named")                                                                   \
+      "Filters applied to the input, always in this order. outliers: drops outliers, or pulls "    \
+      "them with outliers=pull; mls: moves each point onto the smooth surface around it; thin: "   \
+      "thins the points to the mean distance to the three nearest. With mls or outliers, and "     \
+      "without points, ratio and spacing, the result is the filtered input in its order, with "    \
+      "its attributes; upsample keeps its ratio. denoise with method cvt or kmeans applies "       \
+      "outliers and mls by default")                                                               \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
-      "Normals of the input. use: orient fitted normals like the input's; estimate: "              \
-      "ignore the input's; auto: use them if all are finite and non-zero, else the valid "         \
-      "ones orient each connected part")                                                           \
+      "How to use the normals of the input. use: orient fitted normals like them; estimate: "      \
+      "ignore them; auto: as use if all are finite and non-zero, else orient each connected part " \
+      "by its valid ones")                                                                         \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "How to find the input points that lie on one sheet. local: by the points between them; "    \
-      "satellites: by distances along the surface from three points; none: all nearby points "     \
-      "count")                                                                                     \
+      "How to decide which points lie on one sheet. local: a short path over points in between "   \
+      "connects them; satellites: they have similar distances along the surface from three "       \
+      "points; none: they are near")                                                               \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
       "Input points with a coordinate that is not finite. refuse: an error; drop: they are left "  \
       "out and counted")                                                                           \
-    X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of every random choice")    \
+    X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of the random numbers")     \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Order of the points of the result. spatial: neighbours mostly follow each other; "          \
       "progressive: the first points, however many, are spread evenly over the whole")             \
@@ -270,11 +271,11 @@ enum vor_method_choice {
       "Faces are the cells around the points, polygons that share no vertices, instead of "        \
       "triangles between the points. Draco has no polygons, so they are cut into triangles there") \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
-      "Add to the report how even simple methods are on the same input: k-means, random, voxel "   \
-      "grid and farthest point")                                                                   \
+      "Run simple methods on the same input and add their figures to the report: k-means, random " \
+      "sampling, voxel grid and farthest-point sampling")                                          \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
-      "Peak of d1_psnr and d2_psnr. auto: the largest distance of a reference point to its "       \
-      "nearest neighbour")                                                                         \
+      "Peak value for d1_psnr and d2_psnr. auto: the largest distance from a reference point to "  \
+      "its nearest neighbour")                                                                     \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -355,7 +356,7 @@ struct vor_artefact_info {
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
 #define VOR_MEASURE_OUT                                                                            \
     ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
-      "How even the cloud is and, with a reference, how far the two are apart"})
+      "How even the cloud is and, with a reference, how far apart the two are"})
 
 #define VOR_INSPECT_OUT                                                                            \
     ({"inspect", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
@@ -391,15 +392,14 @@ struct vor_artefact_info {
       "over its surface")                                                                          \
     X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
       VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
-      "Measures how evenly a cloud is spread and, with a reference, how far the two are apart")    \
+      "Measures how evenly a cloud is spread and, with a reference, how far apart the two are")    \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
-      "Describes a cloud: its parts, how even and how noisy its points are, and what "             \
-      "other processes determine before they start")                                               \
+      "Describes a cloud: its parts, spacing, noise, sheets, sharp edges, borders and holes")      \
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
-      "Writes the points of a cloud with their attributes and faces in another format, or the "    \
-      "same one; they move only by the rounding of the format")                                    \
+      "Writes a cloud with its attributes and faces in another format, or in the same one; "       \
+      "positions change only by the rounding of the format")                                       \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as resample does and joins them into a manifold triangle mesh "              \

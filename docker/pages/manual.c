@@ -259,14 +259,13 @@ static int print_topics(FILE *out, int section)
 
 static int print_commands_page(FILE *out)
 {
-    print_head(out, "1", "User Commands", "resample 3D point clouds, here or by a daemon");
+    print_head(out, "1", "User Commands", "resample 3D point clouds, locally or on a daemon");
     print_synopsis(out);
     print_heading(out, ".SH", "DESCRIPTION");
-    print_text(out,
-               "voronoid takes point clouds (PLY or Draco), fits a surface to them and spreads "
-               "the requested number of points evenly over it. A command does that here or, with "
-               "--server, on a daemon; other commands manage the daemon's jobs. The file - is "
-               "stdin or stdout. " VOR_HELP_JOBS);
+    print_text(out, "voronoid takes point clouds (PLY or Draco), fits a surface to them and "
+                    "spreads the requested number of points evenly over it. Commands do this on "
+                    "this machine or, with --server, on a daemon; further commands manage the jobs "
+                    "of a daemon. The file name - means stdin or stdout. " VOR_HELP_JOBS);
     print_commands(out);
     print_options(out);
     print_inputs(out);
@@ -274,9 +273,8 @@ static int print_commands_page(FILE *out)
         return -1;
     print_exit_codes(out, 0);
     fputs(".PP\n", out);
-    print_text(out,
-               "With several operands, a failed one does not stop the others; the status is then "
-               "that of the first that failed.");
+    print_text(out, "With several operands, if one fails, the others still run; the exit code is "
+                    "then that of the first failure.");
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (8)\n", out);
     return 0;
@@ -288,20 +286,20 @@ static int print_daemon_page(FILE *out)
     print_heading(out, ".SH", "SYNOPSIS");
     fputs(".B voronoid serve\n.RI [ SETTING ]...\n", out);
     print_heading(out, ".SH", "DESCRIPTION");
-    print_text(out, "Serves the commands of voronoid(1) that run a process over HTTP. "
-                    "/openapi.yaml is the contract. Jobs and their bytes are on the disk before a "
-                    "client hears of them; jobs that a crash interrupts run again at the next "
-                    "start.");
+    print_text(out, "Serves the processes of voronoid(1) over HTTP; /openapi.yaml is the API "
+                    "contract. A job and its input are on the disk before the client gets a "
+                    "response. Jobs interrupted by a crash run again when the daemon restarts.");
     if (print_topics(out, 8) != 0)
         return -1;
     print_heading(out, ".SH", "SIGNALS");
     fputs(".TP\nSIGTERM, SIGINT\n", out);
-    print_text(out, "Running jobs finish within --drain-timeout; others wait for the next start. A "
-                    "second signal ends the daemon at once.");
+    print_text(out, "Running jobs have --drain-timeout to finish; all others run when the daemon "
+                    "starts again. A second signal ends the daemon at once.");
     fputs(".TP\nSIGHUP\n", out);
-    print_text(out, "Reads the settings again, of which only --log-level takes effect, then the "
-                    "file of --api-keys. If a setting is wrong, nothing changes; if that file is "
-                    "wrong, the keys stay as they were.");
+    print_text(
+        out,
+        "Reloads --log-level from the settings, then the file of --api-keys. If any setting is "
+        "wrong, nothing changes; if the file of keys is wrong, the previous keys stay valid.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);

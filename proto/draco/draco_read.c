@@ -93,8 +93,8 @@ static vor_status find_position(struct load *load)
         load->position = i;
         return VOR_OK;
     }
-    return vor_fail(load->err, VOR_E_FORMAT, "the Draco file has %u attributes, none is a position",
-                    count);
+    return vor_fail(load->err, VOR_E_FORMAT,
+                    "the Draco file has %u attributes, but none is a position", count);
 }
 
 static vor_status copy_values(const struct load *load, unsigned index, void *out)

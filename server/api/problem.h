@@ -21,12 +21,12 @@
     X("result-not-available", 404, 0, 1, "The job has no result")                                  \
     X("method-not-allowed", 405, 0, 0, "The resource does not support this method")                \
     X("not-acceptable", 406, 0, 0, "No acceptable format can be written")                          \
-    X("upload-timeout", 408, 1, 0, "The upload came too slowly")                                   \
+    X("upload-timeout", 408, 1, 0, "The upload was too slow")                                      \
     X("not-running", 409, 0, 0, "The job is not running")                                          \
     X("idempotency-in-flight", 409, 1, 0, "A request with this key is in progress")                \
     X("job-expired", 410, 0, 0, "The results of the job have been deleted")                        \
     X("precondition-failed", 412, 0, 0, "The ETag does not match")                                 \
-    X("range-not-satisfiable", 416, 0, 0, "The range lies outside the result")                     \
+    X("range-not-satisfiable", 416, 0, 0, "The range is outside the result")                       \
     X("idempotency-key-reused", 422, 0, 0, "The key belongs to another request")                   \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
     X("rate-limited", 429, 1, 0, "The key sends job requests too fast")                            \

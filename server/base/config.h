@@ -29,18 +29,19 @@ enum vor_setting_kind {
  *  over the file. */
 #define VOR_SETTING_TABLE(X)                                                                       \
     X(CONFIG, "config", TEXT, "FILE", 0, 0, "",                                                    \
-      "File of settings, one line \"name = value\" each, which flags and the environment "         \
-      "override. Default: " VOR_CONFIG_PLACE " where there is one")                                \
+      "File of settings, one \"name = value\" per line; flags and the environment override it. "   \
+      "Default: " VOR_CONFIG_PLACE " if it exists")                                                \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
       "Check the settings, report every error and exit")                                           \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
-      "Address to listen on. Port 0 picks a free port, which the log names; unix:/PATH is a Unix " \
+      "Address to listen on. Port 0 picks a free port, which is in the log; unix:/PATH is a Unix " \
       "socket")                                                                                    \
     X(SOCKET_MODE, "socket-mode", CHOICE, "0600 0660 0666", 0, 0, "0660",                          \
-      "Who may connect to a Unix socket of --listen: its owner, its group, anybody")               \
+      "Who may connect to the Unix socket of --listen: its owner (0600), its group (0660) or "     \
+      "anybody (0666)")                                                                            \
     X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
-      "Separate address for /livez, /readyz and /metrics alone. Its own thread answers them, "     \
-      "even while --listen is overloaded. Default: none")                                          \
+      "Separate address for /livez, /readyz and /metrics only. It has its own thread and "         \
+      "responds even while --listen is overloaded. Default: none")                                 \
     X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
       "Allow an --admin-listen address that other machines can reach")                             \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
@@ -51,72 +52,71 @@ enum vor_setting_kind {
     X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
       "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
-      "Threads of the engine, shared by all jobs; 0: one per core")                                \
+      "Number of threads of the engine, shared by all jobs. 0: one per core")                      \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Largest number of waiting jobs")        \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
-      "Estimated memory that all running jobs may use together; further jobs wait. 0: 70 % of "    \
-      "the machine's memory or of the control group's limit")                                      \
+      "Memory that all running jobs together may use, as estimated; further jobs wait. 0: 70 % "   \
+      "of the machine's memory or of the limit of its control group")                              \
     X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
       "Total size of the decoded inputs of waiting jobs")                                          \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
-      "Memory a job may use; 0: --memory divided by --jobs")                                       \
+      "Memory that a job may use. 0: --memory divided by --jobs")                                  \
     X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
-      "Time a job may run; a job that would take four times as long is refused. 0: no limit")      \
+      "Time that a job may run; a job that would take four times as long is refused. 0: no limit") \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
-      "Largest upload, also after gzip is inflated")                                               \
+      "Largest size of an upload, before and after decompression")                                 \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
-      "Most points an upload may declare")                                                         \
+      "Largest number of points that an upload may declare")                                       \
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "How long results are kept")                                                                 \
     X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Total size of uploads that are kept as long as results; those of the jobs that ended "      \
+      "Total size of uploads to keep as long as their results; those of the jobs that ended "      \
       "first are deleted first. 0: keep none")                                                     \
     X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
-      "Total size of results that are kept; those of the jobs that ended first are deleted "       \
-      "first. 0: half of the disk of --blobs")                                                     \
+      "Total size of results to keep; those of the jobs that ended first are deleted first. 0: "   \
+      "half of the disk of --blobs")                                                               \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "How long to keep files of jobs lost from a damaged --store (in lost/ under "                \
-      "--blobs)")                                                                                  \
+      "How long to keep files of jobs that are missing from a damaged --store; they are in lost/ " \
+      "under --blobs")                                                                             \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "Total size of these files; the oldest are deleted first")                                   \
+      "Total size of the files in lost/; the oldest are deleted first")                            \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Space held in reserve, in a file beside --store, so that jobs can still be "                \
-      "finished and deleted when the disk is full. Uploads leave that much free in "               \
-      "addition")                                                                                  \
+      "Space reserved in a file beside --store, so that jobs can still be finished and deleted "   \
+      "when the disk is full. Uploads leave as much free space again")                             \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
       "path that a trusted proxy sends, else http:// and the Host header")                         \
     X(TRUSTED_PROXY, "trusted-proxy", LIST, "LIST", 0, 0, "",                                      \
       "Proxies to trust: addresses and networks such as 10.0.0.0/8 or fd00::/8, separated by "     \
-      "commas, or several flags")                                                                  \
+      "commas or in several flags")                                                                \
     X(PROXY_HEADERS, "proxy-headers", CHOICE, "x-forwarded forwarded", 0, 0, "x-forwarded",        \
       "Headers that trusted proxies set: X-Forwarded-For, -Proto, -Host, -Prefix, or Forwarded "   \
       "(RFC 7239); the others are ignored")                                                        \
     X(ALLOWED_HOSTS, "allowed-hosts", LIST, "LIST", 0, 0, "",                                      \
-      "Host names that requests may use besides this machine's and that of --public-url, "         \
-      "separated by commas, or several flags. Default: any that a trusted proxy sends")            \
+      "Host names that requests may use besides those of this machine and of --public-url, "       \
+      "separated by commas or in several flags. Default: any that a trusted proxy sends")          \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
       "Origins of web pages that may use this daemon, separated by commas")                        \
     X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
-      "File of API keys, with lines of voronoid key NAME; every request under /v1 then needs a "   \
-      "key. SIGHUP reloads the file")                                                              \
+      "File of API keys, with lines made by voronoid key NAME; all requests under /v1 then need "  \
+      "a key. SIGHUP reloads the file")                                                            \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
-      "Allow requests without a key although the daemon listens beyond this machine or behind a "  \
-      "proxy (--trusted-proxy, --public-url)")                                                     \
+      "Allow requests without a key even if other machines can reach the daemon, directly or "     \
+      "through a proxy (--trusted-proxy, --public-url)")                                           \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "HTTP threads")               \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Largest number of open connections besides streams. Beyond it the daemon closes those "     \
-      "that have been idle longest; 32 are reserved for health checks")                            \
+      "Largest number of open connections, not counting streams. Beyond it the daemon closes "     \
+      "those that have been idle longest; 32 are reserved for health checks")                      \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
       "Largest number of open connections per client (an IPv4 address, an IPv6 /64), except this " \
       "machine and --trusted-proxy; 0: no limit")                                                  \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512",                                   \
-      "Largest number of event streams at the same time")                                          \
+      "Largest number of open event streams")                                                      \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
-      "Time limit for a request's head")                                                           \
+      "Time limit for the headers of a request")                                                   \
     X(KEEP_TIMEOUT, "keep-timeout", TIME, "seconds", 0.1, 3600, "20",                              \
-      "Time an idle connection stays open")                                                        \
+      "Time after which an idle connection is closed")                                             \
     X(BODY_TIMEOUT, "body-timeout", TIME, "seconds", 0.1, 86400, "3600",                           \
       "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
@@ -126,7 +126,7 @@ enum vor_setting_kind {
       "Lowest average speed at which a client reads a reply, measured after --body-idle, except "  \
       "for event streams")                                                                         \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
-      "Pause after which an event stream sends a keep-alive")                                      \
+      "Time without events after which an event stream sends a keep-alive")                        \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \
       "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
       "balancers can stop sending new ones")                                                       \
@@ -134,13 +134,13 @@ enum vor_setting_kind {
       "Time for running jobs to finish after SIGTERM and --drain-delay; the others wait for the "  \
       "next start")                                                                                \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
-      "Draco files to accept: all that the library reads, or only point clouds of bitstream 2.3 "  \
-      "without metadata, which need less of its code")                                             \
+      "Draco files to accept. any: all that the library reads; strict: only point clouds of "      \
+      "bitstream 2.3 without metadata, which use less of its code")                                \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
-      "Run although the kernel does not support seccomp: the processes that read uploads then "    \
+      "Run even if the kernel does not support seccomp. The processes that decode uploads then "   \
       "have only limits of memory and time")                                                       \
     X(LOG_LEVEL, "log-level", CHOICE, "debug info warn error off", 0, 0, "info",                   \
-      "Lowest level that is logged, as one JSON object per line on standard error")
+      "Lowest level to log. The log is one JSON object per line on standard error")
 
 enum vor_setting {
 #define VOR_SETTING_ENUM(id, flag, kind, unit, min, max, def, sentence) VOR_SET_##id,

@@ -73,10 +73,9 @@ void vor_config_help(FILE *out)
         vor_markup_wrap_string(out, setting.sentence, 6);
         (void)fprintf(out, "      %s(env: %s)\n", setting.range, setting.variable);
     }
-    vor_markup_wrap_string(
-        out,
-        "A flag overrides the environment, which overrides the file of --config. A "
-        "variable with a name that ends in _FILE gives the path of a file with the value. "
-        "voronoid help settings has more.",
-        0);
+    vor_markup_wrap_string(out,
+                           "A flag overrides the environment, which overrides the file of "
+                           "--config. A variable with a name that ends in _FILE has the path of a "
+                           "file that contains the value. See also voronoid help settings.",
+                           0);
 }

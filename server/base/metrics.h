@@ -16,7 +16,7 @@
       "Always 1; the labels identify the build: engine is a digest of the engine's sources, simd " \
       "its vector instructions")                                                                   \
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
-      "Requests that have ended, by the status of their response (499: the client disconnected)")  \
+      "Requests that have ended, by status of the response (499: the client disconnected)")        \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
       "Time from the request line to the end of the response; streams count until they close")     \
     X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests in progress")            \
@@ -27,10 +27,10 @@
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
       "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
-      "Requests answered with a problem, by the last path segment of its type")                    \
+      "Responses that are problems, by the last path segment of their type")                       \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
-      "Number of open connections above which requests are refused")                               \
+      "Number of open connections above which new requests are refused")                           \
     X(STREAMS, "sse_streams", GAUGE, "", "", "Open event streams")                                 \
     X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on event streams")          \
     X(STREAM_DROPPED, "sse_dropped_total", COUNTER, "", "",                                        \
@@ -58,7 +58,7 @@
     X(WORKER_BUSY, "worker_busy", GAUGE, "", "", "Running jobs")                                   \
     X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Largest number of running jobs")               \
     X(WORKER_RESTARTS, "worker_restarts_total", COUNTER, "", "",                                   \
-      "Processes of jobs that ended unexpectedly or had to be killed")                             \
+      "Processes that worked on a job and ended unexpectedly or were killed")                      \
     X(MEMORY_RESERVED, "memory_reserved_bytes", GAUGE, "bytes", "",                                \
       "Memory that running jobs may use")                                                          \
     X(UPLOADS, "uploads_active", GAUGE, "", "",                                                    \
@@ -73,7 +73,7 @@
     X(BLOB_BYTES, "blob_bytes", GAUGE, "bytes", "store",                                           \
       "Bytes of uploads and results that are kept; those that jobs share count for each job")      \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
-      "Time of the store's statements, including the wait for their turn and for the disk")        \
+      "Time of the store's statements, including waiting for the lock and the disk")               \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "", "Statements of the store that failed")  \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
       "Log lines lost because their reader was too slow")

@@ -33,19 +33,21 @@ static const struct vor_command others[] = {
     {"jobs", "List a daemon's jobs",
      "Lists jobs with their status, progress, age and name, newest first",
      ASKS_JOBS | VOR_COMMAND_LISTS, " [JOB]...", 0, INT_MAX, NULL, vor_cli_jobs},
-    {"wait", "Wait for jobs", "Shows the progress of jobs until they end, and exits as they did",
-     ASKS_JOBS, " JOB...", 1, INT_MAX, NULL, vor_cli_wait},
+    {"wait", "Wait for jobs",
+     "Shows the progress of jobs until they end, and exits with 0 if all succeeded", ASKS_JOBS,
+     " JOB...", 1, INT_MAX, NULL, vor_cli_wait},
     {"fetch", "Fetch results of jobs", "Writes results of jobs into files",
      ASKS_JOBS | VOR_COMMAND_FETCHES, " JOB...", 1, INT_MAX, NULL, vor_cli_fetch},
-    {"cancel", "Cancel jobs", "Dismisses jobs that have not ended", ASKS_JOBS, " JOB...", 1,
-     INT_MAX, NULL, vor_cli_cancel},
-    {"stop", "Stop jobs, keep the best",
-     "Stops running jobs and keeps the best cloud so far as each result", ASKS_JOBS, " JOB...", 1,
-     INT_MAX, NULL, vor_cli_stop},
-    {"health", "Ask whether a daemon is ready", "Asks whether a daemon is ready to take jobs",
+    {"cancel", "Cancel jobs", "Cancels waiting and running jobs; they have no result", ASKS_JOBS,
+     " JOB...", 1, INT_MAX, NULL, vor_cli_cancel},
+    {"stop", "Stop jobs, keep their best results",
+     "Stops running jobs; the best cloud so far becomes the result of each", ASKS_JOBS, " JOB...",
+     1, INT_MAX, NULL, vor_cli_stop},
+    {"health", "Check whether a daemon is ready", "Checks whether a daemon is ready to accept jobs",
      VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
     {"key", "Make a key for a daemon",
-     "Prints a new key on stderr, this once, and its line for serve --api-keys on stdout",
+     "Prints a new key on stderr (it cannot be shown again) and, on stdout, its line for the file "
+     "of serve --api-keys",
      VOR_COMMAND_KEYS, " NAME", 1, 1, NULL, vor_cli_key},
 };
 
@@ -72,7 +74,7 @@ static int run_process(const struct vor_cli *cli)
 static int no_process(const struct vor_cli *cli)
 {
     const struct vor_process_info *process;
-    char line[512] = "name a process first: ";
+    char line[512] = "name a process after submit: ";
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
         size_t at = strlen(line);

@@ -23,43 +23,45 @@ enum {
  *  wins over its variable. No command takes two of the same name or letter. */
 #define VOR_OPTION_TABLE(X)                                                                        \
     X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "File for the result; DIR/ is a folder, where each result gets its input's name; - is "      \
-      "stdout, the default for a document")                                                        \
+      "File for the result. With DIR/, a folder, each result has the name of its input. - is "     \
+      "stdout, the default for inspect and measure")                                               \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "File for one result, or - for stdout; DIR/ is a folder for all results of all jobs, in "    \
-      "files such as bunny.resample.ply and bunny.report.json of the job bunny.ply. Default: ./")  \
+      "File for one result, or - for stdout. With DIR/, a folder, all results of the jobs are "    \
+      "written there; the job bunny.ply has bunny.resample.ply and bunny.report.json. Default: "   \
+      "./")                                                                                        \
     X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
-      "The result to fetch, such as cloud or report. Default: the main one into a file, all into " \
-      "a folder")                                                                                  \
+      "The result to fetch, such as cloud or report. Default: the main result for a file, all "    \
+      "results for a folder")                                                                      \
     X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS,                                               \
-      "Number of jobs to list, 1 to 10000, default 20")                                            \
+      "Number of jobs to list, 1 to 10000. Default: 20")                                           \
     X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
-      "Only jobs with these statuses, separated by commas: accepted, running, successful, "        \
+      "List only jobs with these statuses, separated by commas: accepted, running, successful, "   \
       "failed, dismissed")                                                                         \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "The daemon to use. Default: processes run here, and other commands ask the daemon that "    \
-      "VORONOID_LISTEN names, or http://127.0.0.1:8080")                                           \
+      "URL of the daemon to use. Without it, processes run on this machine, and other commands "   \
+      "connect to the address in VORONOID_LISTEN or to http://127.0.0.1:8080")                     \
     X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
       VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
-      "File with the key for the daemon on its first line. Default: the key in VORONOID_KEY")      \
+      "File with the API key for the daemon on its first line. Default: the key in VORONOID_KEY")  \
     X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Scopes of the key, separated by commas: read, submit, admin; default submit,read")          \
+      "Scopes of the key, separated by commas: read, submit, admin. Default: submit,read")         \
     X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
       "Quotas of the key, separated by commas: jobs=N that wait or run (16), rate=N job requests " \
       "per second (10), bytes=N stored, points=N per input")                                       \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
-      "Name of the job in the daemon's lists, with --server. Default: name of the input's file")   \
+      "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
-      "Use the values of one of the presets below; other options override them")                   \
+      "Use the values of a preset listed below; other options override them")                      \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
-      "Threads for work that is done here, 0 to 256; 0, the default, is one per core")             \
+      "Number of threads for work on this machine, 0 to 256. Default: 0, which is one per core")   \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "Print one JSON object per line on stdout (on stderr if the result goes to stdout): jobs, "  \
-      "files, or records and then the report. inspect prints one document")                        \
+      "Print one JSON object per line on stdout, or on stderr if the result goes to stdout: a "    \
+      "job or a file each, or the progress records and then the report. inspect prints one "       \
+      "document")                                                                                  \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "No progress and no summary; jobs lists only IDs")                                           \
+      "Print no progress and no summary; jobs and submit print only IDs")                          \
     X(HELP, "help", 'h', "", "", ~0u, "Print this help")
 
 enum vor_option {

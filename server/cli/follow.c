@@ -146,7 +146,7 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
         if (words[0] == '\0')
             words = vor_follow_text(json, "status");
         if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
-            (void)snprintf(note, sizeof note, "waiting, %.0f before it", position);
+            (void)snprintf(note, sizeof note, "waiting, %.0f ahead of it", position);
         else
             (void)vor_quote(note, sizeof note, words, strlen(words));
         vor_progress_note(&follow->progress, note);

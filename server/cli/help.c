@@ -58,8 +58,7 @@ static void print_group(FILE *out, const struct vor_process_info *process, enum 
 {
     const char *title = vor_group_title(group);
     const struct vor_parameter_info *info;
-    char values[VOR_REFERENCE_VALUES_SIZE], sentence[SENTENCE_SIZE];
-    char option[VOR_REFERENCE_NAME_SIZE];
+    char values[VOR_REFERENCE_VALUES_SIZE], option[VOR_REFERENCE_NAME_SIZE];
 
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
@@ -72,11 +71,9 @@ static void print_group(FILE *out, const struct vor_process_info *process, enum 
         title = NULL;
         info = vor_parameter_info(parameter);
         vor_reference_values(values, process, parameter);
-        (void)snprintf(sentence, sizeof sentence, "%s. %s", vor_parameter_title(parameter),
-                       info->sentence);
         print_option(out, parameter == VOR_PARAM_POINTS ? 'n' : 0,
                      vor_reference_option(option, parameter),
-                     info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", sentence);
+                     info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
         fprintf(out, "%*s%s\n", MEANING_COLUMN, "", values);
     }
 }
@@ -99,7 +96,7 @@ static void print_presets(FILE *out, const struct vor_process_info *process)
         return;
     fputs("\nPresets:\n", out);
     for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
-        (void)snprintf(line, sizeof line, "%s. %s%s%s", preset->title, preset->sentence,
+        (void)snprintf(line, sizeof line, "%s%s%s", preset->sentence,
                        preset->values[0] != '\0' ? ": " : "", preset->values);
         fprintf(out, "  %-9s ", preset->name);
         vor_markup_wrap(out, (struct vor_span_of_text){line, strlen(line)}, PRESET_COLUMN,
@@ -114,7 +111,7 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     char sentence[SENTENCE_SIZE];
 
     (void)snprintf(sentence, sizeof sentence, "%s.%s", command->sentence,
-                   process != NULL                           ? " The file - is stdin or stdout."
+                   process != NULL ? " The file name - means stdin or stdout."
                    : (command->does & VOR_COMMAND_JOBS) != 0 ? " " VOR_HELP_JOBS
                                                              : "");
     fprintf(out, "usage: voronoid %s%s [OPTION]...\n", command->name, command->operands);
@@ -142,16 +139,16 @@ void vor_help_command(FILE *out, const struct vor_command *command)
 
 void vor_help_brief(FILE *out)
 {
-    fputs("voronoid resamples 3D point clouds (PLY, Draco): as many points as you ask for, spread\n"
-          "evenly over the surface. To begin with:\n\n"
+    fputs("voronoid resamples 3D point clouds (PLY, Draco) to the number of points that you want,\n"
+          "evenly spread over the surface. To begin:\n\n"
           "  voronoid resample cloud.ply -n 10k -o even.ply\n"
           "      spreads 10,000 points evenly\n"
           "  voronoid inspect cloud.ply\n"
           "      describes a cloud: spacing, noise, holes, edges\n"
           "  voronoid serve\n"
           "      runs the daemon; its page is http://127.0.0.1:8080\n\n"
-          "voronoid help lists commands and topics. voronoid help choosing says which command\n"
-          "is for what.\n",
+          "voronoid help lists commands and topics. voronoid help choosing says when to use which\n"
+          "command.\n",
           out);
 }
 
@@ -179,10 +176,10 @@ void vor_help_end(FILE *out)
 {
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
     vor_cli_topics(out);
-    fputs("\nvoronoid COMMAND --help shows the options of a command, voronoid --version the "
-          "version.\n"
-          "voronoid --man 1|8 prints a page of the manual.\n"
-          "voronoid --completion bash|zsh|fish prints a completion.\n\nExit codes:\n",
+    fputs("\nvoronoid COMMAND --help lists the options of a command. voronoid --version prints the "
+          "version,\n"
+          "voronoid --man 1|8 a manual page, voronoid --completion bash|zsh|fish a completion "
+          "script.\n\nExit codes:\n",
           out);
     vor_help_exit_codes(out, 0);
     fputs("\nExit codes of serve:\n", out);

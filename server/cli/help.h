@@ -9,10 +9,10 @@
 
 /** Sentences of the help and of the manual. */
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
-#define VOR_HELP_JOBS "Name a job by its ID or any unique prefix of it."
+#define VOR_HELP_JOBS "JOB is the ID of a job or the beginning of it, if no other job has the same."
 #define VOR_HELP_WORDS                                                                             \
-    "Options are --name VALUE or --name=VALUE; a name may be shortened as long as it stays "       \
-    "unambiguous. After -- there are only operands."
+    "Write options as --name VALUE or --name=VALUE. A name may be shortened if it stays "          \
+    "unambiguous. Arguments after -- are not options."
 
 /** How a command is called, its options, and the parameters of its process by groups. */
 void vor_help_command(FILE *out, const struct vor_command *command);

@@ -74,7 +74,7 @@ static int refuse_several(const struct found *found)
 {
     char line[SHOWN_MAX * sizeof found->id[0].text + 128];
     unsigned shown = found->count < SHOWN_MAX ? found->count : SHOWN_MAX;
-    int at = snprintf(line, sizeof line, "%u jobs begin like this:", found->count);
+    int at = snprintf(line, sizeof line, "%u jobs begin with this:", found->count);
 
     for (unsigned i = 0; i < shown; i++)
         at += snprintf(line + at, sizeof line - (size_t)at, "%s %s", i > 0 ? "," : "",
@@ -95,7 +95,7 @@ static int look_up(struct vor_follow *follow, const char *word)
     if (found.count > 1)
         return refuse_several(&found);
     if (found.count == 0) {
-        vor_cli_say(word, "no such job; voronoid jobs lists those there are");
+        vor_cli_say(word, "no such job; voronoid jobs lists all jobs");
         return VOR_EXIT_FAILED;
     }
     follow->id = found.id[0];

@@ -245,14 +245,14 @@ static int end_one(const struct vor_cli *cli, const char *id, void *ctx)
     if (code == VOR_EXIT_OK && vor_follow_is_over(&follow)) {
         char line[64];
 
-        (void)snprintf(line, sizeof line, "over already: %s", follow.status);
+        (void)snprintf(line, sizeof line, "has already ended: %s", follow.status);
         vor_cli_say(follow.subject, line);
         code = VOR_EXIT_FAILED;
     } else if (code == VOR_EXIT_OK) {
         (void)snprintf(url, sizeof url, "%s/stop", follow.job);
-        code = *keeps_best
-                   ? end_job(&follow, "POST", url, "stopping, the best so far becomes its result")
-                   : end_job(&follow, "DELETE", follow.job, "dismissed");
+        code = *keeps_best ? end_job(&follow, "POST", url,
+                                     "stopping; the best cloud so far becomes its result")
+                           : end_job(&follow, "DELETE", follow.job, "dismissed");
     }
     vor_follow_close(&follow);
     return code;

@@ -183,7 +183,7 @@ static void say_dropped(const struct vor_progress *progress, const struct vor_js
     vor_text_free(&line);
 }
 
-/* Says each warning in a line: "warning: sigmaP is below ... (0.001 beside 0.02)". */
+/* Says each warning in a line: "warning: sigmaP is smaller ... (0.001 beside 0.02)". */
 static void say_warnings(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *list = vor_json_get(report, "warnings");
@@ -224,8 +224,8 @@ static void say_row(const struct vor_progress *progress, const char *name, doubl
     char line[160];
 
     (void)snprintf(line, sizeof line,
-                   "%-8s %9.0f points, delta %.4f, sigma %.3g, six neighbours %.3f, input to them "
-                   "%.3g, at most %.3g",
+                   "%-8s %9.0f points, delta %.4f, sigma %.3g, six neighbours %.3f, "
+                   "distance from the input %.3g, at most %.3g",
                    name, points, number_at(told, "delta"), number_at(told, "sigma"),
                    number_at(told, "six_share"), number_at(apart, "mean"), number_at(apart, "max"));
     vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);

@@ -69,7 +69,7 @@ function rise(rows, isMesh) {
     const [before, last] = rows.slice(-2);
     if (!last || last.step !== before.step || deltaOf(last) < RISE * deltaOf(before)) return '';
     return isMesh ? ' It rises at the end, where points move a little so that the triangles become better.'
-        : ' It rises at the end, where points are put back onto the input.';
+        : ' It rises at the end, where points are moved back onto the input.';
 }
 
 /** Draws records into a canvas, says in its label what is to be seen, and returns a sentence to stand below. */

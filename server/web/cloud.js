@@ -13,7 +13,7 @@ function start() {
     };
     /* A worker that ends, for want of memory say, answers nobody. */
     worker.onerror = () => {
-        waiting.forEach(({ reject }) => reject(new Error('The browser could not hold this cloud.')));
+        waiting.forEach(({ reject }) => reject(new Error('This cloud is too large for the memory of the browser.')));
         waiting.clear();
         worker = null;
     };

@@ -70,5 +70,5 @@ try {
     place.append(fold);
   }
 } catch (error) {
-  place.append(element('p', `The contract cannot be shown: ${error.message}`));
+  place.append(element('p', `The API contract cannot be shown: ${error.message}`));
 }

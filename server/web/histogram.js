@@ -74,6 +74,6 @@ export function drawHistogram(canvas, caption, panels) {
     const shown = panels.flatMap(({ one, other }) => [one, other].filter(Boolean));
     canvas.setAttribute('aria-label', shown.map(words).join('; '));
     caption.textContent = shown[0].figures === 'spacing'
-        ? `Distance from each point to its nearest neighbour, over the mean distance. Even points make one narrow peak at 1.${panels[0].other ? ` Bars: ${panels[0].one.whose}, line: ${panels[0].other.whose}.` : ''}`
+        ? `Distance from each point to its nearest neighbour, divided by the mean distance. Evenly spread points have one narrow peak at 1.${panels[0].other ? ` Bars: ${panels[0].one.whose}, line: ${panels[0].other.whose}.` : ''}`
         : 'Distance from each point of the result to the nearest point of the input, in the unit of the cloud.';
 }

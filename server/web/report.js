@@ -54,7 +54,7 @@ function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_r
     const all = [];
     const add = (name, value, unit, description) => typeof value === 'number' && all.push(...row(name, value, { description, 'x-unit': unit }));
     add('Points', points?.out, '', `Of the result; the input has ${figure(points?.in ?? 0)}`);
-    add('Unevenness δ', delta, '', 'How much the distances between neighbours vary: their standard deviation over their mean. 0 is perfectly even');
+    add('Unevenness δ', delta, '', 'How much the distances between neighbours vary: their standard deviation divided by their mean. 0 is perfectly even');
     add('Spacing', spacing, 'unit of the cloud', 'Mean distance from a point to its nearest neighbour');
     if (there && back) {
         add('Distance to the input', back.mean, 'unit of the cloud', 'Mean over the points of the result: how closely it follows the input');

@@ -146,7 +146,7 @@ static void drop_blob(struct vor_blobs *blobs, const struct vor_uuid *id, const 
     struct vor_error err;
 
     if (vor_blob_drop(blobs, id, name, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "input not dropped", VOR_TEXT("job", id->text),
+        vor_log(VOR_LOG_WARN, "input file not deleted", VOR_TEXT("job", id->text),
                 VOR_TEXT("blob", name), VOR_TEXT("error", err.message));
 }
 

@@ -47,9 +47,9 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     struct vor_error err;
 
     if (job == NULL) {
-        vor_log(VOR_LOG_ERROR, "no memory for a job, which waits on", VOR_OF_JOB(row));
+        vor_log(VOR_LOG_ERROR, "no memory for a job; it keeps waiting", VOR_OF_JOB(row));
         if (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK)
-            vor_log(VOR_LOG_ERROR, "it waits for the next start", VOR_OF_JOB(row),
+            vor_log(VOR_LOG_ERROR, "the job waits until the daemon starts again", VOR_OF_JOB(row),
                     VOR_TEXT("error", err.message));
         return 0;
     }

@@ -126,8 +126,8 @@ static void say_strays(int is_lost, size_t files, uint64_t bytes)
 {
     if (files > 0 && is_lost)
         vor_log(VOR_LOG_WARN,
-                "THE TABLE OF JOBS HAS LOST ROWS: files that belong to no job are moved to the "
-                "folder lost of --blobs, for --lost-ttl and up to --lost-bytes",
+                "JOBS ARE MISSING FROM THE DATABASE: their files are moved to the folder lost in "
+                "--blobs, for --lost-ttl and up to --lost-bytes",
                 VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
     else if (files > 0)
         vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));

@@ -23,7 +23,7 @@ unlike $stderr, qr/kmeans|voxel/, 'and tells of none';
 ($code, $stdout, $stderr) = run([@request, '--baselines']);
 is $code, 0, 'one with them works';
 ok slurp($out) eq $plain, 'and makes the same file';
-my @rows = $stderr =~ /: (result|kmeans|random|voxel|farthest) +\d+ points, delta 0\.\d{4}, sigma \S+, six neighbours 0\.\d{3}, input to them \S+, at most \S+$/mg;
+my @rows = $stderr =~ /: (result|kmeans|random|voxel|farthest) +\d+ points, delta 0\.\d{4}, sigma \S+, six neighbours 0\.\d{3}, distance from the input \S+, at most \S+$/mg;
 is_deeply \@rows, [qw(result kmeans random voxel farthest)], 'the terminal has a table of them';
 
 ($code, $stdout) = run([@request, '--baselines=true', '--json']);

@@ -55,8 +55,8 @@ subtest 'submit' => sub {
     my ($first, $second) = map { $_->{jobID} } @jobs;
     run(['wait', $first, $second, '-q', @there]);
     for my $case (
-        [['submit'], qr/\Avoronoid: submit: name a process first: resample, denoise, [^\n]+\n\z/],
-        [['submit', $in], qr/name a process first/], [['submit', 'health', $in], qr/name a process first/],
+        [['submit'], qr/\Avoronoid: submit: name a process after submit: resample, denoise, [^\n]+\n\z/],
+        [['submit', $in], qr/name a process after submit/], [['submit', 'health', $in], qr/name a process after submit/],
         [['submit', 'resample', @request], qr/\Avoronoid: submit resample: no input/],
         [['submit', 'resample', $in], qr/none of points, ratio and spacing is given/],
         [['submit', 'resample', $in, @request, '-o', 'x'], qr/no option -o; see voronoid submit resample --help/],
@@ -98,7 +98,7 @@ subtest 'wait' => sub {
     my $stopped = submitted(@long, '--seed', 2);
     await { (info($stopped)->{voronoid} // {})->{metrics} };
     ($code, undef, $stderr) = run(['stop', $stopped, @there]);
-    is "$code|$stderr", "0|voronoid: $stopped: stopping, the best so far becomes its result\n", 'stop keeps the best';
+    is "$code|$stderr", "0|voronoid: $stopped: stopping; the best cloud so far becomes its result\n", 'stop keeps the best';
     is((run(['wait', $stopped, '-q', @there]))[0], 0, 'and the job is successful');
     ($code, undef, $stderr) = finish($waiting);
     is "$code|$stderr", "4|voronoid: $id: the job was dismissed\n", 'which ends the waiting as it should';
@@ -144,14 +144,14 @@ subtest 'the beginning of an ID' => sub {
     my ($code, $stdout, $stderr) = run(['jobs', '-q', $only, @there]);
     is "$code|$stdout|$stderr", "0|$done\n|", 'is enough where no other job has it';
     ($code, undef, $stderr) = run(['cancel', $only, @there]);
-    is "$code|$stderr", "1|voronoid: $done: over already: successful\n", 'and messages have the whole';
+    is "$code|$stderr", "1|voronoid: $done: has already ended: successful\n", 'and messages have the whole';
     ($code, undef, $stderr) = run(['stop', $several, @there]);
     is $code, 2, 'one that several have is refused';
     my @like = grep {/^$several/} @all;
-    is $stderr, "voronoid: $several: " . @like . ' jobs begin like this: ' . join(', ', @like[0 .. (@like > 5 ? 4 : $#like)])
+    is $stderr, "voronoid: $several: " . @like . ' jobs begin with this: ' . join(', ', @like[0 .. (@like > 5 ? 4 : $#like)])
         . (@like > 5 ? ' and ' . (@like - 5) . ' more' : '') . "\n", 'and they are named, at most five';
     ($code, undef, $stderr) = run(['fetch', 'ffff', '-fo', '-', @there]);
-    is "$code|$stderr", "1|voronoid: ffff: no such job; voronoid jobs lists those there are\n", 'and one of none';
+    is "$code|$stderr", "1|voronoid: ffff: no such job; voronoid jobs lists all jobs\n", 'and one of none';
 };
 
 subtest 'pages' => sub {
@@ -210,7 +210,7 @@ subtest 'cancel' => sub {
     my ($first, $second) = map { submitted(@long) } 1, 2;
     my ($code, $stdout, $stderr) = run(['cancel', $second, $done, $first, '--json', @there]);
     is $code, 1, 'one that is over counts as a failure';
-    like $stderr, qr/\Avoronoid: $done: over already: successful\nvoronoid: cancel: 1 of 3 failed\n\z/, 'and is told';
+    like $stderr, qr/\Avoronoid: $done: has already ended: successful\nvoronoid: cancel: 1 of 3 failed\n\z/, 'and is told';
     is_deeply [map { decode_json($_)->{status} } split /\n/, $stdout], ['dismissed', 'dismissed'], 'the others are dismissed';
     is((run(['fetch', $done, '-q', '-fo', '/dev/null', @there]))[0], 0, 'it keeps its results');
     ($code, undef, $stderr) = run(['fetch', $first, '-fo', '-', @there]);

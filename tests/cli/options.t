@@ -48,18 +48,18 @@ for my $command (qw(denoise upsample simplify resample)) {
 my (undef, $of_measure) = run(['measure', '--help']);
 like $of_measure, qr/^usage: voronoid measure IN\.\.\. /, 'the help of measure names its operand';
 like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
-like $of_measure, qr/^      --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+30 unit of the cloud \| auto, default auto\n/m, 'and its parameter';
+like $of_measure, qr/^      --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+30, in the unit of the cloud \| auto, default auto\n/m, 'and its parameter';
 unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
-like $help, qr/--polish VALUE\n      Steps of the polish\. Largest number [^\n]+\n(?: {6}\S[^\n]+\n)*      0 to 10000, default \d+\n/, 'it explains the polish';
+like $help, qr/--polish VALUE\n      Largest number [^\n]+\n(?: {6}\S[^\n]+\n)*      0 to 10000, default \d+\n/, 'it explains the polish';
 like $help, qr/env:\s+VORONOID_SERVER/, 'it shows environment variables';
 
 # Levels and presets.
 my (undef, $of_resample) = run(['resample', '--help']);
 my ($basic, $advanced) = $of_resample =~ /\nParameters of the request[^\n]*:\n(.*)\nAdvanced parameters[^\n]*:\n(.*)/s;
-like $basic, qr/--points VALUE\n      Points\. /, 'the help begins with basic parameters and their titles';
-like $advanced, qr/--grading VALUE\n      Grading of the density\. /, 'the advanced ones stand under their own head';
+like $basic, qr/--points VALUE\n      Number of points of the result\. /, 'the help begins with basic parameters';
+like $advanced, qr/--grading VALUE\n      How fast the spacing may change\b/, 'the advanced ones are under a heading of their own';
 unlike $basic, qr/--grading/, 'and there alone';
 like $of_resample, qr/\nPresets:\n  even .*: points=10000\n/, 'the help lists the presets';
 unlike $of_measure, qr/preset/i, 'that of a process without any does not speak of them';

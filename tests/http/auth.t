@@ -247,7 +247,7 @@ is finish('alice', $beside)->{status}, 'successful', 'it runs';
 
 write_keys($file, $lines[1], "carol:submit\n");
 kill 'HUP', $daemon->{pid};
-ok wait_until(sub { $daemon->log_text =~ /keys not read[^\n]*line 2/ }), 'a wrong file is told of, with its line';
+ok wait_until(sub { $daemon->log_text =~ /the keys cannot be read[^\n]*line 2/ }), 'a wrong file is told of, with its line';
 is ask('bob', 'GET', '/v1/jobs')->{status}, 200, 'and the keys of before hold';
 write_keys($file, $lines[1]);
 kill 'HUP', $daemon->{pid};

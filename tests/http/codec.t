@@ -58,5 +58,5 @@ is $daemon->post($run, $cloud)->{status}, 200, 'nor a lock: the next one starts 
 # Without the zygote no upload can be read.
 kill 'KILL', (below($daemon->{pid}))[0][0];
 is Vt::reap(delete $daemon->{pid}), 1, 'a daemon whose zygote is killed ends as failed';
-like $daemon->log_text, qr/the process that starts the readers of uploads has died/, 'and says why';
+like $daemon->log_text, qr/the process that starts the decoders of uploads has ended/, 'and says why';
 done_testing;

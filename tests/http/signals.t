@@ -46,7 +46,7 @@ for my $signal (qw(QUIT USR1 INT)) {
     like Vt::read_all($slow[5], qr/alive/), qr{\AHTTP/1\.1 200 }, 'one is kept';
     ok wait_until(sub { $daemon->metric('uploads_active') == 3 }), 'others are in the middle of a request';
     is $daemon->stop, 0, 'the daemon ends with 0';
-    is((said($daemon, 'slow clients are cut'))[0]{requests}, 3, 'those whose requests were accepted are counted');
+    is((said($daemon, 'slow clients are disconnected'))[0]{requests}, 3, 'those whose requests were accepted are counted');
     like Vt::read_all($_), qr{\AHTTP/1\.1 408 .*"retryable":true}s, 'and told that they may come again' for @slow[0 .. 2];
     is Vt::read_all($_), '', 'who has sent no head is cut' for @slow[3, 4];
 }

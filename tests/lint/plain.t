@@ -69,7 +69,7 @@ is +(slurp($_) =~ $of{$_})[0], $version, "$_ has the version of the Makefile" fo
 my ($law, $text) = map { slurp($_) =~ s/\n +/ /gr } 'tests/lint/layers.t', 'ARCHITECTURE.md';
 for my $part ('core', 'server') {
     my $order = join ' ', ($law =~ /^my \@$part = \((.*?)\);/m)[0] =~ /[\w ]+(?=')/g;
-    is join(' ', ($text =~ /^- $part: (.*)$/m)[0] =~ /\w+/g), $order =~ s/\s+/ /gr, "ARCHITECTURE.md has the order of rooms of $part";
+    is join(' ', ($text =~ /^- $part: (.*)$/m)[0] =~ /\w+/g), $order =~ s/\s+/ /gr, "ARCHITECTURE.md has the order of modules of $part";
 }
 my @doors = map { s/\\//gr =~ s/\$$//r } $law =~ /qr\{\^((?:core|proto|server)\/[^}]+)\}[,\]]/g;
 is_deeply [grep { index($text, "`$_`") < 0 } @doors], [], 'and every door';
@@ -94,17 +94,17 @@ my ($body, $in, $out) = ([$config, qr/"body-limit".*?"(\d+)G"/s], [$config, qr/"
 my ($listen, $checks) = ([$config, qr/"listen", .*?"127\.0\.0\.1:(\d+)"/s], ['docker/Dockerfile', qr/ADMIN_LISTEN=127\.0\.0\.1:(\d+)/]);
 my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
 for (
-    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/(\d+ million) points in/, $in], ['README.md', qr/(\d+ million) out/, $out],
-    ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/(\d+ million) points,/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
+    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points;/, $in], ['README.md', qr/at most (\d+ million)\./, $out],
+    ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
     ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/At most (\d+) times/, $most],
     ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
     [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+) \(100 without/]],
     ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+) requests per/, $rate], ['server/cli/command.h', qr/wait or run \((\d+)\)/, $jobs],
-    ['server/cli/command.h', qr/"per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+) seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
+    ['server/cli/command.h', qr/"per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+)\s+seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
     ["$help/reports.txt", qr/more than ([\d,]+) input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
     ["$help/reports.txt", qr/median of (\d+) places/, ['core/input/conditioning.h', qr/NEIGHBORS_PLACES = (\d+)/]], ["$help/data.txt", qr/once\s+in\s+(\w+\s+minutes)/, ['server/work/verify.c', qr/sound_seconds = (\d+)/]],
     ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
-    ["$help/container.txt", qr/ends with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
+    ["$help/container.txt", qr/with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
     ["$help/metrics.txt", qr/127\.0\.0\.1:(\d+)/, $checks], ['docker/compose.yaml', qr/127\.0\.0\.1:(\d+):/, $listen], ['docker/Dockerfile', qr/^EXPOSE (\d+)/m, $listen],
     ['server/cli/server.c', qr/LISTEN_DEFAULT "127\.0\.0\.1:(\d+)"/, $listen], ['openapi.yaml', qr{url: http://127\.0\.0\.1:(\d+)}, $listen],
 ) {

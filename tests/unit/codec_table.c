@@ -151,7 +151,7 @@ static const struct {
 #define MESH(suffix) "convert it: assimp export in." suffix " out.ply -jiv"
 #define PDAL(suffix) "convert it: pdal translate in." suffix " out.ply"
 #define HELP "convert it as \"voronoid help formats\" says"
-#define ERROR "it is probably an error message in place of the file: download it again"
+#define ERROR "it is probably an error page instead of the file: download it again"
     FOREIGN("LASF" Z100, "LAS", PDAL("las")),
     FOREIGN("LASF" Z100 "\x83 ", "LAZ", PDAL("laz")),
     FOREIGN("ASTM-E57\1", "E57", PDAL("e57")),
@@ -170,7 +170,7 @@ static const struct {
     FOREIGN("glTF\2", "glTF (GLB)", MESH("glb")),
     FOREIGN("{\n \"asset\": {\"version\": \"2.0\"}}", "glTF", MESH("gltf")),
     FOREIGN("{\"error\": \"not found\"}", "JSON",
-            "it is probably an error message, or parameters in the place of a cloud"),
+            "it is probably an error message, or parameters instead of a cloud"),
     FOREIGN("\n<!DOCTYPE html>\n", "HTML", ERROR),
     FOREIGN("\xef\xbb\xbf<html>", "HTML", ERROR),
     FOREIGN("1.0 -2e3 3\n", "numbers in text (XYZ, CSV)", HELP),

@@ -43,7 +43,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 {
     if (view->expired)
         return say_with_job(app, request, "job-expired",
-                            "the results of this job have expired, or were deleted to make room",
+                            "the results of this job have expired, or were deleted to free space",
                             view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
@@ -246,7 +246,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
         *next = vor_problem_reply(app, request, &problem);
     } else if (verdict == VOR_VERDICT_FAILED) {
         *next = vor_problem_say(app, request, "store-unavailable",
-                                "the bytes cannot be checked now; try again later");
+                                "the stored bytes cannot be checked now; try again later");
     }
     return verdict == VOR_VERDICT_SOUND;
 }

@@ -34,8 +34,8 @@ for my $run (1 .. $runs) {
     $daemon->stop('KILL');
     flip("$daemon->{dir}/data/jobs.sqlite-wal", 0.02 + 0.96 * rand);
     my $again = Vt->start(dir => $daemon->{dir}, jobs => 1);
-    my ($line) = wait_until(sub { grep { $_->{msg} =~ /HAS LOST ROWS|^strays/ } $again->log_lines }, 1) ?
-        grep { $_->{msg} =~ /HAS LOST ROWS/ } $again->log_lines : ();
+    my ($line) = wait_until(sub { grep { $_->{msg} =~ /ARE MISSING FROM|^strays/ } $again->log_lines }, 1) ?
+        grep { $_->{msg} =~ /ARE MISSING FROM/ } $again->log_lines : ();
     for my $id (@ids) {
         my $got = $again->get("/v1/jobs/$id/results/cloud")->{status};
         next if $got == 200;
