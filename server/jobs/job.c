@@ -17,6 +17,7 @@ struct vor_job {
     struct vor_preview *preview;
     struct vor_uuid id;
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
+    uint32_t stored;        /* events of this attempt; `change` guards it */
     pthread_mutex_t state;  /* view, first */
     struct vor_job_view view;
     struct vor_pace pace; /* of this attempt, for the estimate */
@@ -224,6 +225,7 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
         return 0;
     pthread_mutex_lock(&job->state);
     vor_bus_restart(job->bus, ++job->view.attempt);
+    job->stored = 0;
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_REPLACED, now_ms);
     pthread_mutex_lock(&job->state);
@@ -312,6 +314,16 @@ int vor_job_freeze(struct vor_job *job)
 void vor_job_thaw(struct vor_job *job)
 {
     end_change(job);
+}
+
+uint32_t vor_job_stored(const struct vor_job *job)
+{
+    return job->stored;
+}
+
+void vor_job_set_stored(struct vor_job *job, uint32_t number)
+{
+    job->stored = number;
 }
 
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row)

@@ -80,6 +80,10 @@ void vor_job_show(struct vor_job *job, const struct vor_shown *shown);
 VOR_NODISCARD int vor_job_freeze(struct vor_job *job);
 void vor_job_thaw(struct vor_job *job);
 
+/** Of a frozen job: number of the last event of this attempt that the store has. */
+uint32_t vor_job_stored(const struct vor_job *job);
+void vor_job_set_stored(struct vor_job *job, uint32_t number);
+
 /** Final state of a frozen job, as `row` has it. Publishes END. */
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row);
 

@@ -3,11 +3,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A trace, little endian: the magic, attempt, count of events and bytes of a record (4 bytes each);
+/* A piece, little endian: the magic, attempt, count of events and bytes of a record (4 bytes each);
  * then for every event kind, status, stage and progress (a byte each) and time (8); a progress
  * event goes on with the estimate (8) and its record. A record has the members of its table in
  * their order, so a build that knows more of them reads those that are there, and one that knows
- * fewer skips the rest. A trace with another magic is refused, and the job is left with its end. */
+ * fewer skips the rest. A piece with another magic is refused. */
 enum { MAGIC_SIZE = 4, HEADER_SIZE = 16, EVENT_SIZE = 12, ETA_SIZE = 8 };
 
 static const char magic[MAGIC_SIZE] = {'V', 'T', 'R', '3'};
@@ -114,7 +114,7 @@ static uint8_t *put_event(uint8_t *at, const struct vor_event *event)
     return put_record(put_real(at, event->eta_seconds), &event->record);
 }
 
-/* The bytes of a trace that are still to be read. */
+/* The bytes of a piece that are still to be read. */
 struct trace {
     const uint8_t *at, *end;
     uint64_t record; /* bytes of a record */
@@ -155,70 +155,61 @@ static int get_event(struct vor_event *out, struct trace *trace)
     return kind != VOR_EVENT_PROGRESS || get_progress(out, trace);
 }
 
-vor_status vor_trace_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size, struct vor_error *err)
+vor_status vor_trace_pack(struct vor_bus *bus, uint32_t after, struct vor_event_piece *piece,
+                          uint8_t **bytes, struct vor_error *err)
 {
-    struct vor_position position = {0, 0};
-    uint32_t count = vor_bus_newest(bus).number;
-    uint8_t *data = malloc(HEADER_SIZE + count * (EVENT_SIZE + ETA_SIZE + record_size())), *at;
+    struct vor_position newest = vor_bus_newest(bus), position = {newest.attempt, after};
+    uint32_t count = newest.number - after;
     struct vor_event event;
+    uint8_t *at;
 
-    if (data == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a trace of %u events", (unsigned)count);
-    memcpy(data, magic, sizeof magic);
-    at = put(put(data + sizeof magic, vor_bus_attempt(bus), 4), count, 4);
+    *piece = (struct vor_event_piece){.last = newest.number};
+    *bytes = NULL;
+    if (count == 0)
+        return VOR_OK;
+    *bytes = malloc(HEADER_SIZE + count * (EVENT_SIZE + ETA_SIZE + record_size()));
+    if (*bytes == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%u events of a job", (unsigned)count);
+    memcpy(*bytes, magic, sizeof magic);
+    at = put(put(*bytes + sizeof magic, newest.attempt, 4), count, 4);
     at = put(at, record_size(), 4);
-    while (position.number < count && vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1) == 1)
+    while (position.number < newest.number &&
+           vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1) == 1)
         at = put_event(at, &event);
-    *size = (size_t)(at - data);
-    *bytes = data;
+    piece->data = *bytes;
+    piece->size = (size_t)(at - *bytes);
     return VOR_OK;
 }
 
-static vor_status unpack_events(struct vor_bus *bus, struct trace *trace, uint64_t count,
-                                struct vor_error *err)
+/* Reads the header of a piece; false when it is none. */
+static int get_header(struct trace *trace, uint64_t *count, const struct vor_event_piece *piece)
 {
-    for (uint64_t i = 0; i < count; i++) {
-        struct vor_event event;
+    uint64_t attempt;
 
-        if (!get_event(&event, trace))
-            return vor_fail(err, VOR_E_FORMAT, "event %llu of the trace is damaged",
-                            (unsigned long long)i + 1);
-        if (vor_bus_publish(bus, &event) != VOR_OK)
-            return vor_fail(err, VOR_E_NOMEM, "a trace of %llu events", (unsigned long long)count);
-    }
-    return VOR_OK;
-}
-
-/* Reads the header of a trace; false when it is none. */
-static int get_header(struct trace *trace, uint64_t *attempt, uint64_t *count, const uint8_t *bytes,
-                      size_t size)
-{
-    if (size < HEADER_SIZE || memcmp(bytes, magic, sizeof magic) != 0)
+    if (piece->size < HEADER_SIZE || memcmp(piece->data, magic, sizeof magic) != 0)
         return 0;
-    (void)get(get(get(bytes + MAGIC_SIZE, attempt, 4), count, 4), &trace->record, 4);
-    trace->at = bytes + HEADER_SIZE;
-    trace->end = bytes + size;
+    (void)get(get(get(piece->data + MAGIC_SIZE, &attempt, 4), count, 4), &trace->record, 4);
+    trace->at = piece->data + HEADER_SIZE;
+    trace->end = piece->data + piece->size;
     return trace->record > 0;
 }
 
-vor_status vor_trace_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,
+vor_status vor_trace_unpack(struct vor_bus *bus, const struct vor_event_piece *piece,
                             struct vor_error *err)
 {
-    uint64_t attempt, count;
     struct trace trace;
-    struct vor_bus *bus;
-    vor_status status;
+    uint64_t count;
 
-    if (!get_header(&trace, &attempt, &count, bytes, size))
-        return vor_fail(err, VOR_E_FORMAT, "%zu bytes are not a trace", size);
-    bus = vor_bus_create((uint32_t)attempt);
-    if (bus == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a trace of %zu bytes", size);
-    status = unpack_events(bus, &trace, count, err);
-    if (status != VOR_OK) {
-        vor_bus_release(bus);
-        return status;
+    if (!get_header(&trace, &count, piece))
+        return vor_fail(err, VOR_E_FORMAT, "%zu bytes are no events", piece->size);
+    for (uint64_t i = 0; i < count; i++) {
+        struct vor_event event;
+
+        if (!get_event(&event, &trace))
+            return vor_fail(err, VOR_E_FORMAT, "event %llu of a piece is damaged",
+                            (unsigned long long)i + 1);
+        if (vor_bus_publish(bus, &event) != VOR_OK)
+            return vor_fail(err, VOR_E_NOMEM, "%llu events of a job", (unsigned long long)count);
     }
-    *out = bus;
     return VOR_OK;
 }

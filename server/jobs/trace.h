@@ -1,29 +1,31 @@
-/** The events of a job that ended, as the store keeps them. */
+/** The events of a job, in the pieces that the store keeps. */
 #ifndef VOR_SERVER_JOBS_TRACE_H
 #define VOR_SERVER_JOBS_TRACE_H
 
 #include "core/base/status.h"
 #include "server/jobs/bus.h"
+#include "server/store/store.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
-/** Everything that was published on a bus so far, as bytes.
+/** What was published on a bus after number `after`, as a piece.
  *
- *  @param[out] bytes malloc, the caller frees; only set when VOR_OK is returned
+ *  @param[out] piece  of size 0 when nothing was; its data is *bytes
+ *  @param[out] bytes  malloc, the caller frees; NULL when nothing was, or on failure
  *  @retval VOR_E_NOMEM
  *
  *  Any thread; what is published meanwhile is not in it. */
-VOR_NODISCARD vor_status vor_trace_pack(struct vor_bus *bus, uint8_t **bytes, size_t *size,
+VOR_NODISCARD vor_status vor_trace_pack(struct vor_bus *bus, uint32_t after,
+                                        struct vor_event_piece *piece, uint8_t **bytes,
                                         struct vor_error *err);
 
-/** A bus with the events of a trace, with one reference.
+/** Publishes the events of a piece on a bus.
  *
- *  @param[out] out only set when VOR_OK is returned
- *  @retval VOR_E_FORMAT the bytes are not a trace, or one of a build with stages that this one does
- * not have
- *  @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_trace_unpack(struct vor_bus **out, const uint8_t *bytes, size_t size,
+ *  @retval VOR_E_FORMAT the bytes are no piece, or one of a build with stages that this one does
+ * not have; the events before are published
+ *  @retval VOR_E_NOMEM  likewise */
+VOR_NODISCARD vor_status vor_trace_unpack(struct vor_bus *bus, const struct vor_event_piece *piece,
                                           struct vor_error *err);
 
 #endif

@@ -4,8 +4,9 @@
  *  A driver keeps its statements and its schema to itself. Every function may be called from any
  *  thread. A change is durable when its function returns, unless store.h says that a crash of the
  *  machine may undo it.
- *  Each change to a running job names its attempt, the number that claim_next returned. A change
- *  that names an older attempt does nothing, because another worker has the job by then. */
+ *  Each change to a running job names its owner and its attempt, the number that claim_next
+ *  returned. A change that names another owner or an older attempt does nothing, because another
+ *  worker has the job by then, and says so. */
 #ifndef VOR_SERVER_STORE_DRIVER_H
 #define VOR_SERVER_STORE_DRIVER_H
 
@@ -24,11 +25,31 @@ struct vor_store {
     int is_damaged;              /**< the driver's: changes that were durable are gone */
 };
 
-/** What goes into the row with the final state besides the view; either may be NULL. Borrowed. */
+/** Whose attempt a change belongs to. */
+struct vor_lease {
+    const char *owner; /**< borrowed: of this life of a daemon alone */
+    uint32_t attempt;  /**< as claim_next returned it */
+};
+
+/** The next events of an attempt: a piece that the store keeps as it is. Borrowed. */
+struct vor_event_piece {
+    uint32_t last; /**< number of the last of them */
+    const uint8_t *data;
+    size_t size; /**< 0 for none */
+};
+
+/** What is written with the final state besides the view. */
 struct vor_store_ending {
-    const char *report;   /**< JSON: the output that is kept in the row */
-    const uint8_t *trace; /**< vor_trace_pack */
-    size_t trace_size;
+    const char *report; /**< JSON: the output that is kept in the row; borrowed, or NULL */
+    struct vor_event_piece events;
+};
+
+/** Which events to read, and who gets each piece; he ends it by returning 0. */
+struct vor_event_query {
+    uint32_t attempt;
+    uint32_t after; /**< pieces whose last event is this one, or an earlier one, are left out */
+    int (*each)(void *ctx, const struct vor_event_piece *piece);
+    void *ctx;
 };
 
 /** Which jobs to list. Zero is "all". */
@@ -81,20 +102,32 @@ struct vor_evictions {
 
 /** Who claims a job, and what may be claimed. */
 struct vor_claim {
-    const char *owner; /**< borrowed: of this life of a daemon alone */
+    const char *owner; /**< borrowed */
     int64_t now_ms;
     uint64_t memory;  /**< bytes: a job that needs more is not claimed; UINT64_MAX for any */
     int may_be_alone; /**< also one that is to have nothing beside it (vor_job_view.alone) */
+    int64_t until_ms; /**< the claimer's, unless it is renewed */
+};
+
+/** Jobs of one owner, whose leases are made longer together. */
+struct vor_renewal {
+    const char *owner; /**< borrowed */
+    int64_t until_ms;
+    struct vor_leased {
+        struct vor_uuid id;
+        uint32_t attempt;
+    } * job;           /**< the caller's room for so many: those that are still his */
+    size_t max, count; /**< count may be more than max */
 };
 
 /** A run that came to nothing, whose job is to wait again. */
 struct vor_hand_back {
-    uint32_t attempt; /**< the caller's, as the next three */
+    struct vor_lease lease; /**< the caller's, as the next four */
     int64_t now_ms;
     int is_crash;     /**< its process has ended without a word: the job is to run alone */
     int was_alone;    /**< and nothing ran beside it, which counts against the job */
     unsigned most;    /**< so many crashes that count end the job: it is not put back; 0: none do */
-    int changed;      /**< the store's: 0 when this is not the running attempt */
+    int changed;      /**< the store's: 0 when the attempt is not this owner's any more */
     unsigned crashes; /**< that count against the job, this one included */
     int is_over;      /**< it crashed too often, and stays running: its caller is to finish it */
 };
@@ -118,14 +151,17 @@ struct vor_store_driver {
                          struct vor_ledger *ledger, struct vor_error *err);
     vor_status (*claim_next)(struct vor_store *store, const struct vor_claim *claim,
                              struct vor_job_view *out, int *found, struct vor_error *err);
-    vor_status (*beat)(struct vor_store *store, const struct vor_job_view *row,
-                       struct vor_error *err);
+    vor_status (*renew)(struct vor_store *store, struct vor_renewal *renewal,
+                        struct vor_error *err);
+    vor_status (*append_events)(struct vor_store *store, const struct vor_job_view *row,
+                                const struct vor_lease *lease, const struct vor_event_piece *piece,
+                                int *changed, struct vor_error *err);
     vor_status (*hand_back)(struct vor_store *store, const struct vor_uuid *id,
                             struct vor_hand_back *run, struct vor_error *err);
     /** ending is not NULL here. */
-    vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
-                         const struct vor_store_ending *ending, int *changed,
-                         struct vor_error *err);
+    vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row,
+                         const struct vor_lease *lease, const struct vor_store_ending *ending,
+                         int *changed, struct vor_error *err);
     vor_status (*remove)(struct vor_store *store, const struct vor_uuid *id, int *changed,
                          struct vor_error *err);
     vor_status (*get_of)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
@@ -136,8 +172,8 @@ struct vor_store_driver {
                            struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
                          struct vor_error *err);
-    vor_status (*trace)(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
-                        size_t *size, struct vor_error *err);
+    vor_status (*events)(struct vor_store *store, const struct vor_uuid *id,
+                         const struct vor_event_query *query, struct vor_error *err);
     vor_status (*list)(struct vor_store *store, const struct vor_job_filter *filter,
                        int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                        struct vor_error *err);
@@ -148,8 +184,8 @@ struct vor_store_driver {
                                  struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-    vor_status (*reap)(struct vor_store *store, const char *owner, int64_t now_ms, uint64_t *reaped,
-                       struct vor_error *err);
+    vor_status (*reap)(struct vor_store *store, const char *owner, int64_t until_ms, int64_t now_ms,
+                       uint64_t *reaped, struct vor_error *err);
 };
 
 #endif

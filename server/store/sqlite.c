@@ -152,24 +152,41 @@ done:
     return status;
 }
 
-static vor_status beat(struct vor_store *store, const struct vor_job_view *row,
-                       struct vor_error *err)
+static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t attempt,
+                             const struct vor_event_piece *piece, struct vor_error *err)
+{
+    int rows;
+
+    if (piece->size == 0)
+        return VOR_OK;
+    return vor_sqlite_change(vor_sqlite_of(store), &rows, err,
+                             "INSERT INTO event VALUES (?, ?, ?, ?)", "iiib", seq, (int64_t)attempt,
+                             (int64_t)piece->last, piece->data, piece->size);
+}
+
+static vor_status append_events(struct vor_store *store, const struct vor_job_view *row,
+                                const struct vor_lease *lease, const struct vor_event_piece *piece,
+                                int *changed, struct vor_error *err)
 {
     struct vor_row_text text;
-    int changed;
+    int64_t seq = 0;
     vor_status status = vor_row_write(&text, row, err);
 
+    *changed = 0;
     if (status == VOR_OK)
         status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_LAZY, err);
     if (status == VOR_OK) {
-        status = vor_sqlite_change(
-            vor_sqlite_of(store), &changed, err,
-            "UPDATE job SET progress = max(progress, ?3), metrics = ?4, updated = ?5"
-            " WHERE id = ?1 AND attempt = ?2 AND status = 'running'",
-            "tiiti", row->id.text, (int64_t)row->attempt, (int64_t)row->progress, text.metrics.data,
-            row->updated);
+        status = vor_sqlite_change_each(
+            vor_sqlite_of(store), take_seq, &seq, err,
+            "UPDATE job SET progress = max(progress, ?4), metrics = ?5, updated = ?6"
+            " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running' RETURNING seq",
+            "tititi", row->id.text, (int64_t)lease->attempt, lease->owner, (int64_t)row->progress,
+            text.metrics.data, row->updated);
+        if (status == VOR_OK && seq != 0)
+            status = add_events(store, seq, lease->attempt, piece, err);
         status = vor_sqlite_end(vor_sqlite_of(store), status, err);
     }
+    *changed = status == VOR_OK && seq != 0;
     vor_row_text_free(&text);
     return status;
 }
@@ -192,9 +209,11 @@ static vor_status hand_back(struct vor_store *store, const struct vor_uuid *id,
         vor_sqlite_of(store), take_crashes, run, err,
         "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3, status = CASE"
         " WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running' ELSE 'accepted' END WHERE"
-        " id = ?1 AND attempt = ?2 AND status = 'running' RETURNING crashes, status = 'running'",
-        "tiiiii", id->text, (int64_t)run->attempt, run->now_ms, (int64_t)(run->is_crash != 0),
-        (int64_t)(run->is_crash && run->was_alone), (int64_t)run->most);
+        " id = ?1 AND attempt = ?2 AND owner = ?7 AND status = 'running'"
+        " RETURNING crashes, status = 'running'",
+        "tiiiiit", id->text, (int64_t)run->lease.attempt, run->now_ms,
+        (int64_t)(run->is_crash != 0), (int64_t)(run->is_crash && run->was_alone),
+        (int64_t)run->most, run->lease.owner);
 }
 
 /* Bytes of the outputs that are blobs. */
@@ -210,8 +229,8 @@ static uint64_t held_bytes(const struct vor_job_view *row)
 
 /* The row itself; *seq stays 0 where nothing was changed. */
 static vor_status finish_row(struct vor_store *store, const struct vor_job_view *row,
-                             uint32_t attempt, const struct vor_store_ending *ending, int64_t *seq,
-                             struct vor_error *err)
+                             const struct vor_lease *lease, const struct vor_store_ending *ending,
+                             int64_t *seq, struct vor_error *err)
 {
     const struct vor_job_output *output = &row->output[0];
     struct vor_row_text text;
@@ -226,19 +245,21 @@ static vor_status finish_row(struct vor_store *store, const struct vor_job_view 
             " updated = ?13, finished = ?13, expires = ?14, attempt = ?15, outputs = ?16,"
             " kept = min(kept, ?17), held = ?18"
             " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
-            " ELSE status = 'running' AND attempt = ?2 END RETURNING seq",
-            "tititttiiiitiiitii", row->id.text, (int64_t)attempt, vor_job_status_word(row->status),
-            (int64_t)row->progress, row->message, text.metrics.data, text.problem.data,
+            " ELSE status = 'running' AND attempt = ?2 AND owner = ?19 END RETURNING seq",
+            "tititttiiiitiiitiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
+            vor_job_status_word(row->status), (int64_t)row->progress, row->message,
+            text.metrics.data, text.problem.data,
             (int64_t)(ending->report != NULL ? strlen(ending->report) : 0), (int64_t)output->format,
             (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
             row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept,
-            (int64_t)held_bytes(row));
+            (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
     vor_row_text_free(&text);
     return status;
 }
 
-static vor_status finish(struct vor_store *store, const struct vor_job_view *row, uint32_t attempt,
-                         const struct vor_store_ending *ending, int *changed, struct vor_error *err)
+static vor_status finish(struct vor_store *store, const struct vor_job_view *row,
+                         const struct vor_lease *lease, const struct vor_store_ending *ending,
+                         int *changed, struct vor_error *err)
 {
     int64_t seq = 0;
     int rows;
@@ -247,11 +268,12 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
     *changed = 0;
     if (status != VOR_OK)
         return status;
-    status = finish_row(store, row, attempt, ending, &seq, err);
-    if (status == VOR_OK && seq != 0 && (ending->report != NULL || ending->trace != NULL))
+    status = finish_row(store, row, lease, ending, &seq, err);
+    if (status == VOR_OK && seq != 0)
+        status = add_events(store, seq, row->attempt, &ending->events, err);
+    if (status == VOR_OK && seq != 0 && ending->report != NULL)
         status = vor_sqlite_change(vor_sqlite_of(store), &rows, err,
-                                   "INSERT INTO job_blob VALUES (?, ?, ?)", "itb", seq,
-                                   ending->report, ending->trace, ending->trace_size);
+                                   "INSERT INTO job_blob VALUES (?, ?)", "it", seq, ending->report);
     status = vor_sqlite_end(vor_sqlite_of(store), status, err);
     *changed = status == VOR_OK && seq != 0;
     return status;
@@ -409,64 +431,31 @@ static vor_status find_key(struct vor_store *store, const struct vor_job_key *ke
     return status;
 }
 
-/* Bytes of one column, with a NUL behind them. */
-struct bytes {
-    uint8_t *data;
-    size_t size;
+struct report {
+    char *text;
     int failed;
 };
 
-static int take_bytes(void *ctx, struct vor_sqlite_row *row)
+static int take_report(void *ctx, struct vor_sqlite_row *row)
 {
-    struct bytes *bytes = ctx;
-    const void *data = vor_sqlite_bytes(row, &bytes->size);
+    struct report *report = ctx;
 
-    if (data == NULL)
-        return 0;
-    bytes->data = malloc(bytes->size + 1);
-    if (bytes->data == NULL) {
-        bytes->failed = 1;
-        return 0;
-    }
-    memcpy(bytes->data, data, bytes->size);
-    bytes->data[bytes->size] = '\0';
+    report->text = strdup(vor_sqlite_text(row));
+    report->failed = report->text == NULL;
     return 0;
-}
-
-/* A column of the job's row in job_blob. */
-#define SELECT_BLOB(column)                                                                        \
-    "SELECT " column " FROM job_blob WHERE seq = (SELECT seq FROM job WHERE id = ?)"
-
-static vor_status get_bytes(struct vor_store *store, struct bytes *bytes, const char *sql,
-                            const struct vor_uuid *id, struct vor_error *err)
-{
-    vor_status status =
-        vor_sqlite_query(vor_sqlite_of(store), take_bytes, bytes, err, sql, "t", id->text);
-
-    if (bytes->failed)
-        status = vor_fail(err, VOR_E_NOMEM, "a report or a trace of %zu bytes", bytes->size);
-    return status;
 }
 
 static vor_status get_report(struct vor_store *store, const struct vor_uuid *id, char **report,
                              struct vor_error *err)
 {
-    struct bytes bytes = {0};
-    vor_status status = get_bytes(store, &bytes, SELECT_BLOB("report"), id, err);
+    struct report read = {.text = NULL};
+    vor_status status = vor_sqlite_query(vor_sqlite_of(store), take_report, &read, err,
+                                         "SELECT report FROM job_blob WHERE report IS NOT NULL"
+                                         " AND seq = (SELECT seq FROM job WHERE id = ?)",
+                                         "t", id->text);
 
-    *report = (char *)bytes.data;
-    return status;
-}
-
-static vor_status get_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
-                            size_t *size, struct vor_error *err)
-{
-    struct bytes bytes = {0};
-    vor_status status = get_bytes(store, &bytes, SELECT_BLOB("trace"), id, err);
-
-    *trace = bytes.data;
-    *size = bytes.data != NULL ? bytes.size : 0;
-    return status;
+    *report = read.text;
+    return read.failed ? vor_fail(err, VOR_E_NOMEM, "the report of a job") : status;
 }
 
 struct listing {
@@ -546,11 +535,13 @@ static vor_status claim_next(struct vor_store *store, const struct vor_claim *cl
     status = vor_sqlite_change_each(
         vor_sqlite_of(store), take_claimed, &taken, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
-        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1,"
+        " lease = ?5"
         " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE status = 'accepted'"
         " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS
         ", -1",
-        "tiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0));
+        "tiiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
+        claim->until_ms);
     status = vor_sqlite_end(vor_sqlite_of(store), status, err);
     *found = status == VOR_OK && taken.found;
     return status;
@@ -579,7 +570,8 @@ const struct vor_store_driver vor_store_sqlite = {
     .check = check,
     .insert = insert,
     .claim_next = claim_next,
-    .beat = beat,
+    .renew = vor_sqlite_renew,
+    .append_events = append_events,
     .hand_back = hand_back,
     .finish = finish,
     .remove = remove_row,
@@ -587,7 +579,7 @@ const struct vor_store_driver vor_store_sqlite = {
     .ledger = get_ledger,
     .find_key = find_key,
     .report = get_report,
-    .trace = get_trace,
+    .events = vor_sqlite_events,
     .list = list_rows,
     .waiting = vor_sqlite_waiting,
     .evict = vor_sqlite_evict,

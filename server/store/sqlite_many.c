@@ -95,6 +95,26 @@ vor_status vor_sqlite_newest(struct vor_store *store, int64_t *newest_ms, struct
         "");
 }
 
+static int take_piece(void *ctx, struct vor_sqlite_row *row)
+{
+    const struct vor_event_query *query = ctx;
+    struct vor_event_piece piece = {.last = (uint32_t)vor_sqlite_number(row)};
+
+    piece.data = vor_sqlite_bytes(row, &piece.size);
+    return query->each(query->ctx, &piece);
+}
+
+vor_status vor_sqlite_events(struct vor_store *store, const struct vor_uuid *id,
+                             const struct vor_event_query *query, struct vor_error *err)
+{
+    struct vor_event_query asked = *query;
+
+    return vor_sqlite_query(vor_sqlite_of(store), take_piece, &asked, err,
+                            "SELECT last, data FROM event WHERE seq = (SELECT seq FROM job"
+                            " WHERE id = ?) AND attempt = ? AND last > ? ORDER BY last",
+                            "tii", id->text, (int64_t)query->attempt, (int64_t)query->after);
+}
+
 static int take_waiting(void *ctx, struct vor_sqlite_row *row)
 {
     struct vor_waiting *waiting = ctx;
@@ -117,15 +137,45 @@ vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,
         "");
 }
 
-vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t now_ms,
-                           uint64_t *reaped, struct vor_error *err)
+static void take_leased(void *ctx, struct vor_sqlite_row *row)
+{
+    struct vor_renewal *renewal = ctx;
+
+    if (renewal->count < renewal->max) {
+        struct vor_leased *job = &renewal->job[renewal->count];
+
+        vor_sqlite_copy(row, job->id.text, sizeof job->id.text);
+        job->attempt = (uint32_t)vor_sqlite_number(row);
+    }
+    renewal->count++;
+}
+
+vor_status vor_sqlite_renew(struct vor_store *store, struct vor_renewal *renewal,
+                            struct vor_error *err)
+{
+    struct vor_sqlite *db = vor_sqlite_of(store);
+    vor_status status = vor_sqlite_begin(db, VOR_SQLITE_LAZY, err);
+
+    renewal->count = 0;
+    if (status != VOR_OK)
+        return status;
+    status = vor_sqlite_change_each(db, take_leased, renewal, err,
+                                    "UPDATE job SET lease = ?2 WHERE status = 'running'"
+                                    " AND expired = 0 AND owner = ?1 RETURNING id, attempt",
+                                    "ti", renewal->owner, renewal->until_ms);
+    return vor_sqlite_end(db, status, err);
+}
+
+vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t until_ms,
+                           int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
     int changed = 0;
     vor_status status =
         vor_sqlite_change(vor_sqlite_of(store), &changed, err,
                           "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
-                          " WHERE status = 'running' AND expired = 0 AND owner <> ?1",
-                          "ti", owner, now_ms);
+                          " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
+                          " AND lease <= ?3",
+                          "tii", owner, now_ms, until_ms);
 
     *reaped = (uint64_t)changed;
     return status;

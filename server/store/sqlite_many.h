@@ -26,7 +26,11 @@ vor_status vor_sqlite_shift(struct vor_store *store, int64_t by_ms, struct vor_e
 vor_status vor_sqlite_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
 vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,
                               struct vor_error *err);
-vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t now_ms,
-                           uint64_t *reaped, struct vor_error *err);
+vor_status vor_sqlite_events(struct vor_store *store, const struct vor_uuid *id,
+                             const struct vor_event_query *query, struct vor_error *err);
+vor_status vor_sqlite_renew(struct vor_store *store, struct vor_renewal *renewal,
+                            struct vor_error *err);
+vor_status vor_sqlite_reap(struct vor_store *store, const char *owner, int64_t until_ms,
+                           int64_t now_ms, uint64_t *reaped, struct vor_error *err);
 
 #endif

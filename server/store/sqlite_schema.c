@@ -2,7 +2,7 @@
 
 /* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
  * brought up to it; versions 1 to 5 and 7 were never released. */
-enum { SCHEMA_VERSION = 8, SCHEMA_BEFORE = 6 };
+enum { SCHEMA_VERSION = 9 };
 
 /* A row of job is short and is written when the state changes. What is long and is asked for by
  * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, and the
@@ -88,7 +88,7 @@ enum { SCHEMA_VERSION = 8, SCHEMA_BEFORE = 6 };
 
 #define END "PRAGMA user_version=8; COMMIT;"
 
-static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
+static const char first[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
 
 /* Columns of both versions; those of before stand in another order in some stores. */
 #define COLUMNS                                                                                    \
@@ -100,7 +100,7 @@ static const char schema[] = "BEGIN;" TABLES INDEXES TRIGGERS END;
 
 /* The numbers of acceptance go on where they were, as lists go by them. Jobs that wait take turns
  * from the first on. */
-static const char migration[] =
+static const char from_6[] =
     "BEGIN; ALTER TABLE job RENAME TO job_before;" TABLES
     "INSERT INTO job (" COLUMNS ", report_bytes, memory, turn) SELECT " COLUMNS ","
     " coalesce(length(CAST(report AS BLOB)), 0),"
@@ -115,7 +115,32 @@ static const char migration[] =
     "DELETE FROM sqlite_sequence WHERE name = 'job';"
     "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
     "DROP TABLE job_before;" INDEXES TRIGGERS END;
+
+/* A trace has the number of its events at byte 8, little endian; there are less than 65536. */
+#define DIGIT(at) "(instr('0123456789ABCDEF', substr(hex(substr(trace, 9, 2)), " #at ", 1)) - 1)"
+
+/* lease is when the owner loses a running job. Events stand in the pieces that were appended, each
+ * with the number of its last one; those of a job that ended before are one piece. */
+static const char from_8[] =
+    "BEGIN; ALTER TABLE job ADD COLUMN lease INTEGER NOT NULL DEFAULT 0;"
+    "CREATE TABLE event (seq INTEGER, attempt INTEGER, last INTEGER, data BLOB NOT NULL,"
+    " PRIMARY KEY (seq, attempt, last)) WITHOUT ROWID;"
+    "INSERT INTO event SELECT seq, max(1, attempt), " DIGIT(1) " * 16 + " DIGIT(2) " + " DIGIT(3)
+    " * 4096 + " DIGIT(4) " * 256, trace FROM job_blob JOIN job USING (seq)"
+    " WHERE length(trace) > 16;"
+    "DELETE FROM job_blob WHERE report IS NULL;"
+    "ALTER TABLE job_blob DROP COLUMN trace;"
+    "CREATE TRIGGER events_expired AFTER UPDATE OF expired ON job WHEN new.expired BEGIN"
+    " DELETE FROM event WHERE seq = new.seq; END;"
+    "CREATE TRIGGER events_removed AFTER DELETE ON job BEGIN"
+    " DELETE FROM event WHERE seq = old.seq; END;"
+    "PRAGMA user_version=9; COMMIT;";
 /* clang-format on */
+
+static const struct {
+    int64_t from;
+    const char *sql;
+} steps[] = {{0, first}, {6, from_6}, {8, from_8}};
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
@@ -123,12 +148,16 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
     vor_status status =
         vor_sqlite_query(db, vor_sqlite_take_number, &version, err, "PRAGMA user_version", "");
 
-    if (status != VOR_OK || version == SCHEMA_VERSION)
-        return status;
-    if (version != 0 && version != SCHEMA_BEFORE)
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
+        if (version != steps[i].from)
+            continue;
+        status = vor_sqlite_run(db, steps[i].sql, err);
+        version = steps[i].from < 8 ? 8 : SCHEMA_VERSION;
+    }
+    if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
-                        "the job store has schema %lld, this program takes %d and %d: start the "
+                        "the job store has schema %lld, this program takes 6, 8 and %d: start the "
                         "version that wrote it, or move the folder of --data away",
-                        (long long)version, SCHEMA_BEFORE, SCHEMA_VERSION);
-    return vor_sqlite_run(db, version == 0 ? schema : migration, err);
+                        (long long)version, SCHEMA_VERSION);
+    return status;
 }

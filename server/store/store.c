@@ -147,10 +147,18 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
     return store->driver->claim_next(store, claim, out, found, err);
 }
 
-vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *row,
-                          struct vor_error *err)
+vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
+                           struct vor_error *err)
 {
-    return store->driver->beat(store, row, err);
+    return store->driver->renew(store, renewal, err);
+}
+
+vor_status vor_store_append_events(struct vor_store *store, const struct vor_job_view *row,
+                                   const struct vor_lease *lease,
+                                   const struct vor_event_piece *piece, int *changed,
+                                   struct vor_error *err)
+{
+    return store->driver->append_events(store, row, lease, piece, changed, err);
 }
 
 vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
@@ -163,17 +171,17 @@ vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *i
 }
 
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
-                            uint32_t attempt, const struct vor_store_ending *ending, int *changed,
-                            struct vor_error *err)
+                            const struct vor_lease *lease, const struct vor_store_ending *ending,
+                            int *changed, struct vor_error *err)
 {
     static const struct vor_store_ending nothing;
     vor_status status;
 
     assert(vor_job_status_over(row->status));
     ending = ending != NULL ? ending : &nothing;
-    status = store->driver->finish(store, row, attempt, ending, changed, err);
+    status = store->driver->finish(store, row, lease, ending, changed, err);
     if (made_room(store->reserve, status, err))
-        status = store->driver->finish(store, row, attempt, ending, changed, err);
+        status = store->driver->finish(store, row, lease, ending, changed, err);
     if (status == VOR_OK && *changed)
         vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
                        VOR_LABELS(row->process, vor_job_status_word(row->status)));
@@ -210,10 +218,10 @@ vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, 
     return store->driver->report(store, id, report, err);
 }
 
-vor_status vor_store_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
-                           size_t *size, struct vor_error *err)
+vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                            const struct vor_event_query *query, struct vor_error *err)
 {
-    return store->driver->trace(store, id, trace, size, err);
+    return store->driver->events(store, id, query, err);
 }
 
 vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
@@ -267,12 +275,12 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
     return store->driver->newest(store, newest_ms, err);
 }
 
-vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t now_ms,
-                          uint64_t *reaped, struct vor_error *err)
+vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t until_ms,
+                          int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
-    vor_status status = store->driver->reap(store, owner, now_ms, reaped, err);
+    vor_status status = store->driver->reap(store, owner, until_ms, now_ms, reaped, err);
 
     return made_room(store->reserve, status, err)
-               ? store->driver->reap(store, owner, now_ms, reaped, err)
+               ? store->driver->reap(store, owner, until_ms, now_ms, reaped, err)
                : status;
 }

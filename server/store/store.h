@@ -74,9 +74,25 @@ VOR_NODISCARD vor_status vor_store_claim_next(struct vor_store *store,
                                               struct vor_job_view *out, int *found,
                                               struct vor_error *err);
 
-/** Notes how far a running job is; nothing happens when the attempt is not the current one. */
-VOR_NODISCARD vor_status vor_store_beat(struct vor_store *store, const struct vor_job_view *row,
-                                        struct vor_error *err);
+/** Makes the leases of an owner longer, all by one change, and says which jobs he still has: any
+ *  other that he runs was dismissed, or is another owner's by now, and no change of his does
+ *  anything to it.
+ *
+ *  Cost: as many rows as he runs jobs. A crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
+                                         struct vor_error *err);
+
+/** Adds events to those of a running attempt, behind all that it has, and notes progress and record
+ *  of the row.
+ *
+ *  @param[out] changed  0 when the attempt is not this owner's any more
+ *
+ *  Cost: a crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_append_events(struct vor_store *store,
+                                                 const struct vor_job_view *row,
+                                                 const struct vor_lease *lease,
+                                                 const struct vor_event_piece *piece, int *changed,
+                                                 struct vor_error *err);
 
 /** running -> accepted, in its place: the daemon goes down in good order, or the run's process has
  *  ended. A job that has crashed too often (run->most) stays running, so that nobody claims it
@@ -87,12 +103,13 @@ VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const stru
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished and expires of the row; what it keeps only becomes less.
  *
- *  @param[in]  attempt  only if this is the running attempt; 0 for whichever, also a waiting job
+ *  @param[in]  lease    only if the attempt is this owner's; NULL for whoever's, also a waiting job
  *  @param[in]  ending   may be NULL
  *  @param[out] changed  0 when the job is unknown, over, or in another attempt */
 VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
-                                          uint32_t attempt, const struct vor_store_ending *ending,
-                                          int *changed, struct vor_error *err);
+                                          const struct vor_lease *lease,
+                                          const struct vor_store_ending *ending, int *changed,
+                                          struct vor_error *err);
 
 /** @param[out] found  0 when there is no such job; *out is then untouched
  *
@@ -119,14 +136,17 @@ VOR_NODISCARD vor_status vor_store_find_key(struct vor_store *store, const struc
                                             struct vor_job_view *out, int *found,
                                             struct vor_error *err);
 
-/** The report of a job as JSON, the trace as bytes: malloc, the caller frees; NULL when there is
- *  none. The report is NUL-terminated.
+/** The report of a job as JSON: malloc, the caller frees; NULL when there is none.
  *
  *  @retval VOR_E_NOMEM, VOR_E_IO */
 VOR_NODISCARD vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id,
                                           char **report, struct vor_error *err);
-VOR_NODISCARD vor_status vor_store_trace(struct vor_store *store, const struct vor_uuid *id,
-                                         uint8_t **trace, size_t *size, struct vor_error *err);
+
+/** Calls query->each for the events of an attempt, in the pieces that were appended, in order. It
+ *  must not call the store. A job has its events until it expires or is removed. */
+VOR_NODISCARD vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                                          const struct vor_event_query *query,
+                                          struct vor_error *err);
 
 /** Calls each for the jobs that match and have not expired, newest first. each must not call the
  *  store and ends the list by returning 0. */
@@ -146,7 +166,7 @@ VOR_NODISCARD vor_status vor_store_remove(struct vor_store *store, const struct 
                                           int *changed, struct vor_error *err);
 
 /** Takes from up to max jobs what they keep, as far as a limit wants it; call again while count is
- *  max. A job that expires loses its report, trace, key and kept uploads.
+ *  max. A job that expires loses its report, events, key and kept uploads.
  *  VOR_EVICT_EXPIRED: those first whose time was over first; also forgets jobs that expired longer
  *  ago than they lived. VOR_EVICT_UPLOADS: those first that ended first, and never one that is not
  *  over. VOR_EVICT_RESULTS: likewise, but never the last one to end.
@@ -171,8 +191,11 @@ VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newe
  *  again, to be run with nothing beside it (vor_job_view.alone). What ran in another process cannot
  *  be why a daemon ended, so nothing counts against a job.
  *
- *  @param[out] reaped  how many */
-VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t now_ms,
-                                        uint64_t *reaped, struct vor_error *err);
+ *  @param[in]  until_ms  only those whose lease has ended by then; INT64_MAX where it is known that
+ *                        there is no other daemon, as after an opening that locks the store
+ *  @param[out] reaped    how many */
+VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner,
+                                        int64_t until_ms, int64_t now_ms, uint64_t *reaped,
+                                        struct vor_error *err);
 
 #endif

@@ -92,7 +92,12 @@ vor_status vor_worker_list(struct vor_worker *worker, const struct vor_job_filte
     return vor_store_list(worker->config.store, filter, list_one, &listing, err);
 }
 
-/* The bus of a job that is not live: its trace, and its end. */
+static int take_events(void *ctx, const struct vor_event_piece *piece)
+{
+    return vor_trace_unpack(ctx, piece, NULL) == VOR_OK;
+}
+
+/* The bus of a job that is not live: its events, and its end. */
 static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_view *row,
                              struct vor_bus **out, struct vor_error *err)
 {
@@ -101,22 +106,19 @@ static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_vie
                             .stage = row->stage,
                             .progress = row->progress,
                             .time_ms = row->finished};
-    struct vor_bus *bus = NULL;
-    uint8_t *trace;
-    size_t size;
-    vor_status status = vor_store_trace(worker->config.store, &row->id, &trace, &size, err);
+    struct vor_bus *bus = vor_bus_create(row->attempt);
+    const struct vor_event_query all = {.attempt = row->attempt, .each = take_events, .ctx = bus};
+    vor_status status = VOR_OK;
 
-    if (status != VOR_OK)
-        return status;
-    if (trace == NULL || vor_trace_unpack(&bus, trace, size, NULL) != VOR_OK)
-        bus = vor_bus_create(row->attempt);
-    free(trace);
-    if (bus == NULL || (vor_job_status_over(row->status) && vor_bus_publish(bus, &end) != VOR_OK)) {
+    if (bus != NULL)
+        status = vor_store_events(worker->config.store, &row->id, &all, err);
+    if (status == VOR_OK && (bus == NULL || vor_bus_publish(bus, &end) != VOR_OK))
+        status = vor_fail(err, VOR_E_NOMEM, "the events of a job");
+    if (status == VOR_OK)
+        *out = bus;
+    else
         vor_bus_release(bus);
-        return vor_fail(err, VOR_E_NOMEM, "the events of a job");
-    }
-    *out = bus;
-    return VOR_OK;
+    return status;
 }
 
 /* Makes a job that waits a live one, which its runner will find. One that has ended since its row
@@ -221,7 +223,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
     vor_worker_ending(worker, job, VOR_JOB_DISMISSED, out);
     out->kept = 0;
     explain(out, why);
-    status = vor_worker_finish(worker, job, out, 0, NULL, &changed, err);
+    status = vor_worker_finish(worker, job, out, NULL, NULL, &changed, err);
     vor_job_thaw(job);
     if (status != VOR_OK)
         return VOR_FAILED;
@@ -244,7 +246,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
     explain(row, why);
-    if (vor_store_finish(worker->config.store, row, 0, NULL, &changed, err) != VOR_OK)
+    if (vor_store_finish(worker->config.store, row, NULL, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
     return changed ? VOR_DONE : VOR_CONFLICT;
 }

@@ -24,7 +24,9 @@ static int may_claim(struct vor_worker *worker, struct vor_claim *claim)
 {
     int may;
 
-    *claim = (struct vor_claim){.owner = worker->owner.text, .now_ms = vor_clock_wall_ms()};
+    *claim = (struct vor_claim){.owner = worker->owner.text,
+                                .now_ms = vor_clock_wall_ms(),
+                                .until_ms = vor_worker_lease_until()};
     pthread_mutex_lock(&worker->mutex);
     may = worker->places.waiting > 0 && !worker->draining && !atomic_load(&worker->is_late) &&
           !(worker->running > 0 && worker->runs_alone);
@@ -38,21 +40,14 @@ static int may_claim(struct vor_worker *worker, struct vor_claim *claim)
     return may;
 }
 
-/* A claimed row becomes what its runner runs. */
+/* A claimed row becomes what its runner runs; false when memory is out. */
 static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
 {
     struct vor_worker *worker = runner->worker;
     struct vor_job *job = vor_worker_enliven(worker, row);
-    struct vor_hand_back back = {.attempt = row->attempt, .now_ms = row->updated};
-    struct vor_error err;
 
-    if (job == NULL) {
-        vor_log(VOR_LOG_ERROR, "no memory for a job; it keeps waiting", VOR_OF_JOB(row));
-        if (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK)
-            vor_log(VOR_LOG_ERROR, "the job waits until the daemon starts again", VOR_OF_JOB(row),
-                    VOR_TEXT("error", err.message));
+    if (job == NULL)
         return 0;
-    }
     pthread_mutex_lock(&worker->mutex);
     worker->places.waiting--;
     worker->places.bytes -= row->decoded;
@@ -64,25 +59,47 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     return 1;
 }
 
+/* There is no memory for a claimed row, which is to wait again. */
+static void untake_job(struct vor_worker *worker, const struct vor_job_view *row)
+{
+    struct vor_hand_back back = {.lease = {worker->owner.text, row->attempt},
+                                 .now_ms = row->updated};
+    struct vor_error err;
+
+    vor_log(VOR_LOG_ERROR, "no memory for a job; it keeps waiting", VOR_OF_JOB(row));
+    while (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_OF_JOB(row),
+                VOR_TEXT("error", err.message));
+        if (vor_worker_pause(worker, look_seconds))
+            return; /* the next start finds it */
+    }
+}
+
 /* accepted -> running of the next job, which the runner then has; false when there is none, or it
- * may not run yet. */
+ * may not run yet. Tries again where the store or memory fails. */
 static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
 {
     struct vor_worker *worker = runner->worker;
     struct vor_claim claim;
     struct vor_error err;
-    vor_status status = VOR_OK;
-    int found = 0;
 
-    pthread_mutex_lock(&worker->claim);
-    if (may_claim(worker, &claim))
-        status = vor_store_claim_next(worker->config.store, &claim, row, &found, &err);
-    found = found && take_job(runner, row);
-    pthread_mutex_unlock(&worker->claim);
-    if (status == VOR_OK)
-        return found;
-    vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
-    return !vor_worker_pause(worker, look_seconds) && claim_next(runner, row);
+    do {
+        vor_status status = VOR_OK;
+        int found = 0, taken;
+
+        pthread_mutex_lock(&worker->claim);
+        if (may_claim(worker, &claim))
+            status = vor_store_claim_next(worker->config.store, &claim, row, &found, &err);
+        taken = found && take_job(runner, row);
+        pthread_mutex_unlock(&worker->claim);
+        if (status == VOR_OK && found == taken)
+            return taken;
+        if (found)
+            untake_job(worker, row);
+        else
+            vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
+    } while (!vor_worker_pause(worker, look_seconds));
+    return 0;
 }
 
 static void leave(struct vor_runner *runner, const struct vor_job_view *row)
@@ -136,6 +153,7 @@ static void *sweeper_main(void *arg)
     do {
         double now = vor_clock_seconds();
 
+        vor_worker_renew(worker);
         vor_worker_recover_late(worker);
         vor_worker_look(worker);
         if (!vor_calendar_look(worker))

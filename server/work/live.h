@@ -71,6 +71,7 @@ struct vor_worker {
     struct vor_calendar calendar;
     int is_full;        /* the store has no reserve, and the log says so */
     int has_failed;     /* config.failed was called */
+    double renewed;     /* when the leases were */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
 
@@ -95,6 +96,13 @@ int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
 /** Counts a row that waits from now on (1), or does no longer (-1), and tells the runners. */
 void vor_worker_count_waiting(struct vor_worker *worker, const struct vor_job_view *row, int by);
 
+/** When a lease that begins now ends. */
+int64_t vor_worker_lease_until(void);
+
+/** Makes the leases of what runs longer, if that is due, and ends the runs that have lost theirs.
+ * For the sweeper. */
+void vor_worker_renew(struct vor_worker *worker);
+
 /** Waits until something changed or the deadline (vor_clock_seconds) is over; the mutex is held.
  *  True when it is over. */
 int vor_worker_wait_until(struct vor_worker *worker, double deadline);
@@ -106,15 +114,23 @@ int vor_worker_pause(struct vor_worker *worker, double seconds);
 void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_job_status status,
                        struct vor_job_view *out);
 
-/** Writes the last row of a frozen job, and its trace, then ends the job.
+/** Writes the last row of a frozen job, and its events, then ends the job.
  *
- *  @param[in]  attempt  as vor_store_finish
+ *  @param[in]  lease    as vor_store_finish
  *  @param[out] changed  0 when the row was over: the job is not ended
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM  the job is not ended */
 VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
-                                           const struct vor_job_view *row, uint32_t attempt,
-                                           const char *report, int *changed, struct vor_error *err);
+                                           const struct vor_job_view *row,
+                                           const struct vor_lease *lease, const char *report,
+                                           int *changed, struct vor_error *err);
+
+/** Adds the events of a running job that the store has not yet to those it has.
+ *
+ *  @param[out] changed  0 when the attempt is not the lease's owner's any more */
+VOR_NODISCARD vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *job,
+                                                 const struct vor_lease *lease, int *changed,
+                                                 struct vor_error *err);
 
 /** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);

@@ -204,6 +204,7 @@ void vor_worker_drop_strays(struct vor_worker *worker)
     for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
         uint64_t size;
 
+        vor_worker_renew(worker);
         if (is_needed(worker, &found->blobs[i]))
             continue;
         size = size_of(worker, &found->blobs[i]);
@@ -232,17 +233,21 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
     struct vor_waiting waiting;
     uint64_t requeued = 0;
-    vor_status status = vor_store_reap(worker->config.store, worker->owner.text,
+    vor_status status = vor_store_reap(worker->config.store, worker->owner.text, INT64_MAX,
                                        vor_clock_wall_ms(), &requeued, err);
 
+    pthread_mutex_lock(&worker->claim); /* nothing that waits is dismissed meanwhile */
     if (status == VOR_OK)
         status = vor_store_waiting(worker->config.store, &waiting, err);
+    if (status == VOR_OK) {
+        pthread_mutex_lock(&worker->mutex);
+        worker->places.waiting = (int64_t)waiting.jobs;
+        worker->places.bytes = waiting.decoded;
+        pthread_mutex_unlock(&worker->mutex);
+    }
+    pthread_mutex_unlock(&worker->claim);
     if (status != VOR_OK)
         return status;
-    pthread_mutex_lock(&worker->mutex);
-    worker->places.waiting = (int64_t)waiting.jobs;
-    worker->places.bytes = waiting.decoded;
-    pthread_mutex_unlock(&worker->mutex);
     vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));
     vor_log(VOR_LOG_INFO, "recovered", VOR_COUNT("waiting", waiting.jobs),
             VOR_COUNT("requeued", requeued));

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double beat_seconds = 2;       /* between two notes of the progress in the store */
+static const double store_seconds = 2;      /* between two pieces of events for the store */
 static const double retry_seconds = 1;      /* while the disk is full */
 static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
 
@@ -22,8 +22,9 @@ struct run {
     struct vor_runner *runner;
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
-    uint32_t attempt;
-    double beat;      /* when the store was last told */
+    struct vor_lease lease;
+    int is_lost;      /* the lease is: the job is another owner's, or nobody's */
+    double stored;    /* when the store got the last events */
     double deadline;  /* when it must be over; infinite for never */
     atomic_int late;  /* it was not */
     atomic_int stops; /* those who follow it were told that it is to stop */
@@ -55,15 +56,16 @@ static enum vor_answer asked(void *ctx)
     return VOR_CANCEL;
 }
 
-static void beat(struct run *run)
+static void store_events(struct run *run)
 {
-    struct vor_job_view view;
     struct vor_error err;
+    int changed;
 
-    vor_job_view(run->job, &view);
-    if (vor_store_beat(run->worker->config.store, &view, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&view),
+    if (vor_worker_store_events(run->worker, run->job, &run->lease, &changed, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
+    else if (!changed)
+        vor_job_ask(run->job, VOR_CANCEL);
 }
 
 static void take_progress(void *ctx, const struct vor_record *record)
@@ -72,9 +74,9 @@ static void take_progress(void *ctx, const struct vor_record *record)
     double now = vor_clock_seconds();
 
     vor_job_progress(run->job, record, vor_clock_wall_ms());
-    if (now - run->beat >= beat_seconds) {
-        run->beat = now;
-        beat(run);
+    if (now - run->stored >= store_seconds) {
+        run->stored = now;
+        store_events(run);
     }
 }
 
@@ -275,10 +277,12 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
         describe_failure(&row, problem);
     else
         describe_success(run, &row);
-    status = vor_worker_finish(run->worker, run->job, &row, run->attempt, kept, &changed, err);
+    status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
     if (status == VOR_OK && !changed) {
-        row.status = VOR_JOB_DISMISSED; /* somebody changed the row behind our back: readers must
-                                           not wait for ever */
+        vor_log(VOR_LOG_WARN, "job lost: another owner has it, or its row is gone",
+                VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
+        run->is_lost = 1;
+        row.status = VOR_JOB_DISMISSED; /* here, as readers must not wait for ever */
         vor_job_end(run->job, &row);
     }
     vor_job_thaw(run->job);
@@ -329,7 +333,7 @@ static void explain(struct run *run, struct vor_error *problem)
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
-    struct vor_hand_back back = {.attempt = run->attempt, .now_ms = vor_clock_wall_ms()};
+    struct vor_hand_back back = {.lease = run->lease, .now_ms = vor_clock_wall_ms()};
     struct vor_error err;
 
     if (vor_store_hand_back(run->worker->config.store, &run->view.id, &back, &err) != VOR_OK)
@@ -362,7 +366,7 @@ static vor_status put_back(struct run *run, struct vor_hand_back *back, int *aga
  * cannot be told, the job goes on as running: the next start of the daemon then runs it. */
 static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error *problem)
 {
-    struct vor_hand_back back = {.attempt = run->attempt,
+    struct vor_hand_back back = {.lease = run->lease,
                                  .now_ms = vor_clock_wall_ms(),
                                  .is_crash = end != VOR_RUN_DISTURBED,
                                  .was_alone = end == VOR_RUN_CRASHED_ALONE,
@@ -370,8 +374,8 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
     struct vor_error err;
     int again;
 
-    vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view), VOR_COUNT("attempt", run->attempt),
-            VOR_TEXT("error", problem->message));
+    vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view),
+            VOR_COUNT("attempt", run->lease.attempt), VOR_TEXT("error", problem->message));
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
         (void)vor_worker_pause(run->worker, retry_seconds);
     while (put_back(run, &back, &again, &err) != VOR_OK) {
@@ -387,6 +391,8 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
                        "crashed: the worker ended %u times while it worked on this job alone",
                        back.crashes);
         finish(run, problem);
+    } else if (!back.changed) {
+        finish(run, problem); /* dismissed, or lost: which it finds */
     }
     return again;
 }
@@ -446,24 +452,25 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
                       .runner = runner,
                       .job = runner->job,
                       .view = *row,
-                      .attempt = row->attempt,
-                      .beat = began};
+                      .lease = {worker->owner.text, row->attempt},
+                      .stored = began};
     struct vor_error problem;
     enum vor_run_end end = VOR_RUN_FAILED;
 
     vor_text_init(&run.kept, 0);
     atomic_init(&run.late, 0);
     atomic_init(&run.stops, 0);
-    vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", run.attempt));
+    vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", row->attempt));
     vor_job_begin(run.job, vor_clock_wall_ms());
-    vor_count_begun(row, run.attempt, worker->config.memory);
+    vor_count_begun(row, row->attempt, worker->config.memory);
     set_limits(&run);
     if (check_row(row, &problem) == VOR_OK)
         end = execute(&run, &problem);
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
                     worker->config.memory, vor_clock_seconds() - began);
     if (!conclude(&run, end, &problem)) {
-        clean_up(&run, began);
+        if (!run.is_lost) /* whose files are the new owner's */
+            clean_up(&run, began);
         vor_worker_forget(worker, run.job);
     }
     vor_text_free(&run.kept);

@@ -108,7 +108,7 @@ static void do_insert(struct model *model)
 /* All jobs are one principal's: they leave in the order of acceptance. */
 static void do_claim(struct model *model)
 {
-    const struct vor_claim claim = {"x", model->now, UINT64_MAX, 1};
+    const struct vor_claim claim = {VT_OWNER, model->now, UINT64_MAX, 1, 0};
     struct model_job *job = model->jobs, *end = model->jobs + model->count;
     struct vor_job_view row;
     int found;
@@ -142,7 +142,8 @@ static void do_finish(struct model *model, struct model_job *job)
     row.output[0].bytes = pick(model, 5) * 10;
     row.finished = model->now;
     row.expires = model->now + 1 + pick(model, 40);
-    vt_assert_ok(vor_store_finish(model->store, &row, attempt, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(model->store, &row, attempt > 0 ? VT_LEASE(attempt) : NULL, NULL,
+                                  &changed, &vt_err));
     ck_assert_int_eq(changed, expected);
     if (!expected)
         return;
@@ -157,7 +158,7 @@ static void do_release(struct model *model, struct model_job *job)
 {
     uint32_t attempt = 1 + pick(model, 3);
     int expected = job->known && job->status == VOR_JOB_RUNNING && job->attempt == attempt;
-    struct vor_hand_back back = {.attempt = attempt, .now_ms = model->now};
+    struct vor_hand_back back = {.lease = *VT_LEASE(attempt), .now_ms = model->now};
 
     vt_assert_ok(vor_store_hand_back(model->store, &job->id, &back, &vt_err));
     ck_assert_int_eq(back.changed, expected);
@@ -243,7 +244,7 @@ static void do_crash(struct model *model, const char *dir)
 
     vor_store_close(model->store);
     model->store = vt_dir_store_of(model->driver, dir);
-    vt_assert_ok(vor_store_reap(model->store, "y", model->now, &recovered, &vt_err));
+    vt_assert_ok(vor_store_reap(model->store, "y", INT64_MAX, model->now, &recovered, &vt_err));
     for (size_t i = 0; i < model->count; i++) {
         struct model_job *job = &model->jobs[i];
 

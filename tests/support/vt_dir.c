@@ -158,7 +158,8 @@ struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id
 
 uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id)
 {
-    const struct vor_claim claim = {"a former life", vor_clock_wall_ms(), UINT64_MAX, 1};
+    const struct vor_claim claim = {
+        .owner = VT_OWNER, .now_ms = vor_clock_wall_ms(), .memory = UINT64_MAX, .may_be_alone = 1};
     struct vor_job_view row;
     int found;
 
@@ -166,6 +167,38 @@ uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id)
     if (found && id != NULL)
         ck_assert_str_eq(row.id.text, id->text);
     return found ? row.attempt : 0;
+}
+
+int vt_append(struct vor_store *store, struct vor_job_view row, int progress,
+              const struct vor_lease *lease, uint32_t last)
+{
+    const struct vor_event_piece piece = {last, (const uint8_t *)"abcdefgh" + last, 1};
+    int changed;
+
+    row.progress = progress;
+    vt_assert_ok(vor_store_append_events(store, &row, lease, &piece, &changed, &vt_err));
+    return changed;
+}
+
+static int add_piece(void *ctx, const struct vor_event_piece *piece)
+{
+    char *out = ctx;
+
+    out += strlen(out);
+    out += sprintf(out, "%u:", piece->last);
+    for (size_t i = 0; i < piece->size; i++)
+        out += sprintf(out, "%c", piece->data[i] != 0 ? piece->data[i] : '0');
+    (void)sprintf(out, " ");
+    return 1;
+}
+
+void vt_events(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt, uint32_t after,
+               char *out)
+{
+    const struct vor_event_query query = {attempt, after, add_piece, out};
+
+    out[0] = '\0';
+    vt_assert_ok(vor_store_events(store, id, &query, &vt_err));
 }
 
 void vt_killed(void (*act)(void *ctx), void *ctx)

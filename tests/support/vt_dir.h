@@ -34,9 +34,22 @@ struct vor_job_view vt_row(unsigned points);
 /** The row of a job that there is. */
 struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id);
 
+/** Who claims here, and his lease of an attempt. */
+#define VT_OWNER "a former life"
+#define VT_LEASE(number) (&(struct vor_lease){VT_OWNER, number})
+
 /** Claims the job that is next: its attempt, or 0 when there is none. id, if it is not NULL, is the
  *  one that it must be. */
 uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id);
+
+/** Appends event number `last`, whose piece is the letter of that place from "a" on, and notes the
+ *  progress; true when the lease holds. */
+int vt_append(struct vor_store *store, struct vor_job_view row, int progress,
+              const struct vor_lease *lease, uint32_t last);
+
+/** The pieces of an attempt after an event, as "2:c ": number of the last and bytes, 0 for NUL. */
+void vt_events(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt, uint32_t after,
+               char *out);
 
 /** Runs act(ctx) in a child that must die by its own SIGKILL. */
 void vt_killed(void (*act)(void *ctx), void *ctx);

@@ -63,7 +63,7 @@ static void live_and_die(void *ctx)
         row->status = VOR_JOB_SUCCESSFUL;
         row->finished = vor_clock_wall_ms();
         row->expires = row->finished + 1000000;
-        vt_assert_ok(vor_store_finish(store, row, 0, NULL, &changed, &vt_err));
+        vt_assert_ok(vor_store_finish(store, row, NULL, NULL, &changed, &vt_err));
     }
     raise(SIGKILL);
 }

@@ -255,7 +255,7 @@ static void finish(struct vor_store *store, struct vor_job_view *row, enum vor_j
     row->kept = status == VOR_JOB_DISMISSED ? 0 : row->kept;
     row->finished = vor_clock_wall_ms() - 1000;
     row->expires = expires;
-    vt_assert_ok(vor_store_finish(store, row, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, row, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
 }
 

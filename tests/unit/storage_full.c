@@ -258,7 +258,7 @@ START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     exhaust(&daemon);
     vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
     row.status = VOR_JOB_DISMISSED;
-    vt_assert_ok(vor_store_finish(daemon.store, &row, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(daemon.store, &row, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
     vt_assert_fails(VOR_E_IO, vor_store_check_reserve(daemon.store, &vt_err));
     make_room(dir);
@@ -285,7 +285,7 @@ START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     vor_store_close(store);
     fill(dir);
     store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_reap(store, "this life", 1, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "this life", INT64_MAX, 1, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 1);
     vor_store_close(store);
     remove_disk(dir);

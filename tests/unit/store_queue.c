@@ -12,13 +12,13 @@ static void dismiss(struct vor_store *store, struct vor_job_view row)
 
     row.status = VOR_JOB_DISMISSED;
     row.finished = row.expires = 1;
-    vt_assert_ok(vor_store_finish(store, &row, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &row, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
 }
 
 static void hand_back(struct vor_store *store, const struct vor_uuid *id)
 {
-    struct vor_hand_back back = {.attempt = 1, .now_ms = 1};
+    struct vor_hand_back back = {.lease = {"x", 1}, .now_ms = 1};
 
     vt_assert_ok(vor_store_hand_back(store, id, &back, &vt_err));
     ck_assert(back.changed);
@@ -37,7 +37,7 @@ static struct vor_job_view insert_of(struct vor_store *store, const char *tenant
 /* The first letter of whose job is claimed; 0 when none waits. */
 static char claim_letter(struct vor_store *store)
 {
-    const struct vor_claim claim = {"x", 1, UINT64_MAX, 1};
+    const struct vor_claim claim = {"x", 1, UINT64_MAX, 1, 0};
     struct vor_job_view row;
     int found;
 
@@ -152,7 +152,7 @@ START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
 {
     struct vor_store *store = vt_dir_store(vt_dir_make());
     struct vor_job_view rows[2] = {vt_row(10), vt_row(10)}, row;
-    struct vor_claim claim = {"me", 1, 99, 0};
+    struct vor_claim claim = {"me", 1, 99, 0, 0};
     uint64_t reaped;
     int found;
 
@@ -165,9 +165,9 @@ START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
     claim.memory = 100;
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(found && strcmp(row.id.text, rows[0].id.text) == 0 && row.memory == 100);
-    vt_assert_ok(vor_store_reap(store, "me", 1, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "me", INT64_MAX, 1, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 0); /* what runs in this life */
-    vt_assert_ok(vor_store_reap(store, "the next one", 1, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "the next one", INT64_MAX, 1, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 1);
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(!found); /* it is to be alone */
@@ -178,10 +178,72 @@ START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
 }
 END_TEST
 
+/* A worker that was stopped past its lease and goes on. */
+START_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
+{
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    struct vor_job_view rows[2] = {insert_of(store, "", 0), insert_of(store, "", 0)}, row;
+    const struct vor_lease late = {"late", 1}, other = {"other", 2};
+    struct vor_claim claim = {"late", 10, UINT64_MAX, 1, 100};
+    struct vor_leased left[2];
+    struct vor_renewal renewal = {"late", 300, left, 2, 0};
+    struct vor_hand_back back = {.lease = late, .now_ms = 400};
+    const struct vor_store_ending ending = {"{}", {0}};
+    char events[32];
+    uint64_t reaped;
+    int found, changed;
+
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(vt_append(store, rows[0], 10, &late, 2));
+    claim.until_ms = 200;
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "late", INT64_MAX, 150, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 0); /* his own are not his to reap */
+    vt_assert_ok(vor_store_reap(store, "other", 150, 150, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 1);
+    claim.owner = "other";
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(found && row.attempt == 2);
+    ck_assert_str_eq(row.id.text, rows[0].id.text);
+    for (uint32_t attempt = 1; attempt <= 2; attempt++) { /* the owner alone is wrong, too */
+        const struct vor_lease wrong = {"late", attempt};
+
+        row.status = VOR_JOB_SUCCESSFUL;
+        vt_assert_ok(vor_store_finish(store, &row, &wrong, &ending, &changed, &vt_err));
+        ck_assert(!changed && !vt_append(store, rows[0], 90, &wrong, 3));
+        back.lease = wrong;
+        vt_assert_ok(vor_store_hand_back(store, &rows[0].id, &back, &vt_err));
+        ck_assert(!back.changed);
+    }
+    row = vt_stored(store, &rows[0].id);
+    ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2 && row.progress == 10);
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
+    ck_assert(renewal.count == 1 && left[0].attempt == 1);
+    ck_assert_str_eq(left[0].id.text, rows[1].id.text);
+    vt_assert_ok(vor_store_reap(store, "other", 250, 250, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 0); /* renewed */
+    ck_assert(vt_append(store, rows[0], 0, &other, 1) && vt_append(store, rows[0], 0, &other, 4));
+    vt_events(store, &rows[0].id, 1, 0, events);
+    ck_assert_str_eq(events, "2:c ");
+    for (uint32_t after = 0; after <= 4; after++) { /* each once, in order, wherever one begins */
+        static const char *const wanted[] = {"1:b 4:e ", "4:e ", "4:e ", "4:e ", ""};
+
+        vt_events(store, &rows[0].id, 2, after, events);
+        ck_assert_str_eq(events, wanted[after]);
+    }
+    dismiss(store, rows[0]);
+    vt_assert_ok(vor_store_remove(store, &rows[0].id, &changed, &vt_err));
+    vt_events(store, &rows[0].id, 2, 0, events);
+    ck_assert_str_eq(events, "");
+    vor_store_close(store);
+}
+END_TEST
+
 void vt_suite(Suite *suite)
 {
     vt_add_loop(suite, tenants_take_turns, 9);
     vt_add_loop(suite, positions_come_true_and_nobody_has_three_turns_between_two_of_another, 4);
     vt_add(suite, a_place_in_a_long_queue_is_counted_right);
     vt_add(suite, the_next_job_is_claimed_once_it_may_and_none_before_it);
+    vt_add(suite, an_owner_whose_lease_was_reaped_changes_nothing_and_is_told);
 }

@@ -30,13 +30,14 @@ static int finish(struct vor_store *store, struct vor_job_view row, enum vor_job
     row.status = status;
     row.finished = vor_clock_wall_ms();
     row.expires = row.finished + 1000;
-    vt_assert_ok(vor_store_finish(store, &row, attempt, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &row, attempt > 0 ? VT_LEASE(attempt) : NULL, NULL,
+                                  &changed, &vt_err));
     return changed;
 }
 
 static int release(struct vor_store *store, const struct vor_uuid *id, uint32_t attempt)
 {
-    struct vor_hand_back back = {.attempt = attempt, .now_ms = 1};
+    struct vor_hand_back back = {.lease = *VT_LEASE(attempt), .now_ms = 1};
 
     vt_assert_ok(vor_store_hand_back(store, id, &back, &vt_err));
     return back.changed;
@@ -140,16 +141,13 @@ START_TEST(inputs_beside_the_main_one_come_back)
 }
 END_TEST
 
-START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
+START_TEST(a_successful_end_comes_back_with_report_events_and_record)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view row = insert(store, 10), back;
-    static const uint8_t trace_in[] = {0, 1, 2, 255, 0};
-    struct vor_store_ending ending = {"{\"delta\":0.07}", trace_in, sizeof trace_in};
-    uint8_t *trace;
-    char *report;
-    size_t size;
+    struct vor_store_ending ending = {"{\"delta\":0.07}", {7, (const uint8_t *)"\0e", 2}};
+    char *report, events[16] = "";
     int changed;
 
     row.status = VOR_JOB_SUCCESSFUL;
@@ -179,7 +177,7 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     strcpy(row.message, "10 points");
     row.finished = 7000;
     row.expires = 8000;
-    vt_assert_ok(vor_store_finish(store, &row, 1, &ending, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &row, VT_LEASE(1), &ending, &changed, &vt_err));
     ck_assert_int_eq(changed, 1);
     back = vt_stored(store, &row.id);
     ck_assert_int_eq(back.status, VOR_JOB_SUCCESSFUL);
@@ -196,11 +194,9 @@ START_TEST(a_successful_end_comes_back_with_report_trace_and_record)
     ck_assert_int_eq(back.expires, 8000);
     vt_assert_ok(vor_store_report(store, &row.id, &report, &vt_err));
     ck_assert_str_eq(report, ending.report);
-    vt_assert_ok(vor_store_trace(store, &row.id, &trace, &size, &vt_err));
-    ck_assert_uint_eq(size, sizeof trace_in);
-    ck_assert_mem_eq(trace, trace_in, sizeof trace_in);
+    vt_events(store, &row.id, 1, 0, events);
+    ck_assert_str_eq(events, "7:0e ");
     free(report);
-    free(trace);
     vor_store_close(store);
 }
 END_TEST
@@ -229,7 +225,7 @@ START_TEST(a_failure_comes_back_with_its_problem)
 }
 END_TEST
 
-START_TEST(only_the_running_attempt_may_end_beat_or_release)
+START_TEST(only_the_running_attempt_may_end_append_or_release)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -242,16 +238,13 @@ START_TEST(only_the_running_attempt_may_end_beat_or_release)
     ck_assert_uint_eq(vt_claim(store, &row.id), 2);
     ck_assert(!release(store, &row.id, 1));
     ck_assert(!finish(store, row, VOR_JOB_SUCCESSFUL, 1));
-    row.attempt = 1;
-    row.progress = 50;
-    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert(!vt_append(store, row, 50, VT_LEASE(1), 1));
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 0);
-    row.attempt = 2;
-    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert(vt_append(store, row, 50, VT_LEASE(2), 1));
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 50);
-    row.progress = 20;
-    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    ck_assert(vt_append(store, row, 20, VT_LEASE(2), 2));
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 50); /* never falls */
+    row.attempt = 2;
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));
     vor_store_close(store);
 }
@@ -331,10 +324,10 @@ START_TEST(results_expire_then_are_forgotten)
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view rows[3], back;
-    struct vor_store_ending ending = {.report = "{}"};
+    struct vor_store_ending ending = {"{}", {1, (const uint8_t *)"e", 1}};
     struct vor_evicted expired[2];
     struct vor_evictions evictions = {.job = expired, .max = 2};
-    char *report;
+    char *report, events[16];
     int changed, found;
 
     for (int i = 2; i >= 0; i--) {
@@ -342,7 +335,7 @@ START_TEST(results_expire_then_are_forgotten)
         rows[i].status = VOR_JOB_SUCCESSFUL;
         rows[i].finished = 1000;
         rows[i].expires = 2000 + i;
-        vt_assert_ok(vor_store_finish(store, &rows[i], 0, &ending, &changed, &vt_err));
+        vt_assert_ok(vor_store_finish(store, &rows[i], NULL, &ending, &changed, &vt_err));
     }
     (void)insert(store, 10); /* waits: never expires */
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 1999, &evictions, &vt_err));
@@ -359,6 +352,8 @@ START_TEST(results_expire_then_are_forgotten)
     ck_assert(back.expired);
     vt_assert_ok(vor_store_report(store, &rows[0].id, &report, &vt_err));
     ck_assert_ptr_null(report);
+    vt_events(store, &rows[0].id, 1, 0, events);
+    ck_assert_str_eq(events, "");
     ck_assert_uint_eq(list(store, (struct vor_job_filter){.limit = 9}, 0).count, 1);
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 3000, &evictions, &vt_err));
     vt_assert_ok(vor_store_get(store, &rows[0].id, &back, &found, &vt_err));
@@ -375,16 +370,17 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view runs = insert(store, 10);
-    struct vor_hand_back crashed = {.attempt = 1, .now_ms = 77, .is_crash = 1};
+    struct vor_hand_back crashed = {.lease = *VT_LEASE(1), .now_ms = 77, .is_crash = 1};
 
     vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
     ck_assert(!crashed.changed); /* it does not run */
     for (uint32_t attempt = 1; attempt <= 3; attempt++) {
         ck_assert_uint_eq(vt_claim(store, &runs.id), attempt);
-        crashed = (struct vor_hand_back){.attempt = attempt + 1, .now_ms = 77, .is_crash = 1};
+        crashed =
+            (struct vor_hand_back){.lease = *VT_LEASE(attempt + 1), .now_ms = 77, .is_crash = 1};
         vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
         ck_assert(!crashed.changed); /* another attempt */
-        crashed.attempt = attempt;
+        crashed.lease.attempt = attempt;
         crashed.was_alone = attempt > 1;
         vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
         ck_assert(crashed.changed);
@@ -394,7 +390,7 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
         ck_assert_int_eq(vt_stored(store, &runs.id).updated, 77);
     }
     ck_assert_uint_eq(vt_claim(store, &runs.id), 4);
-    crashed.attempt = 4;
+    crashed.lease.attempt = 4;
     crashed.most = 3; /* nobody claims it before its caller has finished it */
     vt_assert_ok(vor_store_hand_back(store, &runs.id, &crashed, &vt_err));
     ck_assert(crashed.changed && crashed.is_over);
@@ -550,9 +546,9 @@ int main(void)
     vt_add(suite, a_row_comes_back_as_it_was_inserted);
     vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4);
     vt_add(suite, inputs_beside_the_main_one_come_back);
-    vt_add(suite, a_successful_end_comes_back_with_report_trace_and_record);
+    vt_add(suite, a_successful_end_comes_back_with_report_events_and_record);
     vt_add(suite, a_failure_comes_back_with_its_problem);
-    vt_add(suite, only_the_running_attempt_may_end_beat_or_release);
+    vt_add(suite, only_the_running_attempt_may_end_append_or_release);
     vt_add(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor);
     vt_add(suite, results_expire_then_are_forgotten);
     vt_add(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was);

@@ -101,7 +101,7 @@ START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
     done.status = VOR_JOB_SUCCESSFUL;
     done.finished = done.created + 1;
     done.output[0].bytes = 500;
-    vt_assert_ok(vor_store_finish(store, &done, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &done, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
     vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));
     ck_assert_uint_eq(ledger.bytes, 2500);

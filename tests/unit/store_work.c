@@ -63,7 +63,8 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
 {
     static char report[REPORT + 1];
     static uint8_t trace[TRACE];
-    const struct vor_store_ending ending = {report, trace, TRACE};
+    const struct vor_store_ending ending = {report, {2, trace, TRACE}};
+    const struct vor_event_piece piece = {1, trace, TRACE / 100};
     struct vor_job_view row = vt_row(10);
     int changed;
 
@@ -74,11 +75,12 @@ static struct vor_job_view fill(struct vor_store *store, const char *tenant, con
     row.kept = 1000;
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     row.attempt = vt_claim(store, &row.id);
-    vt_assert_ok(vor_store_beat(store, &row, &vt_err));
+    vt_assert_ok(
+        vor_store_append_events(store, &row, VT_LEASE(row.attempt), &piece, &changed, &vt_err));
     row.status = VOR_JOB_SUCCESSFUL;
     row.finished = row.created + 1;
     row.expires = row.created + 1000000000;
-    vt_assert_ok(vor_store_finish(store, &row, row.attempt, &ending, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(store, &row, VT_LEASE(row.attempt), &ending, &changed, &vt_err));
     ck_assert(changed);
     return row;
 }
@@ -130,7 +132,7 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     vt_assert_ok(vor_store_waiting(store, &waiting, &vt_err));
     ck_assert_uint_eq(vt_claim(store, NULL), 0);
     vt_assert_ok(vor_store_newest(store, &newest, &vt_err));
-    vt_assert_ok(vor_store_reap(store, "x", row.created, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "x", INT64_MAX, row.created, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 0);
     ck_assert_int_le(pages(), 60);
     vt_assert_ok(vor_store_ledger(store, "alice", &ledger, &vt_err));

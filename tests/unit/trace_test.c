@@ -1,5 +1,4 @@
-/* The trace of a job that ended: every event comes back, and bytes that are none are
- * refused. */
+/* Events in pieces: every one comes back, and bytes that are none are refused. */
 #include "server/jobs/trace.h"
 #include "tests/support/vt.h"
 
@@ -73,23 +72,46 @@ static void assert_same(const struct vor_event *a, const struct vor_event *b)
     ck_assert_mem_eq(&a->record, &b->record, sizeof a->record);
 }
 
-START_TEST(a_trace_comes_back_as_it_was)
+static vor_status unpack(struct vor_bus **out, const uint8_t *bytes, size_t size)
 {
-    struct vor_bus *bus = filled(4, (uint32_t)_i * 11, _i % 2), *back = NULL;
+    const struct vor_event_piece piece = {.data = bytes, .size = size};
+    struct vor_bus *bus = vor_bus_create(1);
+    vor_status status = vor_trace_unpack(bus, &piece, &vt_err);
+
+    if (status == VOR_OK)
+        *out = bus;
+    else
+        vor_bus_release(bus);
+    return status;
+}
+
+/* In two pieces, the second of which may be empty. */
+START_TEST(events_come_back_as_they_were)
+{
+    struct vor_bus *bus = filled(4, (uint32_t)_i * 11, 0), *back = vor_bus_create(4);
     struct vor_position a = {0, 0}, b = {0, 0};
     struct vor_event first, second;
-    uint8_t *bytes = NULL;
-    size_t size = 0;
+    struct vor_event_piece pieces[2];
+    uint8_t *bytes[2];
 
-    vt_assert_ok(vor_trace_pack(bus, &bytes, &size, &vt_err));
-    vt_assert_ok(vor_trace_unpack(&back, bytes, size, &vt_err));
+    vt_assert_ok(vor_trace_pack(bus, 0, &pieces[0], &bytes[0], &vt_err));
+    ck_assert_uint_eq(pieces[0].last, (unsigned)_i * 11 + 1);
+    for (int i = 0; i < _i % 3; i++)
+        publish(bus, i == 1 ? VOR_EVENT_END : VOR_EVENT_PROGRESS, 99);
+    vt_assert_ok(vor_trace_pack(bus, pieces[0].last, &pieces[1], &bytes[1], &vt_err));
+    ck_assert_uint_eq(pieces[1].last, pieces[0].last + (unsigned)_i % 3);
+    ck_assert_int_eq(pieces[1].size > 0, _i % 3 > 0);
+    for (int i = 0; i < 2; i++) {
+        if (pieces[i].size > 0)
+            vt_assert_ok(vor_trace_unpack(back, &pieces[i], &vt_err));
+        free(bytes[i]);
+    }
     while (vor_bus_read(bus, &a, VOR_READ_EVERY, &first, 1) == 1) {
         ck_assert_uint_eq(vor_bus_read(back, &b, VOR_READ_EVERY, &second, 1), 1);
         assert_same(&first, &second);
     }
     ck_assert_uint_eq(vor_bus_read(back, &b, VOR_READ_EVERY, &second, 1), 0);
-    ck_assert_int_eq(vor_bus_ended(back, NULL), _i % 2);
-    free(bytes);
+    ck_assert_int_eq(vor_bus_ended(back, NULL), _i % 3 == 2);
     vor_bus_release(bus);
     vor_bus_release(back);
 }
@@ -170,7 +192,7 @@ START_TEST(records_with_other_members_are_read)
         struct bytes bytes;
 
         add_trace_of(&bytes, members, more);
-        vt_assert_ok(vor_trace_unpack(&bus, bytes.data, bytes.size, &vt_err));
+        vt_assert_ok(unpack(&bus, bytes.data, bytes.size));
         ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, events, 3), 2);
         ck_assert_double_eq(events[0].eta_seconds, 1.5);
         ck_assert_uint_eq(events[0].record.iteration, 1);
@@ -195,7 +217,7 @@ START_TEST(a_stage_that_there_is_not_is_refused)
     stage = bytes.size - 12 - 48;
     ck_assert_uint_eq(bytes.data[stage], VOR_RUN_STAGE_POLISH);
     bytes.data[stage] = VOR_RUN_STAGE_COUNT;
-    vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&bus, bytes.data, bytes.size, &vt_err));
+    vt_assert_fails(VOR_E_FORMAT, unpack(&bus, bytes.data, bytes.size));
     ck_assert_ptr_null(bus);
 }
 END_TEST
@@ -210,7 +232,7 @@ static void assert_no_beginning_is_read(const uint8_t *bytes, size_t size)
         uint8_t *part = malloc(cut + 1);
 
         memcpy(part, bytes, cut);
-        vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&back, part, cut, &vt_err));
+        vt_assert_fails(VOR_E_FORMAT, unpack(&back, part, cut));
         free(part);
     }
     ck_assert_ptr_null(back);
@@ -225,37 +247,39 @@ static void assert_no_damage_is_read(uint8_t *bytes, size_t size, size_t first)
         uint8_t kept = bytes[at];
 
         bytes[at] = 101;
-        vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&back, bytes, size, &vt_err));
+        vt_assert_fails(VOR_E_FORMAT, unpack(&back, bytes, size));
         bytes[at] = kept;
     }
-    vt_assert_ok(vor_trace_unpack(&back, bytes, size, &vt_err));
+    vt_assert_ok(unpack(&back, bytes, size));
     vor_bus_release(back);
     back = NULL;
     bytes[8] = 0xff; /* more events than there are bytes */
     bytes[11] = 0xff;
-    vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&back, bytes, size, &vt_err));
+    vt_assert_fails(VOR_E_FORMAT, unpack(&back, bytes, size));
     ck_assert_ptr_null(back);
 }
 
 START_TEST(a_damaged_trace_is_refused)
 {
     struct vor_bus *bus = filled(1, 3, 1), *back = NULL;
-    uint8_t *bytes = NULL;
-    size_t size = 0;
+    struct vor_event_piece piece;
+    uint8_t *bytes;
+    size_t size;
 
-    vt_assert_ok(vor_trace_pack(bus, &bytes, &size, &vt_err));
+    vt_assert_ok(vor_trace_pack(bus, 0, &piece, &bytes, &vt_err));
+    size = piece.size;
     assert_no_beginning_is_read(bytes, size);
     for (char version = '0'; version <= '9'; version++) {
         bytes[3] = (uint8_t)version;
         if (version != '3')
-            vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&back, bytes, size, &vt_err));
+            vt_assert_fails(VOR_E_FORMAT, unpack(&back, bytes, size));
     }
     bytes[3] = '3';
     for (size_t at = 12; at < 16; at++) { /* bytes of a record: none, and too many */
         uint8_t kept = bytes[at];
 
         bytes[at] = at == 12 ? 0 : 0xff;
-        vt_assert_fails(VOR_E_FORMAT, vor_trace_unpack(&back, bytes, size, &vt_err));
+        vt_assert_fails(VOR_E_FORMAT, unpack(&back, bytes, size));
         bytes[at] = kept;
     }
     assert_no_damage_is_read(bytes, size, 16);
@@ -266,7 +290,7 @@ END_TEST
 
 void vt_suite(Suite *suite)
 {
-    vt_add_loop(suite, a_trace_comes_back_as_it_was, 20);
+    vt_add_loop(suite, events_come_back_as_they_were, 20);
     vt_add(suite, records_with_other_members_are_read);
     vt_add(suite, a_stage_that_there_is_not_is_refused);
     vt_add(suite, a_damaged_trace_is_refused);

@@ -19,7 +19,7 @@ static void suspect(const char *dir, const struct vor_uuid *id)
     uint64_t requeued;
 
     ck_assert_uint_gt(vt_claim(store, id), 1);
-    vt_assert_ok(vor_store_reap(store, "this life", 1, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "this life", INT64_MAX, 1, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 1);
     vor_store_close(store);
 }

@@ -144,11 +144,11 @@ static vor_status counted_get(struct vor_store *store, const struct vor_uuid *id
     return counting.real->get_of(store, id, tenant, out, found, err);
 }
 
-static vor_status counted_trace(struct vor_store *store, const struct vor_uuid *id, uint8_t **trace,
-                                size_t *size, struct vor_error *err)
+static vor_status counted_events(struct vor_store *store, const struct vor_uuid *id,
+                                 const struct vor_event_query *query, struct vor_error *err)
 {
     atomic_fetch_add(&counting.traces, 1);
-    return counting.real->trace(store, id, trace, size, err);
+    return counting.real->events(store, id, query, err);
 }
 
 static void count_reads(struct vt_daemon *daemon)
@@ -156,7 +156,7 @@ static void count_reads(struct vt_daemon *daemon)
     counting.real = daemon->store->driver;
     counting.driver = *counting.real;
     counting.driver.get_of = counted_get;
-    counting.driver.trace = counted_trace;
+    counting.driver.events = counted_events;
     daemon->store->driver = &counting.driver;
 }
 
@@ -398,7 +398,7 @@ static struct vor_uuid ended(struct vt_daemon *daemon, int minutes)
     row.progress = 100;
     row.expires = vor_clock_wall_ms() - minutes * minute;
     row.finished = row.expires - 60 * minute;
-    vt_assert_ok(vor_store_finish(daemon->store, &row, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(daemon->store, &row, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
     return row.id;
 }

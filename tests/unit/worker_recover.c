@@ -135,7 +135,7 @@ static void leave_expired(struct life *life, struct vor_job_view *row)
     row->status = VOR_JOB_SUCCESSFUL;
     row->finished = vor_clock_wall_ms() - 3600000;
     row->expires = vor_clock_wall_ms();
-    vt_assert_ok(vor_store_finish(life->store, row, 0, NULL, &changed, &vt_err));
+    vt_assert_ok(vor_store_finish(life->store, row, NULL, NULL, &changed, &vt_err));
 }
 
 /* Regression: the start wrote every expired row before it looked at the jobs that waited. */
@@ -226,12 +226,12 @@ static struct {
     atomic_int recoveries, counts;
 } failing;
 
-static vor_status reap_late(struct vor_store *store, const char *owner, int64_t now_ms,
-                            uint64_t *reaped, struct vor_error *err)
+static vor_status reap_late(struct vor_store *store, const char *owner, int64_t until_ms,
+                            int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
     if (atomic_fetch_add(&failing.recoveries, 1) == 0)
         return vor_fail_errno(err, ENOSPC, "the job store");
-    return failing.real->reap(store, owner, now_ms, reaped, err);
+    return failing.real->reap(store, owner, until_ms, now_ms, reaped, err);
 }
 
 static vor_status count_waiting(struct vor_store *store, struct vor_waiting *out,
@@ -277,6 +277,34 @@ START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
 }
 END_TEST
 
+/* As a daemon that was stopped for longer than its lease goes on: here it is told within seconds.
+ */
+START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
+{
+    struct life life = begin_life();
+    struct vor_uuid runs = leave_endless(&life);
+    struct vor_job_view row;
+    struct vt_daemon daemon;
+    uint64_t reaped;
+    int found, changed;
+
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1});
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, INT64_MAX, 1, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 1);
+    ck_assert_uint_eq(vt_claim(daemon.store, &runs), 2);
+    vt_daemon_wait_idle(&daemon);
+    vt_assert_ok(vor_store_get(daemon.store, &runs, &row, &found, &vt_err));
+    ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
+    ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 1);
+    row.status = VOR_JOB_FAILED;
+    vt_assert_ok(vor_store_finish(daemon.store, &row, VT_LEASE(2), NULL, &changed, &vt_err));
+    ck_assert(changed);
+    vt_daemon_stop(&daemon);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("worker_recover");
@@ -287,5 +315,6 @@ int main(void)
     vt_add(suite, bytes_that_came_after_the_start_are_no_strays);
     vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
     vt_add(suite, a_recovery_that_is_repeated_leaves_alone_what_runs_since);
+    vt_add(suite, a_run_whose_job_another_owner_has_ends_and_leaves_it_alone);
     return vt_run(suite);
 }
