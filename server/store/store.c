@@ -130,37 +130,6 @@ int vor_store_is_damaged(const struct vor_store *store)
     return store->is_damaged;
 }
 
-vor_status vor_store_check(struct vor_store *store, struct vor_error *err)
-{
-    return store->driver->check(store, err);
-}
-
-vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
-                            struct vor_ledger *ledger, struct vor_error *err)
-{
-    return store->driver->insert(store, row, ledger, err);
-}
-
-vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim *claim,
-                                struct vor_job_view *out, int *found, struct vor_error *err)
-{
-    return store->driver->claim_next(store, claim, out, found, err);
-}
-
-vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
-                           struct vor_error *err)
-{
-    return store->driver->renew(store, renewal, err);
-}
-
-vor_status vor_store_append_events(struct vor_store *store, const struct vor_job_view *row,
-                                   const struct vor_lease *lease,
-                                   const struct vor_event_piece *piece, int *changed,
-                                   struct vor_error *err)
-{
-    return store->driver->append_events(store, row, lease, piece, changed, err);
-}
-
 vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
                                struct vor_hand_back *run, struct vor_error *err)
 {
@@ -188,53 +157,11 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
     return status;
 }
 
-vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
-                         struct vor_job_view *out, int *found, struct vor_error *err)
-{
-    return store->driver->get_of(store, id, NULL, out, found, err);
-}
-
-vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                            struct vor_job_view *out, int *found, struct vor_error *err)
-{
-    return store->driver->get_of(store, id, tenant, out, found, err);
-}
-
-vor_status vor_store_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
-                            struct vor_error *err)
-{
-    return store->driver->ledger(store, tenant, ledger, err);
-}
-
-vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
-                              struct vor_job_view *out, int *found, struct vor_error *err)
-{
-    return store->driver->find_key(store, key, out, found, err);
-}
-
-vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, char **report,
-                            struct vor_error *err)
-{
-    return store->driver->report(store, id, report, err);
-}
-
-vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
-                            const struct vor_event_query *query, struct vor_error *err)
-{
-    return store->driver->events(store, id, query, err);
-}
-
 vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
                           int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
                           struct vor_error *err)
 {
     return store->driver->list(store, filter, each, ctx, err);
-}
-
-vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
-                             struct vor_error *err)
-{
-    return store->driver->waiting(store, out, err);
 }
 
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
@@ -268,11 +195,6 @@ vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_er
 
     return made_room(store->reserve, status, err) ? store->driver->shift(store, by_ms, err)
                                                   : status;
-}
-
-vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
-{
-    return store->driver->newest(store, newest_ms, err);
 }
 
 vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t until_ms,

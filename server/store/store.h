@@ -47,7 +47,11 @@ void vor_store_close(struct vor_store *store);
 int vor_store_is_damaged(const struct vor_store *store);
 
 /** Is it in working order? For /readyz. */
-VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_check(struct vor_store *store,
+                                                       struct vor_error *err)
+{
+    return store->driver->check(store, err);
+}
 
 /** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.
  *
@@ -55,8 +59,13 @@ VOR_NODISCARD vor_status vor_store_check(struct vor_store *store, struct vor_err
  *                         if that is too much, is_over is set and nothing is added. NULL: anything
  *
  *  @retval VOR_E_IO also when the row's key is that of another job */
-VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
-                                          struct vor_ledger *ledger, struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_insert(struct vor_store *store,
+                                                        struct vor_job_view *row,
+                                                        struct vor_ledger *ledger,
+                                                        struct vor_error *err)
+{
+    return store->driver->insert(store, row, ledger, err);
+}
 
 /** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
  *
@@ -69,18 +78,24 @@ VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_jo
  *  @param[out] found  0 when none waits, or the next one may not be claimed; *out is then untouched
  *
  *  Cost: one look at an index, however many wait. A crash of the machine may undo it. */
-VOR_NODISCARD vor_status vor_store_claim_next(struct vor_store *store,
-                                              const struct vor_claim *claim,
-                                              struct vor_job_view *out, int *found,
-                                              struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_claim_next(struct vor_store *store,
+                                                            const struct vor_claim *claim,
+                                                            struct vor_job_view *out, int *found,
+                                                            struct vor_error *err)
+{
+    return store->driver->claim_next(store, claim, out, found, err);
+}
 
 /** Makes the leases of an owner longer, all by one change, and says which jobs he still has: any
  *  other that he runs was dismissed, or is another owner's by now, and no change of his does
  *  anything to it.
  *
  *  Cost: as many rows as he runs jobs. A crash of the machine may undo it. */
-VOR_NODISCARD vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
-                                         struct vor_error *err);
+VOR_NODISCARD static inline vor_status
+vor_store_renew(struct vor_store *store, struct vor_renewal *renewal, struct vor_error *err)
+{
+    return store->driver->renew(store, renewal, err);
+}
 
 /** Adds events to those of a running attempt, behind all that it has, and notes progress and record
  *  of the row.
@@ -88,11 +103,14 @@ VOR_NODISCARD vor_status vor_store_renew(struct vor_store *store, struct vor_ren
  *  @param[out] changed  0 when the attempt is not this owner's any more
  *
  *  Cost: a crash of the machine may undo it. */
-VOR_NODISCARD vor_status vor_store_append_events(struct vor_store *store,
-                                                 const struct vor_job_view *row,
-                                                 const struct vor_lease *lease,
-                                                 const struct vor_event_piece *piece, int *changed,
-                                                 struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_append_events(struct vor_store *store,
+                                                               const struct vor_job_view *row,
+                                                               const struct vor_lease *lease,
+                                                               const struct vor_event_piece *piece,
+                                                               int *changed, struct vor_error *err)
+{
+    return store->driver->append_events(store, row, lease, piece, changed, err);
+}
 
 /** running -> accepted, in its place: the daemon goes down in good order, or the run's process has
  *  ended. A job that has crashed too often (run->most) stays running, so that nobody claims it
@@ -114,39 +132,63 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
 /** @param[out] found  0 when there is no such job; *out is then untouched
  *
  *  Cost: of a job that waits also some hundred steps over an index, for its place in the queue. */
-VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
-                                       struct vor_job_view *out, int *found, struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_get(struct vor_store *store,
+                                                     const struct vor_uuid *id,
+                                                     struct vor_job_view *out, int *found,
+                                                     struct vor_error *err)
+{
+    return store->driver->get_of(store, id, NULL, out, found, err);
+}
 
 /** The same for a job of this principal alone (NULL: of any). */
-VOR_NODISCARD vor_status vor_store_get_of(struct vor_store *store, const struct vor_uuid *id,
-                                          const char *tenant, struct vor_job_view *out, int *found,
-                                          struct vor_error *err);
+VOR_NODISCARD static inline vor_status
+vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                 struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    return store->driver->get_of(store, id, tenant, out, found, err);
+}
 
 /** What a principal has: sets jobs and bytes.
  *
  *  Cost: a read of one row, however many jobs there are. */
-VOR_NODISCARD vor_status vor_store_ledger(struct vor_store *store, const char *tenant,
-                                          struct vor_ledger *ledger, struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_ledger(struct vor_store *store, const char *tenant,
+                                                        struct vor_ledger *ledger,
+                                                        struct vor_error *err)
+{
+    return store->driver->ledger(store, tenant, ledger, err);
+}
 
 /** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
  *  until it expires or is removed.
  *
  *  @param[out] found  0 when there is none; *out is then untouched */
-VOR_NODISCARD vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
-                                            struct vor_job_view *out, int *found,
-                                            struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_find_key(struct vor_store *store,
+                                                          const struct vor_job_key *key,
+                                                          struct vor_job_view *out, int *found,
+                                                          struct vor_error *err)
+{
+    return store->driver->find_key(store, key, out, found, err);
+}
 
 /** The report of a job as JSON: malloc, the caller frees; NULL when there is none.
  *
  *  @retval VOR_E_NOMEM, VOR_E_IO */
-VOR_NODISCARD vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id,
-                                          char **report, struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_report(struct vor_store *store,
+                                                        const struct vor_uuid *id, char **report,
+                                                        struct vor_error *err)
+{
+    return store->driver->report(store, id, report, err);
+}
 
 /** Calls query->each for the events of an attempt, in the pieces that were appended, in order. It
  *  must not call the store. A job has its events until it expires or is removed. */
-VOR_NODISCARD vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
-                                          const struct vor_event_query *query,
-                                          struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_events(struct vor_store *store,
+                                                        const struct vor_uuid *id,
+                                                        const struct vor_event_query *query,
+                                                        struct vor_error *err)
+{
+    return store->driver->events(store, id, query, err);
+}
 
 /** Calls each for the jobs that match and have not expired, newest first. each must not call the
  *  store and ends the list by returning 0. */
@@ -156,8 +198,11 @@ VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
                                         void *ctx, struct vor_error *err);
 
 /** How much waits. Cost: one step for each 256 jobs of the one who has most. */
-VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
-                                           struct vor_error *err);
+VOR_NODISCARD static inline vor_status
+vor_store_waiting(struct vor_store *store, struct vor_waiting *out, struct vor_error *err)
+{
+    return store->driver->waiting(store, out, err);
+}
 
 /** Removes a job that is over.
  *
@@ -184,8 +229,11 @@ VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,
                                          struct vor_error *err);
 
 /** The latest time that a row was changed, or nearly; 0 when there is none. */
-VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
-                                          struct vor_error *err);
+VOR_NODISCARD static inline vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
+                                                        struct vor_error *err)
+{
+    return store->driver->newest(store, newest_ms, err);
+}
 
 /** Daemons have ended while these jobs ran: every running job of another owner becomes accepted
  *  again, to be run with nothing beside it (vor_job_view.alone). What ran in another process cannot

@@ -263,22 +263,3 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
     vor_artefacts_free(&out);
     return status;
 }
-
-/* --- in this process -------------------------------------------------------------------------- */
-
-static enum vor_run_end run_here(struct vor_run_executor *executor, const struct vor_order *order,
-                                 const struct vor_listener *listener, struct vor_run_result *result,
-                                 struct vor_text *kept, struct vor_error *err)
-{
-    struct vor_run_here *here = (struct vor_run_here *)executor;
-    const struct vor_run_means means = {.pool = here->pool};
-    vor_status status = vor_execute(result, kept, order, &means, listener, err);
-
-    return status == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
-}
-
-void vor_run_here_init(struct vor_run_here *here, struct vor_pool *pool)
-{
-    here->base = (struct vor_run_executor){.threads = vor_pool_threads(pool), .run = run_here};
-    here->pool = pool;
-}

@@ -79,12 +79,4 @@ struct vor_run_executor {
                             struct vor_text *kept, struct vor_error *err);
 };
 
-/** The one of this process. */
-struct vor_run_here {
-    struct vor_run_executor base;
-    struct vor_pool *pool; /**< borrowed */
-};
-
-void vor_run_here_init(struct vor_run_here *here, struct vor_pool *pool);
-
 #endif

@@ -1,10 +1,27 @@
 #include "tests/support/vt_daemon.h"
 
+#include "server/work/execute.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
 #include <stdlib.h>
 #include <unistd.h>
+
+static enum vor_run_end run_here(struct vor_run_executor *executor, const struct vor_order *order,
+                                 const struct vor_listener *listener, struct vor_run_result *result,
+                                 struct vor_text *kept, struct vor_error *err)
+{
+    const struct vor_run_means means = {.pool = ((struct vt_run_here *)executor)->pool};
+
+    return vor_execute(result, kept, order, &means, listener, err) == VOR_OK ? VOR_RUN_DONE
+                                                                             : VOR_RUN_FAILED;
+}
+
+void vt_run_here_init(struct vt_run_here *here, struct vor_pool *pool)
+{
+    here->base = (struct vor_run_executor){.threads = vor_pool_threads(pool), .run = run_here};
+    here->pool = pool;
+}
 
 void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options)
@@ -23,7 +40,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     vt_assert_ok(vor_pool_create(&daemon->pool, 2, &vt_err));
     config.store = daemon->store;
     config.blobs = daemon->blobs;
-    vor_run_here_init(&daemon->here, daemon->pool);
+    vt_run_here_init(&daemon->here, daemon->pool);
     config.executor = &daemon->here.base;
     config.jobs = options->jobs > 0 ? options->jobs : 2;
     config.queue = options->queue > 0 ? options->queue : 16;

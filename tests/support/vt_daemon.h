@@ -5,12 +5,20 @@
 #include "core/base/parallel.h"
 #include "server/work/worker.h"
 
+/** Runs jobs in this process, so that what they do is seen by its sanitizers. */
+struct vt_run_here {
+    struct vor_run_executor base;
+    struct vor_pool *pool; /**< borrowed */
+};
+
+void vt_run_here_init(struct vt_run_here *here, struct vor_pool *pool);
+
 struct vt_daemon {
     const char *dir;
     struct vor_blobs *blobs;
     struct vor_store *store;
     struct vor_pool *pool;
-    struct vor_run_here here;
+    struct vt_run_here here;
     struct vor_worker *worker;
 };
 

@@ -6,6 +6,7 @@
 #include "server/work/execute.h"
 #include "server/work/station.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_daemon.h"
 #include "tests/support/vt_front.h"
 
 #include <signal.h>
@@ -114,7 +115,7 @@ static size_t before_seconds(const struct vor_text *kept)
 START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
 {
     struct vt_front front = _i / 2 == 0 ? front_with_codec(0) : front_with_codec(CODEC);
-    struct vor_run_here here;
+    struct vt_run_here here;
     struct vt_heard there_heard = {.front = &front}, here_heard = {.front = &front};
     struct files there_files, here_files;
     struct vor_order order = real_order(&there_files);
@@ -127,7 +128,7 @@ START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
     order = real_order(&here_files);
     order.format = (unsigned)_i % 2;
     vt_assert_ok(vor_pool_create(&pool, 2, &vt_err));
-    vor_run_here_init(&here, pool);
+    vt_run_here_init(&here, pool);
     vt_heard_run(&here_heard, &here.base, &order);
     ck_assert_int_eq(there_heard.end, VOR_RUN_DONE);
     ck_assert_int_eq(here_heard.end, VOR_RUN_DONE);
