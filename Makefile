@@ -4,6 +4,7 @@ B := build/$(config)
 
 CC ?= gcc
 CXX ?= g++
+# libcurl: its header alone, since it is loaded at run time.
 PKGS := libcjson draco sqlite3 libcurl nettle zlib libseccomp
 VERSION := 0.1.0
 
@@ -47,7 +48,7 @@ ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(CO
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
 # FLANN and libmicrohttpd by the libraries that run: the -dev packages, whose headers may stand in build/headers alone
 # (docker/install.sh), bring HDF5, MPI, boost and GnuTLS, which we do not call.
-LIBS := $(shell pkg-config --libs $(PKGS) 2>/dev/null) -l:libmicrohttpd.so.12 -l:libflann.so.1.9 -lm -lstdc++
+LIBS := $(shell pkg-config --libs $(filter-out libcurl,$(PKGS)) 2>/dev/null) -l:libmicrohttpd.so.12 -l:libflann.so.1.9 -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 LINK := $(CXX) $(flags) $(if $(filter release debug arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 LINK_TEST := $(LINK) $(if $(filter-out arm64,$(config)),$(LDFAST))

@@ -7,7 +7,11 @@ binary=$1
 root=$2
 rm -rf "$root" "$root.debug"
 mkdir -p "$root/usr/bin" "$root/etc" "$root/tmp" "$root/var/lib/voronoid" "$root.debug"
-ldd "$binary" | awk '$2 == "=>" && $3 ~ /^\// { print $3 } $1 ~ /^\// { print $1 }' | while read -r library; do
+# libcurl is loaded by `voronoid health` and --server alone.
+curl=$(/sbin/ldconfig -p | awk '$1 == "libcurl-gnutls.so.4" { print $NF; exit }')
+mkdir -p "$root$(dirname "$curl")"
+cp -L "$curl" "$root$curl"
+{ ldd "$binary" && ldd "$curl"; } | awk '$2 == "=>" && $3 ~ /^\// { print $3 } $1 ~ /^\// { print $1 }' | while read -r library; do
     mkdir -p "$root$(dirname "$library")"
     cp -L "$library" "$root$library"
 done

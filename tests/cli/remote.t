@@ -32,6 +32,17 @@ sub running {
     };
 }
 
+subtest 'the HTTP client is loaded by commands that ask a server' => sub {
+    my %env = (LD_LIBRARY_PATH => $folder);
+    my $library = spew("$folder/libcurl-gnutls.so.4", '');
+    my ($code, undef, $stderr) = run(['resample', $in, '-n', 50, '--iterations', 1, '-q', '-fo', $out], env => \%env);
+    is "$code|$stderr", '0|', 'others need none';
+    ($code, undef, $stderr) = run(['health', '--server', $url], env => \%env);
+    like "$code|$stderr", qr/\A1\|voronoid: .*libcurl-gnutls\.so\.4: file too short; it is in Debian's package libcurl3-gnutls\n\z/,
+        'these say what is missing';
+    unlink $library, $out;
+};
+
 subtest 'health' => sub {
     my ($code, $stdout, $stderr) = run(['health', '--server', $url]);
     is "$code|$stdout|$stderr", "0|$url: ready\n|", 'a daemon is ready';
