@@ -238,6 +238,7 @@ $(B)/tests/%: $(B)/tests/%.o $(SUPPORT) $(LIB)
 # These know which place of the product asks for memory.
 $(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/methods_threads): \
     TEST_LIBS += -Wl,--wrap=vor_malloc,--wrap=vor_calloc,--wrap=vor_realloc
+$(B)/tests/unit/worker_recover: TEST_LIBS += -Wl,--wrap=vor_job_create
 
 # What other programs make of the same.
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs

@@ -277,6 +277,51 @@ START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
 }
 END_TEST
 
+/* Stands for an allocation that fails: the first jobs are not made, and the store refuses to take
+ * the first one back. */
+static atomic_int unmade, refused;
+struct vor_job *__real_vor_job_create(const struct vor_job_view *row);
+struct vor_job *__wrap_vor_job_create(const struct vor_job_view *row);
+
+struct vor_job *__wrap_vor_job_create(const struct vor_job_view *row)
+{
+    return atomic_fetch_sub(&unmade, 1) > 0 ? NULL : __real_vor_job_create(row);
+}
+
+static vor_status refuse_once(struct vor_store *store, const struct vor_uuid *id,
+                              struct vor_hand_back *run, struct vor_error *err)
+{
+    return atomic_fetch_add(&refused, 1) == 0 ? vor_fail(err, VOR_E_IO, "refused")
+                                              : failing.real->hand_back(store, id, run, err);
+}
+
+static void fail_memory(struct vt_daemon *daemon)
+{
+    failing.real = daemon->store->driver;
+    failing.driver = *failing.real;
+    failing.driver.hand_back = refuse_once;
+    daemon->store->driver = &failing.driver;
+    atomic_store(&unmade, 2);
+}
+
+/* Regression: it stayed running, with nobody to run it, until the next start. */
+START_TEST(a_job_for_which_there_was_no_memory_is_tried_again)
+{
+    struct vt_daemon_options options = {.jobs = 1, .prepare = fail_memory};
+    struct life life = begin_life();
+    struct vor_job_view row = leave_waiting(&life);
+    struct vt_daemon daemon;
+
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &options);
+    row = vt_daemon_wait_over(&daemon, &row.id);
+    ck_assert_int_eq(row.status, VOR_JOB_FAILED);
+    ck_assert_uint_eq(row.attempt, 3);
+    ck_assert_int_eq(atomic_load(&refused), 3); /* the first call, its repetition, and one more */
+    vt_daemon_stop(&daemon);
+}
+END_TEST
+
 /* As a daemon that was stopped for longer than its lease goes on: here it is told within seconds.
  */
 START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
@@ -315,6 +360,7 @@ int main(void)
     vt_add(suite, bytes_that_came_after_the_start_are_no_strays);
     vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
     vt_add(suite, a_recovery_that_is_repeated_leaves_alone_what_runs_since);
+    vt_add(suite, a_job_for_which_there_was_no_memory_is_tried_again);
     vt_add(suite, a_run_whose_job_another_owner_has_ends_and_leaves_it_alone);
     return vt_run(suite);
 }
