@@ -95,7 +95,7 @@ def compare(browser):
           "in dots that are coloured by their spacing")
     for mode in ("distance", "spacing"):
         browser.script("const m = document.getElementById('mode'); m.value = arguments[0]; m.dispatchEvent(new Event('change'));", mode)
-        shows(browser, "histogram-caption", "over the mean" if mode == "spacing" else "point of the input")
+        shows(browser, "histogram-caption", "divided by the mean" if mode == "spacing" else "point of the input")
         text = browser.element("histogram-canvas").get_attribute("aria-label")
         equal(re.findall(r"(\w+): ([\d,]+) points", text), [("input", "4,000")] * (mode == "spacing") + [("result", "1,000")],
               f"coloured by {mode}, there is a histogram for each cloud that has such figures")
