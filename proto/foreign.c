@@ -4,8 +4,8 @@
 #include <string.h>
 #include <strings.h>
 
-#define MESH(suffix) "convert it: assimp export in." suffix " out.ply -jiv"
-#define PDAL(suffix) "convert it: pdal translate in." suffix " out.ply"
+#define MESH(suffix) "convert it with assimp export in." suffix " out.ply -jiv"
+#define PDAL(suffix) "convert it with pdal translate in." suffix " out.ply"
 #define HELP "convert it as \"voronoid help formats\" says"
 #define PAGE "it is probably an error page instead of the file: download it again"
 #define NO_CLOUD "it is not a point cloud"
@@ -226,8 +226,8 @@ static const struct {
     LOOKS("LAZ", looks_laz, PDAL("laz")),
     MAGIC("LAS", 0, "LASF", PDAL("las")),
     MAGIC("E57", 0, "ASTM-E57", PDAL("e57")),
-    LOOKS("PCD", looks_pcd, "convert it: pcl_pcd2ply in.pcd out.ply"),
-    MAGIC("VTK", 0, "# vtk DataFile", "convert it: pcl_vtk2ply in.vtk out.ply"),
+    LOOKS("PCD", looks_pcd, "convert it with pcl_pcd2ply in.pcd out.ply"),
+    MAGIC("VTK", 0, "# vtk DataFile", "convert it with pcl_vtk2ply in.vtk out.ply"),
     MAGIC("VTK in XML", 0, "<VTKFile", "save it as PLY in ParaView"),
     MAGIC("glTF (GLB)", 0, "glTF", MESH("glb")),
     LOOKS("glTF", looks_gltf, MESH("gltf")),

@@ -34,9 +34,9 @@ enum vor_level {
     X(P, ADVANCED, "Power of the metric")                                                          \
     X(CELLS, ADVANCED, "Distance for cells")                                                       \
     X(ITERATIONS, ADVANCED, "Iterations")                                                          \
-    X(DELTA, ADVANCED, "Stop at a delta")                                                          \
-    X(MOVE_STOP, ADVANCED, "Stop at short moves")                                                  \
-    X(SECONDS, BASIC, "Stop after a time")                                                         \
+    X(DELTA, ADVANCED, "Target delta")                                                             \
+    X(MOVE_STOP, ADVANCED, "Smallest move")                                                        \
+    X(SECONDS, BASIC, "Time limit")                                                                \
     X(NEIGHBORS, ADVANCED, "Neighbors of a fit")                                                   \
     X(ANDERSON, ADVANCED, "Anderson window")                                                       \
     X(POLISH, ADVANCED, "Steps of the polish")                                                     \
@@ -48,11 +48,11 @@ enum vor_level {
     X(SAMPLE, ADVANCED, "Input of a mesh")                                                         \
     X(FILTERS, BASIC, "Filters")                                                                   \
     X(SIGMA_N, ADVANCED, "Angle between normals")                                                  \
-    X(SIGMA_P, ADVANCED, "Width of the projection")                                                \
+    X(SIGMA_P, ADVANCED, "Radius of the projection")                                               \
     X(MU, ADVANCED, "Repulsion")                                                                   \
     X(ROUNDS, ADVANCED, "Rounds of normals and points")                                            \
     X(STEPS, ADVANCED, "Steps of a round")                                                         \
-    X(RHO, ADVANCED, "Pull towards edges")                                                         \
+    X(RHO, ADVANCED, "Preference for edges")                                                       \
     X(PHASES, ADVANCED, "Phases")                                                                  \
     X(SAMPLES, ADVANCED, "Points before insertion")                                                \
     X(GAPS, ADVANCED, "Gaps")                                                                      \

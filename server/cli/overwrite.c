@@ -44,7 +44,7 @@ static int is_allowed(const struct vor_cli *cli, const char *path)
 
     if (reads_stdin(cli) || !isatty(STDIN_FILENO) || !isatty(STDERR_FILENO))
         return 0;
-    vor_cli_ask(path, "it exists. Overwrite it? [y/N] ");
+    vor_cli_ask(path, "the file exists. Overwrite it? [y/N] ");
     if (fgets(answer, sizeof answer, stdin) != NULL)
         return answer[0] == 'y' || answer[0] == 'Y';
     fputc('\n', stderr);
@@ -64,11 +64,11 @@ vor_status vor_overwrite_check(const struct vor_cli *cli, const char *path, int 
         return VOR_OK;
     input = find_input(cli, &output);
     if (input != NULL)
-        return vor_fail(err, VOR_E_PARAM, "this is the input %.300s itself: give another output",
+        return vor_fail(err, VOR_E_PARAM, "this is the input %.300s itself; give another output",
                         strcmp(input, "-") == 0 ? "on stdin" : input);
     if (is_stdout)
         return VOR_OK;
     *replace = cli->option[VOR_OPTION_FORCE] != NULL || is_allowed(cli, path);
     return *replace ? VOR_OK
-                    : vor_fail(err, VOR_E_PARAM, "it exists: --force (-f) would overwrite it");
+                    : vor_fail(err, VOR_E_PARAM, "the file exists; --force (-f) overwrites it");
 }

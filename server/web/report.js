@@ -58,8 +58,8 @@ function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_r
     add('Spacing', spacing, 'unit of the cloud', 'Mean distance from a point to its nearest neighbour');
     if (there && back) {
         add('Distance to the input', back.mean, 'unit of the cloud', 'Mean over the points of the result: how closely it follows the input');
-        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean over the points of the input; with fewer points this is part of their spacing');
-        add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest of these distances, in either direction');
+        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean over the points of the input. With fewer points it is larger, like the spacing');
+        add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest distance, in either direction');
     }
     add('Time', Object.values(seconds || {}).reduce((sum, one) => sum + one, 0) || undefined, 's', 'From reading the input to writing the result');
     return all;

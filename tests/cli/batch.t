@@ -101,7 +101,7 @@ kill 'INT', $process->{pid};
 like "$code|$stderr", qr/^130\|voronoid: stopping, the best so far is kept/, '^C ends them all';
 is files(), 'a.ply', 'and keeps the best of the one that was running';
 spew("$out/a.ply", 'old');
-refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: it exists: --force (-f) would overwrite it", 'a.ply';
+refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: the file exists; --force (-f) overwrites it", 'a.ply';
 clear();
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);

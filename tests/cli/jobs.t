@@ -189,7 +189,7 @@ subtest 'fetch' => sub {
         'which is that of its input, and its ID where a job before it has the name';
     spew("$out/first.resample.ply", 'mine');
     ($code, undef, $stderr) = run(['fetch', $done, '-o', $out, @there]);
-    is "$code|$stderr", "2|voronoid: $out/first.resample.ply: it exists: --force (-f) would overwrite it\n", 'nothing is overwritten silently';
+    is "$code|$stderr", "2|voronoid: $out/first.resample.ply: the file exists; --force (-f) overwrites it\n", 'nothing is overwritten silently';
     is slurp("$out/first.resample.ply"), 'mine', 'nor at all';
     run(['fetch', $done, '-fq', '-o', $out, @there]);
     is_deeply [map { -s $_->{file} } @told], [map { $_->{bytes} } @told], 'but with -f';

@@ -179,7 +179,7 @@ refused 'a folder to write into that is not there',
     ['resample', $in, @points, '-fo', "$folder/no/out.ply"], 1,
     "$folder/no/out.ply: cannot be written: No such file or directory";
 refused 'a folder as output', ['resample', $in, @points, '-fo', $folder], 2,
-    "resample: $in: this is the input $in itself: give another output";
+    "resample: $in: this is the input $in itself; give another output";
 
 # getopt_long's ways of writing options.
 my $plain = do { run(['resample', $in, @points, '--seed', 7, '-q', '-fo', $out]); slurp($out) };

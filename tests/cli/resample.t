@@ -171,8 +171,8 @@ subtest 'what stands where the output goes' => sub {
     my ($twin, $alias) = map { "$folder/$_.ply" } qw(twin alias);
     link $in, $twin and symlink $in, $alias or die;
     my $input = slurp($in);
-    for my $case ([$in, $out, 'it exists: --force (-f) would overwrite it'], (map { [$in, $_, "this is the input $in itself: give another output", '-f'] }
-        $in, $twin, $alias), ['-', $twin, 'this is the input on stdin itself: give another output', '-f']) {
+    for my $case ([$in, $out, 'the file exists; --force (-f) overwrites it'], (map { [$in, $_, "this is the input $in itself; give another output", '-f'] }
+        $in, $twin, $alias), ['-', $twin, 'this is the input on stdin itself; give another output', '-f']) {
         my ($from, $to, $line, @force) = @$case;
         my ($code, undef, $stderr) = run(['resample', $from, @request, @force, '-o', $to], stdin => $in);
         is "$code|$stderr", "2|voronoid: $to: $line\n", "$to is not written";

@@ -65,8 +65,8 @@ is_problem($daemon->post('/v1/processes/nope/execution?points=10', $cloud), 404,
 my $count = 0;
 for my $case (
     ['', 422, 'empty-cloud', qr/./, 'no bytes'],
-    ['{"points":3}', 415, 'unsupported-format', qr{^the input is JSON, want PLY or Draco: }, 'JSON'],
-    ['PK' . "\3\4" . 'x' x 100, 415, 'unsupported-format', qr{^the input is ZIP, want PLY or Draco: unpack it with unzip$}, 'a zip file'],
+    ['{"points":3}', 415, 'unsupported-format', qr{^the input is JSON, want PLY or Draco; }, 'JSON'],
+    ['PK' . "\3\4" . 'x' x 100, 415, 'unsupported-format', qr{^the input is ZIP, want PLY or Draco; unpack it with unzip$}, 'a zip file'],
     ["ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
         . "end_header\n", 422, 'empty-cloud', qr/./, 'no points'],
     ["ply\nformat ascii 1.0\nelement vertex 6000\nproperty float x\nproperty float y\n"

@@ -94,7 +94,7 @@ my ($body, $in, $out) = ([$config, qr/"body-limit".*?"(\d+)G"/s], [$config, qr/"
 my ($listen, $checks) = ([$config, qr/"listen", .*?"127\.0\.0\.1:(\d+)"/s], ['docker/Dockerfile', qr/ADMIN_LISTEN=127\.0\.0\.1:(\d+)/]);
 my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
 for (
-    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points;/, $in], ['README.md', qr/at most (\d+ million)\./, $out],
+    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points \(/, $in], ['README.md', qr/at most (\d+ million)\./, $out],
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
     ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/At most (\d+) times/, $most],
     ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],

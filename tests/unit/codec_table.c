@@ -147,9 +147,9 @@ static const struct {
 } foreign[] = {
     REFUSED("plyx\nformat ascii 1.0\n", "the input begins with \"plyx\\x0aformat asci\"" WANT),
     REFUSED("", "the input is empty, want a PLY or a Draco file"),
-#define FOREIGN(file, name, hint) REFUSED(file, "the input is " name ", want PLY or Draco: " hint)
-#define MESH(suffix) "convert it: assimp export in." suffix " out.ply -jiv"
-#define PDAL(suffix) "convert it: pdal translate in." suffix " out.ply"
+#define FOREIGN(file, name, hint) REFUSED(file, "the input is " name ", want PLY or Draco; " hint)
+#define MESH(suffix) "convert it with assimp export in." suffix " out.ply -jiv"
+#define PDAL(suffix) "convert it with pdal translate in." suffix " out.ply"
 #define HELP "convert it as \"voronoid help formats\" says"
 #define ERROR "it is probably an error page instead of the file: download it again"
     FOREIGN("LASF" Z100, "LAS", PDAL("las")),
@@ -158,8 +158,8 @@ static const struct {
     FOREIGN("12\n34\n0 0 0\n1 0 0\n", "PTX", PDAL("ptx")),
     FOREIGN("2\r\n1 2 3 -4 5 6 7\r\n", "PTS", PDAL("pts")),
     FOREIGN("# .PCD v.7\nVERSION .7\nFIELDS x y z\n", "PCD",
-            "convert it: pcl_pcd2ply in.pcd out.ply"),
-    FOREIGN("# vtk DataFile Version 3.0\n", "VTK", "convert it: pcl_vtk2ply in.vtk out.ply"),
+            "convert it with pcl_pcd2ply in.pcd out.ply"),
+    FOREIGN("# vtk DataFile Version 3.0\n", "VTK", "convert it with pcl_vtk2ply in.vtk out.ply"),
     FOREIGN("# Blender\n\nmtllib a.mtl\n", "OBJ", MESH("obj")),
     FOREIGN("v 1 2 3\nv 4 5 6\n", "OBJ", MESH("obj")),
     FOREIGN("solid a\n facet normal 0 0 1\n", "STL", MESH("stl")),
