@@ -82,7 +82,7 @@ $daemon->finish($still);
 my $warnings = json($daemon->get("/v1/jobs/$still/results/report"))->{warnings};
 is join(' ', map { $_->{about} } @$warnings), 'sigmaP', 'a sigmaP below the spacing is warned of';
 is $warnings->[0]{value}, 0.001, 'with its value';
-like $warnings->[0]{says}, qr/has no effect/, 'and what comes of it';
+like $warnings->[0]{says}, qr/no point affects another/, 'and what comes of it';
 is_deeply $report->{warnings}, [], 'where it is wide enough there is no warning';
 is $report->{orientation}, 'consistent', 'normals face consistently';
 is $report->{iterations}, 12, 'projection steps count as iterations';
