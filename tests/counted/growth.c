@@ -1,7 +1,10 @@
 /* Work of stages whose loops an input or a parameter makes long: twice the input takes about twice
  * the work, and cancel is asked for in between. Core is compiled to count each branch that it takes
  * (gcc's -fsanitize-coverage=trace-pc), so that no clock judges. */
+#include "core/cvt/cvt.h"
 #include "core/input/ridges.h"
+#include "core/kmeans/kmeans.h"
+#include "core/lop/lop.h"
 #include "core/output/order.h"
 #include "core/seeds/sites.h"
 #include "tests/support/vt_made.h"
@@ -130,6 +133,27 @@ static vor_status put_in_order(struct vt_made *made)
     return status;
 }
 
+/* Spreads points by the method of the request. */
+static vor_status spread(struct vt_made *made)
+{
+    static vor_status (*const run[])(struct vor_seeds *, struct vor_outcome *,
+                                     const struct vor_domain *, size_t, const struct vor_spec *,
+                                     const struct vor_run *, struct vor_error *) = {
+        vor_cvt_run, vor_kmeans_run, vor_wlop_run, vor_ear_run};
+    struct vor_seeds seeds = {.n = 0};
+    struct vor_outcome told = {.stages = 0};
+    vor_status status = make(made);
+
+    begin();
+    if (status == VOR_OK)
+        status = run[(int)made->engine.spec.value[VOR_PARAM_METHOD]](
+            &seeds, &told, &made->domain, made->cloud.n / 3, &made->engine.spec, &made->engine.run,
+            &vt_err);
+    ck_assert_uint_eq(seeds.n, made->cloud.n / 3);
+    vor_seeds_free(&seeds);
+    return status;
+}
+
 struct row {
     const char *name;
     void (*cloud)(struct vor_cloud *cloud, size_t n);
@@ -147,6 +171,9 @@ static const struct row rows[] = {
     {"a hole of a long rim", ribbon, make, 8000, {"boundary", "fill", "holes", "1"}},
     {"sites on edges", folds, put_sites, 4000, {NULL}},
     {"an order beside a far point", far, put_in_order, 8000, {NULL}},
+    {"k-means", ribbon, spread, 4000, {"method", "kmeans", "iterations", "5", "polish", "0"}},
+    {"projection", ribbon, spread, 4000, {"method", "wlop", "rounds", "1", "polish", "5"}},
+    {"iterations", folds, spread, 4000, {"iterations", "3", "polish", "5"}},
 };
 
 static const struct row wide_hole = {
