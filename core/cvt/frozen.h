@@ -20,7 +20,7 @@ struct vor_frozen_sums {
 };
 
 /** Flags of a seed: held back at the border, now and ever. */
-enum { VOR_FROZEN_HELD = 1, VOR_FROZEN_HELD_EVER = 2 };
+enum { VOR_FROZEN_HELD = 1 << 0, VOR_FROZEN_HELD_EVER = 1 << 1 };
 
 /** The function. Owns its arrays. */
 struct vor_frozen {

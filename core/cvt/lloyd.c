@@ -24,32 +24,23 @@ enum { PLATEAU_WINDOW = 10 };
  * and a square. */
 enum { SHORTEN_MAX = 3 };
 
-/* The last iterations on the whole of a thinned input: one in ON_WHOLE_SHARE of all, at most
- * ON_WHOLE. One in 4 / 8 / 16 of 20: armadillo, 300,000 to 4,000, 0.0652 / 0.0654 / 0.0654, rms
+/* The last iterations on the whole of a thinned input: one in ON_WHOLE of all, at most
+ * as many. One in 4 / 8 / 16 of 20: armadillo, 300,000 to 4,000, 0.0652 / 0.0654 / 0.0654, rms
  * distance to the true surface 0.70e-4 / 0.66e-4 / 0.72e-4 (spread 6 %), searches 67 / 59 / 55
  * thousand. */
-enum { ON_WHOLE = 8, ON_WHOLE_SHARE = 8 };
+enum { ON_WHOLE = 8 };
 
-/* Longest difference between the mix and the centroid, over the distance to the nearest neighbour:
- * points cannot swap places. 0.25 and 1 change nothing on igea with a window of 4. */
-#define MIX_STEP_MAX 0.5
-/* Share of the time allowed that iterations take where a polish follows; the other half is for
- * that. */
-#define SECONDS_SHARE 0.5
 /* Times the way to the centroid. At 1 / 1.5 / 1.9: igea 0.0508 / 0.0482 / 0.0483, few 0.085 / 0.101
  * / 0.103; 2 is where plain relaxation stops converging. */
 #define RELAXATION 1.5
 /* Share of the last step that is added, at most. At 0.3 / 0.6 / 0.9: igea 0.0510 / 0.0482 / 0.0485,
  * cow 0.0658 / 0.0709 / 0.0812. */
 #define MOMENTUM 0.6
-/* It grows as k / (k + MOMENTUM_SLOW) with iteration k. 1.5 and 6 change nothing beyond the spread.
- */
-#define MOMENTUM_SLOW 3.0
 /* Of the patch's radius: a step is not stretched beyond it. At 0.15 / 0.3 / 0.6: igea 0.0490 /
  * 0.0482 / 0.0486, cow 0.0687 / 0.0709 / 0.0702. */
 #define LONG_STEP 0.3
 
-enum { AT_BORDER = 1, HELD_EVER = 2 }; /* flags of a seed */
+enum { AT_BORDER = 1 << 0, HELD_EVER = 1 << 1 }; /* flags of a seed */
 
 /* Sums of one block of seeds. */
 struct block_sums {
@@ -77,7 +68,7 @@ struct cvt {
 /* How many of the last iterations run on the whole of the input. */
 static uint32_t on_whole(const struct cvt *cvt)
 {
-    uint32_t share = cvt->stage.record.of / ON_WHOLE_SHARE;
+    uint32_t share = cvt->stage.record.of / ON_WHOLE;
 
     return share < ON_WHOLE ? share : ON_WHOLE;
 }
@@ -223,7 +214,7 @@ static double length_of(const struct cvt *cvt, size_t i, const double d[3])
  * share of its last step. */
 static void stretch(const struct cvt *cvt, struct vor_scratch *scratch, size_t i, double x[3])
 {
-    double k = cvt->stage.record.step, momentum = fmin(MOMENTUM, k / (k + MOMENTUM_SLOW));
+    double k = cvt->stage.record.step, momentum = fmin(MOMENTUM, k / (k + 3)); /* Nesterov's */
     double way[3] = {0}, step[3] = {0}; /* clang-analyzer cannot see that the loop sets all */
     double most, length;
 
@@ -341,7 +332,7 @@ static void mix_step(struct cvt *cvt, size_t i)
     for (int c = 0; c < 3; c++)
         d[c] -= off * (double)normal[c];
     length = length_of(cvt, i, d);
-    limit = MIX_STEP_MAX * (double)cvt->stage.nearest[i];
+    limit = (double)cvt->stage.nearest[i] / 2; /* points cannot swap places */
     if (cvt->flags[i] & AT_BORDER || !isfinite(length))
         limit = 0;
     for (int c = 0; c < 3; c++)
@@ -501,7 +492,7 @@ vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
                                    .of = &cvt,
                                    .step = step,
                                    .ends = ends_on_plateau,
-                                   .share = polish_follows(&cvt) ? SECONDS_SHARE : 1,
+                                   .share = polish_follows(&cvt) ? VOR_STAGE_SHARE : 1,
                                    .unfinished = !vor_seeds_on_whole(seeds)};
     status = alloc_cvt(&cvt, err);
     if (status == VOR_OK)

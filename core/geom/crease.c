@@ -1,13 +1,14 @@
 #include "core/geom/crease.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/surface.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    BASIS = 5, /* terms that crease and quadric share */
-    SIDE = 3,  /* coefficients of a plane */
+    SHARED_TERMS = 5, /* terms that crease and quadric share */
+    SIDE_TERMS = 3,   /* of a plane */
     /* Rounds in which the sides get their own planes. At 0 / 1 / 3 / 6: recall on fandisk30k .820 /
      * .971 / .974 / .975, precision on fandisk30k_noise2 .871 / .923 / .920 / .919 (input/edges.h
      * says what these are). */
@@ -20,10 +21,6 @@ enum {
  * .974 / .972, precision on fandisk30k_noise2 .923 / .920 / .915, CPU there 18.8 / 17 / 15 us. */
 #define STEP 0.5
 
-/* Share of a column's square that must not lie in the columns before it: less is rounding. The
- * figures at 1e-9 are the same; at 1e-3 one point in a thousand differs. */
-#define INDEPENDENT 1e-6
-
 /* Farthest that the meeting of two planes may put the edge, in spacings. At 1.25 / 2.5 / 5:
  * precision on fandisk30k_noise2 .914 / .921 / .921, all else the same. */
 #define FAR 2.5
@@ -32,8 +29,8 @@ enum {
 struct fit {
     unsigned k;
     double u[VOR_CREASE_MAX], v[VOR_CREASE_MAX], w[VOR_CREASE_MAX];
-    double q[BASIS][VOR_CREASE_MAX]; /* orthonormal columns of 1, u, v, uv, vv */
-    double rest[VOR_CREASE_MAX];     /* w without its part in them */
+    double q[SHARED_TERMS][VOR_CREASE_MAX]; /* orthonormal columns of 1, u, v, uv, vv */
+    double rest[VOR_CREASE_MAX];            /* w without its part in them */
 };
 
 /* Where the kink is, u = at + slant v, its change of slope, and by how much it lowers the sum of
@@ -52,11 +49,11 @@ static double dot(const double *a, const double *b, unsigned k)
 }
 
 /* The parts of a column in the basis. In one loop: sums in order are slow one after another. */
-static void parts_of(double part[BASIS], const struct fit *fit, const double *column)
+static void parts_of(double part[SHARED_TERMS], const struct fit *fit, const double *column)
 {
-    memset(part, 0, BASIS * sizeof *part);
+    memset(part, 0, SHARED_TERMS * sizeof *part);
     for (unsigned j = 0; j < fit->k; j++)
-        for (unsigned b = 0; b < BASIS; b++)
+        for (unsigned b = 0; b < SHARED_TERMS; b++)
             part[b] += fit->q[b][j] * column[j];
 }
 
@@ -73,8 +70,8 @@ static void take_out(double *column, const struct fit *fit, unsigned count)
 
 static double term(const struct fit *fit, unsigned b, unsigned j)
 {
-    const double terms[BASIS] = {1, fit->u[j], fit->v[j], fit->u[j] * fit->v[j],
-                                 fit->v[j] * fit->v[j]};
+    const double terms[SHARED_TERMS] = {1, fit->u[j], fit->v[j], fit->u[j] * fit->v[j],
+                                        fit->v[j] * fit->v[j]};
 
     return terms[b];
 }
@@ -82,7 +79,7 @@ static double term(const struct fit *fit, unsigned b, unsigned j)
 /* Gram-Schmidt; a column that depends on those before it becomes 0. */
 static void make_basis(struct fit *fit)
 {
-    for (unsigned b = 0; b < BASIS; b++) {
+    for (unsigned b = 0; b < SHARED_TERMS; b++) {
         double *q = fit->q[b], before, after, scale;
 
         for (unsigned j = 0; j < fit->k; j++)
@@ -90,23 +87,23 @@ static void make_basis(struct fit *fit)
         before = dot(q, q, fit->k);
         take_out(q, fit, b);
         after = dot(q, q, fit->k);
-        scale = after > INDEPENDENT * before ? 1 / sqrt(after) : 0;
+        scale = after > VOR_RANK * before ? 1 / sqrt(after) : 0;
         for (unsigned j = 0; j < fit->k; j++)
             q[j] *= scale;
     }
     memcpy(fit->rest, fit->w, fit->k * sizeof *fit->rest);
-    take_out(fit->rest, fit, BASIS);
+    take_out(fit->rest, fit, SHARED_TERMS);
 }
 
 /* By how much a further column lowers the sum of squares of rest, and its coefficient. */
 static double gain_of(const struct fit *fit, const double *column, double *coefficient)
 {
-    double part[BASIS], all = dot(column, column, fit->k), own, shared;
+    double part[SHARED_TERMS], all = dot(column, column, fit->k), own, shared;
 
     parts_of(part, fit, column);
-    own = all - dot(part, part, BASIS);
+    own = all - dot(part, part, SHARED_TERMS);
     *coefficient = 0;
-    if (!(own > INDEPENDENT * all))
+    if (!(own > VOR_RANK * all))
         return 0;
     shared = dot(column, fit->rest, fit->k);
     *coefficient = shared / own;
@@ -157,7 +154,8 @@ static struct kink look(const struct fit *fit)
  * line near the first point, which is the next kink's place. */
 static int meet(struct kink *next, const struct fit *fit, const struct kink *kink)
 {
-    double column[SIDE][VOR_CREASE_MAX], part[SIDE][BASIS], a[SIDE * SIDE], b[SIDE];
+    double column[SIDE_TERMS][VOR_CREASE_MAX], part[SIDE_TERMS][SHARED_TERMS],
+        a[SIDE_TERMS * SIDE_TERMS], b[SIDE_TERMS];
 
     for (unsigned j = 0; j < fit->k; j++) {
         double on = beyond(fit, kink, j) > 0;
@@ -166,13 +164,14 @@ static int meet(struct kink *next, const struct fit *fit, const struct kink *kin
         column[1][j] = on * fit->u[j];
         column[2][j] = on * fit->v[j];
     }
-    for (int x = 0; x < SIDE; x++) {
+    for (int x = 0; x < SIDE_TERMS; x++) {
         parts_of(part[x], fit, column[x]);
         b[x] = dot(column[x], fit->rest, fit->k);
         for (int y = 0; y <= x; y++)
-            a[SIDE * x + y] = dot(column[x], column[y], fit->k) - dot(part[x], part[y], BASIS);
+            a[SIDE_TERMS * x + y] =
+                dot(column[x], column[y], fit->k) - dot(part[x], part[y], SHARED_TERMS);
     }
-    if (vor_solve_spd(a, b, SIDE, INDEPENDENT) == 0)
+    if (vor_solve_spd(a, b, SIDE_TERMS, VOR_RANK) == 0)
         return 0;
     next->at = -b[0] / b[1];
     next->slant = -b[2] / b[1];
@@ -211,7 +210,7 @@ static int near_side(const struct fit *fit, const struct kink *kink, double *slo
         suw += u * w;
     }
     *slope = *height = 0;
-    if (!(suu * k - su * su > INDEPENDENT * suu * k))
+    if (!(suu * k - su * su > VOR_RANK * suu * k))
         return 0;
     *slope = (suw * k - su * sw) / (suu * k - su * su);
     *height = (sw - *slope * su) / k;

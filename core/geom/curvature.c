@@ -7,9 +7,6 @@
 /* Highest power of u or v in the sums, and coefficients of degree four. */
 enum { DEGREE = 4, POWERS = 2 * DEGREE, TERMS = 15, QUADRIC_TERMS = 6 };
 
-/* Smallest relative pivot of a polynomial of degree four: below it the points determine a quadric
- * at most. It is far above what float32 rounds off, 6e-8 of the extent. */
-#define QUARTIC_RANK 1e-5
 /* Times less variance about it that a polynomial of degree four must have. Where it is always
  * taken, facets and noise pass for curvature: armadillo, sampled from its mesh, to 20,000, 64
  * points a fit, span of the density followed 6.0, with quadrics 7.3. */
@@ -77,7 +74,7 @@ static int fit_quartic(struct derivatives *out, const struct vor_surface *surfac
     for (unsigned i = 0; i < TERMS; i++)
         for (unsigned j = 0; j <= i; j++)
             a[i * TERMS + j] = sums.s[power[i][0] + power[j][0]][power[i][1] + power[j][1]];
-    if (!(vor_solve_spd(a, c, TERMS, QUARTIC_RANK) > 0))
+    if (!(vor_solve_spd(a, c, TERMS, VOR_RANK) > 0))
         return 0;
     left = sums.ww;
     for (unsigned i = 0; i < TERMS; i++)

@@ -6,9 +6,9 @@
 #include <string.h>
 
 enum {
-    SIDE = 4,                  /* parameters of a side: height, slope, slope and bend along */
-    PARAMETERS = 2 * SIDE + 1, /* and the radius */
-    STEPS = 6,                 /* of Gauss and Newton, at most */
+    SIDE_TERMS = 4,                  /* parameters of a side: height, slope, slope and bend along */
+    PARAMETERS = 2 * SIDE_TERMS + 1, /* and the radius */
+    STEPS = 6,                       /* of Gauss and Newton, at most */
     /* Radii that are tried. At 10 / 24: figures of lop/fillets.c .224, .280 / .222, .257. */
     RADII = 10
 };
@@ -77,12 +77,12 @@ static double sum_up(double *a, double *b, const struct vor_fillet *fillet,
             continue;
         for (int l = 0; l < 2; l++) {
             const double *n = fillet->side[l];
-            const double by[SIDE] = {1, n[1] * u - n[0] * w, v, v * v};
+            const double by[SIDE_TERMS] = {1, n[1] * u - n[0] * w, v, v * v};
 
-            for (int x = 0; x < SIDE; x++)
-                d[SIDE * l + x] = r.by[l] * by[x];
+            for (int x = 0; x < SIDE_TERMS; x++)
+                d[SIDE_TERMS * l + x] = r.by[l] * by[x];
         }
-        d[2 * SIDE] = r.by_radius;
+        d[2 * SIDE_TERMS] = r.by_radius;
         for (int x = 0; x < PARAMETERS; x++) {
             b[x] -= d[x] * r.height;
             for (int y = 0; y <= x; y++)
@@ -103,7 +103,7 @@ static void turn(struct vor_fillet *fillet)
 static void add(struct vor_fillet *fillet, const double *step, double widest)
 {
     for (int l = 0; l < 2; l++) {
-        const double *s = &step[SIDE * l];
+        const double *s = &step[SIDE_TERMS * l];
         double *n = fillet->side[l], *h = fillet->height[l];
         double across = n[0] + s[1] * n[1], up = n[1] - s[1] * n[0];
         double length = sqrt(across * across + up * up);
@@ -114,7 +114,7 @@ static void add(struct vor_fillet *fillet, const double *step, double widest)
         h[1] += s[2];
         h[2] += s[3];
     }
-    fillet->radius = fmin(fmax(fillet->radius + step[2 * SIDE], 0), widest);
+    fillet->radius = fmin(fmax(fillet->radius + step[2 * SIDE_TERMS], 0), widest);
     turn(fillet);
 }
 

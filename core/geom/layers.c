@@ -14,10 +14,8 @@ enum {
     /* Most rounds of splitting and fitting; few splits change after the third. 6 and 24 change
      * nothing. */
     ROUNDS = 12,
-    /* Fewer points show no layers: two parallel quadrics have seven coefficients. 6 and 24
-     * change nothing. */
-    LEAST_POINTS = 12,
-    /* Points that each layer has at least. At 2 / 4 / 8 shell stays within the spread. */
+    /* Points that each layer has at least. At 2 / 4 / 8 shell stays within the spread. Two of as
+     * many have one point more than two parallel quadrics have coefficients. */
     LEAST_IN_LAYER = 4,
     TERMS = 5 /* of the shared quadric: u, v, uu, uv, vv */
 };
@@ -29,16 +27,10 @@ enum {
 /* Of the widest gap: another one that wide separates layers too. At 0.25 / 0.5 / 0.9: shell 12.4e-4
  * / 7.4e-4 / 7.1e-4; with 0.9 the gaps of three sheets would have to agree within a tenth. */
 #define SAME 0.5
-/* Spacings of all points: layers that are nearer to each other are one. 0.075 and 0.3 change
- * nothing. */
-#define LOWEST 0.15
 /* Times what white noise has: how far points may be from other layers if these lie over them.
  * At 1.2 / 1.55 / 3: shell 12.4e-4 / 7.4e-4 / 7.3e-4, points off both squares 6 / 0 / 0. It is more
  * than 1 by what few points scatter. */
 #define OVER 1.55
-/* Smallest relative pivot of the shared quadric: 1e-8 and 1e-4 change nothing. The terms are over
- * the reach, so only points on a conic come near it. */
-#define RANK 1e-6
 
 /* The points of a neighbourhood, in the frame of the layers. */
 struct stack {
@@ -215,7 +207,7 @@ static int share(struct vor_layers *layers, struct stack *stack)
             layers->shape[t] += d[t] * (stack->w[i] - means.w[l]);
         }
     }
-    if (!(vor_solve_spd(a, layers->shape, TERMS, RANK) > 0))
+    if (!(vor_solve_spd(a, layers->shape, TERMS, VOR_RANK) > 0))
         return 0;
     for (unsigned i = 0; i < stack->k; i++) {
         stack->height[i] = stack->w[i];
@@ -235,6 +227,7 @@ static int share(struct vor_layers *layers, struct stack *stack)
 static int clear_between(const struct vor_layers *layers, const struct stack *stack, double spacing)
 {
     double low[VOR_LAYERS_MAX], high[VOR_LAYERS_MAX], sum = 0;
+    double lowest = 2 * sqrt(VOR_LAYERS_POSSIBLE2) * spacing; /* half off what lies between */
     unsigned count[VOR_LAYERS_MAX] = {0};
 
     for (unsigned l = 0; l < layers->count; l++)
@@ -254,7 +247,7 @@ static int clear_between(const struct vor_layers *layers, const struct stack *st
             return 0;
     for (unsigned l = 1; l < layers->count; l++)
         if (low[l] - high[l - 1] < CLEAR * sum ||
-            layers->height[l] - layers->height[l - 1] < LOWEST * spacing)
+            layers->height[l] - layers->height[l - 1] < lowest)
             return 0;
     return 1;
 }
@@ -340,7 +333,7 @@ void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
     static const unsigned first[] = {VOR_NEIGHBORS_MAX, 8, 14, 26, 5};
     struct vor_surface all;
 
-    if (k >= LEAST_POINTS) {
+    if (k >= 2 * LEAST_IN_LAYER) {
         vor_surface_fit(&all, near, k);
         for (size_t i = 0; i < sizeof first / sizeof *first; i++)
             if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i], &all))
@@ -355,7 +348,7 @@ int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, 
     struct vor_surface all;
     struct stack stack;
 
-    if (k < LEAST_POINTS)
+    if (k < 2 * LEAST_IN_LAYER)
         return 0;
     vor_surface_fit(&all, near, k);
     out->count = 1;

@@ -9,24 +9,19 @@
 /* Figures are rms distances to the true surface over its diagonal, inputs and spread as in
  * boundary.h: igea 1 %, fandisk 3 %, bunny 10 %. */
 
-/* Second over largest eigenvalue, below which the points lie on a line; also the smallest relative
- * pivot of a plane. A width of 1e-3 of the length is above what float32 rounds off, 6e-8 of the
- * extent. 1e-8 and 1e-4 change nothing on kitti, autzen and bunny. */
-#define LINE_RANK 1e-6
 /* Smallest relative pivot of a quadric: below it the points determine a plane at most. At 1e-4 /
  * 1e-3 / 1e-2: points on planes on kitti 8 / 78 / 409 of 3,000, its delta 0.24 / 0.24 / 0.22; igea,
  * fandisk and bunny stay within the spread. */
 #define QUADRIC_RANK 1e-3
-/* Times less variance that a fit to fewer neighbours must have to replace the wide one. At 1 / 2 /
+/* Times less variance that a fit to fewer neighbours must have to replace the wide one, and times
+ * whose variance it may move x, squared. At 1 / 2 /
  * 4: igea 4.8e-4 / 5.0e-4 / 5.3e-4, fandisk 5.6e-4 / 5.7e-4 / 6.0e-4, largest distance on
- * fandisk 5.4e-3 / 4.5e-3 / 4.5e-3; points on fine fits on igea 2609 / 1793 / 1005 of 3,000. */
+ * fandisk 5.4e-3 / 4.5e-3 / 4.5e-3; points on fine fits on igea 2609 / 1793 / 1005 of 3,000; with
+ * the second alone igea 5.3e-4 / 5.0e-4 / 5.0e-4, fandisk 5.9e-4 / 5.7e-4 / 5.7e-4. */
 #define FINER 2.0
 /* Deviation over reach: a thicker neighbourhood shows no edge. At 0.1 / 0.2 / 0.4: fandisk 6.2e-4
  * / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4. */
 #define THICK 0.2
-/* Times the wide fit's variance: squared distance by which the finer fit may move x. At 1 / 2 / 4:
- * igea 5.3e-4 / 5.0e-4 / 5.0e-4, fandisk 5.9e-4 / 5.7e-4 / 5.7e-4. */
-#define TRUSTED 2.0
 
 /* Gauss-Newton steps of a projection. Each multiplies the error by the distance from the surface
  * over the radius of curvature: from a tenth of the radius off, three leave 2e-5 of it, from a
@@ -83,7 +78,7 @@ VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hoo
         m[5] += weigh(weight, i, z) * z;
     }
     vor_eigen3(values, vectors, m);
-    if (!(values[1] > LINE_RANK * values[2]))
+    if (!(values[1] > VOR_RANK * values[2]))
         return 0;
     memcpy(out->axis[0], vectors[1], sizeof vectors[1]);
     memcpy(out->axis[1], vectors[2], sizeof vectors[2]);
@@ -202,7 +197,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     sum_moments(&moments, &hood, weight, scale);
     if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
-    else if (solve(out->c, &moments, 3, LINE_RANK))
+    else if (solve(out->c, &moments, 3, VOR_RANK))
         out->kind = VOR_SURFACE_PLANE;
     out->off2 = out->reach * out->reach * left(&moments, out->c) / hood.total;
     out->c[0] *= out->reach;
@@ -361,7 +356,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
     vor_surface_put(&fine, b);
     for (int c = 0; c < 3; c++)
         a[c] -= b[c];
-    if (vor_dot(a, a) > TRUSTED * coarse2)
+    if (vor_dot(a, a) > FINER * coarse2)
         return 0;
     *surface = fine;
     return 1;

@@ -9,18 +9,14 @@
 #include <string.h>
 
 enum {
-    /* Points that the area is estimated at: its error is 0.29 over their square root. */
-    SAMPLED = 4096,
-    /* Fewest and most points that a curvature is taken of: fewer are uncertain, more than these do
-     * not lie within CURVED_WITHIN. */
-    CURVED_LEAST = 20,
+    /* Most points that a curvature is taken of: more do not lie within CURVED_WITHIN. */
     CURVED_MOST = 64
 };
 
 #define CURVATURE_FLOOR 1e-4
 /* Points of the result within two spacings: curvature is taken over so much of the surface, because
  * points cannot follow what bends within less. */
-#define CURVED_WITHIN 14.5
+#define CURVED_WITHIN (4 * VOR_HEXAGON_WITHIN)
 
 #define PI 3.14159265358979323846
 
@@ -47,7 +43,7 @@ static vor_status diagonal(double *out, const struct vor_domain *domain, const s
  * order, to their neighbours: each counts for the points of its step. */
 static double estimate_area(const struct vor_domain *domain)
 {
-    size_t sampled = domain->n < SAMPLED ? domain->n : SAMPLED;
+    size_t sampled = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
     unsigned k = domain->n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED + 1 : (unsigned)domain->n;
     double sum = 0;
 
@@ -83,7 +79,8 @@ vor_status vor_curved_init(struct vor_curved *out, const struct vor_domain *doma
     out->thin = thin;
     out->domain = thin.n > CURVED_MOST ? &out->thin : domain;
     out->least = (unsigned)fmin(
-        fmax(CURVED_WITHIN * (double)out->domain->n / (double)n, CURVED_LEAST), CURVED_MOST);
+        fmax(CURVED_WITHIN * (double)out->domain->n / (double)n, VOR_NEIGHBORS_FEWEST),
+        CURVED_MOST);
     out->even = sqrt(area / (VOR_HEXAGON_HEIGHT * (double)n));
     out->floor = CURVATURE_FLOOR / across;
     return VOR_OK;

@@ -11,10 +11,6 @@
 
 enum {
     BLOCK = 1 << 16, /* points of one task */
-    /* Points whose sixth neighbour is searched. At 1024 / 4096 / 16384 the largest distance of the
-     * result to the input is 1.37 / 1.39 / 1.97 spacings on autzen, 7.3 / 7.3 / 8.4 on kitti: with
-     * all points, SPARSE_SHARE leaves more lone points in. */
-    SAMPLED = 4096,
     SIXTH = 6
 };
 
@@ -261,9 +257,9 @@ static size_t rank_below_gap(const float *far2, size_t n)
 /* Sets sparse from a sample of points at equal steps along the order. */
 static void find_sparse(struct vor_domain *domain)
 {
-    size_t n = domain->n < SAMPLED ? domain->n : SAMPLED;
+    size_t n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
     unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
-    float far2[SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
+    float far2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
 
     for (size_t i = 0; i < n; i++) {
         size_t at = (size_t)((double)i / (double)n * (double)domain->n);

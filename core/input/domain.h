@@ -104,6 +104,16 @@ static inline int vor_domain_is_exact(const struct vor_domain *domain)
     return domain->known.off_lattice == 0;
 }
 
+/** Most places of a domain that say what is usual in it, at equal steps along its order: shares and
+ *  medians are then within a percent. Points whose sixth neighbour is searched (vor_domain.sparse),
+ * at 1024 / 4096 / 16384: the largest distance of the result to the input is 1.37 / 1.39 / 1.97
+ *  spacings on autzen, 7.3 / 7.3 / 8.4 on kitti: all points leave more lone ones in. */
+enum { VOR_DOMAIN_SAMPLED = 4096 };
+
+/** Fewer points show neither outliers, as the neighbours of one are a tenth of all, nor a lattice:
+ * a few gaps are multiples of some cell by chance. */
+enum { VOR_DOMAIN_FEW = 200 };
+
 /** Adds points to a domain without lists, sorts and indexes it again.
  *
  *  @param[in] xyz, source  count x 3 and count: as the domain has its own; copied

@@ -13,14 +13,13 @@
  * on fandisk30k_noise2, share of igea30k that is flagged, in %; at half the value, at it, and at
  * double (edges.h). */
 enum {
-    BLOCK = 256,    /* points of one task */
-    SAMPLED = 2048, /* places where noise is measured: half a microsecond a point of 30,000 */
-    QUADRIC = 6,    /* coefficients of one */
+    BLOCK = 256, /* points of one task */
+    QUADRIC_TERMS = 6,
 
     /* Points of a normal where fits take VOR_NEIGHBORS_FEWEST; more in proportion.
      * .996 .969 .912 .974 .08; .993 .974 .920 .964 .10; .992 .961 .921 .962 .06, and half as much
      * CPU again. */
-    NORMAL = 16,
+    NORMAL = VOR_EDGES_NORMAL,
     /* Points of a crease, likewise: a ball of 2.8 spacings.
      * .989 .957 .867 .766 .40; .993 .974 .920 .964 .10; .979 .940 .947 .898 .03. */
     AROUND = 24
@@ -42,10 +41,6 @@ enum {
  * .923 .964 .10. The bound at half and at double: fandisk30k_noise2 .923 .964 and .906 .978. */
 #define CORNER 0.1
 #define CORNER_OFF2 0.25
-
-/* Farthest edge on which a point lies, in spacings. .991 .934 .960 .917 .03; .993 .974 .920 .964
- * .10; double is beyond what is right. */
-#define BAND 1.0
 
 /* Sine of half of 25 degrees: edges from 30 on are asked for. At half of 20 / 25 / 28 degrees:
  * precision .986 / .993 / .996 on fandisk30k, whose creases fade out; recall is the same. */
@@ -184,7 +179,7 @@ static void noise_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         search(&around, domain, &domain->xyz[3 * at], AROUND);
         vor_surface_fit(&surface, around.near, around.k);
-        unit2 = around.spacing * around.spacing * (around.k - QUADRIC) / around.k;
+        unit2 = around.spacing * around.spacing * (around.k - QUADRIC_TERMS) / around.k;
         find->off2[i] = unit2 > 0 ? (float)(surface.off2 / unit2) : -1;
     }
 }
@@ -226,7 +221,7 @@ static int is_edge(const struct vor_crease *crease, unsigned k, double noise2)
 {
     double left2 = crease->crease2 + EXACT * EXACT, smooth2 = crease->smooth2 + EXACT * EXACT;
 
-    return crease->turn > LEAST_TURN && crease->distance <= BAND &&
+    return crease->turn > LEAST_TURN && crease->distance <= 1 &&
            left2 <= LEFT * smooth2 + NOISE * noise2 && k * (smooth2 - left2) >= BETTER * left2;
 }
 
@@ -269,7 +264,7 @@ static void edge_block(void *ctx, size_t begin, size_t end, unsigned worker)
         find->edges->flag[i] = (unsigned char)look_at(find, i, &around);
         if (!find->edges->flag[i])
             continue;
-        found.length += around.spacing / (2 * BAND);
+        found.length += around.spacing / 2;
         found.flagged++;
     }
     find->block[begin / BLOCK] = found;
@@ -319,7 +314,7 @@ vor_status vor_edges_find(struct vor_edges *out, const struct vor_domain *domain
     struct find find = {.domain = domain, .edges = &edges};
     vor_status status;
 
-    find.places = domain->n < SAMPLED ? domain->n : SAMPLED;
+    find.places = domain->n < VOR_DOMAIN_SAMPLED / 2 ? domain->n : VOR_DOMAIN_SAMPLED / 2;
     status = make_room(&find, run->memory, err);
     if (status == VOR_OK && domain->n >= VOR_CREASE_MIN)
         status = find_all(&find, run, err);

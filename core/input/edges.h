@@ -45,6 +45,9 @@
 
 #include "core/input/domain.h"
 
+/** Points of a normal beside edges and borders (edges.c has the figures). */
+enum { VOR_EDGES_NORMAL = 16 };
+
 /** What was found of n points. */
 struct vor_edges {
     struct vor_memory *memory;

@@ -1,6 +1,7 @@
 #include "core/input/fill.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/geom/spline.h"
 #include "core/knn/cells.h"
 
@@ -13,7 +14,7 @@ enum {
      * spacings has 250 around it. */
     CENTRES = 400,
     BLOCK = 256,        /* places, or new points, of one task */
-    TURN = 1024,        /* points of the band between two looks at whether to go on */
+    POLL_EVERY = 1024,  /* points of the band between two looks at whether to go on */
     AT_A_TIME = 1 << 16 /* places that are computed before any is taken */
 };
 
@@ -21,16 +22,8 @@ enum {
 #define CENTRE_GAP 0.5
 #define GAP_GROWTH 1.25
 
-/* Cube of spacings, or of the gap if that is wider: detail of the points around a hole that is
- * smaller by far is smoothed, where fits take VOR_NEIGHBORS_FEWEST points. At 0.05 / 0.2 / 1, as
- * VOR_BAND_WIDTH: 0.204 / 0.206 / 0.206 spacings. */
-#define SMOOTH 0.2
-
 /* Spacings between the places that are tried, in the plane. */
 #define STEP 0.2
-/* Spacings between points that are put into a hole. Rows of them become hexagonal, about half a
- * step wider: as dense as a square lattice of the spacing. */
-#define APART 0.97
 
 /* Spacings: an input point that near to a new one, and not of the band, is in the way. */
 #define IN_THE_WAY 0.8
@@ -95,7 +88,7 @@ static vor_status choose(size_t *count, uint32_t *chosen, const struct vor_band 
         }
         if (is_far)
             chosen[(*count)++] = (uint32_t)i;
-        if (i % TURN == 0)
+        if (i % POLL_EVERY == 0)
             status = vor_run_answered(vor_run_poll(run), err);
     }
     return status;
@@ -124,13 +117,15 @@ static int frame(struct fill *fill)
     return 1;
 }
 
-/* How much the spline smooths, in cubed places of it. */
+/* How much the spline smooths, in cubed places of it: detail of the points around a hole that is
+ * smaller by far than the spacing, or the gap if that is wider. At 0.05 / 0.2 / 1 times that, as
+ * VOR_BAND_WIDTH: 0.204 / 0.206 / 0.206 spacings. */
 static double smoothing(const struct fill *fill, double gap)
 {
     double wide = fmax(gap, fill->loop->spacing) * fill->scale;
     double usual = fill->domain->known.neighbors.usual, more = usual / VOR_NEIGHBORS_FEWEST;
 
-    return SMOOTH * more * more * sqrt(more) * wide * wide * wide;
+    return more * more * sqrt(more) * wide * wide * wide;
 }
 
 /* Fits the spline to chosen points. */
@@ -198,7 +193,8 @@ static vor_status make_cells(struct fill *fill, struct vor_error *err)
     double many = STEP * STEP * (double)fill->side[0] * (double)fill->side[1];
     vor_status status;
 
-    *cells = (struct vor_cells){.memory = fill->memory, .wide = APART * fill->loop->spacing};
+    *cells =
+        (struct vor_cells){.memory = fill->memory, .wide = VOR_HEXAGON_APART * fill->loop->spacing};
     status = vor_cells_reserve(cells, fill->band.count + (size_t)many, err);
     for (size_t i = 0; i < fill->band.count && status == VOR_OK; i++)
         status = vor_cells_add(cells, &fill->domain->xyz[3 * (size_t)fill->band.point[i]], err);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Points between two looks at whether to go on: a millisecond. */
-enum { STEPS = 4096 };
+enum { POLL_EVERY = 4096 };
 
 /* Counts the lists that each point is in in first[j + 1], and makes them the places where those of
  * each begin. */
@@ -100,7 +100,7 @@ static void lower_some(void *ctx, size_t begin, size_t end, unsigned worker)
     struct lower *lower = ctx;
 
     (void)begin, (void)end, (void)worker;
-    for (int step = 0; step < STEPS; step++)
+    for (int step = 0; step < POLL_EVERY; step++)
         if (lower->next < lower->grading->n)
             lower_from(lower, (uint32_t)lower->next++);
         else if (lower->heap.count > 0)

@@ -15,26 +15,19 @@
 enum {
     BLOCK = 256,  /* points of one task */
     ROUNDS = 4,   /* of growing: a round reaches one neighbourhood further. At 8 no better */
-    AROUND = 60,  /* nearest points that are looked at: twice 20 of two sheets, and a few */
     LEADERS = 16, /* of those that are sure, the nearest, whose surfaces are continued. At 30 no
                      better */
-    FEWEST = 8,   /* points of a list, as in input/adjacency.c */
     PASSES = 2    /* times that a surface is fitted to those along it. At 4 no better */
 };
 
 /* Distance off a surface up to which a point lies along it, in spacings. At 0.12 / 0.15: 17.0, 159
  * / 18.6, 167; with 0.12 and more for those far away 22.4, 179. */
 #define ALONG 0.12
-/* What a leader's distance counts beside how far its surface is off the place, both in spacings;
- * and the most that the best of both may come to. At 0.05 and at half: the same within 3 %. */
+/* What a leader's distance counts beside how far its surface is off the place, both in spacings.
+ * At 0.05 the same within 3 %. */
 #define FAR 0.02
-#define LED 0.3
 /* A list must lower the variance about the surface to this share, as in input/adjacency.c. */
 #define BETTER 0.5
-/* Distance of a point off the surface of one of its list, in spacings, from which on that lies on
- * another sheet. Of pairs whose lists are sure, those on one sheet are less than 0.13 off in 99 of
- * 100 cases (shell; 0.22 on arma2), those on two more than 0.24. */
-#define ACROSS 0.2
 
 /* The surface fitted to the list of a point, which is its origin. */
 struct leaf {
@@ -52,8 +45,8 @@ struct growing {
 /* The points around one, nearest first. */
 struct around {
     unsigned count;
-    uint32_t index[AROUND];
-    float distance2[AROUND];
+    uint32_t index[VOR_GROW_AROUND];
+    float distance2[VOR_GROW_AROUND];
 };
 
 static const float *point(const struct growing *growing, uint32_t i)
@@ -148,7 +141,7 @@ static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static int find_leader(struct vor_surface *lead, const struct growing *growing, uint32_t i,
                        const struct around *around)
 {
-    double best = LED;
+    double best = VOR_GROW_LED;
     unsigned asked = 0;
 
     for (unsigned j = 1; j < around->count && asked < LEADERS; j++) {
@@ -166,7 +159,7 @@ static int find_leader(struct vor_surface *lead, const struct growing *growing, 
             *lead = surface;
         }
     }
-    return best < LED;
+    return best < VOR_GROW_LED;
 }
 
 /* Takes those of the points around that lie along a surface; how many they are. */
@@ -205,7 +198,8 @@ static void take_list(struct growing *growing, uint32_t i, const uint32_t *index
 static void grow_point(struct growing *growing, uint32_t i)
 {
     const struct vor_domain *domain = growing->domain;
-    struct around around = {.count = domain->n < AROUND ? (unsigned)domain->n : AROUND};
+    struct around around = {.count = domain->n < VOR_GROW_AROUND ? (unsigned)domain->n
+                                                                 : VOR_GROW_AROUND};
     struct vor_surface before, surface = {.kind = VOR_SURFACE_NONE};
     uint32_t index[VOR_ADJACENT + 1];
     unsigned n = 0;
@@ -218,7 +212,7 @@ static void grow_point(struct growing *growing, uint32_t i)
         return;
     for (int pass = 0; pass < PASSES; pass++) {
         n = take_along(index, growing, &around, &surface);
-        if (n < FEWEST || !fit_to(&surface, growing, index, n) || !(surface.spacing > 0))
+        if (n < VOR_GROW_FEWEST || !fit_to(&surface, growing, index, n) || !(surface.spacing > 0))
             return;
     }
     if (!vor_layers_possible(&surface) && surface.off2 <= BETTER * before.off2)
@@ -251,12 +245,12 @@ static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
             if (growing->sure[list[j]]) {
                 recall(&surface, growing, list[j]);
-                if (off(&surface, point(growing, (uint32_t)i)) > ACROSS)
+                if (off(&surface, point(growing, (uint32_t)i)) > VOR_GROW_ACROSS)
                     continue;
             }
             stay[left++] = list[j];
         }
-        if (left >= FEWEST) {
+        if (left >= VOR_GROW_FEWEST) {
             memcpy(list, stay, left * sizeof *list);
             graph->count[i] = (unsigned char)left;
         }

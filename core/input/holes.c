@@ -28,7 +28,10 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
     return VOR_OK;
 }
 
-/* Length below which holes are filled, in normalised units. */
+/* Length below which holes are filled, in normalised units. By itself the diagonal of the box
+ * around the input: a hole as long is a third of it across, and rather part of the shape than one
+ * of the sampling. Bunny's have 0.06 to 0.37 of it; ends of tubes and bowls are no holes, whatever
+ * their length. */
 static vor_status longest_hole(double *out, const struct vor_domain *seen,
                                const struct vor_spec *spec, const struct vor_run *run,
                                struct vor_error *err)
@@ -38,8 +41,7 @@ static vor_status longest_hole(double *out, const struct vor_domain *seen,
     vor_status status = vor_bounds(&box, seen->xyz, seen->n, run, err);
 
     if (status == VOR_OK)
-        *out = given != VOR_UNSET ? given / seen->unit
-                                  : VOR_HOLES_AUTO_LENGTH * sqrt(vor_distance2f(box.low, box.high));
+        *out = given != VOR_UNSET ? given / seen->unit : sqrt(vor_distance2f(box.low, box.high));
     return status;
 }
 

@@ -9,12 +9,6 @@
 #include "core/input/domain.h"
 #include "core/spec.h"
 
-/** Length of a hole, in diagonals of the box around the input, below which holeMax=auto takes it to
- *  be one of the sampling, and not part of the shape: a hole as long is a third of the diagonal
- *  across. Bunny's holes have 0.06 to 0.37; ends of tubes and bowls are no holes, whatever their
- *  length. */
-#define VOR_HOLES_AUTO_LENGTH 1.0
-
 /** Fills the holes that the request says, and notes in domain->known.holes what became of each.
  *
  *  @param[in,out] domain  gets the new points; lists and neighbours that it has are of the old ones

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/surface.h"
+#include "core/input/remote.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,10 +23,6 @@ enum {
      * spacings outside; at 4, parts of 60 and 80 points would be held to their own, which get 77 to
      * 88 results of 80, at most half a spacing outside. */
     FITS = 2,
-    /* If more than one point in so many would be dropped, none is: such an input consists of small
-     * parts. 20 scans and made clouds have no point in a part that small, so that 2 / 4 / 8 give
-     * the same. */
-    QUARTER = 4,
     BLOCK = 64 /* islands of one task */
 };
 
@@ -216,7 +213,7 @@ vor_status vor_islands_drop(struct vor_domain *domain, const struct vor_run *run
     struct parts parts = {.least = VOR_NEIGHBORS_FEWEST};
     vor_status status = find_parts(&parts, domain, run, err);
 
-    if (status == VOR_OK && parts.points > 0 && parts.points <= domain->n / QUARTER)
+    if (status == VOR_OK && parts.points > 0 && parts.points <= domain->n / VOR_REMOTE_FEW)
         status = take_out(domain, &parts, run, err);
     domain->known.outliers += domain->islands.points;
     forget(domain);

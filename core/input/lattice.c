@@ -14,25 +14,11 @@
  * them: cells are either clear in the values or absent. */
 
 enum {
-    /* Points of an axis's sample. */
-    SAMPLE = 4096,
-    /* Fewer points have no lattice: their gaps are too few to be multiples of a cell by more than
-     * chance. */
-    LEAST = 200,
     /* Fewer different values show no cell. 3 and 12 change nothing. */
     FEW = 6,
-    /* One point in so many may be off the lattice, by whatever: a codec leaves stray points. 100
-     * and 10,000 change nothing. */
-    STRAY = 1000,
-    /* One point of the sample in so many may be: more than STRAY, because a sample may
-     * have more than its share. 50 and 800 change nothing. */
-    LUCK = 200,
-    /* While a cell is followed, one level in so many may be off: the offset is not exact yet. 2 and
-     * 32 change nothing. */
-    LOST = 8,
-    /* A gap is up to so many cells. 1 and 8 change nothing: the lower quantiles have gaps of one.
-     */
-    PARTS = 4,
+    /* One point in so many may be off the lattice, by whatever, and of the sample: a codec leaves
+     * stray points. 100 and 800 change nothing. */
+    STRAY = 200,
     /* Points whose spacing is taken: its mean is then within 3 %, by the 0.52 that white noise has.
      */
     PLACES = 512,
@@ -43,21 +29,14 @@ enum {
     SMOOTH_BLOCK = 256 /* points of one task */
 };
 
-/* Cells (rms) over spacing, below which the lattice does not matter. With smoothing and without, at
- * 5 to 9 bits (1.0 to 0.27 spacings): 23.7 and 26.5, 13.5 and 14.1, 8.8 and 9.1, 6.6 and 6.6, 5.9
- * and 5.5. */
+/* Cells over spacing, below which the lattice does not matter, on any axis that has many levels.
+ * With smoothing and without, at 5 to 9 bits (1.0 to 0.27 spacings): 23.7 and 26.5, 13.5
+ * and 14.1, 8.8 and 9.1, 6.6 and 6.6, 5.9 and 5.5. */
 #define SMALL 0.4
-/* The same for a single axis: its values are not cells. 0.05 and 0.4 change nothing. */
-#define EXACT 0.2
-/* Of a cell: while it is followed, a value that near belongs to a level. 0.05 and 0.4 change
- * nothing; half a cell would take in every value. */
-#define NEAR_LEVEL 0.2
-/* Of a cell: in the end a value may be off its level by that much, and by rounding. 0.001 and 0.1
- * change nothing; uniform values are within it once in fifty. */
+/* Of a cell: in the end a value may be off its level by that much, and by rounding, which may be as
+ * much, or it hides the cell. 0.002 and 0.1 change nothing; uniform values are within it once in
+ * fifty. */
 #define ON_LEVEL 0.01
-/* Of a cell: rounding that does not hide it. 0.002 and 0.2 change nothing; beyond 0.25 the levels
- * of neighbouring cells could touch. */
-#define ROUNDED 0.02
 /* Normalised: an axis with few levels is flat only if they were told apart with at most this
  * rounding, sixteen steps of float32 at 1. */
 #define FLAT 1e-6
@@ -92,15 +71,15 @@ struct found {
 /* A sample of one axis. */
 struct axis {
     size_t n, levels;
-    double value[SAMPLE]; /* ascending */
-    double level[SAMPLE]; /* the different ones of them */
-    double gap[SAMPLE];   /* between levels, ascending */
-    double rounding;      /* values nearer than twice this are one level */
+    double value[VOR_DOMAIN_SAMPLED]; /* ascending */
+    double level[VOR_DOMAIN_SAMPLED]; /* the different ones of them */
+    double gap[VOR_DOMAIN_SAMPLED];   /* between levels, ascending */
+    double rounding;                  /* values nearer than twice this are one level */
 };
 
 static void sample_axis(struct axis *axis, const struct vor_domain *domain, size_t c)
 {
-    axis->n = domain->n < SAMPLE ? domain->n : SAMPLE;
+    axis->n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
     for (size_t i = 0; i < axis->n; i++) {
         size_t at = (size_t)(((double)i + 0.5) / (double)axis->n * (double)domain->n);
 
@@ -135,7 +114,7 @@ static int refine(const struct axis *axis, double *cell, double *offset, double 
             continue;
         i = rint(x / *cell);
         r = x - i * *cell;
-        if (fabs(r) > NEAR_LEVEL * *cell) {
+        if (fabs(r) > *cell / 4) { /* nearer to the middle between two levels */
             lost++;
             continue;
         }
@@ -145,7 +124,7 @@ static int refine(const struct axis *axis, double *cell, double *offset, double 
         r1 += r;
         ir += i * r;
     }
-    if (lost > 2 + (n + lost) / LOST)
+    if (lost > 2 + n) /* the offset is not exact yet */
         return 0;
     det = n * i2 - i1 * i1;
     if (det > 0) {
@@ -173,14 +152,14 @@ static int follow(struct found *out, const struct axis *axis, double cell)
             return 0;
         width *= 2;
     }
-    if (cell * ROUNDED < axis->rounding)
+    if (cell * ON_LEVEL < axis->rounding)
         return 0;
     out->cell = cell;
     out->offset = offset;
     out->limit = 2 * axis->rounding + ON_LEVEL * cell;
     for (size_t i = 0; i < axis->n; i++)
         stray += is_off(out, axis->value[i]);
-    return stray * LUCK <= axis->n;
+    return stray * STRAY <= axis->n;
 }
 
 /* Finds the largest cell that the sample is on. */
@@ -188,13 +167,12 @@ static void try_candidates(struct found *out, const struct axis *axis)
 {
     struct found found = {0};
 
-    for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++)
-        for (int part = 1; part <= PARTS; part++) {
-            double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)] / part;
+    for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++) {
+        double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)];
 
-            if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
-                *out = found;
-        }
+        if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
+            *out = found;
+    }
 }
 
 /* First with levels rounded, because all float32 values are on the lattice of their last bits. */
@@ -248,7 +226,7 @@ static double mean_spacing(const struct vor_domain *domain)
 /* Compares the cells with the spacing: whether they matter, and which are real. */
 static void judge(struct vor_lattice *out, const struct check *check, double largest)
 {
-    double cells = 0, sum = 0;
+    int cells = 0;
 
     out->spacing = mean_spacing(check->domain);
     out->matters = 1;
@@ -256,14 +234,13 @@ static void judge(struct vor_lattice *out, const struct check *check, double lar
         double cell = out->cell[c] = check->found[c].cell;
 
         cells += cell > 0;
-        sum += cell * cell;
-        if (!check->found[c].few && !(cell > EXACT * out->spacing))
+        if (!check->found[c].few && !(cell > SMALL * out->spacing))
             out->matters = 0;
     }
-    if (cells < 2 || !(sum > cells * SMALL * SMALL * out->spacing * out->spacing))
+    if (cells < 2)
         out->matters = 0;
     for (int c = 0; c < 3; c++)
-        if (!out->matters && ROUNDED * out->cell[c] < FLOAT32 * largest)
+        if (!out->matters && ON_LEVEL * out->cell[c] < FLOAT32 * largest)
             out->cell[c] = 0;
 }
 
@@ -290,7 +267,7 @@ vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *do
     double largest = 1;
 
     memset(out, 0, sizeof *out);
-    if (domain->n < LEAST)
+    if (domain->n < VOR_DOMAIN_FEW)
         return VOR_OK;
     axis = vor_malloc(run->memory, 1, sizeof *axis);
     if (axis == NULL)

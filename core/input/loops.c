@@ -5,6 +5,7 @@
 #include "core/geom/boundary.h"
 #include "core/geom/opening.h"
 #include "core/geom/plane.h"
+#include "core/input/edges.h"
 #include "core/input/rows.h"
 
 #include <math.h>
@@ -12,19 +13,14 @@
 #include <string.h>
 
 enum {
-    BLOCK = 256, /* points of one task */
-    NEAR = 30,   /* neighbours of a spacing, beside the point itself */
-    FLAT = 16,   /* points of a plane, where no list has one: as NORMAL in input/edges.c */
-    FEWEST = 4,  /* points with a border */
-    SHEETS = 3,  /* times as many neighbours are looked at where the domain has sheets */
+    BLOCK = 256,             /* points of one task */
+    NEAR = 30,               /* neighbours of a spacing, beside the point itself */
+    FLAT = VOR_EDGES_NORMAL, /* points of a plane, where no list has one */
+    FEWEST = 4,              /* points with a border */
+    SHEETS = 3, /* times as many neighbours are looked at where the domain has sheets */
     /* Points of a loop, and of a row that does not close, from which on it counts. */
-    LEAST_POINTS = 3,
-    LEAST_OPEN = 3
+    LEAST = 3
 };
-
-/* Share of a point's own spacing that is believed before its neighbours are asked. At a straight
- * border half of the disc of its neighbours is empty. */
-#define OWN_SHARE 0.70710678118654752
 
 /* Quantile of the neighbours' spacings that is the spacing at a border: those farther inside. At
  * 0.25 / 0.35 / 0.5 with a radius of 2.2: holes of five spacings found 20 / 20 / 17 of 20, balls
@@ -35,7 +31,6 @@ enum {
  * plane at most, where the domain has sheets and where it has none: there more than that is noise.
  */
 #define LEVEL_SHEETS 0.35
-#define LEVEL 1.0
 
 /* Length of a loop, in spacings, from which on it counts: shorter ones are chance, three points
  * with an empty disc between them. At 10 / 14 with a radius of 2.3: balls with a loop 1 / 0 of 20,
@@ -95,7 +90,7 @@ static int is_level(const struct vor_domain *domain, size_t i, size_t j, double 
 /* Leaves those on the sheet of point i, at most k. */
 static void keep_level(struct around *around, const struct vor_domain *domain, size_t i, unsigned k)
 {
-    double off = (domain->known.sheets ? LEVEL_SHEETS : LEVEL) *
+    double off = (domain->known.sheets ? LEVEL_SHEETS : 1) *
                  spacing_of(around->distance2[around->k - 1], around->k);
     unsigned left = 0;
 
@@ -158,7 +153,8 @@ static void flag_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         search(&around, find, i, NEAR + 1);
         find->spacing[i] = (float)spacing_of(around.distance2[around.k - 1], around.k);
-        radius = OWN_SHARE * VOR_LOOPS_RADIUS * (double)find->spacing[i];
+        /* at a straight border half of the disc of the neighbours is empty */
+        radius = M_SQRT1_2 * VOR_LOOPS_RADIUS * (double)find->spacing[i];
         find->flag[i] = radius > 0 && openings_at(opening, find, i, &around, radius) > 0;
     }
 }
@@ -269,7 +265,7 @@ static void count_open(const struct walk *walk)
 {
     for (size_t end = 0; end < 2 * walk->n; end++)
         if (walk->mate[end] == VOR_ROWS_NO_END && !walk->seen[end / 2])
-            walk->loops->open += mark(walk, end) >= LEAST_OPEN;
+            walk->loops->open += mark(walk, end) >= LEAST;
 }
 
 /* What is summed up along a loop. */
@@ -311,7 +307,7 @@ static void take_loop(const struct walk *walk, size_t first)
         end = next;
     } while (end != 2 * first);
     sums.spacing /= (double)loop.count;
-    if (loop.count < LEAST_POINTS || sums.length < LEAST_LENGTH * sums.spacing)
+    if (loop.count < LEAST || sums.length < LEAST_LENGTH * sums.spacing)
         return;
     loop.length = sums.length + BEYOND * sums.spacing * sums.bend;
     loop.turns = -sums.bend / (2 * M_PI);
@@ -353,7 +349,7 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
     walk.mate = vor_malloc(run->memory, n, 2 * sizeof *walk.mate);
     walk.seen = vor_calloc(run->memory, n, sizeof *walk.seen);
     loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
-    loops->loop = vor_malloc(run->memory, n / LEAST_POINTS, sizeof *loops->loop);
+    loops->loop = vor_malloc(run->memory, n / LEAST, sizeof *loops->loop);
     if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", n);
     } else {

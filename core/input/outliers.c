@@ -17,21 +17,16 @@
 enum {
     /* Nearest points that a point points to. At 10 / 20 / 40: rms 5.9 / 5.4 / 5.8, dropped 554 / 41
      * / 35. */
-    NEIGHBORS = 20,
+    NEIGHBORS = VOR_NEIGHBORS_FEWEST,
     /* A point that fewer others point to is an outlier. At 3 / 6 / 12: rms 5.2 / 5.4 / 5.1, dropped
      * 40 / 41 / 130; a point at a border has about 10. */
     POINTED = 6,
     /* Most searches. Here the first finds all; two outliers side by side need another. */
     LOOKS = 3,
-    /* Fewer points have no outliers: 20 neighbours are then a tenth of all. */
-    LEAST = 200,
-    SAMPLED = 4096, /* points whose reach is measured to know the usual one, at most */
-    /* If more than one point in so many would go, none does. At 2 and 8 nothing changes here. */
-    QUARTER = 4,
     BLOCK = 4096,       /* points of one task */
     CLOSER_BLOCK = 256, /* the same of a closer look */
-    COEFFICIENTS = 6,   /* of a quadric */
-    BATCH = 64          /* points of one call of the index */
+    QUADRIC_TERMS = 6,
+    BATCH = 64 /* points of one call of the index */
 };
 
 /* Times the residual of a fit: a point farther off the surface of the points around it lies on none
@@ -66,8 +61,8 @@ struct look {
 /* Sets sparse2 from the median reach of a sample of points at equal steps along the order. */
 static void find_sparse(struct look *look)
 {
-    size_t n = look->domain->n < SAMPLED ? look->domain->n : SAMPLED;
-    float reach2[SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
+    size_t n = look->domain->n < VOR_DOMAIN_SAMPLED ? look->domain->n : VOR_DOMAIN_SAMPLED;
+    float reach2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
 
     for (size_t i = 0; i < n; i++) {
         size_t at = (size_t)((uint64_t)i * look->domain->n / n);
@@ -154,7 +149,7 @@ static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32
     vor_surface_project(&surface, foot);
     for (int c = 0; c < 3; c++)
         off2 += (local[c] - foot[c]) * (local[c] - foot[c]);
-    return off2 > FAR * FAR * surface.off2 * NEIGHBORS / (NEIGHBORS - COEFFICIENTS) &&
+    return off2 > FAR * FAR * surface.off2 * NEIGHBORS / (NEIGHBORS - QUADRIC_TERMS) &&
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
@@ -251,12 +246,12 @@ static vor_status take(struct vor_domain *domain, size_t *taken, struct vor_outl
     vor_status status;
 
     *taken = 0;
-    if (domain->n < LEAST)
+    if (domain->n < VOR_DOMAIN_FEW)
         return VOR_OK;
     status = search(&look, closer, run, err);
     if (status == VOR_OK)
         *taken = count_out(&look);
-    if (*taken > domain->n / QUARTER)
+    if (*taken > domain->n / VOR_REMOTE_FEW)
         *taken = 0;
     if (*taken > 0)
         status = put_aside(aside, *taken, &look, err);

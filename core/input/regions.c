@@ -5,6 +5,7 @@
 #include "core/geom/surface.h"
 #include "core/geom/through.h"
 #include "core/input/adjacency.h"
+#include "core/input/grow.h"
 #include "core/input/votes.h"
 
 #include <math.h>
@@ -18,8 +19,6 @@ enum {
     BLOCK = 256,    /* points of one task */
     PAIRED = 40,    /* nearest points that a point is paired with: twice 20 of two sheets */
     BONDS = 24,     /* most pairs of a point that say anything */
-    AROUND = 60,    /* nearest points that are looked at, as in input/grow.c */
-    FEWEST = 8,     /* points that a surface goes through, and those of a list */
     STIRRED = 200,  /* nearest points that look again where one changes */
     CANDIDATES = 4, /* regions that a point is asked about */
     SMALL = 30,     /* a region of fewer points is none: they are asked where they belong */
@@ -36,8 +35,6 @@ _Static_assert(ROUNDS <= 8, "a byte has a bit for each round");
  * at 0.1 / 0.3 / 0.6 for the second: 380 / 283 / 343, with the other at 0.05, 0.05, 0.2. */
 #define JOINED 0.1
 #define PARTED 0.3
-/* Least of the two distances at which two points may lie on two sheets, as in input/grow.c. */
-#define ACROSS 0.2
 /* Longest way between such two, over that distance: farther away surfaces bend. At 2 / 4 / none
  * 298 / 214 / 231 wrong, 3 / 10 / 15 regions. */
 #define STEEP 4.0
@@ -49,7 +46,6 @@ _Static_assert(ROUNDS <= 8, "a byte has a bit for each round");
 
 /* Most that a surface may be off a point that takes its region, in spacings, as in input/grow.c;
  * and the share of what its own is off at which it takes another one. */
-#define LED 0.3
 #define CLOSER 0.7
 /* Share of what the second best is off at which a point without a region takes the best, by round:
  * the clear ones first. */
@@ -79,7 +75,7 @@ struct regions {
 /* The points around one, nearest first, and the regions that these belong to. */
 struct around {
     unsigned count, regions;
-    uint32_t index[AROUND], region[CANDIDATES];
+    uint32_t index[VOR_GROW_AROUND], region[CANDIDATES];
     unsigned has[CANDIDATES];
 };
 
@@ -161,7 +157,7 @@ static double strength(const struct regions *regions, uint32_t i, uint32_t j, do
 
     if (listed == 2)
         return JOINED / (JOINED + fmax(p, q) + noise);
-    if (listed == 0 && over > ACROSS && STEEP * fmin(p, q) * (double)a->spacing > way)
+    if (listed == 0 && over > VOR_GROW_ACROSS && STEEP * fmin(p, q) * (double)a->spacing > way)
         return -over / (over + PARTED);
     return 0;
 }
@@ -219,7 +215,7 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
     for (unsigned e = 0; e < around->count && n < VOR_THROUGH_MOST; e++)
         if (around->index[e] != i && regions->region[around->index[e]] == region)
             memcpy(&near[3 * (size_t)n++], point(regions, around->index[e]), 3 * sizeof *near);
-    if (n < FEWEST)
+    if (n < VOR_GROW_FEWEST)
         return INFINITY;
     vor_surface_fit(&frame, near, n);
     if (frame.kind == VOR_SURFACE_NONE || !(frame.spacing > 0))
@@ -239,13 +235,13 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
 static void look(struct around *out, const struct regions *regions, uint32_t i,
                  struct vor_knn_last *last)
 {
-    float distance2[AROUND];
+    float distance2[VOR_GROW_AROUND];
 
-    out->count = AROUND;
+    out->count = VOR_GROW_AROUND;
     out->regions = 0;
-    vor_knn_search_next(regions->domain->knn, last, point(regions, i), AROUND, out->index,
+    vor_knn_search_next(regions->domain->knn, last, point(regions, i), VOR_GROW_AROUND, out->index,
                         distance2);
-    for (unsigned e = 0; e < AROUND; e++) {
+    for (unsigned e = 0; e < VOR_GROW_AROUND; e++) {
         uint32_t region = regions->region[out->index[e]];
         unsigned c = 0;
 
@@ -270,8 +266,9 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
     double best = INFINITY, second = INFINITY, mine = INFINITY;
 
     for (unsigned c = 0; c < around->regions; c++) {
-        double here =
-            around->has[c] < FEWEST ? INFINITY : beside(regions, i, around->region[c], around);
+        double here = around->has[c] < VOR_GROW_FEWEST
+                          ? INFINITY
+                          : beside(regions, i, around->region[c], around);
 
         if (around->region[c] == own)
             mine = here;
@@ -283,7 +280,8 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
             second = here;
         }
     }
-    if (best < LED && (own == NONE ? best < clear[regions->round] * second : best < CLOSER * mine))
+    if (best < VOR_GROW_LED &&
+        (own == NONE ? best < clear[regions->round] * second : best < CLOSER * mine))
         return to;
     return own;
 }
@@ -346,21 +344,21 @@ static void ask_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static void take_list(struct regions *regions, uint32_t i)
 {
     struct vor_graph *graph = regions->graph;
-    uint32_t index[AROUND], taken[VOR_ADJACENT + 1];
-    float distance2[AROUND], near[3 * (VOR_ADJACENT + 1)];
+    uint32_t index[VOR_GROW_AROUND], taken[VOR_ADJACENT + 1];
+    float distance2[VOR_GROW_AROUND], near[3 * (VOR_ADJACENT + 1)];
     struct vor_surface surface;
     double x[3], local[3], normal[3];
     unsigned n = 1;
 
-    vor_knn_search(regions->domain->knn, point(regions, i), 1, AROUND, index, distance2);
+    vor_knn_search(regions->domain->knn, point(regions, i), 1, VOR_GROW_AROUND, index, distance2);
     taken[0] = i;
-    for (unsigned e = 0; e < AROUND && n <= graph->most; e++)
+    for (unsigned e = 0; e < VOR_GROW_AROUND && n <= graph->most; e++)
         if (index[e] != i && regions->region[index[e]] == regions->region[i])
             taken[n++] = index[e];
     for (unsigned e = 0; e < n; e++)
         memcpy(&near[3 * (size_t)e], point(regions, taken[e]), 3 * sizeof *near);
     vor_surface_fit(&surface, near, n);
-    if (n < FEWEST || surface.kind == VOR_SURFACE_NONE)
+    if (n < VOR_GROW_FEWEST || surface.kind == VOR_SURFACE_NONE)
         return;
     memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);
     graph->count[i] = (unsigned char)(n - 1);
@@ -435,7 +433,7 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
     size_t n = domain->n;
     vor_status status;
 
-    if (n < AROUND)
+    if (n < VOR_GROW_AROUND)
         return VOR_OK;
     regions.leaf = vor_malloc(memory, n, sizeof *regions.leaf);
     regions.bond = vor_malloc(memory, n, BONDS * sizeof *regions.bond);

@@ -12,9 +12,6 @@ enum { SAMPLES = 1001 };
  * some thousand places along each axis, of which the engine's fits tell few apart. */
 #define REMOTE 1e4
 
-/* At most one point in so many is remote. */
-enum { FEW = 4 };
-
 static int compare(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -78,7 +75,7 @@ void vor_remote_find(struct vor_remote *out, const struct vor_cloud *cloud)
         remote.farthest = d > remote.far ? i : remote.farthest;
         remote.far = d > remote.far ? d : remote.far;
     }
-    if (remote.count * FEW > cloud->n)
+    if (remote.count * VOR_REMOTE_FEW > cloud->n)
         remote.count = 0;
     *out = remote;
 }

@@ -7,17 +7,15 @@
 #include <string.h>
 
 enum {
-    AROUND = 24, /* feet that are looked at around a place */
-    NEAR = 20,   /* points of a spacing */
-    TURN = 256,  /* places between two looks at whether to go on */
+    NEAR = VOR_NEIGHBORS_FEWEST, /* feet that are looked at around a place, points of a spacing */
+    POLL_EVERY = 256,            /* places between two looks at whether to go on */
     /* A line has come back to itself where the feet within a step were passed that many places
      * before, or more, so many places in turn. */
     BEFORE = 8,
     AGAIN = 3
 };
 
-/* Spacings from one place of a line to the next, and within which feet count. */
-#define STEP 0.5
+/* Spacings within which feet count. */
 #define REACH 1.5
 
 /* Cosine of 37 degrees: between an edge and the way of a line that follows it. */
@@ -83,9 +81,9 @@ static int pass(struct pass *foot, const struct head *head)
 static void ask(struct vote *vote, const struct follow *follow, const struct head *head,
                 double spacing)
 {
-    float x[3] = {(float)head->at[0], (float)head->at[1], (float)head->at[2]}, distance2[AROUND];
-    uint32_t index[AROUND];
-    unsigned k = follow->n < AROUND ? (unsigned)follow->n : AROUND;
+    float x[3] = {(float)head->at[0], (float)head->at[1], (float)head->at[2]}, distance2[NEAR];
+    uint32_t index[NEAR];
+    unsigned k = follow->n < NEAR ? (unsigned)follow->n : NEAR;
 
     memset(vote, 0, sizeof *vote);
     vor_knn_search(follow->knn, x, 1, k, index, distance2);
@@ -110,7 +108,7 @@ static void ask(struct vote *vote, const struct follow *follow, const struct hea
         }
         vote->count++;
         vote->fresh += !follow->used[index[j]];
-        if ((double)distance2[j] <= STEP * STEP * spacing * spacing) {
+        if ((double)distance2[j] <= VOR_RIDGES_STEP * VOR_RIDGES_STEP * spacing * spacing) {
             vote->near++;
             vote->back += (unsigned)pass(&follow->pass[index[j]], head);
         }
@@ -143,7 +141,7 @@ static vor_status put(struct follow *follow, const struct head *head, struct vor
     struct vor_ridges *ridges = follow->ridges;
 
     if (ridges->places == follow->room) {
-        size_t room = 2 * follow->room + AROUND;
+        size_t room = 2 * follow->room + NEAR;
         double *xyz = vor_realloc(follow->memory, ridges->xyz, room, 3 * sizeof *xyz);
 
         if (xyz == NULL)
@@ -162,7 +160,7 @@ static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head
 {
     struct vor_ridges *ridges = follow->ridges;
     const struct head begin = head;
-    double step = STEP * ridge->spacing, gone = 0;
+    double step = VOR_RIDGES_STEP * ridge->spacing, gone = 0;
     vor_status status = VOR_OK;
     size_t again = 0;
 
@@ -187,7 +185,7 @@ static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head
             ridges->places -= AGAIN;
             break;
         }
-        if (status == VOR_OK && ridges->places % TURN == 0)
+        if (status == VOR_OK && ridges->places % POLL_EVERY == 0)
             status = vor_run_answered(vor_run_poll(follow->run), err);
     }
     return status;
@@ -207,12 +205,12 @@ static void reverse(double *xyz, size_t n)
 /* Marks the feet beside a line as used. */
 static void use(const struct follow *follow, const struct vor_ridge *ridge)
 {
-    unsigned k = follow->n < AROUND ? (unsigned)follow->n : AROUND;
+    unsigned k = follow->n < NEAR ? (unsigned)follow->n : NEAR;
 
     for (size_t i = 0; i < ridge->count; i++) {
         const double *at = &follow->ridges->xyz[3 * (ridge->first + i)];
-        float x[3] = {(float)at[0], (float)at[1], (float)at[2]}, distance2[AROUND];
-        uint32_t index[AROUND];
+        float x[3] = {(float)at[0], (float)at[1], (float)at[2]}, distance2[NEAR];
+        uint32_t index[NEAR];
 
         vor_knn_search(follow->knn, x, 1, k, index, distance2);
         for (unsigned j = 0; j < k; j++)
@@ -246,7 +244,7 @@ static vor_status follow_from(struct follow *follow, size_t i, struct vor_error 
     if (status == VOR_OK && !ridge.closed)
         status = go(follow, &ridge, head, 1, err);
     ridge.count = ridges->places - ridge.first;
-    if (status == VOR_OK && (double)ridge.count * STEP >= LEAST) {
+    if (status == VOR_OK && (double)ridge.count * VOR_RIDGES_STEP >= LEAST) {
         use(follow, &ridge);
         ridges->ridge[ridges->count++] = ridge;
     } else {

@@ -10,6 +10,9 @@
 
 #include "core/input/edges.h"
 
+/** Spacings of the input between places of a line that follows an edge or a border. */
+#define VOR_RIDGES_STEP 0.5
+
 /** A line: places from -> to, one after another. */
 struct vor_ridge {
     size_t first, count; /**< its places: xyz[3 first] on */

@@ -8,8 +8,6 @@
 #include <string.h>
 
 enum {
-    /* Neighbours that repel a point at most. */
-    LISTED = 20,
     /* Points of one task. */
     BLOCK = 256,
     /* Steps from one list of neighbours to the next; then points are put back onto the surface. At
@@ -40,7 +38,7 @@ struct even {
     struct vor_lop_edge *edge; /* n: as of the last lists */
     unsigned char *on;         /* n: on an edge */
     unsigned char *listed;     /* n: neighbours */
-    uint32_t *list;            /* n x LISTED */
+    uint32_t *list;            /* n x VOR_SEEDS_LISTED */
     float *spacing;            /* n */
     float *next, *step;        /* n x 3 */
     float *nearest;            /* n: distance to the nearest neighbour */
@@ -71,7 +69,7 @@ static vor_status alloc_even(struct even *even, struct vor_error *err)
     even->edge = vor_malloc(memory, n, sizeof *even->edge);
     even->on = vor_calloc(memory, n, sizeof *even->on);
     even->listed = vor_malloc(memory, n, sizeof *even->listed);
-    even->list = vor_malloc(memory, n, LISTED * sizeof *even->list);
+    even->list = vor_malloc(memory, n, VOR_SEEDS_LISTED * sizeof *even->list);
     even->spacing = vor_malloc(memory, n, sizeof *even->spacing);
     even->next = vor_malloc(memory, n, 3 * sizeof *even->next);
     even->step = vor_calloc(memory, n, 3 * sizeof *even->step);
@@ -174,16 +172,17 @@ static void put_back_block(void *ctx, size_t begin, size_t end, unsigned worker)
 /* Lists the nearest of those gathered around point i. */
 static void list_nearest(struct even *even, size_t i, const struct vor_lop_gathered *near)
 {
-    uint32_t *list = &even->list[LISTED * i];
-    float distance2[LISTED] = {0}; /* gcc's analyzer cannot see that `count` are set */
+    uint32_t *list = &even->list[VOR_SEEDS_LISTED * i];
+    float distance2[VOR_SEEDS_LISTED] = {0}; /* gcc's analyzer cannot see that `count` are set */
     unsigned count = 0;
 
     for (unsigned k = 0; k < near->count; k++) {
         unsigned at;
 
-        if (near->index[k] == i || (count == LISTED && near->distance2[k] >= distance2[LISTED - 1]))
+        if (near->index[k] == i ||
+            (count == VOR_SEEDS_LISTED && near->distance2[k] >= distance2[VOR_SEEDS_LISTED - 1]))
             continue;
-        at = count < LISTED ? count++ : LISTED - 1;
+        at = count < VOR_SEEDS_LISTED ? count++ : VOR_SEEDS_LISTED - 1;
         for (; at > 0 && distance2[at - 1] > near->distance2[k]; at--) {
             distance2[at] = distance2[at - 1];
             list[at] = list[at - 1];
@@ -253,7 +252,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
     memset(push, 0, sizeof *push);
     push->nearest2 = LIST_REACH * LIST_REACH * h2; /* of a point alone: what is known of it */
     for (unsigned k = 0; k < even->listed[i]; k++) {
-        size_t j = even->list[LISTED * i + k];
+        size_t j = even->list[VOR_SEEDS_LISTED * i + k];
         const float *y = &even->samples->xyz[3 * j], *m = &even->samples->normal[3 * j];
         double d[3] = {(double)x[0] - (double)y[0], (double)x[1] - (double)y[1],
                        (double)x[2] - (double)y[2]};

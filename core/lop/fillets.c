@@ -22,14 +22,10 @@ enum {
  * 3.5 / 5: .291, .277 / .236, .278 / .248, .280. */
 #define WIDE 3.5
 /* Part of the list's reach from the edge within which a point is said to be at it. At 0.25 / 0.5 /
- * 1: .223, .278 / .236, .278 / .242, .296; at 0.25 a fillet wider than the list is not covered. */
+ * 1: .223, .278 / .236, .278 / .242, .296; at 0.25 a fillet wider than the list is not covered.
+ * Those as near are asked whether they lie below both planes, by more than the standard error of
+ * that: at 0 / 1 / 2 of it .236, .277 / .236, .278 / .227, .298. */
 #define CENTRAL 0.5
-/* Half the width of the strip along the edge whose points are asked whether they lie below both
- * planes, over the list's reach. At 0.18 / 0.35 / 0.7: .232, .278 / .236, .278 / .236, .291. */
-#define BESIDE 0.35
-/* Standard errors that they lie below, at least: else no fillet is fitted. At 0 / 1 / 2: .236, .277
- * / .236, .278 / .227, .298. */
-#define BELOW 1.0
 /* Gain of a fillet over an edge, in variances of the noise, in the mean of the points at the edge
  * around; most that one of them counts for. At true edges 99 in 100 points have a gain below 1, at
  * fillets as wide as the fits half of them 10 to 60. At 0.5 / 1 / 2: .229, .261 / .236, .278 /
@@ -195,12 +191,12 @@ static int lies_below(const struct fillets *fillets, const struct sides *sides,
 
         noise2 += dotf(off, n) * dotf(off, n) / k;
         over(h, sides, x);
-        if (!belongs(sides, n) || fabs(across(sides, h)) > BESIDE * reach)
+        if (!belongs(sides, n) || fabs(across(sides, h)) > CENTRAL * reach)
             continue;
         sum += h[h[1] > h[0]];
         count++;
     }
-    return sum < 0 && sum * sum > BELOW * BELOW * noise2 * count;
+    return sum < 0 && sum * sum > noise2 * count;
 }
 
 /* Finds the points at edges, and of these the ones that may be at fillets. */

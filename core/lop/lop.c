@@ -23,10 +23,6 @@
  * 1.5 / 2, bunny to 5,000 after 36 steps. */
 #define REACH_WLOP 1.5
 #define REACH_EAR 2.0
-/* The same of ear at least, in radii of the fits that the input's noise asks for. At 0 / 1 / 1.5,
- * to 120,000 at rho 0, fandisk30k_noise2: rms near edges 7.6e-4 / 7.2e-4 / 6.9e-4, from the true
- * edge to the nearest point 1.56e-3 / 1.63e-3 / 1.81e-3. */
-#define REACH_NOISE 1.0
 
 /* Data whose distance says how far from one a sample may start, and the share of it: half of their
  * spacing. Else samples that start between two sheets, where a datum's normal is wrong, stay there.
@@ -92,14 +88,17 @@ static double sigma_p(const struct lop *lop)
     return sqrt(diagonal2 / (double)lop->whole->n);
 }
 
-/* How far points act on each other where the request does not say. */
+/* How far points act on each other where the request does not say: by ear no less than the radius
+ * of the fits that the input's noise asks for. At 0 / 1 / 1.5 of that, to 120,000 at rho 0,
+ * fandisk30k_noise2: rms near edges 7.6e-4 / 7.2e-4 / 6.9e-4, from the true edge to the nearest
+ * point 1.56e-3 / 1.63e-3 / 1.81e-3. */
 static double reach_of(const struct lop *lop)
 {
     double fitted = lop->domain->known.neighbors.usual, points = (double)lop->domain->n;
 
     if (!lop->ear)
         return REACH_WLOP * lop->spacing;
-    return fmax(REACH_EAR * lop->spacing, REACH_NOISE * sqrt(fitted * lop->area / (PI * points)));
+    return fmax(REACH_EAR * lop->spacing, sqrt(fitted * lop->area / (PI * points)));
 }
 
 /* Whether the samples are the input's own points, and stay where they are. */

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/rng.h"
+#include "core/geom/patch.h"
 #include "core/knn/input_lists.h"
 #include "core/knn/point_lists.h"
 #include "core/lop/drawn.h"
@@ -15,13 +16,11 @@
 /* Points of a task. */
 enum { BLOCK = 128 };
 
-/* Data that count for a point: fewest, and most, which then are the nearest. At 48 / 96 most, igea
- * of 134,000 points to 20,000: delta alike, a third more time. */
+/* Data that count for a point: fewest, and most, which then are the nearest. The fewest say the
+ * height, as they are smoothed already: igea of 30,000 points to 10,000, rms 3.8e-4 by all within
+ * the reach, 3.3e-4 by these. At 48 / 96 most, igea of 134,000 points to 20,000: delta alike, a
+ * third more time. */
 enum { DATA_LEAST = 12, DATA_MOST = VOR_LOP_DATA_MOST };
-
-/* Nearest data that say the height of a point, which are smoothed already. Igea of 30,000 points to
- * 10,000: rms 3.8e-4 with all within the reach, 3.3e-4 with these. */
-#define HEIGHT_K 12.0
 
 /* Other points in a list: those within twice the spacing, and as many again. */
 enum { LISTED = 32 };
@@ -39,13 +38,6 @@ enum { LISTED = 32 };
  * points stick to single data where these are not many times as many. */
 #define SHORTEST_DATA 0.3
 
-/* Data for each point below which it goes less than all of the way to them: else points gather at
- * single data. At 1 / 2: delta by ear of three boxes of 36,000 uneven points to 8,000 0.27 / 0.15;
- * points between two sheets as near as four spacings less than 1 / 1.7 %, as these no longer keep
- * to their data. By the nearest datum alone, at 2: 0.085, but rms of fandisk30k_noisy 1.6e-3 for
- * 1.36e-3, because strays stay where they are. */
-#define DENSE 1.0
-
 /* Share of mu that counts without normals. Bunny to 5,000 after 36 steps, at mu .45 and 0.44 / 0.67
  * / 0.89 / 1: delta 0.073 / 0.052 / 0.080 / 0.099, because points jump past each other. */
 #define PUSH_SHARE 0.67
@@ -54,9 +46,6 @@ enum { LISTED = 32 };
  * distance, so that two points which the same data draw come nearer with each step until they are
  * one: 522 of 20,000 of autzen by ear, 3,061 nearer than 0.1 spacings; with this 0 and 316. */
 #define APART 0.3
-
-/* Share of the time allowed that the steps take; the rest is for what follows. */
-#define SECONDS_SHARE 0.5
 
 /* Nearest data whose distance tells their density. */
 enum { DENSITY_K = VOR_LOP_AREA_OF };
@@ -117,11 +106,16 @@ static void crowding_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* How much of the way to the data a point goes. */
+/* How much of the way to the data a point goes: less than all of it where there is less than a
+ * datum for each point, else points gather at single data. At one / two: delta by ear of three
+ * boxes of 36,000 uneven points to 8,000 0.27 / 0.15; points between two sheets as near as four
+ * spacings less than 1 / 1.7 %, as these no longer keep to their data. By the nearest datum alone,
+ * at 2: 0.085, but rms of fandisk30k_noisy 1.6e-3 for 1.36e-3, because strays stay where they are.
+ */
 static double part_of(const struct project *project, const struct vor_lop_drawn *drawn)
 {
     double spacing2 = project->how->spacing * project->how->spacing;
-    double each = spacing2 * drawn->density / (SHORTEST_DATA * DENSE * project->k);
+    double each = spacing2 * drawn->density / (SHORTEST_DATA * project->k);
 
     return each < 1 ? each * each : 1;
 }
@@ -161,7 +155,7 @@ static void look_at_data(struct vor_lop_drawn *drawn, struct project *project, s
     double far2 = gather(&data, project, i);
 
     how.along2 = project->k <= DATA_LEAST || far2 < how.along2 ? far2 : how.along2;
-    how.across2 = fmin(how.along2, far2 * HEIGHT_K / project->k);
+    how.across2 = fmin(how.along2, far2 * DATA_LEAST / project->k);
     if (!(far2 > 0))
         data.count = 0;
     vor_lop_drawn_by(drawn, &data, project->how->normals ? &project->samples->normal[3 * i] : NULL,
@@ -346,7 +340,8 @@ static unsigned data_of(const struct project *project, double spacing)
 {
     const struct vor_domain *domain = project->domain;
     double ratio = project->how->reach / spacing;
-    double wanted = 3.63 * ratio * ratio * (double)domain->n / (double)project->samples->n;
+    double wanted =
+        VOR_HEXAGON_WITHIN * ratio * ratio * (double)domain->n / (double)project->samples->n;
     double k = fmin(fmax(ceil(wanted), DATA_LEAST), DATA_MOST);
 
     return (unsigned)fmin(k, (double)domain->n);
@@ -374,7 +369,7 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
                               .n = samples->n,
                               .of = &project,
                               .step = step,
-                              .share = SECONDS_SHARE};
+                              .share = VOR_STAGE_SHARE};
     const struct vor_run whole = vor_run_unstoppable(run);
     vor_status status;
 

@@ -207,7 +207,7 @@ vor_status vor_lop_tree_build(struct vor_lop_tree *out, const struct vor_lop_sam
     vor_status status = vor_lop_tree_init(out, samples->memory, err);
 
     for (size_t i = 0; i < samples->n && status == VOR_OK; i++) {
-        if (i % VOR_LOP_POLL == 0)
+        if (i % VOR_LOP_POLL_EVERY == 0)
             status = vor_run_answered(vor_run_poll(run), err);
         if (status == VOR_OK)
             status = vor_lop_tree_add(out, (uint32_t)i, &samples->xyz[3 * i],

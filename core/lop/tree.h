@@ -20,7 +20,7 @@ enum {
     /** Most points that vor_lop_tree_gather hands out; further ones are left out. */
     VOR_LOP_GATHERED_MAX = 256,
     /** Points that are indexed, some 0.5 us each, from one look at the watch to the next. */
-    VOR_LOP_POLL = 4096
+    VOR_LOP_POLL_EVERY = 4096
 };
 
 /** Cosine between normals, below which points face away from each other: 120 degrees. So the sides
@@ -70,7 +70,7 @@ VOR_NODISCARD vor_status vor_lop_tree_add(struct vor_lop_tree *tree, uint32_t in
  *  @param[out] out  free with vor_lop_tree_free, whatever is returned
  *
  *  @retval VOR_E_NOMEM
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  the watch is asked every VOR_LOP_POLL points
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  the watch is asked every VOR_LOP_POLL_EVERY points
  *
  *  O(n log n). */
 VOR_NODISCARD vor_status vor_lop_tree_build(struct vor_lop_tree *out,

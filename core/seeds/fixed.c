@@ -7,12 +7,9 @@
 #include <string.h>
 
 /* Spacings of sites that other seeds keep from them: two sites are one apart. Without it some slip
- * out between two, and stay beyond (one on a square of 1,500, five along half an armadillo). */
+ * out between two, and stay beyond (one on a square of 1,500, five along half an armadillo). So far
+ * within a border they start, where too many lie outside of it to be taken out. */
 #define FENCE 0.6
-
-/* Spacings of sites that seeds start within a border, where too many lie outside of it to be taken
- * out: on the line of the sites one would be caught by the fence. */
-#define INSIDE 0.5
 
 /* What the seeds counted before they were made anew. */
 struct counted {
@@ -177,11 +174,11 @@ static void look(float *distance2, uint32_t *index, const struct vor_seeds *seed
             distance2[i] = -distance2[i];
 }
 
-/* Moves the seeds that are left near a border, or outside, to INSIDE spacings within it. */
+/* Moves the seeds that are left near a border, or outside, to FENCE spacings within it. */
 static void push_in(struct vor_seeds *seeds, const struct vor_sites *sites, const float *distance2,
                     const uint32_t *index)
 {
-    double room = INSIDE * sites->spacing;
+    double room = FENCE * sites->spacing;
 
     for (size_t i = 0; i < seeds->n; i++) {
         double far = room + beyond(seeds, sites, i, index[i]);

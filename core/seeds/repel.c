@@ -16,7 +16,7 @@
 enum {
     /* From this S on the force extends to VOR_HARD_REACH. At 5 / 7 / 14 only searches change: on
      * autzen 191 / 198 / 214 thousand. */
-    HARDER = 7,
+    HARDER = VOR_REPEL_HARD / 2,
     /* Steps from one look for holes to the next around a point with no hole near. At 3 / 6 / 12
      * only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an aim. */
     QUIET_EVERY = 6,

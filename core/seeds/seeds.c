@@ -21,9 +21,6 @@ enum { RINGS = 1, RINGS_FINE = 2 };
  * 0.8: triangles a cell on igea 3.7 / 2.4 / 1.6, on fandisk 5.0 / 4.7 / 4.3; rms and delta within
  * the spread of seeds. */
 #define BEND_FLAT 0.4
-/* The same for the finer patch. At 0.5 / 1 / 2: triangles a cell on igea 4.5 / 2.4 / 2.0, on
- * fandisk 6.2 / 4.7 / 2.7; rms and delta within the spread of seeds. */
-#define BEND_MAX 1.0
 
 /* Spacings that a seed may move before it is a jumper. At 0.15 / 0.3 / 0.6: searches on igea 59 /
  * 45 / 65 thousand, lists made 12 / 7 / 3 times, on autzen 252 / 198 / 253 thousand, 56 / 28 / 12
@@ -468,7 +465,9 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
         vor_stretched_are(&seeds->stretched) ? scratch->stretch.surface.c : scratch->here.surface.c;
     double bend = (fabs(c[3]) + fabs(c[4]) + fabs(c[5])) * scratch->radius;
 
-    if (bend > BEND_MAX)
+    /* from 0.5 / 1 / 2 on: triangles a cell on igea 4.5 / 2.4 / 2.0, on fandisk 6.2 / 4.7 / 2.7;
+     * rms and delta within the spread of seeds */
+    if (bend > 1)
         return &seeds->fine;
     return bend > BEND_FLAT ? &seeds->disc : &seeds->flat;
 }

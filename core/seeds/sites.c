@@ -14,21 +14,13 @@
 
 enum {
     LEAST = 3, /* sites of a loop: a shorter one is no wider than a spacing of the result */
-    /* Times that a line is averaged with its neighbours; with STEP it takes ragged ends away over
-     * 1.5 spacings of the input. */
+    /* Times that a line is averaged with its neighbours; with VOR_RIDGES_STEP it takes ragged ends
+     * away over 1.5 spacings of the input. */
     ROUNDS = 18,
     /* Times that sites are moved along the line until they are evenly apart. */
     EVENINGS = 8,
     BLOCK = 64 /* places of one task */
 };
-
-/* Spacings of the input between places of the line. */
-#define STEP 0.5
-
-/* Distance of sites over the pitch of a lattice of as many points: that of a result's points to
- * their nearest ones is 0.97 on the mean. At 1 / 0.97, 1,500 points on a square: distance of sites
- * over that mean inside 1.06 / 1.03; on half an armadillo 1.045. */
-#define APART 0.97
 
 /* Spacings of the result: sites of an edge nearer to one before stand for the same place. */
 #define SAME 0.7
@@ -253,7 +245,7 @@ static vor_status line_of(struct line *out, const struct place_on *on,
     const struct vor_domain *domain = on->domain;
     const struct vor_loop *loop = &loops->loop[l];
     struct line raw = {0}, line = {0};
-    size_t n = (size_t)fmax(0, loop->length / (STEP * loop->spacing)) + LEAST;
+    size_t n = (size_t)fmax(0, loop->length / (VOR_RIDGES_STEP * loop->spacing)) + LEAST;
     double *along = vor_malloc(domain->memory, n, sizeof *along);
     vor_status status = line_through(&raw, domain, &loops->point[loop->first], loop->count, err);
 
@@ -484,7 +476,7 @@ static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops
             length += more;
         line_free(&line);
     }
-    on->h = APART * spacing_for((double)on->n, area, length);
+    on->h = VOR_HEXAGON_APART * spacing_for((double)on->n, area, length);
     on->cells.memory = on->sites->memory;
     on->cells.wide = SAME * on->h * (vor_field_is(field) ? field->most : 1);
     return VOR_OK;

@@ -8,6 +8,9 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
+/** Share of the time allowed that a stage takes which another one follows. */
+#define VOR_STAGE_SHARE 0.5
+
 struct vor_stage;
 
 /** A part of a step. Positions, and what the record tells of them, may change.

@@ -1,5 +1,7 @@
 #include "core/seeds/stretched.h"
 
+#include "core/geom/patch.h"
+
 #include <string.h>
 
 enum {
@@ -13,8 +15,6 @@ enum {
 #define MOVED 0.8
 /* Factor by which a distance in float32 may be off, and more. */
 #define SURE 0.9999
-/* Seeds within one spacing of a place of an even spread, that at the place counted. */
-#define WITHIN_ONE 3.63
 
 vor_status vor_stretched_init(struct vor_stretched *out, const struct vor_tensors *field, size_t n,
                               struct vor_memory *memory, struct vor_error *err)
@@ -73,7 +73,7 @@ unsigned vor_stretched_listed(const struct vor_tensors *field, unsigned listed)
     if (!vor_tensors_are(field))
         return listed;
     radius = VOR_HARD_REACH * sqrt(field->most) + MOVED;
-    wanted = fmax(ceil(WITHIN_ONE * radius * radius), listed);
+    wanted = fmax(ceil(VOR_HEXAGON_WITHIN * radius * radius), listed);
     return (unsigned)fmin(wanted, VOR_POINT_LISTS_LISTED_MAX);
 }
 

@@ -248,7 +248,7 @@ struct six {
     unsigned char *is; /* LOOKED_AT, and SIX */
 };
 
-enum { LOOKED_AT = 1, SIX = 2 };
+enum { LOOKED_AT = 1 << 0, SIX = 1 << 1 };
 
 static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {

@@ -5,12 +5,15 @@ use strict;
 use warnings;
 use Test::More;
 
-my $most = 590; # lower it with those that go; it aims at 380
+my $most = 550; # lower it with those that go; it aims at 380
 
 my @rooms = map { "core/$_" } qw(geom input seeds opt cvt kmeans lop mesh);
 my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS)(?:_|$)/;
 
-# Names that have a number as their value, by #define or in an enum that gives some of its names one.
+my $directions = qr/corner|octagon|turn|^[uv]p$|lower/; # tables of unit vectors, powers and bits
+
+# Names that have a number as their value, by #define or in an enum that gives some of its names one, and the numbers of tables, but
+# for 0 and 1.
 sub numbers {
     my ($path) = @_;
     open my $in, '<', $path or die "$path: $!\n";
@@ -22,7 +25,13 @@ sub numbers {
         my $body = $1;
         push @found, $body =~ /\b([A-Z][A-Z0-9_]+)\s*=\s*$number\s*(?=,|\z)/g;
     }
-    return map { "$path $_" } grep { !/$no_point/ } @found;
+    @found = grep { !/$no_point/ } @found;
+    while ($text =~ /\bstatic const (?!char)(?:struct \{[^}]*\} )?[^;()={}]*?(\w+)((?:\[[^\]]*\])*) = (\{[^;]*\});/g) {
+        my ($name, $body) = ($1, $3);
+        next if $name =~ $directions;
+        push @found, map { "$name $_" } grep { !/^[01](?:\.0)?$/ } $body =~ /(?<![\w.])($number)(?!\w)/g;
+    }
+    return map { "$path $_" } @found;
 }
 
 my @found = map { numbers($_) } grep { -f } split /\n/, `git ls-files @rooms`;
