@@ -276,5 +276,5 @@ enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admiss
                                         .ctx = admission,
                                         .caller = admission->caller,
                                         .weight = weight_of(&admission->uploads)};
-    return vor_crew_take(admit->crew, &admission->task);
+    return vor_crew_take(admit->crew, &admission->task, &admission->error);
 }

@@ -105,7 +105,8 @@ struct vor_crew *vor_admit_crew(struct vor_admit *admit);
 /** Hands an upload over.
  *
  *  @retval VOR_DONE      done will be called, exactly once
- *  @retval VOR_FULL, VOR_DRAINING  nothing was taken over */
+ *  @retval VOR_FULL, VOR_DRAINING  nothing was taken over
+ *  @retval VOR_FAILED    likewise: there is no thread for it, as admission->error says */
 VOR_NODISCARD enum vor_job_outcome vor_admit_submit(struct vor_admit *admit,
                                                     struct vor_admission *admission);
 

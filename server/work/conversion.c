@@ -232,12 +232,12 @@ static struct vor_conversion *find(const struct vor_conversions *service,
 
 /* Lists a new conversion and hands it to the crew; the mutex is held. */
 static enum vor_job_outcome start(struct vor_conversions *service,
-                                  struct vor_conversion *conversion)
+                                  struct vor_conversion *conversion, struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_FULL;
 
     if (service->count < service->config.most)
-        outcome = vor_crew_take(service->config.crew, &conversion->task);
+        outcome = vor_crew_take(service->config.crew, &conversion->task, err);
     if (outcome != VOR_DONE)
         return outcome;
     conversion->next = service->list;
@@ -273,7 +273,7 @@ enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
     pthread_mutex_lock(&conversions->mutex);
     found = find(conversions, row, output, format);
     if (found == NULL) {
-        outcome = start(conversions, fresh);
+        outcome = start(conversions, fresh, err);
         if (outcome == VOR_DONE) {
             found = fresh;
             fresh = NULL;

@@ -50,7 +50,7 @@ struct vor_conversion_waiter {
  *  @retval VOR_DONE
  *  @retval VOR_FULL      as many are on their way as may be
  *  @retval VOR_DRAINING  the crew takes no more tasks
- *  @retval VOR_FAILED    VOR_E_NOMEM
+ *  @retval VOR_FAILED    VOR_E_NOMEM, or VOR_E_IO: there is no thread for it
  *
  *  The cloud is read and written, with its faces, with the request's own parameters; cells of Draco
  * follow the spacing that the report tells, and an origin that we choose follows from the result,

@@ -224,7 +224,8 @@ static size_t before(const struct vor_crew *crew, const struct vor_task *task)
     return count;
 }
 
-enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
+enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task,
+                                   struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_DONE;
 
@@ -246,7 +247,9 @@ enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task)
             *tail = NULL;
             crew->tail = tail;
             crew->waiting--;
-            outcome = VOR_FULL;
+            outcome = VOR_FAILED;
+            (void)vor_fail(err, VOR_E_IO,
+                           "no thread can be started for this request; try again later");
         }
     }
     pthread_mutex_unlock(&crew->mutex);

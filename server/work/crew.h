@@ -43,10 +43,11 @@ void vor_crew_destroy(struct vor_crew *crew);
 /** Hands a task over.
  *
  *  @retval VOR_DONE      run will be called, exactly once
- *  @retval VOR_FULL      waiting_max tasks wait, or as many of this caller's go before it as may;
- *                        or no thread runs and none can be started
+ *  @retval VOR_FULL      waiting_max tasks wait, or as many of this caller's go before it as may
+ *  @retval VOR_FAILED    no thread runs and none can be started, as err (may be NULL) says
  *  @retval VOR_DRAINING  vor_crew_destroy was called */
-VOR_NODISCARD enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task);
+VOR_NODISCARD enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task,
+                                                 struct vor_error *err);
 
 /** True once vor_crew_destroy was called: a task that is long had better not begin. */
 int vor_crew_closing(struct vor_crew *crew);

@@ -370,23 +370,11 @@ static void run_dismissal(void *ctx)
     dismissal->done(dismissal);
 }
 
-/* A crew without a bound is full when it has no thread, and gets none. */
-static enum vor_job_outcome hand_over(struct vor_crew *crew, struct vor_task *task,
-                                      struct vor_error *err)
-{
-    enum vor_job_outcome outcome = vor_crew_take(crew, task);
-
-    if (outcome != VOR_FULL)
-        return outcome;
-    (void)vor_fail(err, VOR_E_IO, "no thread can be started for this request; try again later");
-    return VOR_FAILED;
-}
-
 void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *dismissal)
 {
     dismissal->worker = worker;
     dismissal->task = (struct vor_task){.run = run_dismissal, .ctx = dismissal};
-    dismissal->outcome = hand_over(worker->crew, &dismissal->task, &dismissal->error);
+    dismissal->outcome = vor_crew_take(worker->crew, &dismissal->task, &dismissal->error);
     if (dismissal->outcome != VOR_DONE)
         dismissal->done(dismissal);
 }
@@ -394,7 +382,7 @@ void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *di
 enum vor_job_outcome vor_worker_read_soon(struct vor_worker *worker, struct vor_task *task,
                                           struct vor_error *err)
 {
-    return hand_over(worker->readers, task, err);
+    return vor_crew_take(worker->readers, task, err);
 }
 
 void vor_worker_settle(struct vor_worker *worker, double seconds)

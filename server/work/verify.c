@@ -201,7 +201,7 @@ static int start(struct vor_verify *verify, struct known *known, int fd)
         return 0;
     *pass = (struct pass){.verify = verify, .known = known, .fd = dup(fd)};
     pass->task = (struct vor_task){.run = run_pass, .ctx = pass};
-    if (pass->fd >= 0 && vor_crew_take(verify->crew, &pass->task) == VOR_DONE) {
+    if (pass->fd >= 0 && vor_crew_take(verify->crew, &pass->task, NULL) == VOR_DONE) {
         known->verdict = VOR_VERDICT_WAIT;
         return 1;
     }

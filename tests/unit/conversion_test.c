@@ -56,7 +56,7 @@ static void begin(struct scene *scene, unsigned most)
                                                                 .most = most},
                                &vt_err));
     scene->task = (struct vor_task){.run = hold, .ctx = scene};
-    ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task, NULL), VOR_DONE);
 }
 
 static void end(struct scene *scene)

@@ -7,6 +7,8 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
 
 enum { TASKS = 20 };
 
@@ -66,7 +68,7 @@ START_TEST(tasks_begin_in_the_order_in_which_they_came)
 
     begin(&work, 1, TASKS, 0);
     for (int i = 0; i < TASKS; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
     vor_crew_settle(work.crew, 60);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS);
     for (int i = 0; i < TASKS; i++)
@@ -103,17 +105,17 @@ START_TEST(no_more_tasks_wait_than_may)
     begin(&work, 2, 3, 1);
     ck_assert_int_eq(count_threads(), threads); /* they come with the tasks */
     for (int i = 0; i < 2; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* two run at the same time, and do not wait any more */
         vt_nap();
     ck_assert_int_eq(count_threads(), threads + 2 + OF_SANITIZER);
     for (int i = 2; i < 5; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
     atomic_store(&work.held, 0);
     vor_crew_settle(work.crew, 60);
     ck_assert_int_eq(atomic_load(&work.begun), 5);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_DONE);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
 }
@@ -127,14 +129,14 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     vor_crew_share(work.crew, 1, 4);
     for (int i = 0; i < 5; i++) { /* one runs, four wait */
         (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE, "greedy");
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             vt_nap();
     }
     work.tasks[5].caller = work.tasks[0].caller;
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
     ck_assert_int_eq(atomic_load(&work.begun), 1);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6]), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6], NULL), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* the other thread has it at once */
         vt_nap();
     ck_assert_int_eq(begun_at(&work, 1), 6);
@@ -154,7 +156,7 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
     for (int i = 0; i < 6; i++) {
         (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE,
                        i < 4 ? "greedy" : "caller %d", i);
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
             vt_nap();
     }
@@ -182,12 +184,12 @@ START_TEST(of_a_callers_tasks_the_lightest_begins)
     vor_crew_share(work.crew, 1, 3);
     for (int i = 0; i < 5; i++) {
         work.tasks[i].weight = i < 4 ? 1000 : 10;
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             vt_nap();
     }
     work.tasks[5].weight = 1000;
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5]), VOR_FULL);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 5);
@@ -247,12 +249,12 @@ START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
 
     begin(&work, 1, 4, 1);
     for (int i = 0; i < 4; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i]), VOR_DONE);
+        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
     while (atomic_load(&work.begun) == 0)
         vt_nap();
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[4]), VOR_DONE); /* now four wait */
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[4], NULL), VOR_DONE); /* now four wait */
     ck_assert_int_eq(pthread_create(&thread, NULL, destroy, work.crew), 0);
-    while ((outcome = vor_crew_take(work.crew, &work.tasks[5])) == VOR_FULL)
+    while ((outcome = vor_crew_take(work.crew, &work.tasks[5], NULL)) == VOR_FULL)
         vt_nap();
     ck_assert_int_eq(outcome, VOR_DRAINING);
     atomic_store(&work.held, 0);
@@ -269,12 +271,31 @@ START_TEST(settling_gives_up_after_its_time)
 
     begin(&work, 1, 4, 1);
     vor_crew_settle(work.crew, 60); /* nothing to wait for */
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0]), VOR_DONE);
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0], NULL), VOR_DONE);
     began = vor_clock_seconds();
     vor_crew_settle(work.crew, 0.05);
     ck_assert_double_ge(vor_clock_seconds() - began, 0.05);
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
+}
+END_TEST
+
+START_TEST(a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many)
+{
+    struct rlimit limit, tight;
+    struct work work;
+
+    begin(&work, 1, 4, 0);
+    ck_assert_int_eq(getrlimit(RLIMIT_AS, &limit), 0);
+    tight = (struct rlimit){.rlim_cur = 1, .rlim_max = limit.rlim_max};
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &tight), 0); /* no stack for a thread */
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0], &vt_err), VOR_FAILED);
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
+    ck_assert_int_eq(vt_err.status, VOR_E_IO);
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "no thread can be started"));
+    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[1], &vt_err), VOR_DONE);
+    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(begun_at(&work, 0), 1);
 }
 END_TEST
 
@@ -289,4 +310,5 @@ void vt_suite(Suite *suite)
     vt_add(suite, a_key_shares_with_itself_alone_and_with_no_address);
     vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
     vt_add(suite, settling_gives_up_after_its_time);
+    vt_add(suite, a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many);
 }

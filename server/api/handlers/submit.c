@@ -363,7 +363,7 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     vor_deferred_cancel(&submission->deferred);
     if (submission->booked)
         vor_worker_unbook(app->worker);
-    return vor_outcome_reply(app, request, outcome, NULL, NULL);
+    return vor_outcome_reply(app, request, outcome, &submission->admission.error, NULL);
 }
 
 /* Adds the address of the job, and the preferences that the reply follows; a stream follows none.
