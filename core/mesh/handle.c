@@ -1,5 +1,7 @@
 #include "core/mesh/handle.h"
 
+#include <string.h>
+
 /* Edges along the surface that lead around a small handle at most, as many from the third corner
  * and from the others, points that they reach, and edges along the boundary that are looked at each
  * way. */
@@ -8,6 +10,10 @@ enum { FROM_THIRD = 3, FROM_OTHERS = 2, REACHED = 96, ALONG = 48 };
 /* Edges of a boundary loop that is a hole, not the end of a tube. A tunnel from a room's table to
  * its wall had five at each end. */
 enum { HOLE = 6 };
+
+/* Places of a table of points that are reached, and a place that none has. */
+enum { TABLE = 256 };
+#define NONE UINT32_MAX
 
 /* Goes from triangle t and its open edge from `from` to `at` along the boundary. Returns the edges
  * of the loop, ALONG where it is longer, or 0 where it meets the first two corners. */
@@ -55,49 +61,71 @@ static int loop_of(const struct vor_complex *complex, const uint32_t corner[3])
     return shortest;
 }
 
-/* Adds the points that have an edge to point i. */
-static unsigned reach(const struct vor_complex *complex, uint32_t i, uint32_t *point,
-                      unsigned count)
+/* Points that were reached, and a table of them by their last bits that is never full. */
+struct reached {
+    unsigned count;
+    uint32_t point[REACHED], table[TABLE];
+};
+
+static void clear(struct reached *reached)
 {
-    uint32_t other[2];
+    reached->count = 0;
+    memset(reached->table, 0xff, sizeof reached->table);
+}
 
-    for (unsigned k = 0; k < complex->degree[i]; k++) {
-        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + k], i, other);
-        for (int o = 0; o < 2; o++) {
-            unsigned at = 0;
+/* The place of a point in the table, or where it would be. */
+static unsigned place_of(const struct reached *reached, uint32_t point)
+{
+    unsigned at = point % TABLE;
 
-            while (at < count && point[at] != other[o])
-                at++;
-            if (at == count && count < REACHED)
-                point[count++] = other[o];
-        }
-    }
-    return count;
+    while (reached->table[at] != NONE && reached->table[at] != point)
+        at = (at + 1) % TABLE;
+    return at;
+}
+
+static void add(struct reached *reached, uint32_t point)
+{
+    unsigned at = place_of(reached, point);
+
+    if (reached->table[at] == point || reached->count == REACHED)
+        return;
+    reached->table[at] = point;
+    reached->point[reached->count++] = point;
 }
 
 /* Adds the points that so many edges lead to. */
-static unsigned spread(const struct vor_complex *complex, uint32_t *point, unsigned count,
-                       int steps)
+static void spread(struct reached *reached, const struct vor_complex *complex, int steps)
 {
     unsigned done = 0;
 
     for (int step = 0; step < steps; step++)
-        for (unsigned end = count; done < end; done++)
-            count = reach(complex, point[done], point, count);
-    return count;
+        for (unsigned end = reached->count; done < end; done++) {
+            uint32_t i = reached->point[done], other[2];
+
+            for (unsigned k = 0; k < complex->degree[i]; k++) {
+                vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + k], i,
+                                   other);
+                add(reached, other[0]);
+                add(reached, other[1]);
+            }
+        }
 }
 
 /* Whether few edges along the surface lead from the third corner to another. */
 static int is_near(const struct vor_complex *complex, const uint32_t corner[3])
 {
-    uint32_t here[REACHED] = {corner[2]}, there[REACHED] = {corner[0], corner[1]};
-    unsigned count = spread(complex, here, 1, FROM_THIRD);
-    unsigned others = spread(complex, there, 2, FROM_OTHERS);
+    struct reached here, there;
 
-    for (unsigned i = 0; i < count; i++)
-        for (unsigned j = 0; j < others; j++)
-            if (here[i] == there[j])
-                return 1;
+    clear(&here);
+    clear(&there);
+    add(&here, corner[2]);
+    spread(&here, complex, FROM_THIRD);
+    add(&there, corner[0]);
+    add(&there, corner[1]);
+    spread(&there, complex, FROM_OTHERS);
+    for (unsigned j = 0; j < there.count; j++)
+        if (here.table[place_of(&here, there.point[j])] == there.point[j])
+            return 1;
     return 0;
 }
 
