@@ -1,6 +1,7 @@
 #include "core/mesh/close.h"
 
 #include "core/base/linalg.h"
+#include "core/mesh/crossing.h"
 #include "core/mesh/quality.h"
 #include "core/mesh/rims.h"
 #include "core/mesh/twosided.h"
@@ -24,6 +25,7 @@ enum { SMALL = 5 };
 struct closing {
     struct vor_complex *complex;
     const struct vor_sheet *sheet;
+    const struct vor_balls *balls;
     const uint32_t *loop;
     unsigned count;
     double longest2; /* square of the longest edge that may be inside */
@@ -83,7 +85,8 @@ static void cut_part(struct closing *closing, unsigned a, unsigned b)
             !(cost < closing->cost[a][b]))
             continue;
         cost += cost_of(closing, corner);
-        if (cost < closing->cost[a][b]) {
+        if (cost < closing->cost[a][b] &&
+            !vor_crossing_near(closing->complex, closing->balls, corner)) {
             closing->cost[a][b] = cost;
             closing->by[a][b] = (unsigned char)m;
         }
@@ -172,10 +175,11 @@ static vor_status close_loop(struct closing *closing, size_t *closed, struct vor
     return status;
 }
 
-vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct vor_sheet *sheet,
+vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct vor_balls *balls,
                      struct vor_error *err)
 {
     struct closing *closing = vor_calloc(complex->memory, 1, sizeof *closing);
+    const struct vor_sheet *sheet = balls->sheet;
     struct vor_rims rims = {.count = 0};
     vor_status status;
 
@@ -184,6 +188,7 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
         return vor_fail(err, VOR_E_NOMEM, "closing loops");
     closing->complex = complex;
     closing->sheet = sheet;
+    closing->balls = balls;
     status = vor_rims_find(&rims, complex, sheet, err);
     if (status == VOR_OK && rims.count > 0) /* a loop of k edges has k - 2 triangles */
         status = vor_twosided_make(&closing->sides, complex, rims.start[rims.count], err);

@@ -3,12 +3,13 @@
  *
  *  A loop is closed by the triangles that are best together, over all ways to cut it into
  *  triangles (Klincsek 1980, "Minimal triangulations of polygonal domains"). It stays where a
- *  triangle would lie over no points of the input: there the input ends, or has a hole. */
+ *  triangle would lie over no points of the input, where the input ends or has a hole, or would
+ * pass through another. */
 #ifndef VOR_MESH_CLOSE_H
 #define VOR_MESH_CLOSE_H
 
+#include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
-#include "core/mesh/sheet.h"
 
 /** Most edges of a loop that is closed. On closed shapes they have 4 to 12, at tips up to 20. */
 enum { VOR_CLOSE_MOST = 48 };
@@ -16,11 +17,12 @@ enum { VOR_CLOSE_MOST = 48 };
 /** Closes what can be closed.
  *
  *  @param[out] closed  how many loops were
+ *  @param[in]  balls   of the points, where they are
  *
  *  @retval VOR_E_NOMEM
  *
  *  O(n + loops x edges^3), one thread. */
 VOR_NODISCARD vor_status vor_close(struct vor_complex *complex, size_t *closed,
-                                   const struct vor_sheet *sheet, struct vor_error *err);
+                                   const struct vor_balls *balls, struct vor_error *err);
 
 #endif

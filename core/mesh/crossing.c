@@ -51,12 +51,20 @@ static int passes(const float *a, const float *b, const float *const corner[3])
     return 1;
 }
 
-static int share(const uint32_t s[3], const uint32_t t[3])
+/* How many corners two triangles have in common, and which: 3 where none is. */
+static int share(const uint32_t s[3], const uint32_t t[3], int common[2])
 {
+    int count = 0;
+
+    common[0] = common[1] = 3;
     for (int c = 0; c < 3; c++)
-        if (s[c] == t[0] || s[c] == t[1] || s[c] == t[2])
-            return 1;
-    return 0;
+        for (int d = 0; d < 3; d++)
+            if (s[c] == t[d]) {
+                common[0] = c;
+                common[1] = d;
+                count++;
+            }
+    return count;
 }
 
 /* Whether the corners b lie on both sides of the plane of the corners a. */
@@ -78,21 +86,83 @@ static int straddles(const float *const a[3], const float *const b[3])
     return low < 0 && high > 0;
 }
 
-int vor_crossing_is(const float *xyz, const uint32_t s[3], const uint32_t t[3])
+/* Whether there is room between the boxes around two triangles. */
+static int are_apart(const float *const a[3], const float *const b[3])
+{
+    for (int c = 0; c < 3; c++) {
+        float low = a[0][c] < a[1][c] ? a[0][c] : a[1][c];
+        float high = a[0][c] < a[1][c] ? a[1][c] : a[0][c];
+
+        low = a[2][c] < low ? a[2][c] : low;
+        high = a[2][c] > high ? a[2][c] : high;
+        if ((b[0][c] < low && b[1][c] < low && b[2][c] < low) ||
+            (b[0][c] > high && b[1][c] > high && b[2][c] > high))
+            return 1;
+    }
+    return 0;
+}
+
+/* Whether two triangles with at most so many common corners, one or none, pass through each other.
+ * An edge from a common corner touches. */
+static int cross(const float *xyz, const uint32_t s[3], const uint32_t t[3], int most)
 {
     const float *a[3], *b[3];
+    int common[2];
 
-    if (share(s, t))
+    if (share(s, t, common) > most)
         return 0;
     for (int c = 0; c < 3; c++) {
         a[c] = &xyz[3 * (size_t)s[c]];
         b[c] = &xyz[3 * (size_t)t[c]];
     }
-    if (!straddles(a, b) || !straddles(b, a))
+    if (are_apart(a, b) || !straddles(a, b) || !straddles(b, a))
         return 0;
     for (int c = 0; c < 3; c++)
-        if (passes(a[c], a[(c + 1) % 3], b) || passes(b[c], b[(c + 1) % 3], a))
+        if ((c != common[0] && (c + 1) % 3 != common[0] && passes(a[c], a[(c + 1) % 3], b)) ||
+            (c != common[1] && (c + 1) % 3 != common[1] && passes(b[c], b[(c + 1) % 3], a)))
             return 1;
+    return 0;
+}
+
+/* Points at which triangles are looked for, but for those nearer to a place than `seen2`, and how
+ * many corners these may have in common with one that passes through them. */
+struct near {
+    const uint32_t *point;
+    unsigned count;
+    int common;
+    const float *place;
+    float seen2;
+};
+
+static int crosses(const struct vor_complex *complex, const float *xyz, const uint32_t corner[3],
+                   const struct near *near)
+{
+    for (unsigned i = 0; i < near->count; i++) {
+        const uint32_t *around = &complex->around[(size_t)near->point[i] * VOR_AROUND_MOST];
+
+        if (near->seen2 > 0 &&
+            vor_distance2f(near->place, &xyz[3 * (size_t)near->point[i]]) < (double)near->seen2)
+            continue;
+        for (unsigned k = 0; k < complex->degree[near->point[i]]; k++)
+            if (cross(xyz, corner, &complex->triangle[3 * (size_t)around[k]], near->common))
+                return 1;
+    }
+    return 0;
+}
+
+int vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
+                      const uint32_t corner[3])
+{
+    const float *xyz = balls->sheet->seeds->xyz, *place = &xyz[3 * (size_t)corner[2]];
+
+    for (int c = 2; c >= 0; c--) {
+        const struct near near = {&balls->list[(size_t)corner[c] * VOR_BALLS_FEW],
+                                  balls->count[corner[c]], 1, place,
+                                  c == 2 || balls->parts ? 0 : balls->far2[corner[2]]};
+
+        if (crosses(complex, xyz, corner, &near))
+            return 1;
+    }
     return 0;
 }
 
@@ -109,15 +179,7 @@ static int is_crossed(const struct crossing *crossing, size_t t)
         for (int d = 0; d < 3; d++)
             middle[d] += xyz[3 * (size_t)corner[c] + (size_t)d] / 3;
     vor_knn_search(crossing->knn, middle, 1, crossing->most, index, distance2);
-    for (unsigned e = 0; e < crossing->most; e++)
-        for (unsigned k = 0; k < complex->degree[index[e]]; k++) {
-            uint32_t other = complex->around[(size_t)index[e] * VOR_AROUND_MOST + k];
-            const uint32_t *its = &complex->triangle[3 * (size_t)other];
-
-            if (vor_crossing_is(xyz, corner, its))
-                return 1;
-        }
-    return 0;
+    return crosses(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0});
 }
 
 static void cross_block(void *ctx, size_t begin, size_t end, unsigned worker)

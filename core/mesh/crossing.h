@@ -12,8 +12,8 @@
 #ifndef VOR_MESH_CROSSING_H
 #define VOR_MESH_CROSSING_H
 
+#include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
-#include "core/mesh/sheet.h"
 
 /** Drops triangles of which an edge passes through another triangle, or that an edge of another
  *  passes through; touching is none. Does nothing where the input was not found to have sheets on
@@ -31,7 +31,9 @@ VOR_NODISCARD vor_status vor_crossing_drop(struct vor_complex *complex,
                                            const struct vor_sheet *sheet, const struct vor_run *run,
                                            struct vor_error *err);
 
-/** Whether two triangles of points xyz without a common corner pass through each other. O(1). */
-int vor_crossing_is(const float *xyz, const uint32_t s[3], const uint32_t t[3]);
+/** Whether a triangle passes through one at a point that is listed around a corner of it, also if
+ *  they have one corner in common. O(1). */
+int vor_crossing_near(const struct vor_complex *complex, const struct vor_balls *balls,
+                      const uint32_t corner[3]);
 
 #endif

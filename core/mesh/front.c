@@ -69,26 +69,6 @@ static int joins(const struct front *front, uint32_t i, uint32_t j)
     return (!front->strict || vor_sheet_is_beside(front->sheet, i, j)) && leads(front, i, j);
 }
 
-/* Whether a triangle passes through one at a point around its third corner; each is looked at from
- * its first corner alone. */
-static int is_crossed(const struct front *front, const uint32_t corner[3])
-{
-    const struct vor_complex *complex = front->complex;
-    const struct vor_balls *balls = front->balls;
-    const uint32_t *list = &balls->list[(size_t)corner[2] * VOR_BALLS_FEW];
-
-    for (unsigned i = 0; i < balls->count[corner[2]]; i++)
-        for (unsigned k = 0; k < complex->degree[list[i]]; k++) {
-            const uint32_t *its =
-                &complex
-                     ->triangle[3 * (size_t)complex->around[(size_t)list[i] * VOR_AROUND_MOST + k]];
-
-            if (its[0] == list[i] && vor_crossing_is(front->sheet->seeds->xyz, corner, its))
-                return 1;
-        }
-    return 0;
-}
-
 /* The cosine between the normal of a triangle, of unit length, and that of the surface at a point;
  * its amount where it is not known which side of it triangles face. */
 static double agrees(const struct front *front, uint32_t point, const double normal[3], int facing)
@@ -145,7 +125,7 @@ static int meets(const struct front *front, const uint32_t corner[3])
 static int is_free(struct front *front, const uint32_t corner[3])
 {
     return vor_complex_takes(front->complex, corner) && has_sides(front, corner) &&
-           !is_crossed(front, corner) &&
+           !vor_crossing_near(front->complex, front->balls, corner) &&
            !(meets(front, corner) && vor_handle_is(front->complex, &front->sides, corner));
 }
 
@@ -170,64 +150,76 @@ struct search {
     const struct open_edge *edge;
     uint32_t beside;  /* the third corner of the triangle that it has */
     double before[3]; /* and the normal of that */
-    uint64_t refused; /* a bit for each point around */
+    const double *to; /* the offset of its second point from its first */
 };
 
-/* Finds the best third corner among the points around that are not refused. Returns what it is
- * worth. */
-static float best_of(struct front *front, const struct search *search, unsigned *at)
+/* What the triangle with a point around as its third corner is worth; -INFINITY where there is
+ * none, or none worth more than `least`. */
+static float worth_of(const struct front *front, const struct search *search, unsigned i,
+                      float least)
 {
     const struct vor_balls *balls = front->balls;
     const struct open_edge *edge = search->edge;
-    const double *b = vor_balls_find(balls, edge->b);
-    double most2 = INFINITY;
-    float best = -INFINITY;
+    uint32_t corner[3] = {edge->b, edge->a, balls->index[i]};
+    double normal[3], turned, radius2, most2 = INFINITY;
 
-    for (unsigned i = 0; b != NULL && i < balls->around; i++) {
-        uint32_t corner[3] = {edge->b, edge->a, balls->index[i]};
-        double normal[3], turned, radius2;
-        float worth;
-
-        if ((search->refused >> i & 1) != 0 || corner[2] == edge->a || corner[2] == edge->b ||
-            corner[2] == search->beside || !unit_normal(normal, front, corner))
-            continue;
-        turned = vor_dot(normal, search->before);
-        if (!(turned > FOLDED) || (turned < SMOOTH && (float)(turned - 1) <= best) ||
-            !is_along(front, corner, normal))
-            continue;
-        radius2 =
-            vor_balls_radius2(balls, b, balls->x[i], turned < SMOOTH ? (double)INFINITY : most2);
-        if (!(radius2 < (double)INFINITY))
-            continue;
-        worth = turned < SMOOTH ? (float)(turned - 1) : (float)(1 / sqrt(radius2));
-        if (worth > best) {
-            best = worth;
-            *at = i;
-            most2 = turned < SMOOTH ? most2 : radius2;
-        }
-    }
-    return best;
+    if (corner[2] == edge->a || corner[2] == edge->b || corner[2] == search->beside ||
+        !unit_normal(normal, front, corner))
+        return -INFINITY;
+    turned = vor_dot(normal, search->before);
+    if (!(turned > FOLDED) || (turned < SMOOTH && (float)(turned - 1) <= least) ||
+        !is_along(front, corner, normal))
+        return -INFINITY;
+    if (turned >= SMOOTH && least > 0)
+        most2 = 1 / ((double)least * (double)least);
+    radius2 = vor_balls_radius2(balls, search->to, balls->x[i], most2);
+    if (!(radius2 < (double)INFINITY))
+        return -INFINITY;
+    return turned < SMOOTH ? (float)(turned - 1) : (float)(1 / sqrt(radius2));
 }
 
-/* Finds the best next triangle over an edge, and what it is worth. */
-static float find_among(struct front *front, struct open_edge *edge, struct search *search)
+/* Whether the triangle with a point around as its third corner lies on the input, and those that
+ * there are leave room for it. */
+static int fits(struct front *front, struct open_edge *edge, unsigned i)
 {
+    edge->third = front->balls->index[i];
+    return is_on(front, (uint32_t[3]){edge->b, edge->a, edge->third}) &&
+           is_free(front, (uint32_t[3]){edge->b, edge->a, edge->third});
+}
+
+/* Finds the best next triangle over an edge among as many points as the edge says, and what it is
+ * worth. The first is mostly it; where it is not, each is asked for what it is worth once. */
+static float find_around(struct front *front, struct open_edge *edge, struct search *search)
+{
+    const struct vor_balls *balls = front->balls;
+    float worth[VOR_BALLS_MANY], best = -INFINITY;
     unsigned at = 0;
-    float worth;
 
     vor_balls_look(front->balls, edge->a, edge->around);
-    for (search->refused = 0;; search->refused |= (uint64_t)1 << at) {
-        worth = best_of(front, search, &at);
-        if (!(worth > -INFINITY))
-            return worth;
-        edge->third = front->balls->index[at];
-        if (is_on(front, (uint32_t[3]){edge->b, edge->a, edge->third}) &&
-            is_free(front, (uint32_t[3]){edge->b, edge->a, edge->third}))
-            return worth;
+    search->to = vor_balls_find(balls, edge->b);
+    for (unsigned i = 0; search->to != NULL && i < balls->around; i++) {
+        float here = worth_of(front, search, i, best);
+
+        if (here > best) {
+            best = here;
+            at = i;
+        }
+    }
+    if (!(best > -INFINITY) || fits(front, edge, at))
+        return best;
+    for (unsigned i = 0; i < balls->around; i++)
+        worth[i] = i == at ? -INFINITY : worth_of(front, search, i, -INFINITY);
+    for (;;) {
+        for (unsigned i = at = 0; i < balls->around; i++)
+            at = worth[i] > worth[at] ? i : at;
+        best = worth[at];
+        if (!(best > -INFINITY) || fits(front, edge, at))
+            return best;
+        worth[at] = -INFINITY;
     }
 }
 
-/* The same among as many points as the edge says. */
+/* The same where the edge has one triangle. */
 static float find_best(struct front *front, struct open_edge *edge)
 {
     struct search search = {.edge = edge};
@@ -237,7 +229,7 @@ static float find_best(struct front *front, struct open_edge *edge)
         return -INFINITY;
     search.beside = beside[0];
     return unit_normal(search.before, front, (uint32_t[3]){edge->a, edge->b, beside[0]})
-               ? find_among(front, edge, &search)
+               ? find_around(front, edge, &search)
                : -INFINITY;
 }
 
@@ -489,7 +481,8 @@ static vor_status go_on(struct front *front, const struct vor_run *run, struct v
     for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
         if (i % POLLED == 0)
             status = vor_run_answered(vor_run_poll(run), err);
-        if (status != VOR_OK || complex->degree[i] > 0 || !vor_sheet_has(front->sheet, i))
+        if (status != VOR_OK || !front->facing || complex->degree[i] > 0 ||
+            !vor_sheet_has(front->sheet, i))
             continue;
         status = begin_at(front, (uint32_t)i, err);
         if (status == VOR_OK)

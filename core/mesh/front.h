@@ -5,8 +5,7 @@
  *  first, those over which the surface turns by less than 30 degrees before sharper ones. Where
  *  nothing is left to do and points are without triangles, it begins there anew. The mesh stays a
  *  manifold of two sides, over the input, on one sheet. A triangle that passes through one of
- *  those at the points nearest to its third corner is not taken. Others are not looked at: a mesh
- *  of very noisy points may pass through itself (20,000 points, noise of 1.2 spacings: 105 pairs).
+ *  those at the points nearest to its corners is not taken.
  *  Creases, tips and uneven points need no agreement between neighbours, which dual cells do.
  *
  *  Source: Cohen-Steiner and Da 2004, "A greedy Delaunay-based surface reconstruction algorithm".

@@ -345,6 +345,68 @@ START_TEST(two_spheres_an_input_spacing_apart_are_unsure)
 }
 END_TEST
 
+/* Six times the volume of a tetrahedron. */
+static double volume6_of(const float *a, const float *b, const float *c, const float *d)
+{
+    double u[3][3];
+
+    for (int e = 0; e < 3; e++) {
+        u[0][e] = (double)b[e] - (double)a[e];
+        u[1][e] = (double)c[e] - (double)a[e];
+        u[2][e] = (double)d[e] - (double)a[e];
+    }
+    return u[0][0] * (u[1][1] * u[2][2] - u[1][2] * u[2][1]) +
+           u[0][1] * (u[1][2] * u[2][0] - u[1][0] * u[2][2]) +
+           u[0][2] * (u[1][0] * u[2][1] - u[1][1] * u[2][0]);
+}
+
+/* Whether edge c of triangle s passes through triangle t, of which it has no corner. */
+static int passes(const struct vt_meshed *meshed, size_t s, int c, size_t t)
+{
+    const float *p = corner(meshed, s, c), *q = corner(meshed, s, (c + 1) % 3), *a[3];
+    double turn[3];
+
+    for (int d = 0; d < 3; d++) {
+        a[d] = corner(meshed, t, d);
+        if (a[d] == p || a[d] == q)
+            return 0;
+    }
+    if (!(volume6_of(a[0], a[1], a[2], p) * volume6_of(a[0], a[1], a[2], q) < 0))
+        return 0;
+    for (int d = 0; d < 3; d++)
+        turn[d] = volume6_of(p, q, a[d], a[(d + 1) % 3]);
+    return turn[0] * turn[1] > 0 && turn[1] * turn[2] > 0;
+}
+
+/* Regression: triangles were compared with those around one corner, and with none that shared one;
+ * loops were closed without a look. */
+START_TEST(a_mesh_of_noisy_points_does_not_pass_through_itself)
+{
+    struct vor_cloud in;
+    struct vt_meshed meshed;
+    struct vt_engine engine;
+
+    vt_cloud_sphere(&in, (uint64_t)_i, 1500);
+    for (size_t i = 0; i < 3 * in.n; i++)
+        in.xyz[i] += (float)(0.12 * vt_normal((uint64_t)_i + 1000, i)); /* 1.2 spacings */
+    vt_engine_open(&engine, 2);
+    vor_spec_preset(&engine.spec, vor_process_find("mesh"));
+    vt_engine_set(&engine, "filters", "outliers"); /* and no point moves */
+    vt_assert_ok(vt_engine_mesh(&meshed, &in, &engine));
+    vt_engine_close(&engine);
+    assert_sound(&meshed);
+    ck_assert_uint_gt(meshed.mesh.count, in.n);
+    for (size_t s = 0; s < meshed.mesh.count; s++)
+        for (size_t t = 0; t < meshed.mesh.count; t++)
+            for (int c = 0; c < 3; c++)
+                if (passes(&meshed, s, c, t))
+                    ck_abort_msg("triangle %zu passes through %zu", s, t);
+    vt_meshed_free(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(triangles_follow_the_points_into_another_order)
 {
     struct vor_cloud in;
@@ -422,6 +484,8 @@ int main(void)
                    VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, two_spheres_an_input_spacing_apart_are_unsure, 0);
+    vt_add_figures(suite, a_mesh_of_noisy_points_does_not_pass_through_itself,
+                   VT_FEWER(VT_SOAK_LOOPS(1, 5)));
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
     vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
     vt_add(suite, fewer_than_three_points_have_no_triangles);
