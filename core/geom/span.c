@@ -16,7 +16,7 @@ enum {
 /* Trees on their way into one tree a component. Trees are known by the point that they grew from.
  */
 struct grow {
-    struct vor_span *span; /* first: the tree of each point */
+    struct vor_span *span; /* component: the tree of each point */
     const struct vor_graph *graph;
     const unsigned char *edge;
     uint32_t *last, *size; /* of a tree: the end of its chain, and how many points it has */
@@ -46,7 +46,7 @@ static struct vote vote_of(const struct grow *grow, uint32_t small, uint32_t lar
 
     for (uint32_t i = small; i != NONE; i = grow->span->next[i])
         for (unsigned a = 0; a < graph->count[i]; a++)
-            if (grow->span->first[graph->list[(size_t)i * graph->most + a]] == large)
+            if (grow->span->component[graph->list[(size_t)i * graph->most + a]] == large)
                 add_vote(&vote, grow, i, a);
     return vote;
 }
@@ -80,14 +80,14 @@ static void join(struct grow *grow, uint32_t i, unsigned a)
 {
     struct vor_span *span = grow->span;
     uint32_t j = grow->graph->list[(size_t)i * grow->graph->most + a];
-    uint32_t large = span->first[i], small = span->first[j];
+    uint32_t large = span->component[i], small = span->component[j];
     struct vote vote;
 
     if (large == small)
         return;
     if (grow->size[large] < grow->size[small]) {
         small = large;
-        large = span->first[j];
+        large = span->component[j];
     }
     vote = grow->vote ? vote_of(grow, small, large) : (struct vote){0, 0};
     add_vote(&vote, grow, i, a);
@@ -95,7 +95,7 @@ static void join(struct grow *grow, uint32_t i, unsigned a)
         remember(span,
                  &(struct vor_span_join){small, grow->size[small], fabs(vote.sum) / vote.total});
     for (uint32_t k = small; k != NONE; k = span->next[k]) {
-        span->first[k] = large;
+        span->component[k] = large;
         span->odd[k] ^= vote.sum < 0;
     }
     span->next[grow->last[large]] = small;
@@ -116,17 +116,16 @@ static void join_level(void *ctx, size_t begin, size_t end, unsigned worker)
                 join(grow, (uint32_t)i, a);
 }
 
-/* Names components by their first points. */
-static void name(struct grow *grow)
+static void number(struct grow *grow)
 {
     for (size_t i = 0; i < grow->graph->n; i++)
         grow->last[i] = NONE;
     for (size_t i = 0; i < grow->graph->n; i++) {
-        uint32_t *of = &grow->last[grow->span->first[i]];
+        uint32_t *of = &grow->last[grow->span->component[i]];
 
         if (*of == NONE)
-            *of = (uint32_t)i;
-        grow->span->first[i] = *of;
+            *of = (uint32_t)grow->span->components++;
+        grow->span->component[i] = *of;
     }
 }
 
@@ -136,14 +135,14 @@ static vor_status run_levels(struct grow *grow, const struct vor_run *run, struc
 
     memset(grow->span->odd, 0, grow->graph->n);
     for (size_t i = 0; i < grow->graph->n; i++) {
-        grow->span->first[i] = grow->last[i] = (uint32_t)i;
+        grow->span->component[i] = grow->last[i] = (uint32_t)i;
         grow->span->next[i] = NONE;
         grow->size[i] = 1;
     }
     for (; grow->level < VOR_SPAN_LEVELS && status == VOR_OK; grow->level++)
         status = vor_run_for(run, 1, 1, join_level, grow, err);
     if (status == VOR_OK)
-        name(grow);
+        number(grow);
     return status;
 }
 
@@ -155,12 +154,12 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
     struct grow grow = {.span = &span, .graph = graph, .edge = edge, .vote = vote};
     vor_status status;
 
-    span.first = vor_malloc(run->memory, graph->n, sizeof *span.first);
+    span.component = vor_malloc(run->memory, graph->n, sizeof *span.component);
     span.next = vor_malloc(run->memory, graph->n, sizeof *span.next);
     span.odd = vor_malloc(run->memory, graph->n, sizeof *span.odd);
     grow.last = vor_malloc(run->memory, graph->n, sizeof *grow.last);
     grow.size = vor_malloc(run->memory, graph->n, sizeof *grow.size);
-    if (span.first == NULL || span.next == NULL || span.odd == NULL || grow.last == NULL ||
+    if (span.component == NULL || span.next == NULL || span.odd == NULL || grow.last == NULL ||
         grow.size == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "signs of %zu points", graph->n);
     else
@@ -180,6 +179,6 @@ void vor_span_free(struct vor_span *span)
         return;
     vor_free(span->memory, span->odd);
     vor_free(span->memory, span->next);
-    vor_free(span->memory, span->first);
+    vor_free(span->memory, span->component);
     memset(span, 0, sizeof *span);
 }

@@ -31,9 +31,10 @@ struct vor_span_join {
 struct vor_span {
     struct vor_memory *memory;
     size_t n;
-    uint32_t *first;    /**< n: the first point of each point's component */
-    uint32_t *next;     /**< n: the points of a component, in a chain that keeps trees together */
-    unsigned char *odd; /**< n: 0 or 1, the sign */
+    size_t components;
+    uint32_t *component; /**< n: numbers in the order of the components' first points */
+    uint32_t *next;      /**< n: the points of a component, in a chain that keeps trees together */
+    unsigned char *odd;  /**< n: 0 or 1, the sign */
     unsigned joins;
     struct vor_span_join
         join[VOR_SPAN_JOINS]; /**< the largest and least supported, in the order of joining */

@@ -33,8 +33,10 @@ struct block {
 struct winding {
     const struct vor_span *span;
     const struct vor_winding_points *points;
+    uint32_t *point;                 /* points, component by component */
+    uint32_t *begins;                /* components + 1: in point */
     unsigned char *piece;            /* of each point */
-    uint32_t *member;                /* points, piece by piece */
+    uint32_t *member;                /* points of the component, piece by piece */
     size_t start[PIECES + 1];        /* in member */
     uint64_t inside[VOR_SPAN_JOINS]; /* the pieces of each patch, a bit each */
     struct block *block;
@@ -119,36 +121,33 @@ static void take_numbers(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Lists the points of the component of point `one`, or all, by pieces. */
-static void list_members(struct winding *winding, const uint32_t *one)
+/* Lists the points of component c, by pieces: those of its patches if asked for, else one. */
+static void list_members(struct winding *winding, size_t c, int patches)
 {
     const struct vor_span *span = winding->span;
     size_t at[PIECES + 1] = {0};
 
-    memset(winding->piece, 0, span->n);
     memset(winding->inside, 0, sizeof winding->inside);
-    for (unsigned j = 0; one != NULL && j < span->joins; j++) {
+    for (size_t k = winding->begins[c]; k < winding->begins[c + 1]; k++)
+        winding->piece[winding->point[k]] = 0;
+    for (unsigned j = 0; patches && j < span->joins; j++) {
         uint32_t p = span->join[j].first;
 
-        for (uint32_t k = 0; k < span->join[j].count; k++, p = span->next[p]) {
+        for (uint32_t k = 0; span->component[p] == c && k < span->join[j].count; k++) {
             if (winding->piece[p] == 0)
                 winding->piece[p] = (unsigned char)(j + 1);
             winding->inside[j] |= 1ULL << winding->piece[p];
+            if (k + 1 < span->join[j].count)
+                p = span->next[p];
         }
     }
-    for (int write = 0; write < 2; write++) {
-        for (size_t i = 0; i < span->n; i++)
-            if (one == NULL || span->first[i] == span->first[*one]) {
-                if (write)
-                    winding->member[at[winding->piece[i]]++] = (uint32_t)i;
-                else
-                    at[winding->piece[i] + 1]++;
-            }
-        for (unsigned p = 0; !write && p < PIECES; p++)
-            at[p + 1] += at[p];
-        if (!write)
-            memcpy(winding->start, at, sizeof at);
-    }
+    for (size_t k = winding->begins[c]; k < winding->begins[c + 1]; k++)
+        at[winding->piece[winding->point[k]] + 1]++;
+    for (unsigned p = 0; p < PIECES; p++)
+        at[p + 1] += at[p];
+    memcpy(winding->start, at, sizeof at);
+    for (size_t k = winding->begins[c]; k < winding->begins[c + 1]; k++)
+        winding->member[at[winding->piece[winding->point[k]]]++] = winding->point[k];
 }
 
 /* Cuts the pieces into blocks, and chooses samples. */
@@ -241,35 +240,57 @@ static int turn_best(uint64_t *turned, struct vor_winding_found *found,
     return 1;
 }
 
-static vor_status measure(struct winding *winding, const uint32_t *one, const struct vor_run *run,
+/* Takes the numbers on component c. */
+static vor_status measure(struct winding *winding, size_t c, int patches, const struct vor_run *run,
                           struct vor_error *err)
 {
     vor_status status;
 
-    list_members(winding, one);
+    list_members(winding, c, patches);
     cut(winding);
-    memset(winding->number, 0, sizeof winding->number);
+    memset(winding->number, 0, winding->samples * sizeof *winding->number);
     status = vor_run_for(run, winding->blocks, TASK, make_blocks, winding, err);
     if (status == VOR_OK)
         status = vor_run_for(run, winding->samples, 1, take_numbers, winding, err);
     return status;
 }
 
+/* Lists the points component by component, in their order. */
+static void sort_points(struct winding *winding)
+{
+    const struct vor_span *span = winding->span;
+    uint32_t *first = winding->begins;
+
+    for (size_t i = 0; i < span->n; i++)
+        first[span->component[i] + 1]++;
+    for (size_t c = 0; c < span->components; c++)
+        first[c + 1] += first[c];
+    for (size_t i = 0; i < span->n; i++)
+        winding->point[first[span->component[i]]++] = (uint32_t)i;
+    memmove(&first[1], first, span->components * sizeof *first);
+    first[0] = 0;
+}
+
 static vor_status begin(struct winding **out, const struct vor_span *span,
                         const struct vor_winding_points *points, const struct vor_run *run,
                         struct vor_error *err)
 {
-    struct winding *winding = *out = vor_calloc(run->memory, 1, sizeof *winding);
+    struct vor_memory *memory = run->memory;
+    struct winding *winding = *out = vor_calloc(memory, 1, sizeof *winding);
 
     if (winding == NULL)
         return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
     winding->span = span;
     winding->points = points;
-    winding->piece = vor_malloc(run->memory, span->n, sizeof *winding->piece);
-    winding->member = vor_malloc(run->memory, span->n, sizeof *winding->member);
-    winding->block = vor_malloc(run->memory, span->n / BLOCK + PIECES, sizeof *winding->block);
-    if (winding->piece == NULL || winding->member == NULL || winding->block == NULL)
+    winding->point = vor_malloc(memory, span->n, sizeof *winding->point);
+    winding->begins = vor_calloc(memory, span->components + 1, sizeof *winding->begins);
+    winding->piece = vor_malloc(memory, span->n, sizeof *winding->piece);
+    winding->member = vor_malloc(memory, span->n, sizeof *winding->member);
+    winding->block = vor_malloc(memory, span->n / BLOCK + PIECES, sizeof *winding->block);
+    if (winding->point == NULL || winding->begins == NULL || winding->piece == NULL ||
+        winding->member == NULL || winding->block == NULL)
         return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
+    sort_points(winding);
     return VOR_OK;
 }
 
@@ -280,14 +301,16 @@ static void end(struct winding *winding, const struct vor_run *run)
     vor_free(run->memory, winding->block);
     vor_free(run->memory, winding->member);
     vor_free(run->memory, winding->piece);
+    vor_free(run->memory, winding->begins);
+    vor_free(run->memory, winding->point);
     vor_free(run->memory, winding);
 }
 
-/* Turns the pieces of the component of point `one` that face the wrong way. */
-static vor_status turn_component(struct winding *winding, struct vor_span *span, uint32_t one,
+/* Turns the pieces of component c that face the wrong way. */
+static vor_status turn_component(struct winding *winding, struct vor_span *span, size_t c,
                                  const struct vor_run *run, struct vor_error *err)
 {
-    vor_status status = measure(winding, &one, run, err);
+    vor_status status = measure(winding, c, 1, run, err);
     struct vor_winding_found found;
     uint64_t turned = 0;
 
@@ -310,10 +333,10 @@ vor_status vor_winding_turn(struct vor_span *span, const struct vor_winding_poin
     for (unsigned j = 0; j < span->joins && status == VOR_OK; j++) {
         unsigned before = 0;
 
-        while (span->first[span->join[before].first] != span->first[span->join[j].first])
+        while (span->component[span->join[before].first] != span->component[span->join[j].first])
             before++;
         if (before == j)
-            status = turn_component(winding, span, span->join[j].first, run, err);
+            status = turn_component(winding, span, span->component[span->join[j].first], run, err);
     }
     end(winding, run);
     return status;
@@ -326,10 +349,14 @@ vor_status vor_winding_find(struct vor_winding_found *out, const struct vor_span
     struct winding *winding;
     vor_status status = begin(&winding, span, points, run, err);
 
-    if (status == VOR_OK)
-        status = measure(winding, NULL, run, err);
-    if (status == VOR_OK)
-        *out = found_with(winding, 0);
+    for (size_t c = 0; c < span->components && status == VOR_OK; c++) {
+        out[c] = (struct vor_winding_found){0, 0};
+        if (winding->begins[c + 1] - winding->begins[c] < VOR_WINDING_LEAST)
+            continue;
+        status = measure(winding, c, 0, run, err);
+        if (status == VOR_OK)
+            out[c] = found_with(winding, 0);
+    }
     end(winding, run);
     return status;
 }

@@ -23,23 +23,29 @@ struct vor_winding_points {
 /** Turns those of the patches of `span` that face the wrong way: the one first whose turning gains
  *  most.
  *
- *  @retval VOR_E_NOMEM 6 bytes a point and 150,000 do not fit
+ *  @retval VOR_E_NOMEM 14 bytes a point and 150,000 do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; some components are done
  *
- *  O(n) for each component with patches and for each of at most 1,056 places, on the run's pool.
- * The same signs for any number of threads. */
+ *  O(n) for each of at most 1,056 places, on the run's pool. The same signs for any number of
+ *  threads. */
 VOR_NODISCARD vor_status vor_winding_turn(struct vor_span *span,
                                           const struct vor_winding_points *points,
                                           const struct vor_run *run, struct vor_error *err);
 
-/** Winding numbers on a surface. */
+/** Winding numbers on a component. */
 struct vor_winding_found {
     double mean;  /**< about a half, or minus a half, where it is closed */
     double apart; /**< mean square of how far they are from that: 0 on a closed surface, 0.25 on a
                        flat sheet */
 };
 
-/** Finds the numbers on the points.
+/** Components of fewer points are not looked at: a spacing is a large part of them. */
+enum { VOR_WINDING_LEAST = 40 };
+
+/** Finds the numbers on the points of each component, from this component alone.
+ *
+ *  @param[out] out  span->components; 0 for those with fewer than VOR_WINDING_LEAST
+ *                   points
  *
  *  Fails as vor_winding_turn. O(n), on the run's pool. The same bits for any number of threads. */
 VOR_NODISCARD vor_status vor_winding_find(struct vor_winding_found *out,

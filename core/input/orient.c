@@ -56,9 +56,9 @@ enum {
  * and double: not measured. */
 #define CLOSED 0.25
 /* Mean square of how far winding numbers are from a half, beyond which a surface is not well
- * closed. Measured: clean closed surfaces 0.0002 to 0.007, with noise of a third of the spacing
- * 0.04; a wedge of which a face is on the wrong side 0.11. */
-#define APART 0.03
+ * closed: between clean closed surfaces, 0.0002 to 0.007, with noise of a third of the spacing
+ * 0.04, and a wedge of which a face is on the wrong side, 0.11. */
+#define APART 0.06
 #define PI 3.14159265358979
 
 /* The points to orient and what is found of them. */
@@ -69,9 +69,9 @@ struct orient {
     const struct vor_attribute *carried;
     float *normal;
     unsigned char *edge;
-    float *rough;         /* how far, in spacings, the points are off the surface fitted to them */
-    int shun_rough;       /* edges between such points weigh more */
-    struct vor_span span; /* first: in the end the component's number */
+    float *rough;   /* how far, in spacings, the points are off the surface fitted to them */
+    int shun_rough; /* edges between such points weigh more */
+    struct vor_span span;
 };
 
 /* What adds up over a component. */
@@ -176,18 +176,6 @@ static void edge_block(void *ctx, size_t begin, size_t end, unsigned worker)
                 edge_of(orient, i, graph->list[i * graph->most + a]);
 }
 
-/* Numbers the components in the order of their first points. Returns how many there are. */
-static size_t number(struct orient *orient)
-{
-    size_t count = 0;
-
-    for (size_t i = 0; i < orient->on->n; i++)
-        orient->span.first[i] = orient->span.first[i] == i
-                                    ? (uint32_t)count++
-                                    : orient->span.first[orient->span.first[i]];
-    return count;
-}
-
 static void turn(struct orient *orient)
 {
     for (size_t i = 0; i < orient->on->n; i++)
@@ -245,7 +233,7 @@ static void compare_carried(struct component *of, const struct orient *orient, s
 static void add_up(struct component *components, const struct orient *orient)
 {
     for (size_t i = 0; i < orient->on->n; i++) {
-        struct component *of = &components[orient->span.first[i]];
+        struct component *of = &components[orient->span.component[i]];
         double area = area_of(orient, i);
 
         of->points++;
@@ -264,7 +252,7 @@ static void add_up(struct component *components, const struct orient *orient)
 static void add_flux(struct component *components, const struct orient *orient)
 {
     for (size_t i = 0; i < orient->on->n; i++) {
-        struct component *of = &components[orient->span.first[i]];
+        struct component *of = &components[orient->span.component[i]];
         double area = area_of(orient, i), from[3], normal[3];
 
         read3(from, &orient->on->xyz[3 * i]);
@@ -312,9 +300,9 @@ static void look_beside(struct component *components, const struct orient *orien
     reach2 = vor_distance2f(x, &on->xyz[3 * (size_t)graph->list[i * graph->most + count - 1]]);
     vor_knn_search(on->knn, x, 1, k, index, distance2);
     for (unsigned a = 0; a < k; a++)
-        if (components[orient->span.first[index[a]]].points >= SMALL &&
+        if (components[orient->span.component[index[a]]].points >= SMALL &&
             (double)distance2[a] <= reach2)
-            components[orient->span.first[i]].beside +=
+            components[orient->span.component[i]].beside +=
                 vor_span_vote(edge_of(orient, i, index[a]), 0);
 }
 
@@ -323,10 +311,10 @@ static void look_beside(struct component *components, const struct orient *orien
 static void join_sides(struct component *components, struct orient *orient)
 {
     for (size_t i = 0; i < orient->on->n; i++)
-        if (components[orient->span.first[i]].points < SMALL)
+        if (components[orient->span.component[i]].points < SMALL)
             look_beside(components, orient, i);
     for (size_t i = 0; i < orient->on->n; i++) {
-        const struct component *of = &components[orient->span.first[i]];
+        const struct component *of = &components[orient->span.component[i]];
 
         orient->span.odd[i] = of->beside < 0 && !carried_say(of);
     }
@@ -344,7 +332,7 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
     add_up(components, orient);
     add_flux(components, orient);
     for (size_t i = 0; i < orient->on->n; i++)
-        orient->span.odd[i] = (unsigned char)faces_inward(&components[orient->span.first[i]]);
+        orient->span.odd[i] = (unsigned char)faces_inward(&components[orient->span.component[i]]);
     turn(orient);
     join_sides(components, orient);
     for (size_t i = 0; i < out->components; i++)
@@ -353,12 +341,19 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
     return VOR_OK;
 }
 
+/* Signs spread once more. */
+struct anew {
+    const struct orient *orient;
+    struct vor_span span;
+    struct vor_winding_found *found; /* of each component */
+};
+
 /* Every point whose neighbours mostly say so changes its side, in the order of the points. */
 static void outvote(void *ctx, size_t begin, size_t end, unsigned worker)
 {
-    struct orient *orient = ctx;
+    const struct orient *orient = ((struct anew *)ctx)->orient;
     const struct vor_graph *graph = orient->graph;
-    unsigned char *odd = orient->span.odd;
+    unsigned char *odd = ((struct anew *)ctx)->span.odd;
 
     (void)worker;
     for (size_t i = begin; i < end; i++) {
@@ -373,67 +368,108 @@ static void outvote(void *ctx, size_t begin, size_t end, unsigned worker)
 
 /* Spreads the signs anew, by votes, and turns what faces the wrong way by itself: patches, then
  * points. */
-static vor_status spread_anew(struct orient *orient, const struct vor_winding_points *points,
+static vor_status spread_anew(struct anew *anew, const struct vor_winding_points *points,
                               const struct vor_run *run, struct vor_error *err)
 {
+    const struct orient *orient = anew->orient;
     size_t n = orient->on->n;
-    vor_status status = vor_span_make(&orient->span, orient->graph, orient->edge, 1, run, err);
+    vor_status status = vor_span_make(&anew->span, orient->graph, orient->edge, 1, run, err);
+
     if (status == VOR_OK)
-        status = vor_winding_turn(&orient->span, points, run, err);
+        status = vor_winding_turn(&anew->span, points, run, err);
     for (unsigned k = 0; k < VOTES && status == VOR_OK; k++)
-        status = vor_run_for(run, n, n, outvote, orient, err); /* one task: their order decides */
+        status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
+    if (status == VOR_OK)
+        status = vor_winding_find(anew->found, &anew->span, points, run, err);
     return status;
 }
 
-/* Where numbers on a surface are far from a half it is open, or faces are joined that lie on
+static int is_closed(const struct vor_winding_found *found)
+{
+    return fabs(found->mean) >= CLOSED;
+}
+
+/* Takes the new signs of the components that are closed, or that the new signs close. */
+static void take(struct orient *orient, struct vor_winding_found *found, const struct anew *anew)
+{
+    for (size_t i = 0; i < orient->on->n; i++) {
+        uint32_t c = orient->span.component[i];
+        const struct vor_winding_found *now = &anew->found[c];
+
+        if (orient->shun_rough
+                ? found[c].apart >= APART && is_closed(now) && now->apart <= found[c].apart / 2
+                : is_closed(&found[c]))
+            orient->span.odd[i] = anew->span.odd[i];
+    }
+}
+
+/* Spreads signs anew, across rough places last if that is set, and takes those that are better. */
+static vor_status try_anew(struct orient *orient, struct vor_winding_found *found,
+                           const struct vor_winding_points *points, const struct vor_run *run,
+                           struct vor_error *err)
+{
+    struct anew anew = {.orient = orient};
+    vor_status status;
+
+    anew.found = vor_malloc(run->memory, orient->span.components, sizeof *anew.found);
+    if (anew.found == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu components", orient->span.components);
+    status = spread_anew(&anew, points, run, err);
+    if (status == VOR_OK)
+        take(orient, found, &anew);
+    if (status == VOR_OK)
+        status = vor_winding_find(found, &orient->span, points, run, err);
+    vor_span_free(&anew.span);
+    vor_free(run->memory, anew.found);
+    return status;
+}
+
+/* Where the numbers on a component are far from a half it is open, or faces are joined that lie on
  * different sides: signs are spread anew, the rough places last. They are kept if that closes it.
  */
-static vor_status close_up(struct orient *orient, const struct vor_winding_points *points,
-                           const struct vor_run *run, struct vor_error *err)
+static vor_status close_up(struct orient *orient, struct vor_winding_found *found,
+                           const struct vor_winding_points *points, const struct vor_run *run,
+                           struct vor_error *err)
 {
-    struct vor_span other = orient->span;
-    struct vor_winding_found before, now = {0, 0};
-    vor_status status = vor_winding_find(&before, &orient->span, points, run, err);
+    vor_status status;
 
-    if (status != VOR_OK || before.apart < APART)
-        return status;
-    orient->span = (struct vor_span){.n = 0};
     orient->shun_rough = 1;
     status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
     if (status == VOR_OK)
-        status = spread_anew(orient, points, run, err);
-    if (status == VOR_OK)
-        status = vor_winding_find(&now, &orient->span, points, run, err);
-    if (status == VOR_OK && (fabs(now.mean) < CLOSED || now.apart > before.apart / 2)) {
-        struct vor_span worse = orient->span;
-
-        orient->span = other;
-        other = worse;
-    }
-    vor_span_free(&other);
+        status = try_anew(orient, found, points, run, err);
     orient->shun_rough = 0;
     return status == VOR_OK ? vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err)
                             : status;
 }
 
-/* Mends the signs where the surface is closed, or can be. */
+/* Mends the signs of components that are closed, or can be. */
 static vor_status mend(struct orient *orient, const struct vor_winding_points *points,
                        const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_winding_found found;
-    vor_status status = vor_winding_find(&found, &orient->span, points, run, err);
+    size_t components = orient->span.components, closed = 0, apart = 0;
+    struct vor_winding_found *found = vor_malloc(run->memory, components, sizeof *found);
+    vor_status status;
 
-    if (status == VOR_OK && fabs(found.mean) >= CLOSED &&
+    if (found == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu components", components);
+    status = vor_winding_find(found, &orient->span, points, run, err);
+    for (size_t c = 0; c < components && status == VOR_OK; c++)
+        closed += is_closed(&found[c]);
+    if (status == VOR_OK && closed > 0 &&
         orient->domain->known.neighbors.usual <=
-            orient->graph->most) { /* else noise: lists are too short */
-        vor_span_free(&orient->span);
-        status = spread_anew(orient, points, run, err);
-    }
-    return status == VOR_OK ? close_up(orient, points, run, err) : status;
+            orient->graph->most) /* else noise: lists are too short */
+        status = try_anew(orient, found, points, run, err);
+    for (size_t c = 0; c < components && status == VOR_OK; c++)
+        apart += found[c].apart >= APART;
+    if (status == VOR_OK && apart > 0)
+        status = close_up(orient, found, points, run, err);
+    vor_free(run->memory, found);
+    return status;
 }
 
-static vor_status find_signs(struct orient *orient, const struct vor_run *run,
-                             struct vor_error *err)
+/* Spreads signs over the graph, and turns components outward. */
+static vor_status spread(struct vor_orientation *out, struct orient *orient,
+                         const struct vor_run *run, struct vor_error *err)
 {
     float *area = vor_malloc(run->memory, orient->on->n, sizeof *area);
     struct vor_winding_points points = {orient->on->xyz, orient->normal, area};
@@ -447,17 +483,8 @@ static vor_status find_signs(struct orient *orient, const struct vor_run *run,
     if (status == VOR_OK)
         status = mend(orient, &points, run, err);
     vor_free(run->memory, area);
-    return status;
-}
-
-/* Spreads signs over the graph, and turns components outward. */
-static vor_status spread(struct vor_orientation *out, struct orient *orient,
-                         const struct vor_run *run, struct vor_error *err)
-{
-    vor_status status = find_signs(orient, run, err);
-
     if (status == VOR_OK) {
-        out->components = number(orient);
+        out->components = orient->span.components;
         turn(orient);
         status = face_outward(out, orient, run, err);
     }
