@@ -3,7 +3,6 @@
 #include "core/base/linalg.h"
 #include "core/geom/plane.h"
 #include "core/input/neighbors.h"
-#include "core/input/orient.h"
 #include "core/lop/fillets.h"
 #include "core/lop/weights.h"
 
@@ -48,7 +47,6 @@ struct normals {
     uint32_t *list;          /* n x most: those that count for each point */
     uint16_t *count;         /* n: how many they are */
     struct vor_lop_samples now, next;
-    struct vor_orientation orientation;
     double scale; /* of vor_lop_alike */
 };
 
@@ -180,7 +178,7 @@ static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
         float *normal = normals->now.normal + 3 * i;
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
 
-        if (vor_orientation_side(&normals->orientation, normals->domain,
+        if (vor_orientation_side(normals->how->orientation, normals->domain,
                                  &normals->domain->xyz[3 * i], n, &last) < 0)
             for (unsigned c = 0; c < 3; c++)
                 normal[c] = -normal[c];
@@ -354,13 +352,11 @@ static vor_status sign(struct normals *normals, const struct vor_run *run, struc
 {
     struct vor_orient_how how = {
         .points = normals->how->points, .area = normals->how->area, .plain = normals->how->plain};
-    vor_status status = vor_orient(&normals->orientation, normals->domain, &how, run, err);
-    if (status == VOR_OK)
-        *normals->how->one_sided = normals->orientation.one_sided;
-    if (status == VOR_OK)
-        status = vor_run_for(run, normals->domain->n, BLOCK, sign_block, normals, err);
-    vor_orientation_free(&normals->orientation, run->memory);
-    return status;
+    vor_status status = vor_orient(normals->how->orientation, normals->domain, &how, run, err);
+
+    if (status != VOR_OK)
+        return status;
+    return vor_run_for(run, normals->domain->n, BLOCK, sign_block, normals, err);
 }
 
 static vor_status find(struct normals *normals, const struct vor_run *run, struct vor_error *err)

@@ -20,18 +20,19 @@
 #ifndef VOR_LOP_NORMALS_H
 #define VOR_LOP_NORMALS_H
 
-#include "core/input/domain.h"
+#include "core/input/orient.h"
 #include "core/lop/samples.h"
 
 /** How that is done. */
 struct vor_lop_normals_how {
-    double sigma_n;    /**< radians, up to pi / 2 */
-    size_t points;     /**< of the result: sides are found on about as many (input/orient.h) */
-    double area;       /**< of the surface, in squared normalised units */
-    int plain;         /**< there is one sheet in each place (input/orient.h) */
-    int edges;         /**< the input has some: fillets are told from them (lop/fillets.h) */
-    uint32_t rounds;   /**< times that normals are smoothed and points moved; 0: they stay */
-    size_t *one_sided; /**< out: components that have one side only */
+    double sigma_n;  /**< radians, up to pi / 2 */
+    size_t points;   /**< of the result: sides are found on about as many (input/orient.h) */
+    double area;     /**< of the surface, in squared normalised units */
+    int plain;       /**< there is one sheet in each place (input/orient.h) */
+    int edges;       /**< the input has some: fillets are told from them (lop/fillets.h) */
+    uint32_t rounds; /**< times that normals are smoothed and points moved; 0: they stay */
+    struct vor_orientation *orientation; /**< out: all zero before; the sides of the domain, free
+                                              with vor_orientation_free, also on failure */
 };
 
 /** Points, each itself among them, to the farthest of which the area around it is measured. */
