@@ -351,7 +351,7 @@ vor_status vor_winding_find(struct vor_winding_found *out, const struct vor_span
 
     for (size_t c = 0; c < span->components && status == VOR_OK; c++) {
         out[c] = (struct vor_winding_found){0, 0};
-        if (winding->begins[c + 1] - winding->begins[c] < VOR_WINDING_LEAST)
+        if (winding->begins[c + 1] - winding->begins[c] < points->least)
             continue;
         status = measure(winding, c, 0, run, err);
         if (status == VOR_OK)

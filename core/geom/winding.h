@@ -18,6 +18,8 @@ struct vor_winding_points {
     const float *xyz;    /**< n x 3, points that are near in the array are near in space */
     const float *normal; /**< n x 3, unit length; span->odd says whether it is turned */
     const float *area;   /**< n: what a point stands for, not negative */
+    size_t least;        /**< vor_winding_find leaves out components of fewer points, of which a
+                              spacing is a large part */
 };
 
 /** Turns those of the patches of `span` that face the wrong way: the one first whose turning gains
@@ -39,13 +41,9 @@ struct vor_winding_found {
                        flat sheet */
 };
 
-/** Components of fewer points are not looked at: a spacing is a large part of them. */
-enum { VOR_WINDING_LEAST = 40 };
-
 /** Finds the numbers on the points of each component, from this component alone.
  *
- *  @param[out] out  span->components; 0 for those with fewer than VOR_WINDING_LEAST
- *                   points
+ *  @param[out] out  span->components; 0 for those left out
  *
  *  Fails as vor_winding_turn. O(n), on the run's pool. The same bits for any number of threads. */
 VOR_NODISCARD vor_status vor_winding_find(struct vor_winding_found *out,

@@ -472,7 +472,7 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
                          const struct vor_run *run, struct vor_error *err)
 {
     float *area = vor_malloc(run->memory, orient->on->n, sizeof *area);
-    struct vor_winding_points points = {orient->on->xyz, orient->normal, area};
+    struct vor_winding_points points = {orient->on->xyz, orient->normal, area, SMALL};
     vor_status status;
 
     if (area == NULL)

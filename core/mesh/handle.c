@@ -12,7 +12,7 @@ enum { FROM_THIRD = 3, FROM_OTHERS = 2, REACHED = 96, ALONG = 48 };
 enum { HOLE = 6 };
 
 /* Places of a table of points that are reached, and a place that none has. */
-enum { TABLE = 256 };
+enum { TABLE_SIZE = 256 };
 #define NONE UINT32_MAX
 
 /* Goes from triangle t and its open edge from `from` to `at` along the boundary. Returns the edges
@@ -64,7 +64,7 @@ static int loop_of(const struct vor_complex *complex, const uint32_t corner[3])
 /* Points that were reached, and a table of them by their last bits that is never full. */
 struct reached {
     unsigned count;
-    uint32_t point[REACHED], table[TABLE];
+    uint32_t point[REACHED], table[TABLE_SIZE];
 };
 
 static void clear(struct reached *reached)
@@ -76,10 +76,10 @@ static void clear(struct reached *reached)
 /* The place of a point in the table, or where it would be. */
 static unsigned place_of(const struct reached *reached, uint32_t point)
 {
-    unsigned at = point % TABLE;
+    unsigned at = point % TABLE_SIZE;
 
     while (reached->table[at] != NONE && reached->table[at] != point)
-        at = (at + 1) % TABLE;
+        at = (at + 1) % TABLE_SIZE;
     return at;
 }
 
