@@ -210,9 +210,10 @@ static float find_around(struct front *front, struct open_edge *edge, struct sea
     for (unsigned i = 0; i < balls->around; i++)
         worth[i] = i == at ? -INFINITY : worth_of(front, search, i, -INFINITY);
     for (;;) {
-        for (unsigned i = at = 0; i < balls->around; i++)
-            at = worth[i] > worth[at] ? i : at;
-        best = worth[at];
+        best = -INFINITY;
+        for (unsigned i = 0; i < balls->around; i++)
+            if (worth[i] > best)
+                best = worth[at = i];
         if (!(best > -INFINITY) || fits(front, edge, at))
             return best;
         worth[at] = -INFINITY;
