@@ -8,8 +8,11 @@
 /* Points that are done between two looks at whether to go on: some ms. */
 enum { POLL_EVERY = 4096 };
 
-/* Figures are the worst of twelve runs (three seeds of square, sphere, cylinder and fold, 20,000
- * points of white noise, lists of 20, beyond ten spacings). */
+/* Way along an edge: adds so much of its length to its cost, because it goes where the wave does
+ * only by chance. At 0 / 0.1 / 0.2, worst of twelve runs (three seeds of square, sphere, cylinder
+ * and fold, 20,000 points of white noise, lists of 20, beyond ten spacings): 2.6 % / 2.7 % / 2.7 %.
+ */
+#define EDGE_COST 0.1
 
 /* Way between two points: least distance of both, in lengths of the segment between them, from
  * which on the wave there is a cubic. Nearer to the source it is a circle. At 1.5 / 3 / 6: 2.6 %
@@ -137,7 +140,7 @@ static void along_edge(struct way *way, const double uv[3], double a)
     double length = sqrt(vor_dot(uv, uv));
 
     way->far = a + length;
-    way->cost = way->far;
+    way->cost = way->far + (a > 0 ? EDGE_COST * length : 0);
     for (int c = 0; c < 3; c++)
         way->heading[c] = length > 0 ? uv[c] / length : 0;
 }
