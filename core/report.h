@@ -55,9 +55,9 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Uniformity: the relative standard deviation of the distances to the nearest neighbour; "    \
       "lower is better")                                                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean deviation of those distances from their mean")                                         \
+      "Mean absolute deviation of those distances from their mean")                                \
     X(REAL, epsilon, "epsilon", "",                                                                \
-      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+      "Mean of those distances divided by their root mean square, 0 to 1; higher is better")       \
     X(REAL, energy, "energy", "unit of the cloud^4",                                               \
       "Energy of the tessellation; during the polish, that of the last iteration")                 \
     X(REAL, max_move, "max_move", "unit of the cloud", "Longest move of a point")                  \
@@ -67,7 +67,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(U32, step, "step", "", "Steps of this stage done")                                           \
     X(U32, of, "of", "",                                                                           \
       "Largest number of steps of this stage; 0 after the first step if it is not known")          \
-    X(U32, ahead, "ahead", "", "Largest number of steps of all later stages")                      \
+    X(U32, ahead, "ahead", "", "Steps that all later stages together take at most")                \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Iteration of the best result so far, which the run would return now")                       \
     X(U32, best_polish, "best.polish", "", "Polish step of the best result so far")                \
@@ -134,9 +134,9 @@ struct vor_stage_done {
       "spacing there; with a metric, distances are measured in it. The same applies to sigma, "    \
       "epsilon, events and trace")                                                                 \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean deviation of those distances from their mean")                                         \
+      "Mean absolute deviation of those distances from their mean")                                \
     X(REAL, epsilon, "epsilon", "",                                                                \
-      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+      "Mean of those distances divided by their root mean square, 0 to 1; higher is better")       \
     X(U32, iterations, "iterations", "", "Iterations or projection steps done")                    \
     X(U32, polish_steps, "polish_steps", "", "Polish steps done")                                  \
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
@@ -171,7 +171,7 @@ struct vor_stage_done {
       "Outliers among the input points: ignored, or pulled onto the surface")                      \
     X(U64, parts, "components", "", "Separate parts of the input")                                 \
     X(U64, islands, "islands.components", "",                                                      \
-      "Separate parts with fewer points than two fits need")                                       \
+      "Separate parts with fewer than twice the points of a local fit (neighbors)")                \
     X(U64, in_islands, "islands.points_in", "points", "Input points on islands")                   \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Points of the result on islands, each at the position of an input point; 0 if "             \
@@ -240,8 +240,9 @@ struct vor_stage_done {
       "Points of the result at borders of the input, for any value of boundary: 0 on a closed "    \
       "smooth surface, else about the length of the border divided by the spacing")                \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
-      "Numbers of input points that local surfaces were fitted to in the last step, ascending; "   \
-      "the points of all entries sum to points.out")                                               \
+      "Histogram of how many input points each local surface was fitted to in the last step: "     \
+      "neighbors is that number, ascending, and points is how many points of the result have "     \
+      "it; these sum to points.out")                                                               \
     X(U64, held, "held", "points", "Points held back at the border in the last iteration")         \
     X(U64, held_ever, "held_ever", "points", "Points held back at the border in any iteration")    \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
@@ -349,9 +350,9 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Uniformity: the relative standard deviation of the distances to the nearest neighbour; "    \
       "lower is better")                                                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean deviation of those distances from their mean")                                         \
+      "Mean absolute deviation of those distances from their mean")                                \
     X(REAL, epsilon, "epsilon", "",                                                                \
-      "Cosine between those distances and their mean, 0 to 1; higher is better")                   \
+      "Mean of those distances divided by their root mean square, 0 to 1; higher is better")       \
     X(REAL, mean_nn, "mean_nn", "unit of the cloud",                                               \
       "Mean distance to the nearest other point: the spacing")                                     \
     X(REAL, min_over_mean, "min_over_mean", "",                                                    \
@@ -438,7 +439,7 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(U64, points, "points", "points", "Points of the cloud along the loop")                       \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
-      "Centre of the line through these points, in the coordinates of the cloud")                  \
+      "Centroid of the closed line through these points, in the coordinates of the cloud")         \
     X(LOOP_KIND, kind, "kind", "",                                                                 \
       "hole: a gap inside a surface; rim: an outer border of an open surface")                     \
     X(LOOP_WHY, why, "why", "", "Evidence for the kind: where the surface lies")                   \
@@ -459,7 +460,7 @@ struct vor_loop_told {
 /** What a cloud is like. Lengths are in the unit of the cloud. */
 #define VOR_INSPECT_TABLE(X)                                                                       \
     X(TEXT, format, "format", "", "Format of the file: a value of the parameter format")           \
-    X(BOX, bounds, "bounds", "", "Box around all points")                                          \
+    X(BOX, bounds, "bounds", "", "Axis-aligned bounding box of all points")                        \
     X(VECTOR, origin, "origin", "unit of the cloud", "Point that positions are relative to")       \
     X(COLUMNS, attributes, "attributes", "", "Attributes of the points besides positions")         \
     X(U64, points, "points.all", "points", "Points of the cloud")                                  \
@@ -473,7 +474,8 @@ struct vor_loop_told {
       "Separate parts: no two points of different parts are among each other's neighbours")        \
     X(U64, largest, "components.largest", "points", "Points of the largest part")                  \
     X(U64, small, "components.small", "",                                                          \
-      "Parts with fewer points than two fits need: too few to show a surface")                     \
+      "Parts with fewer than twice the points of a local fit (neighbors): too few to show a "      \
+      "surface")                                                                                   \
     X(U64, small_points, "components.small_points", "points", "Points on islands")                 \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
       "Mean distance from a point to its nearest neighbour")                                       \

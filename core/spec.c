@@ -111,9 +111,10 @@ static vor_status refuse_size(enum vor_parameter parameter, const char *text, st
 {
     const char *name = vor_parameter_info(parameter)->name;
 
-    return vor_fail_param(err, VOR_E_PARAM, name,
-                          "%s has %zu bytes, want at most %d in all texts of a request", name,
-                          text != NULL ? strlen(text) : 0, VOR_SPEC_TEXTS_SIZE);
+    return vor_fail_param(
+        err, VOR_E_PARAM, name,
+        "%s has %zu bytes, want at most %d in all text values of a request together", name,
+        text != NULL ? strlen(text) : 0, VOR_SPEC_TEXTS_SIZE);
 }
 
 /* Sets a value, and lays the texts out anew where one comes or goes. */

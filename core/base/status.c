@@ -40,6 +40,21 @@ static void begin(struct vor_error *err, vor_status status, const char *paramete
     (void)snprintf(err->parameter, sizeof err->parameter, "%s", parameter);
 }
 
+/* Where memory ran out, the words are of what it was for; a failure that is passed on says it once.
+ */
+static void say(struct vor_error *err, const char *format, va_list args)
+{
+    static const char memory[] = "not enough memory: ";
+    size_t size = sizeof memory - 1;
+
+    (void)vsnprintf(err->message, sizeof err->message, format, args);
+    if (err->status != VOR_E_NOMEM || strncmp(err->message, memory, size) == 0)
+        return;
+    memmove(err->message + size, err->message, sizeof err->message - size);
+    memcpy(err->message, memory, size);
+    err->message[sizeof err->message - 1] = '\0';
+}
+
 vor_status vor_fail(struct vor_error *err, vor_status status, const char *format, ...)
 {
     va_list args;
@@ -48,7 +63,7 @@ vor_status vor_fail(struct vor_error *err, vor_status status, const char *format
         return status;
     begin(err, status, "");
     va_start(args, format);
-    (void)vsnprintf(err->message, sizeof err->message, format, args);
+    say(err, format, args);
     va_end(args);
     return status;
 }
@@ -62,7 +77,7 @@ vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *
         return status;
     begin(err, status, parameter);
     va_start(args, format);
-    (void)vsnprintf(err->message, sizeof err->message, format, args);
+    say(err, format, args);
     va_end(args);
     return status;
 }

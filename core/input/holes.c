@@ -21,7 +21,7 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
         if (id > (double)loops->count)
             return vor_fail_param(
                 err, VOR_E_HOLES, "holes",
-                "holes has %.0f, want numbers from 1 to %zu of the loops that inspect reports", id,
+                "holes has %.0f, want numbers from 1 to %zu: the loops as inspect numbers them", id,
                 loops->count);
         chosen[(size_t)id - 1] = 1;
     }

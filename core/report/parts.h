@@ -136,7 +136,7 @@ enum vor_hole_outcome {
       "close it, another part of the input is in the way, or time ran out")                        \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
-      "Centre of the line through its points, in the coordinates of the cloud")                    \
+      "Centroid of the closed line through its points, in the coordinates of the cloud")           \
     X(U64, points, "points", "points", "Points added in the loop")
 
 struct vor_hole_told {

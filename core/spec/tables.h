@@ -189,7 +189,7 @@ enum vor_method_choice {
       "Ratio of the repulsion between points to their attraction by input points")                 \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
-      "points stay at their random first positions")                                               \
+      "points stay at their random initial positions")                                             \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
       "Projection steps per round. Default: 12, or 4 for ear before a polish")                     \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \

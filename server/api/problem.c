@@ -166,7 +166,7 @@ enum vor_next vor_problem_no_memory(struct vor_app *app, struct vor_request *req
 {
     struct vor_error err;
 
-    (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+    (void)vor_fail(&err, VOR_E_NOMEM, "a request");
     return vor_problem_error(app, request, &err, NULL);
 }
 

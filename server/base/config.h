@@ -83,7 +83,7 @@ enum vor_setting_kind {
       "Total size of the files in lost/; the oldest are deleted first")                            \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Space reserved in a file beside --store, so that jobs can still be finished and deleted "   \
-      "when the disk is full. Uploads leave as much free space again")                             \
+      "when the disk is full. Uploads that would leave less free space than that are refused")     \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
       "path that a trusted proxy sends, else http:// and the Host header")                         \
@@ -121,7 +121,7 @@ enum vor_setting_kind {
       "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
-      "Lowest average speed of an upload, measured after --body-idle")                             \
+      "Lowest average speed allowed for an upload, checked once it takes longer than --body-idle") \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
       "Lowest average speed at which a client reads a reply, measured after --body-idle, except "  \
       "for event streams")                                                                         \

@@ -51,16 +51,16 @@
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \
-      "Uniformity delta of results; lower is better")                                              \
+      "Unevenness of results: deviation of nearest-neighbour distances over their mean (delta)")   \
     X(JOB_MEMORY, "job_memory_peak_bytes", BYTES, "bytes", "", "Peak memory of a successful run")  \
     X(POINTS, "engine_points_processed_total", COUNTER, "", "",                                    \
       "Points of the inputs of successful runs")                                                   \
     X(WORKER_BUSY, "worker_busy", GAUGE, "", "", "Running jobs")                                   \
-    X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Largest number of running jobs")               \
+    X(WORKER_SLOTS, "worker_slots", GAUGE, "", "", "Jobs that may run at the same time (--jobs)")  \
     X(WORKER_RESTARTS, "worker_restarts_total", COUNTER, "", "",                                   \
       "Processes that worked on a job and ended unexpectedly or were killed")                      \
     X(MEMORY_RESERVED, "memory_reserved_bytes", GAUGE, "bytes", "",                                \
-      "Memory that running jobs may use")                                                          \
+      "Sum of the memory limits of running jobs")                                                  \
     X(UPLOADS, "uploads_active", GAUGE, "", "",                                                    \
       "Uploads that are arriving, waiting to be read or being read")                               \
     X(UPLOAD_BYTES, "upload_bytes_total", COUNTER, "bytes", "", "Bytes of uploads received")       \

@@ -65,7 +65,7 @@ static vor_status read_all(struct vor_input *out, int fd, size_t capacity, struc
         vor_status status;
 
         if (bytes == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu bytes do not fit into memory", capacity);
+            return vor_fail(err, VOR_E_NOMEM, "%zu bytes of a file", capacity);
         out->bytes = bytes;
         status = read_up_to(out, fd, until, &more, err);
         if (status != VOR_OK)

@@ -440,7 +440,7 @@ vor_status vor_conn_guard_start(struct vor_conn_guard **out, const struct vor_co
     struct vor_conn_guard *guard = calloc(1, sizeof *guard);
 
     if (guard == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "no memory to watch connections");
+        return vor_fail(err, VOR_E_NOMEM, "the watch over connections");
     guard->limits = *limits;
     TAILQ_INIT(&guard->due);
     for (int i = 0; i < VOR_QUEUES; i++)

@@ -167,7 +167,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     vor_status status;
 
     if (http == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "no memory to listen");
+        return vor_fail(err, VOR_E_NOMEM, "listening");
     http->options = *options;
     http->fd = -1;
     status = open_socket(&http->fd, options, err);

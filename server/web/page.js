@@ -44,7 +44,7 @@ const ended = (status) => new Promise((resolve) => {
 
 /* What the page cannot read is sent, and read as the PLY that the daemon makes of it: the daemon has the last word on what is a cloud. */
 async function convert(file, mine) {
-    $('cloud-words').textContent = `Sending ${file.name} to the daemon, which can read it`;
+    $('cloud-words').textContent = `Sending ${file.name} to the daemon, which converts it to PLY`;
     const status = await startJob('convert', { format: 'ply' }, { file, name: file.name });
     const last = await ended(status);
     if (last.status !== 'successful') throw Object.assign(new Error(last.exception?.detail || 'The daemon could not read it.'), { status: 422 });

@@ -29,7 +29,8 @@ static vor_status check_dump(const struct vor_blob_writer *writer,
     if (size > 0)
         bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, vor_blob_fd(writer), 0);
     if (bytes == MAP_FAILED)
-        return vor_fail_errno(err, size > 0 ? errno : EINVAL, "mapping what was decoded");
+        return vor_fail_errno(err, size > 0 ? errno : EINVAL,
+                              "mapping the decoded cloud into memory");
     status = vor_dump_check(&points, bytes, size, err);
     (void)munmap(bytes, size);
     if (status == VOR_OK && points != facts->points)

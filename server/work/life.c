@@ -178,7 +178,7 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
         worker->runner_count++;
     }
     if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)
-        return vor_fail(err, VOR_E_NOMEM, "cannot start the sweeper");
+        return vor_fail(err, VOR_E_NOMEM, "the thread that deletes expired jobs");
     worker->sweeper_started = 1;
     return VOR_OK;
 }

@@ -160,8 +160,9 @@ START_TEST(texts_fit_into_a_request_or_are_refused)
     text[left] = 'x';
     text[left + 1] = '\0';
     vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "title", text, &vt_err));
-    ck_assert_str_eq(vt_err.message,
-                     "title has 211 bytes, want at most 512 in all texts of a request");
+    ck_assert_str_eq(
+        vt_err.message,
+        "title has 211 bytes, want at most 512 in all text values of a request together");
     ck_assert_str_eq(vt_err.parameter, "title");
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "weight", "attribute:a", &vt_err));

@@ -47,7 +47,7 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     outcome = poll != NULL ? vor_worker_events(app->worker, &id, &poll->bus, &err) : VOR_FAILED;
     if (outcome != VOR_DONE) {
         if (poll == NULL)
-            (void)vor_fail(&err, VOR_E_NOMEM, "no memory for a request");
+            (void)vor_fail(&err, VOR_E_NOMEM, "a request");
         free(poll);
         vor_outcome_reply(app, request, outcome, &err, &id);
         return false;
