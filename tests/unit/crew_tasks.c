@@ -310,5 +310,7 @@ void vt_suite(Suite *suite)
     vt_add(suite, a_key_shares_with_itself_alone_and_with_no_address);
     vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
     vt_add(suite, settling_gives_up_after_its_time);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which need room too */
     vt_add(suite, a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many);
+#endif
 }

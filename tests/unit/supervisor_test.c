@@ -454,7 +454,7 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
 
     vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
     vt_assert_fails(VOR_E_NOMEM, vor_supervisor_create(&supervisor, &config, &vt_err));
-    ck_assert_str_eq(vt_err.message, "the threads of the worker cannot be started");
+    ck_assert_str_eq(vt_err.message, "not enough memory: the threads of the worker");
     config.kind = UNFIT;
     vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
     ck_assert_str_eq(vt_err.message,
