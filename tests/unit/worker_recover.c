@@ -350,6 +350,37 @@ START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
 }
 END_TEST
 
+START_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
+{
+    struct vor_spec endless = vt_request(200, 10000), brief = vt_request(200, 3);
+    struct vt_daemon daemon;
+    struct life life = {.dir = vt_dir_make()};
+    struct vor_uuid suspected, innocent;
+    struct vor_worker_load load;
+    uint64_t requeued;
+
+    vt_daemon_start(&daemon, life.dir, NULL);
+    suspected = vt_daemon_submit_sphere(&daemon, 1500, &endless);
+    (void)vt_daemon_wait_iteration(&daemon, &suspected, 1);
+    vt_daemon_stop(&daemon); /* gives it back: it waits */
+    life.store = vt_dir_store(life.dir);
+    ck_assert_uint_gt(vt_claim(life.store, &suspected), 1);
+    vt_assert_ok(vor_store_reap(life.store, "this life", INT64_MAX, 1, &requeued, &vt_err));
+    ck_assert_uint_eq(requeued, 1);
+    vor_store_close(life.store);
+
+    vt_daemon_start(&daemon, life.dir, NULL);
+    innocent = vt_daemon_submit_sphere(&daemon, 1500, &brief);
+    (void)vt_daemon_wait_iteration(&daemon, &suspected, 20);
+    vor_worker_load(daemon.worker, &load);
+    ck_assert(load.running == 1 && load.waiting == 1);
+    ck_assert_int_eq(vt_daemon_get(&daemon, &innocent).queue_position, 0);
+    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &suspected, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vt_daemon_wait_over(&daemon, &innocent).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_stop(&daemon);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("worker_recover");
@@ -361,6 +392,7 @@ int main(void)
     vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
     vt_add(suite, a_recovery_that_is_repeated_leaves_alone_what_runs_since);
     vt_add(suite, a_job_for_which_there_was_no_memory_is_tried_again);
+    vt_add(suite, what_ran_in_a_crash_runs_with_nothing_beside_it);
     vt_add(suite, a_run_whose_job_another_owner_has_ends_and_leaves_it_alone);
     return vt_run(suite);
 }
