@@ -372,11 +372,15 @@ static void run_dismissal(void *ctx)
 
 void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *dismissal)
 {
+    enum vor_job_outcome outcome;
+
     dismissal->worker = worker;
     dismissal->task = (struct vor_task){.run = run_dismissal, .ctx = dismissal};
-    dismissal->outcome = vor_crew_take(worker->crew, &dismissal->task, &dismissal->error);
-    if (dismissal->outcome != VOR_DONE)
-        dismissal->done(dismissal);
+    outcome = vor_crew_take(worker->crew, &dismissal->task, &dismissal->error);
+    if (outcome == VOR_DONE)
+        return; /* the crew has it, and done may have freed it */
+    dismissal->outcome = outcome;
+    dismissal->done(dismissal);
 }
 
 enum vor_job_outcome vor_worker_read_soon(struct vor_worker *worker, struct vor_task *task,
