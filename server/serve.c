@@ -444,7 +444,7 @@ static const char *signal_word(int number)
 static void reload(struct daemon *daemon)
 {
     struct vor_config *fresh = calloc(1, sizeof *fresh);
-    struct vor_error err = {.status = VOR_E_NOMEM, .message = "no memory"};
+    struct vor_error err = {.status = VOR_E_NOMEM, .message = "not enough memory: the settings"};
 
     if (fresh == NULL ||
         vor_config_read(fresh, daemon->argc, daemon->argv, getenv, &err) != VOR_OK) {

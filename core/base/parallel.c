@@ -151,7 +151,7 @@ vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_e
         if (start_worker(pool))
             continue;
         vor_pool_destroy(pool);
-        return vor_fail(err, VOR_E_NOMEM, "cannot start %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
     }
     *out = pool;
     return VOR_OK;

@@ -48,7 +48,7 @@ static void say(struct vor_error *err, const char *format, va_list args)
     size_t size = sizeof memory - 1;
 
     (void)vsnprintf(err->message, sizeof err->message, format, args);
-    if (err->status != VOR_E_NOMEM || strncmp(err->message, memory, size) == 0)
+    if (err->status != VOR_E_NOMEM || strstr(err->message, memory) != NULL)
         return;
     memmove(err->message + size, err->message, sizeof err->message - size);
     memcpy(err->message, memory, size);

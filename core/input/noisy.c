@@ -7,9 +7,8 @@
 #include <string.h>
 
 enum {
-    BLOCK = 256,   /* points of one task */
-    REGION = 1024, /* points of a region. Not measured. */
-    NEAREST = 12,  /* points of a surface: twice the coefficients of a quadric, as in a fine fit */
+    BLOCK = 256,  /* points of one task */
+    NEAREST = 12, /* points of a surface: twice the coefficients of a quadric, as in a fine fit */
     QUADRIC = 6
 };
 /* Rms in spacings of the NEAREST nearest points over the surface fitted to them, which all but a
@@ -59,9 +58,9 @@ static void region_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct find *find = ctx;
 
     (void)worker;
-    if (begin > 0 && end - begin < REGION)
+    if (begin > 0 && end - begin < VOR_NOISY_REGION)
         return; /* a rest: of the region before it */
-    if (find->domain->n - end < REGION)
+    if (find->domain->n - end < VOR_NOISY_REGION)
         end = find->domain->n;
     vor_sort_floats(&find->rough[begin], end - begin);
     memset(&find->out[begin],
@@ -81,7 +80,7 @@ vor_status vor_noisy_find(unsigned char *out, const struct vor_domain *domain,
         return vor_fail(err, VOR_E_NOMEM, "noise of %zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, rough_block, &find, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, REGION, region_block, &find, err);
+        status = vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &find, err);
     vor_free(run->memory, find.rough);
     return status;
 }

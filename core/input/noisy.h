@@ -9,8 +9,12 @@
 #include "core/geom/graph.h"
 #include "core/input/domain.h"
 
-/** Finds the points in noisy regions, each of 1,024 points that follow each other, the last of up
- *  to 2,047.
+/** Points of a region: those that follow each other in a domain are near each other. Not measured.
+ */
+enum { VOR_NOISY_REGION = 1024 };
+
+/** Finds the points in noisy regions, each of VOR_NOISY_REGION points that follow each other, the
+ * last of up to 2,047.
  *
  *  @param[out] out    n: 1 for those, else 0
  *  @param[in]  graph  lists of the points nearest to each, nearest first

@@ -23,8 +23,8 @@ enum {
 #define WIDE 3.5
 /* Part of the list's reach from the edge within which a point is said to be at it. At 0.25 / 0.5 /
  * 1: .223, .278 / .236, .278 / .242, .296; at 0.25 a fillet wider than the list is not covered.
- * Those as near are asked whether they lie below both planes, by more than the standard error of
- * that: at 0 / 1 / 2 of it .236, .277 / .236, .278 / .227, .298. */
+ * A fillet is fitted only if the points this near to the edge lie below both planes, on the mean by
+ * more than a standard error. At 0 / 1 / 2 standard errors .236, .277 / .236, .278 / .227, .298. */
 #define CENTRAL 0.5
 /* Gain of a fillet over an edge, in variances of the noise, in the mean of the points at the edge
  * around; most that one of them counts for. At true edges 99 in 100 points have a gain below 1, at

@@ -8,6 +8,7 @@
 #include "core/input/lists.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
+#include "core/lop/bends.h"
 #include "core/lop/even.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
@@ -32,8 +33,7 @@
 enum { BESIDE = 7 };
 #define BESIDE_REACH 0.4
 
-/* Share of the input's points that are projected; fewest that others can be inserted between. */
-#define SAMPLES_SHARE 0.5
+/* Fewest points that others can be inserted between. */
 #define FEWEST 4
 
 /* Share of the input's points on edges below which it counts as having none, and is evened out as
@@ -380,67 +380,9 @@ static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, stru
     return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, &fitting, err);
 }
 
-/* The sums of a block, of points that may lie on edges: squared distances from where they are to
- * the surface fitted around them, and to where their side sees them. */
-struct miss {
-    const struct lop *lop;
-    const unsigned char *flag;
-    double (*sum)[2];
-};
-
-static void miss_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static int is_smooth(size_t flagged, size_t n)
 {
-    struct miss *miss = ctx;
-    const struct vor_domain *domain = miss->lop->domain;
-    float near[3 * VOR_NEIGHBORS_MAX];
-    double *sum = miss->sum[begin / VOR_SEEDS_BLOCK];
-
-    (void)worker;
-    sum[0] = sum[1] = 0;
-    for (size_t i = begin; i < end; i++) {
-        const float *x = &domain->xyz[3 * i];
-        const double at[3] = {(double)x[0], (double)x[1], (double)x[2]};
-        double put[3] = {at[0], at[1], at[2]}, off[3];
-        struct vor_surface surface;
-
-        if (!miss->flag[i])
-            continue;
-        (void)vor_lists_fit_at(&surface, near, domain, at,
-                               vor_neighbors_at(&domain->known.neighbors, x));
-        if (surface.kind == VOR_SURFACE_NONE)
-            continue;
-        vor_surface_put(&surface, put);
-        for (int c = 0; c < 3; c++)
-            off[c] = put[c] - at[c];
-        sum[0] += vor_dot(off, off);
-        sum[1] += vor_distance2f(x, miss->lop->data.xyz + 3 * i);
-    }
-}
-
-/* A noisy input whose points on seeming edges lie nearer to fitted surfaces than to the sides of
- * these edges bends there, and counts as having none. Squares to surfaces over those to sides, of
- * 5,000 to 8,000 points with noise of 0.3 spacings: torus, spindle, bumps, limbs, bowls 0.61 to
- * 0.94; wedges, blocks, folds 1.8 to 2.3; balls and boxes 1.18. Not where fits take the fewest
- * points: with noise of 0.1 spacings they follow a wedge of 90 degrees as well, 0.99. */
-static vor_status look_whether_it_bends(struct lop *lop, const struct vor_edges *edges,
-                                        struct vor_error *err)
-{
-    const struct vor_run whole = vor_run_unstoppable(lop->run);
-    size_t blocks = vor_blocks_of(edges->n, VOR_SEEDS_BLOCK);
-    struct miss miss = {lop, edges->flag, vor_malloc(lop->run->memory, blocks, sizeof *miss.sum)};
-    double fitted = 0, sides = 0;
-    vor_status status;
-
-    if (miss.sum == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", edges->n);
-    status = vor_run_for(&whole, edges->n, VOR_SEEDS_BLOCK, miss_block, &miss, err);
-    for (size_t b = 0; b < blocks && status == VOR_OK; b++) {
-        fitted += miss.sum[b][0];
-        sides += miss.sum[b][1];
-    }
-    lop->smooth = fitted < sides;
-    vor_free(lop->run->memory, miss.sum);
-    return status;
+    return (double)flagged < EDGES_SHARE * (double)n;
 }
 
 /* Finds out whether the input has edges at all: of a dense one, some of its points say so. */
@@ -459,7 +401,7 @@ static vor_status look_for_edges(struct lop *lop, struct vor_edges *out, struct 
     if (status == VOR_OK)
         status = vor_edges_find(&edges, few.n > 0 ? &few : lop->domain, &whole, err);
     if (status == VOR_OK)
-        lop->smooth = (double)edges.flagged < EDGES_SHARE * (double)edges.n;
+        lop->smooth = is_smooth(edges.flagged, edges.n);
     if (few.n == 0 && !lop->smooth)
         *out = edges;
     else
@@ -479,7 +421,7 @@ static size_t samples_of(const struct lop *lop, size_t n)
     if (samples == VOR_UNSET && value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
         samples = points;
     else if (samples == VOR_UNSET)
-        samples = ceil(SAMPLES_SHARE * points);
+        samples = ceil(points / 2);
     else if (value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
         samples = fmin(samples, points);
     return samples < (double)n ? (size_t)fmax(samples, fmin(FEWEST, (double)n)) : n;
@@ -527,16 +469,17 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     double before = vor_run_clock(lop->run);
     const struct vor_run whole = vor_run_unstoppable(lop->run);
     struct vor_edges edges = {.n = 0};
-    size_t samples = samples_of(lop, n);
+    size_t samples = samples_of(lop, n), on_edges;
     vor_status status = start(lop, samples, err);
 
     if (status == VOR_OK && lop->whole == lop->input)
         status = look_for_edges(lop, &edges, err);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
-    if (status == VOR_OK && edges.n > 0 &&
-        lop->domain->known.neighbors.usual > VOR_NEIGHBORS_FEWEST)
-        status = look_whether_it_bends(lop, &edges, err);
+    if (status == VOR_OK && edges.n > 0)
+        status = vor_lop_bends(&on_edges, &lop->data, lop->domain, edges.flag, &whole, err);
+    if (status == VOR_OK && edges.n > 0)
+        lop->smooth = is_smooth(on_edges, edges.n);
     vor_edges_free(&edges);
     if (status == VOR_OK)
         status = vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err);

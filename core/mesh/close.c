@@ -161,7 +161,8 @@ static vor_status close_loop(struct closing *closing, size_t *closed, struct vor
         return VOR_OK;
     for (unsigned t = 0; t < closing->taken && status == VOR_OK; t++) {
         int takes = vor_complex_takes(closing->complex, closing->triangle[t]) &&
-                    vor_twosided_takes(&closing->sides, closing->complex, closing->triangle[t]);
+                    vor_twosided_takes(&closing->sides, closing->complex, closing->triangle[t]) &&
+                    !vor_crossing_near(closing->complex, closing->balls, closing->triangle[t]);
 
         whole &= takes;
         if (!takes)
@@ -176,7 +177,7 @@ static vor_status close_loop(struct closing *closing, size_t *closed, struct vor
 }
 
 vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct vor_balls *balls,
-                     struct vor_error *err)
+                     const struct vor_run *run, struct vor_error *err)
 {
     struct closing *closing = vor_calloc(complex->memory, 1, sizeof *closing);
     const struct vor_sheet *sheet = balls->sheet;
@@ -197,7 +198,9 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
         closing->count = (unsigned)(rims.start[l + 1] - rims.start[l] <= VOR_CLOSE_MOST
                                         ? rims.start[l + 1] - rims.start[l]
                                         : VOR_CLOSE_MOST + 1);
-        status = close_loop(closing, closed, err);
+        status = vor_run_answered(vor_run_poll(run), err);
+        if (status == VOR_OK)
+            status = close_loop(closing, closed, err);
     }
     vor_twosided_free(&closing->sides);
     vor_rims_free(&rims);

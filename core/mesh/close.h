@@ -20,9 +20,12 @@ enum { VOR_CLOSE_MOST = 48 };
  *  @param[in]  balls   of the points, where they are
  *
  *  @retval VOR_E_NOMEM
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for, between two loops; those before are
+ * closed
  *
  *  O(n + loops x edges^3), one thread. */
 VOR_NODISCARD vor_status vor_close(struct vor_complex *complex, size_t *closed,
-                                   const struct vor_balls *balls, struct vor_error *err);
+                                   const struct vor_balls *balls, const struct vor_run *run,
+                                   struct vor_error *err);
 
 #endif

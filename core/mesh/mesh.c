@@ -44,7 +44,8 @@ static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)begin;
     (void)end;
     (void)worker;
-    making->status = vor_close(&making->complex, &closed, &making->balls, making->err);
+    making->status =
+        vor_close(&making->complex, &closed, &making->balls, &making->seeds->run, making->err);
     vor_complex_prune(&making->complex);
     making->report->mesh_filled += closed;
 }

@@ -99,7 +99,7 @@ vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err)
         remote->handle = curl.easy_init();
     if (remote == NULL || remote->handle == NULL) {
         free(remote);
-        return vor_fail(err, VOR_E_NOMEM, "the HTTP client cannot start");
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP client");
     }
     *out = remote;
     return VOR_OK;

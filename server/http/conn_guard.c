@@ -453,7 +453,7 @@ vor_status vor_conn_guard_start(struct vor_conn_guard **out, const struct vor_co
     if (guard->poke < 0 || guard->departures < 0 ||
         vor_machine_thread(&guard->thread, "vor-connections", run, guard) != 0) {
         release(guard);
-        return vor_fail(err, VOR_E_NOMEM, "no thread to watch connections");
+        return vor_fail(err, VOR_E_NOMEM, "the thread that watches connections");
     }
     *out = guard;
     return VOR_OK;

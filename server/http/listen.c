@@ -167,7 +167,7 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     vor_status status;
 
     if (http == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "listening");
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads");
     http->options = *options;
     http->fd = -1;
     status = open_socket(&http->fd, options, err);
@@ -186,7 +186,7 @@ vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
 {
     http->daemon = start_daemon(http, http->fd);
     if (http->daemon == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads cannot be started");
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads");
     http->fd = -1;
     return VOR_OK;
 }

@@ -44,7 +44,7 @@ struct vor_store_ending {
     struct vor_event_piece events;
 };
 
-/** Which events to read, and who gets each piece; he ends it by returning 0. */
+/** Which events to read, and who gets each piece; 0 from it ends the reading. */
 struct vor_event_query {
     uint32_t attempt;
     uint32_t after; /**< pieces whose last event is this one, or an earlier one, are left out */
@@ -116,7 +116,7 @@ struct vor_renewal {
     struct vor_leased {
         struct vor_uuid id;
         uint32_t attempt;
-    } * job;           /**< the caller's room for so many: those that are still his */
+    } * job;           /**< the caller's room for so many: those that are still the owner's */
     size_t max, count; /**< count may be more than max */
 };
 

@@ -440,7 +440,9 @@ static int take_report(void *ctx, struct vor_sqlite_row *row)
 {
     struct report *report = ctx;
 
-    report->text = strdup(vor_sqlite_text(row));
+    const char *text = vor_sqlite_text(row);
+
+    report->text = text != NULL ? strdup(text) : NULL;
     report->failed = report->text == NULL;
     return 0;
 }
@@ -527,6 +529,7 @@ static vor_status claim_next(struct vor_store *store, const struct vor_claim *cl
 {
     int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
     struct taken taken = {.row = out};
+    int rows;
     vor_status status = vor_sqlite_begin(vor_sqlite_of(store), VOR_SQLITE_LAZY, err);
 
     *found = 0;
@@ -542,6 +545,11 @@ static vor_status claim_next(struct vor_store *store, const struct vor_claim *cl
         ", -1",
         "tiiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
         claim->until_ms);
+    if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
+        status = vor_sqlite_change(vor_sqlite_of(store), &rows, err,
+                                   "DELETE FROM event WHERE attempt < ?2"
+                                   " AND seq = (SELECT seq FROM job WHERE id = ?1)",
+                                   "ti", out->id.text, (int64_t)out->attempt);
     status = vor_sqlite_end(vor_sqlite_of(store), status, err);
     *found = status == VOR_OK && taken.found;
     return status;

@@ -68,6 +68,7 @@ VOR_NODISCARD static inline vor_status vor_store_insert(struct vor_store *store,
 }
 
 /** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
+ *  Events of its former attempts go.
  *
  *  The queue goes in rounds. In each round every principal gets one job, and the jobs of one
  *  principal start in the order of acceptance. A principal without waiting jobs joins the current
@@ -86,11 +87,11 @@ VOR_NODISCARD static inline vor_status vor_store_claim_next(struct vor_store *st
     return store->driver->claim_next(store, claim, out, found, err);
 }
 
-/** Makes the leases of an owner longer, all by one change, and says which jobs he still has: any
- *  other that he runs was dismissed, or is another owner's by now, and no change of his does
+/** Makes the leases of an owner longer, all by one change, and says which jobs are still its: any
+ *  other that it runs was dismissed, or is another owner's by now, and no change of its does
  *  anything to it.
  *
- *  Cost: as many rows as he runs jobs. A crash of the machine may undo it. */
+ *  Cost: as many rows as it runs jobs. A crash of the machine may undo it. */
 VOR_NODISCARD static inline vor_status
 vor_store_renew(struct vor_store *store, struct vor_renewal *renewal, struct vor_error *err)
 {
@@ -121,9 +122,10 @@ VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const stru
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished and expires of the row; what it keeps only becomes less.
  *
- *  @param[in]  lease    only if the attempt is this owner's; NULL for whoever's, also a waiting job
+ *  @param[in]  lease    whose attempt must still run; NULL ends the job whoever runs it, or while
+ * it waits
  *  @param[in]  ending   may be NULL
- *  @param[out] changed  0 when the job is unknown, over, or in another attempt */
+ *  @param[out] changed  0 when the job is unknown or has ended, or the lease does not hold */
 VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
                                           const struct vor_lease *lease,
                                           const struct vor_store_ending *ending, int *changed,

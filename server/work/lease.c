@@ -13,14 +13,13 @@ int64_t vor_worker_lease_until(void)
     return vor_clock_wall_ms() + (int64_t)(1000 * lease_seconds);
 }
 
-static int is_leased(const struct vor_renewal *renewal, struct vor_job *job)
+static int is_leased(const struct vor_renewal *renewal, const struct vor_runner *runner)
 {
-    struct vor_job_view view;
     size_t i = 0;
 
-    vor_job_view(job, &view);
-    while (i < renewal->count && (renewal->job[i].attempt != view.attempt ||
-                                  strcmp(renewal->job[i].id.text, view.id.text) != 0))
+    while (i < renewal->count &&
+           (renewal->job[i].attempt != runner->attempt ||
+            strcmp(renewal->job[i].id.text, vor_job_id(runner->job)->text) != 0))
         i++;
     return i < renewal->count;
 }
@@ -45,8 +44,9 @@ void vor_worker_renew(struct vor_worker *worker)
     pthread_mutex_lock(&worker->claim); /* no lease begins meanwhile */
     status = vor_store_renew(worker->config.store, &renewal, &err);
     pthread_mutex_lock(&worker->mutex);
-    for (unsigned i = 0; status == VOR_OK && i < worker->runner_count; i++)
-        if (worker->runners[i].job != NULL && !is_leased(&renewal, worker->runners[i].job))
+    for (unsigned i = 0;
+         status == VOR_OK && renewal.count <= renewal.max && i < worker->runner_count; i++)
+        if (worker->runners[i].job != NULL && !is_leased(&renewal, &worker->runners[i]))
             vor_job_ask(worker->runners[i].job, VOR_CANCEL);
     pthread_mutex_unlock(&worker->mutex);
     pthread_mutex_unlock(&worker->claim);

@@ -55,6 +55,7 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     worker->used += row->memory;
     worker->runs_alone = row->alone && !worker->config.executor->is_apart;
     runner->job = job;
+    runner->attempt = row->attempt;
     pthread_mutex_unlock(&worker->mutex);
     return 1;
 }
@@ -174,7 +175,7 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
 
         runner->worker = worker;
         if (vor_machine_thread(&runner->thread, "vor-runner", runner_main, runner) != 0)
-            return vor_fail(err, VOR_E_NOMEM, "cannot start %u runners", worker->config.jobs);
+            return vor_fail(err, VOR_E_NOMEM, "%u threads that run jobs", worker->config.jobs);
         worker->runner_count++;
     }
     if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)

@@ -42,6 +42,7 @@ struct vor_runner {
     struct vor_worker *worker;
     pthread_t thread;
     struct vor_job *job; /* NULL while it has none */
+    uint32_t attempt;    /* of it, as it was claimed */
 };
 
 /** Jobs wait in the store, and nowhere else. Live ones run, or are followed while they wait. Locks

@@ -185,8 +185,9 @@ static void forget_missing(struct vor_worker *worker)
         for (size_t i = 0; i < missing.count; i++) {
             const struct vor_evicted *job = &missing.job[i];
 
-            if (vor_store_forget_uploads(worker->config.store, &job->id, &err) == VOR_OK)
-                vor_worker_drop_uploads(worker, &job->id, job->process);
+            if (vor_store_forget_uploads(worker->config.store, &job->id, &err) != VOR_OK)
+                continue; /* the next start finds it */
+            vor_worker_drop_uploads(worker, &job->id, job->process);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
         filter.before_seq = missing.seq;
