@@ -98,15 +98,6 @@ void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
     return item != NULL && item->document.members == members ? item->values : NULL;
 }
 
-/* A run whose time was over in the middle of a step ended as one that is stopped. */
-static void name_the_stop(struct vor_artefacts *out)
-{
-    struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
-
-    if (report != NULL && report->stopped == VOR_STOPPED_CALLER)
-        report->stopped = VOR_STOPPED_SECONDS;
-}
-
 vor_status vor_process_run(const struct vor_process *process, struct vor_artefacts *out,
                            const struct vor_artefacts *in, const struct vor_spec *spec,
                            const struct vor_run *run, struct vor_error *err)
@@ -121,8 +112,13 @@ vor_status vor_process_run(const struct vor_process *process, struct vor_artefac
         vor_budget_begin(&budget, &begun, spec->value[VOR_PARAM_SECONDS]);
     begun.no_stop = vor_no_stop_watch(&no_stop, begun.watch);
     status = process->run(out, in, spec, &begun, err);
-    if (status == VOR_OK && vor_budget_ended(&budget))
-        name_the_stop(out);
+    /* A run whose time was over in the middle of a step ended as one that is stopped. */
+    if (status == VOR_OK && vor_budget_ended(&budget)) {
+        struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
+
+        if (report != NULL && report->stopped == VOR_STOPPED_CALLER)
+            report->stopped = VOR_STOPPED_SECONDS;
+    }
     for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
         assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
     return status;

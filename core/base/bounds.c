@@ -17,12 +17,11 @@ static void widen(struct vor_box *box, const float low[3], const float high[3])
 }
 
 /* One coordinate at a time, so that its two bounds stay in registers. */
-static void bound_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void bound_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct boxes *boxes = ctx;
     struct vor_box *box = &boxes->box[begin / BLOCK];
 
-    (void)worker;
     for (size_t c = 0; c < 3; c++) {
         float low = boxes->xyz[3 * begin + c], high = low;
 

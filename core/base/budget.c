@@ -10,17 +10,12 @@
 #define LATE_SHARE 0.5
 #define LATE_SECONDS 0.5
 
-static int is_over(const struct vor_budget *budget)
-{
-    return budget->inner->clock(budget->inner->ctx) > budget->until;
-}
-
 static enum vor_answer ask(void *ctx)
 {
     struct vor_budget *budget = ctx;
     enum vor_answer answer = budget->inner->poll(budget->inner->ctx);
 
-    if (answer != VOR_CONTINUE || !is_over(budget))
+    if (answer != VOR_CONTINUE || !(budget->inner->clock(budget->inner->ctx) > budget->until))
         return answer;
     atomic_store(&budget->ended, 1);
     return VOR_STOP;

@@ -10,12 +10,11 @@ struct counting {
     atomic_size_t count, first;
 };
 
-static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void count_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct counting *counting = ctx;
     size_t count = 0, first = end, before = atomic_load(&counting->first);
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         if (counting->is(counting->ctx, i) && count++ == 0)
             first = i;

@@ -117,21 +117,6 @@ static void swap(double *a, double *b, size_t n)
     }
 }
 
-/* Subtracts the pivot's row from those below it. */
-static void eliminate(double *a, double *b, size_t n, size_t sides, size_t pivot)
-{
-    for (size_t i = pivot + 1; i < n; i++) {
-        double factor = a[i * n + pivot] / a[pivot * n + pivot];
-
-        if (factor == 0)
-            continue;
-        for (size_t j = pivot; j < n; j++)
-            a[i * n + j] -= factor * a[pivot * n + j];
-        for (size_t c = 0; c < sides; c++)
-            b[i * sides + c] -= factor * b[pivot * sides + c];
-    }
-}
-
 int vor_solve_pivots(double *a, double *b, size_t n, size_t sides, double least, double rank)
 {
     double largest = 0;
@@ -149,7 +134,17 @@ int vor_solve_pivots(double *a, double *b, size_t n, size_t sides, double least,
         largest = fmax(largest, fabs(a[k * n + k]));
         if (!(fabs(a[k * n + k]) > fmax(least, rank * largest)))
             return 0;
-        eliminate(a, b, n, sides, k);
+        /* Subtracts the pivot's row from those below it. */
+        for (size_t i = k + 1; i < n; i++) {
+            double factor = a[i * n + k] / a[k * n + k];
+
+            if (factor == 0)
+                continue;
+            for (size_t j = k; j < n; j++)
+                a[i * n + j] -= factor * a[k * n + j];
+            for (size_t c = 0; c < sides; c++)
+                b[i * sides + c] -= factor * b[k * sides + c];
+        }
     }
     for (size_t k = n; k-- > 0;)
         for (size_t c = 0; c < sides; c++) {

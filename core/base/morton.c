@@ -167,44 +167,40 @@ static void sort_bucket(const struct sorter *sorter, struct entry *a, struct ent
     }
 }
 
-static void encode_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void encode_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct range *range = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         range->from[i].code = encode(&range->sorter->grid, &range->sorter->xyz[3 * i]);
         range->from[i].index = (uint32_t)i;
     }
 }
 
-static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void count_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct range *range = ctx;
     uint32_t *count = &range->sorter->count[begin / range->block * BUCKETS];
 
-    (void)worker;
     memset(count, 0, BUCKETS * sizeof *count);
     for (size_t i = begin; i < end; i++)
         count[digit(&range->from[i], range->shift, range->width)]++;
 }
 
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct range *range = ctx;
     uint32_t *next = &range->sorter->count[begin / range->block * BUCKETS];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         range->to[next[digit(&range->from[i], range->shift, range->width)]++] = range->from[i];
 }
 
-static void sort_buckets(void *ctx, size_t begin, size_t end, unsigned worker)
+static void sort_buckets(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct range *range = ctx;
     const struct sorter *sorter = range->sorter;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         size_t first = sorter->start[i], n = sorter->start[i + 1] - first;
 
@@ -334,11 +330,10 @@ struct codes {
     uint64_t *code;
 };
 
-static void code_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void code_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct codes *codes = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         codes->code[i] = encode(&codes->grid, &codes->xyz[3 * i]);
 }

@@ -67,11 +67,6 @@ static void abandon(struct vor_pool *pool, struct loop *loop)
     loop->next = loop->n;
 }
 
-static enum vor_answer poll_watch(const struct vor_watch *watch)
-{
-    return watch != NULL && watch->poll != NULL ? watch->poll(watch->ctx) : VOR_CONTINUE;
-}
-
 /* Works on one block of the loop whose turn it is; the mutex is held on entry and on return. */
 static void work_once(struct vor_pool *pool, unsigned index)
 {
@@ -86,7 +81,8 @@ static void work_once(struct vor_pool *pool, unsigned index)
         push(pool, loop); /* to the end of the queue: the other loops have their turn first */
     pthread_mutex_unlock(&pool->mutex);
 
-    answer = poll_watch(loop->watch);
+    answer = loop->watch != NULL && loop->watch->poll != NULL ? loop->watch->poll(loop->watch->ctx)
+                                                              : VOR_CONTINUE;
     if (answer == VOR_CONTINUE)
         loop->task(loop->ctx, begin, end, index);
 

@@ -6,6 +6,7 @@
 
 #define VOR_NODISCARD __attribute__((warn_unused_result))
 #define VOR_PRINTF(at, first) __attribute__((format(printf, at, first)))
+#define VOR_UNUSED __attribute__((unused)) /* before a parameter that a callback must have */
 
 /** Every way the engine and the codecs can fail: name, HTTP status, problem slug, whether the same
  *  call may succeed later, sentence. The server's problems and the command line's exit codes are

@@ -156,14 +156,12 @@ static void choose(struct farthest *farthest, size_t i)
 }
 
 /* Chooses the points of a chunk, on one thread. */
-static void choose_chunk(void *ctx, size_t begin, size_t end, unsigned worker)
+static void choose_chunk(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                         VOR_UNUSED unsigned worker)
 {
     struct farthest *farthest = ctx;
     size_t until = smaller(farthest->chosen + CHUNK, farthest->count);
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     while (farthest->chosen < until)
         choose(farthest, farthest->node[1].at);
 }

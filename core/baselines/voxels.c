@@ -36,11 +36,10 @@ struct voxels {
     struct cell *cell; /* slots */
 };
 
-static void number_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void number_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct voxels *voxels = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint64_t number = 0;
 
@@ -120,16 +119,6 @@ static vor_status search(struct voxels *voxels, double *edge, size_t count,
     return VOR_OK;
 }
 
-static void put_means(float *out, const struct voxels *voxels)
-{
-    for (size_t slot = 0; slot < voxels->slots; slot++) {
-        const struct cell *cell = &voxels->cell[slot];
-
-        for (size_t c = 0; c < 3 && cell->number != NONE; c++)
-            out[3 * (size_t)cell->index + c] = (float)(cell->sum[c] / cell->points);
-    }
-}
-
 static vor_status alloc_voxels(struct voxels *voxels, size_t count, struct vor_memory *memory,
                                struct vor_error *err)
 {
@@ -157,8 +146,14 @@ vor_status vor_voxel_points(float *out, size_t *made, const float *xyz, size_t n
         status = search(&voxels, &edge, count, run, err);
     if (status == VOR_OK)
         status = fill(&voxels, made, edge, run, err);
-    if (status == VOR_OK)
-        put_means(out, &voxels);
+    if (status == VOR_OK) {
+        for (size_t slot = 0; slot < voxels.slots; slot++) {
+            const struct cell *cell = &voxels.cell[slot];
+
+            for (size_t c = 0; c < 3 && cell->number != NONE; c++)
+                out[3 * (size_t)cell->index + c] = (float)(cell->sum[c] / cell->points);
+        }
+    }
     vor_free(run->memory, voxels.cell);
     vor_free(run->memory, voxels.number);
     return status;

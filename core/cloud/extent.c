@@ -30,16 +30,6 @@ static void bound(struct vor_extent_walk *walk, size_t first, size_t end)
     memcpy(walk->high, high, sizeof high);
 }
 
-/* A closed surface that fills its box meets some 5 edge^2 cubes: fewer than n / POINTS_A_CUBE. */
-static void cut_box(struct vor_extent_walk *walk)
-{
-    double most = sqrt((double)walk->cloud->n / (5 * POINTS_A_CUBE));
-
-    for (int c = 0; c < 3; c++)
-        walk->side = fmax(walk->side, (double)walk->high[c] - (double)walk->low[c]);
-    walk->edge = (unsigned)fmin(fmax(most, EDGE_MIN), EDGE_MAX);
-}
-
 /* Marks the cubes that points first .. end - 1 lie in. */
 static void mark_cubes(struct vor_extent_walk *walk, size_t first, size_t end)
 {
@@ -87,8 +77,13 @@ void vor_extent_walk(struct vor_extent_walk *walk, size_t points)
 
         bound(walk, walk->next, until);
         walk->next = until;
-        if (until == n)
-            cut_box(walk);
+        if (until == n) {
+            double most = sqrt((double)walk->cloud->n / (5 * POINTS_A_CUBE));
+
+            for (int c = 0; c < 3; c++)
+                walk->side = fmax(walk->side, (double)walk->high[c] - (double)walk->low[c]);
+            walk->edge = (unsigned)fmin(fmax(most, EDGE_MIN), EDGE_MAX);
+        }
     }
     if (walk->next < end) {
         mark_cubes(walk, walk->next - n, end - n);

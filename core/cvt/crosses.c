@@ -161,12 +161,11 @@ struct round {
     unsigned width, take;
 };
 
-static void round_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void round_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct round *round = ctx;
     struct vor_crosses *crosses = round->crosses;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const double *own = &crosses->own[3 * i];
         double sum[2] = {0};

@@ -25,17 +25,6 @@ struct descend {
     unsigned char *held;
 };
 
-static void free_descend(struct descend *descend)
-{
-    struct vor_memory *memory = descend->seeds->run.memory;
-
-    vor_free(memory, descend->held);
-    vor_free(memory, descend->y);
-    vor_stage_free(&descend->stage);
-    vor_lbfgs_free(&descend->lbfgs);
-    vor_frozen_free(&descend->frozen);
-}
-
 static vor_status alloc_descend(struct descend *descend, struct vor_error *err)
 {
     struct vor_memory *memory = descend->seeds->run.memory;
@@ -137,6 +126,7 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
 {
     struct descend descend = {.seeds = seeds, .spec = spec, .power = 2, .last_power = 2};
     vor_status status;
+    struct vor_memory *memory = descend.seeds->run.memory;
 
     descend.stage = (struct vor_stage){
         .spec = spec,
@@ -161,6 +151,10 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_stage_run(&descend.stage, err);
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++)
         told->held_ever += (descend.held[i] & VOR_FROZEN_HELD_EVER) != 0;
-    free_descend(&descend);
+    vor_free(memory, descend.held);
+    vor_free(memory, descend.y);
+    vor_stage_free(&descend.stage);
+    vor_lbfgs_free(&descend.lbfgs);
+    vor_frozen_free(&descend.frozen);
     return status;
 }

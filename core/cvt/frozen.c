@@ -92,21 +92,19 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
     }
 }
 
-static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct evaluation *evaluation = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         vor_planes_place(&evaluation->frozen->planes, evaluation->y, i);
 }
 
-static void evaluate_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void evaluate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct evaluation *evaluation = ctx;
     struct vor_frozen *f = evaluation->frozen;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         if (f->planes.plane[i].flat.radius > 0) {
             evaluate_seed(evaluation, i);

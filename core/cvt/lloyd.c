@@ -341,12 +341,11 @@ static void mix_step(struct cvt *cvt, size_t i)
          limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1], (double)lloyd[2]});
 }
 
-static void mix_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void mix_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct cvt *cvt = ctx;
     double longest = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         mix_step(cvt, i);
         longest = fmax(longest, move2(cvt, cvt->mix, i));
@@ -445,16 +444,6 @@ static int ends_on_plateau(struct vor_stage *stage)
     return 0;
 }
 
-/* Whether the seeds are to move to the whole of the input now. */
-static int whole_is_due(const struct cvt *cvt)
-{
-    const struct vor_record *at = &cvt->stage.record;
-
-    return !vor_seeds_on_whole(cvt->seeds) &&
-           (vor_stage_is_enough(&cvt->stage) ||
-            (!polish_follows(cvt) && at->step + on_whole(cvt) >= at->of));
-}
-
 /* One iteration; before those on the whole of the input, moves the seeds there. The most even
  * iterate before that no longer counts; whether holes are kept open is decided after the iterations
  * (vor_attach). */
@@ -463,7 +452,10 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     struct cvt *cvt = stage->of;
     vor_status status = VOR_OK;
 
-    if (whole_is_due(cvt)) {
+    if (!vor_seeds_on_whole(cvt->seeds) &&
+        (vor_stage_is_enough(&cvt->stage) ||
+         (!polish_follows(cvt) &&
+          cvt->stage.record.step + on_whole(cvt) >= cvt->stage.record.of))) {
         stage->unfinished = 0;
         status = vor_attach_to_whole(cvt->seeds, 0, err);
         if (status == VOR_OK)

@@ -41,20 +41,6 @@ static void add_point(struct sums *sums, double u, double v, double w)
     }
 }
 
-static void sum_points(struct sums *sums, const struct vor_surface *surface, const float *near,
-                       unsigned k)
-{
-    memset(sums, 0, sizeof *sums);
-    for (unsigned i = 0; i < k; i++) {
-        double x[3] = {(double)near[3 * i], (double)near[3 * i + 1], (double)near[3 * i + 2]};
-        double local[3];
-
-        vor_surface_to_local(surface, x, local);
-        add_point(sums, local[0] / surface->reach, local[1] / surface->reach,
-                  local[2] / surface->reach);
-    }
-}
-
 /* Least squares of degree four. Returns false when the points do not determine it, or it fits them
  * little better than the quadric: then that is the more certain, as on noise and facets. */
 static int fit_quartic(struct derivatives *out, const struct vor_surface *surface,
@@ -64,7 +50,15 @@ static int fit_quartic(struct derivatives *out, const struct vor_surface *surfac
     double a[TERMS * TERMS], c[TERMS] = {0}, left, quadric;
     struct sums sums;
 
-    sum_points(&sums, surface, near, k);
+    memset(&sums, 0, sizeof sums);
+    for (unsigned i = 0; i < k; i++) {
+        double x[3] = {(double)near[3 * i], (double)near[3 * i + 1], (double)near[3 * i + 2]};
+        double local[3];
+
+        vor_surface_to_local(surface, x, local);
+        add_point(&sums, local[0] / surface->reach, local[1] / surface->reach,
+                  local[2] / surface->reach);
+    }
     for (unsigned degree = 0; degree <= DEGREE; degree++)
         for (unsigned b = 0; b <= degree; b++, terms++) {
             power[terms][0] = degree - b;

@@ -43,7 +43,7 @@ struct nearest {
     unsigned k;
 };
 
-static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct nearest *nearest = ctx;
     struct vor_graph *graph = nearest->graph;
@@ -51,7 +51,6 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2[256];
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         unsigned taken = 0;
 
@@ -89,12 +88,11 @@ struct mutual {
     uint32_t *stay;
 };
 
-static void mutual_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void mutual_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct mutual *mutual = ctx;
     const struct vor_graph *graph = mutual->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         mutual->stay[i] = 0;
         for (unsigned a = 0; a < graph->count[i]; a++)
@@ -103,12 +101,11 @@ static void mutual_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct mutual *mutual = ctx;
     struct vor_graph *graph = mutual->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &graph->list[i * graph->most];
         unsigned taken = 0;

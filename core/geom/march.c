@@ -36,21 +36,6 @@ enum { POLL_EVERY = 4096 };
  * 0.35 / 0.7 / 0.9: 2.7 %. Without it two waves that meet on a cylinder come out 4.5 % short. */
 #define AGREE 0.7
 
-/* Counts the neighbours of each point in first[i + 1], then makes them the places where those of
- * each begin. A pair that has each other in its lists is two edges, else one each way. */
-static void count_edges(struct vor_march *march, const struct vor_graph *graph)
-{
-    for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++) {
-            uint32_t j = graph->list[i * graph->most + a];
-
-            march->first[i + 1]++;
-            march->first[j + 1] += !vor_graph_has(graph, j, (uint32_t)i);
-        }
-    for (size_t i = 0; i < graph->n; i++)
-        march->first[i + 1] += march->first[i];
-}
-
 /* Writes the edges; place[i] is how many of point i are written. */
 static void fill_edges(struct vor_march *march, const struct vor_graph *graph)
 {
@@ -80,7 +65,16 @@ vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph, 
     march.front.key = march.cost;
     if (march.first != NULL && march.front.item != NULL && march.front.place != NULL &&
         march.cost != NULL && march.heading != NULL) {
-        count_edges(&march, graph);
+        /* A pair that has each other in its lists is two edges, else one each way. */
+        for (size_t i = 0; i < graph->n; i++)
+            for (unsigned a = 0; a < graph->count[i]; a++) {
+                uint32_t j = graph->list[i * graph->most + a];
+
+                march.first[i + 1]++;
+                march.first[j + 1] += !vor_graph_has(graph, j, (uint32_t)i);
+            }
+        for (size_t i = 0; i < graph->n; i++)
+            march.first[i + 1] += march.first[i];
         march.edge = vor_malloc(march.memory, march.first[march.n] + 1, sizeof *march.edge);
     }
     if (march.edge == NULL) {
@@ -314,13 +308,11 @@ static void reach(struct vor_march *march, uint32_t u, uint32_t v)
         set(march, v, &best);
 }
 
-static void march_on(void *ctx, size_t begin, size_t end, unsigned worker)
+static void march_on(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                     VOR_UNUSED unsigned worker)
 {
     struct vor_march *march = ctx;
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     for (int step = 0; step < POLL_EVERY && march->front.count > 0; step++) {
         uint32_t u = vor_heap_take(&march->front);
 

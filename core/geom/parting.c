@@ -145,21 +145,6 @@ static size_t gather(struct parting *parting, struct vor_bond *bond, size_t coun
     return kept;
 }
 
-/* Joins groups of at most so many nodes. */
-static void level(struct parting *parting, size_t n, struct vor_bond *bond, size_t count,
-                  size_t most)
-{
-    parting->most = most;
-    parting->count = 0;
-    for (uint32_t i = 0; i < n; i++) {
-        parting->first[i] = NONE;
-        parting->has[i] = 0;
-    }
-    qsort(bond, count, sizeof *bond, stronger);
-    for (size_t e = 0; e < count; e++)
-        take(parting, &bond[e]);
-}
-
 static void nothing(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     (void)ctx, (void)begin, (void)end, (void)worker;
@@ -178,7 +163,15 @@ static vor_status part(struct parting *parting, size_t n, struct vor_bond *bond,
     for (size_t most = 1; most < n && status == VOR_OK;) {
         most *= GROWTH;
         count = gather(parting, bond, count);
-        level(parting, n, bond, count, most);
+        parting->most = most;
+        parting->count = 0;
+        for (uint32_t i = 0; i < n; i++) {
+            parting->first[i] = NONE;
+            parting->has[i] = 0;
+        }
+        qsort(bond, count, sizeof *bond, stronger);
+        for (size_t e = 0; e < count; e++)
+            take(parting, &bond[e]);
         status = vor_run_for(run, 1, 1, nothing, NULL, err);
     }
     for (uint32_t i = 0; i < n; i++)

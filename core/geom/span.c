@@ -116,19 +116,6 @@ static void join_level(void *ctx, size_t begin, size_t end, unsigned worker)
                 join(grow, (uint32_t)i, a);
 }
 
-static void number(struct grow *grow)
-{
-    for (size_t i = 0; i < grow->graph->n; i++)
-        grow->last[i] = NONE;
-    for (size_t i = 0; i < grow->graph->n; i++) {
-        uint32_t *of = &grow->last[grow->span->component[i]];
-
-        if (*of == NONE)
-            *of = (uint32_t)grow->span->components++;
-        grow->span->component[i] = *of;
-    }
-}
-
 static vor_status run_levels(struct grow *grow, const struct vor_run *run, struct vor_error *err)
 {
     vor_status status = VOR_OK;
@@ -141,8 +128,17 @@ static vor_status run_levels(struct grow *grow, const struct vor_run *run, struc
     }
     for (; grow->level < VOR_SPAN_LEVELS && status == VOR_OK; grow->level++)
         status = vor_run_for(run, 1, 1, join_level, grow, err);
-    if (status == VOR_OK)
-        number(grow);
+    if (status == VOR_OK) {
+        for (size_t i = 0; i < grow->graph->n; i++)
+            grow->last[i] = NONE;
+        for (size_t i = 0; i < grow->graph->n; i++) {
+            uint32_t *of = &grow->last[grow->span->component[i]];
+
+            if (*of == NONE)
+                *of = (uint32_t)grow->span->components++;
+            grow->span->component[i] = *of;
+        }
+    }
     return status;
 }
 

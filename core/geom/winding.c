@@ -67,11 +67,10 @@ static void make_block(struct block *block, const struct winding *winding)
     }
 }
 
-static void make_blocks(void *ctx, size_t begin, size_t end, unsigned worker)
+static void make_blocks(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct winding *winding = ctx;
 
-    (void)worker;
     for (size_t b = begin; b < end; b++)
         make_block(&winding->block[b], winding);
 }
@@ -97,11 +96,10 @@ static double near_number(const struct winding *winding, const struct block *blo
     return number;
 }
 
-static void take_numbers(void *ctx, size_t begin, size_t end, unsigned worker)
+static void take_numbers(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct winding *winding = ctx;
 
-    (void)worker;
     for (size_t k = begin; k < end; k++) {
         const float *x = &winding->points->xyz[3 * (size_t)winding->at[k]];
 

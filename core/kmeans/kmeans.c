@@ -41,12 +41,11 @@ static void draw(struct vor_seeds *seeds, uint64_t seed)
             memcpy(&seeds->xyz[3 * taken++], &domain->xyz[3 * i], 3 * sizeof *seeds->xyz);
 }
 
-static void assign_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void assign_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct kmeans *kmeans = ctx;
     float distance2[BLOCK];
 
-    (void)worker;
     vor_knn_search(kmeans->knn, &kmeans->seeds->domain->xyz[3 * begin], end - begin, 1,
                    &kmeans->nearest[begin], distance2);
 }

@@ -87,12 +87,11 @@ struct search_bad {
     atomic_size_t first;
 };
 
-static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void check_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct search_bad *search = ctx;
     size_t bad = first_bad(search->xyz, 3 * begin, 3 * end), first = atomic_load(&search->first);
 
-    (void)worker;
     while (bad < 3 * end && bad < first)
         if (atomic_compare_exchange_weak(&search->first, &first, bad))
             break;

@@ -132,11 +132,10 @@ static void list_subtrees(struct build *build, struct range range)
     }
 }
 
-static void count_subtrees(void *ctx, size_t begin, size_t end, unsigned worker)
+static void count_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct build *build = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         build->subtree[i].nodes = count_nodes(build->code, build->subtree[i].range, LANES);
 }
@@ -221,11 +220,10 @@ static void make_node(const struct build *build, struct range range, size_t at, 
     }
 }
 
-static void make_subtrees(void *ctx, size_t begin, size_t end, unsigned worker)
+static void make_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct build *build = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const struct subtree *subtree = &build->subtree[i];
         struct cursor next = {subtree->first + 1, NULL};

@@ -31,18 +31,6 @@ struct vor_flann {
     struct vor_memory *memory;
 };
 
-static void set_parameters(struct FLANNParameters *parameters)
-{
-    *parameters = DEFAULT_FLANN_PARAMETERS;
-    parameters->algorithm = FLANN_INDEX_KDTREE_SINGLE;
-    parameters->checks = FLANN_CHECKS_UNLIMITED;
-    parameters->sorted = 1;
-    parameters->cores = 1; /* 0 would start an OpenMP team inside every call */
-    parameters->leaf_max_size = 16;
-    parameters->random_seed = 0;
-    parameters->log_level = FLANN_LOG_NONE;
-}
-
 /* The library's interface lacks const; it does not write. */
 static float *unconst(const float *p)
 {
@@ -74,7 +62,14 @@ vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
         goto failed;
     }
     flann->charged = flann->n * BYTES_PER_POINT;
-    set_parameters(&flann->parameters);
+    flann->parameters = DEFAULT_FLANN_PARAMETERS;
+    flann->parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
+    flann->parameters.checks = FLANN_CHECKS_UNLIMITED;
+    flann->parameters.sorted = 1;
+    flann->parameters.cores = 1; /* 0 would start an OpenMP team inside every call */
+    flann->parameters.leaf_max_size = 16;
+    flann->parameters.random_seed = 0;
+    flann->parameters.log_level = FLANN_LOG_NONE;
     flann->index = flann_build_index_float(unconst(flann->xyz), (int)flann->n, 3, &speedup,
                                            &flann->parameters);
     if (flann->index == NULL) {

@@ -109,17 +109,6 @@ static int points_near(const struct join *join, struct part a, uint32_t i, struc
     return distance2 <= join->distance2;
 }
 
-static void join_leaves(const struct join *join, struct part a, struct part b)
-{
-    uint32_t first_a = first_point(join, a), first_b = first_point(join, b);
-
-    for (uint32_t i = 0; i < a.count; i++)
-        for (uint32_t j = 0; j < b.count; j++)
-            if (points_near(join, a, i, b, j))
-                vor_union_join(join->root, first_a + (a.narrow ? 0 : i),
-                               first_b + (b.narrow ? 0 : j));
-}
-
 static int same_part(const struct join *join, struct part a, struct part b)
 {
     return a.whole && b.whole &&
@@ -141,7 +130,13 @@ static void join_across(const struct join *join, struct part a, struct part b)
         return;
     }
     if (a.count > 0 && b.count > 0) {
-        join_leaves(join, a, b);
+        uint32_t first_a = first_point(join, a), first_b = first_point(join, b);
+
+        for (uint32_t i = 0; i < a.count; i++)
+            for (uint32_t j = 0; j < b.count; j++)
+                if (points_near(join, a, i, b, j))
+                    vor_union_join(join->root, first_a + (a.narrow ? 0 : i),
+                                   first_b + (b.narrow ? 0 : j));
         return;
     }
     if (a.count > 0 || (b.count == 0 && a.narrow)) {
@@ -218,11 +213,10 @@ static void join_inside(const struct join *join, const struct vor_boxes_node *in
     *whole_of(join, in, lane) = (unsigned char)whole;
 }
 
-static void join_lanes(void *ctx, size_t begin, size_t end, unsigned worker)
+static void join_lanes(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct join *join = ctx;
 
-    (void)worker;
     for (size_t j = begin; j < end; j++)
         join_inside(join, &join->boxes->node[0], (unsigned)j);
 }

@@ -71,14 +71,13 @@ static void make_list(struct vor_point_lists *lists, size_t i, const uint32_t *i
     lists->reach[i] = lists->listed + 1 < lists->n ? sqrtf(distance2[lists->listed]) : INFINITY;
 }
 
-static void index_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void index_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct vor_point_lists *lists = ctx;
     unsigned width = lists->listed + 1;
     uint32_t index[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
     float distance2[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
 
-    (void)worker;
     for (size_t from = begin, to; from < end; from = to) {
         to = from + SEARCHED < end ? from + SEARCHED : end;
         vor_knn_search(lists->knn, &lists->anchor[3 * from], to - from, width, index, distance2);
@@ -148,11 +147,6 @@ static void mark(struct vor_point_lists_view *view, const float at[3])
     for (unsigned x = low[0]; x <= high[0]; x++)
         for (unsigned y = low[1]; y <= high[1]; y++)
             view->cells[64 * x + y] |= (~UINT64_C(0) >> (63 - high[2])) & (~UINT64_C(0) << low[2]);
-}
-
-static int is_marked(const struct vor_point_lists_view *view, const float at[3])
-{
-    return (view->cells[64 * cell_of(at[0]) + cell_of(at[1])] >> cell_of(at[2])) & 1;
 }
 
 int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_point_lists *lists,
@@ -232,14 +226,6 @@ static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
     out->sure = sure_of(lists, view, i);
 }
 
-/* Whether a crowd holds everything to a little beyond the sixth nearest. */
-static int covers(const struct vor_crowd *crowd)
-{
-    return crowd->count < 6 ||
-           (crowd->sure > 0 &&
-            crowd->sure * crowd->sure > COVERED * COVERED * (double)crowd->distance2[5]);
-}
-
 static int holds(const struct vor_crowd *crowd, uint32_t j)
 {
     for (unsigned at = 0; at < crowd->count; at++)
@@ -254,7 +240,8 @@ static int near_jumper(const struct vor_point_lists_view *view, size_t i, float 
     const float *at = &view->xyz[3 * i];
     int found = 0;
 
-    if (limit2 * 1.01f < view->ground * view->ground && !is_marked(view, at))
+    if (limit2 * 1.01f < view->ground * view->ground &&
+        !((view->cells[64 * cell_of(at[0]) + cell_of(at[1])] >> cell_of(at[2])) & 1))
         return 0;
     for (unsigned j = 0; j < view->jumpers; j++) {
         float x = view->jumped[0][j] - at[0], y = view->jumped[1][j] - at[1],
@@ -288,7 +275,9 @@ unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *li
     unsigned searches = 0;
 
     sort_list(out, lists, view, i);
-    if (!covers(out) && vor_distance2f(&lists->place[3 * i], &view->xyz[3 * i]) > 0) {
+    if (!(out->count < 6 || (out->sure > 0 && out->sure * out->sure >
+                                                  COVERED * COVERED * (double)out->distance2[5])) &&
+        vor_distance2f(&lists->place[3 * i], &view->xyz[3 * i]) > 0) {
         vor_knn_search(lists->knn, &view->xyz[3 * i], 1, lists->listed + 1, index, found2);
         memcpy(&lists->place[3 * i], &view->xyz[3 * i], 3 * sizeof(float));
         make_list(lists, i, index, found2);

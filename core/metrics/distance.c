@@ -41,21 +41,6 @@ static double diagonal(const float *xyz, size_t n)
     return sqrt(sum);
 }
 
-/* Sets the distances of both directions; `length` is the diagonal of the reference. */
-static void put_directions(struct vor_distances *out, const struct vor_stat *to_reference,
-                           const struct vor_stat *to_cloud, double length)
-{
-    out->out_to_ref_mean = to_reference->mean;
-    out->out_to_ref_rms = to_reference->rms;
-    out->out_to_ref_max = to_reference->max;
-    out->ref_to_out_mean = to_cloud->mean;
-    out->ref_to_out_rms = to_cloud->rms;
-    out->ref_to_out_max = to_cloud->max;
-    out->hausdorff = fmax(out->out_to_ref_max, out->ref_to_out_max);
-    out->hausdorff_relative = out->hausdorff / length;
-    out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
-}
-
 /* A cloud, and an index of it. */
 struct indexed {
     const float *xyz;
@@ -80,7 +65,15 @@ static vor_status measure(struct vor_distances *out, float *d, const struct inde
     if (status != VOR_OK)
         return status;
     back = summarise(d, m);
-    put_directions(out, &forth, &back, diagonal(reference->xyz, m));
+    out->out_to_ref_mean = forth.mean;
+    out->out_to_ref_rms = forth.rms;
+    out->out_to_ref_max = forth.max;
+    out->ref_to_out_mean = back.mean;
+    out->ref_to_out_rms = back.rms;
+    out->ref_to_out_max = back.max;
+    out->hausdorff = fmax(out->out_to_ref_max, out->ref_to_out_max);
+    out->hausdorff_relative = out->hausdorff / diagonal(reference->xyz, m);
+    out->chamfer = out->out_to_ref_mean + out->ref_to_out_mean;
     status = vor_kth_distances(d, reference->xyz, m, reference->knn, SEVENTH, run, err);
     if (status != VOR_OK)
         return status;

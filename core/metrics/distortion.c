@@ -112,13 +112,12 @@ struct peak {
     double *block; /* the largest square in each block */
 };
 
-static void peak_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void peak_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct peak *peak = ctx;
     const float *xyz = peak->side->xyz;
     double most = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t index[2];
         float distance2[2];
@@ -193,11 +192,10 @@ static void fit_normal(struct side *side, size_t i)
     side->fitted[i] = 1;
 }
 
-static void normals_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normals_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct normals *normals = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         if (!take_normal(normals, i))
             fit_normal(normals->side, i);
@@ -228,11 +226,10 @@ struct mapping {
     size_t first;
 };
 
-static void mapping_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void mapping_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct mapping *mapping = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         find_ties(&mapping->ties[i], mapping->to, &mapping->from->xyz[3 * (mapping->first + i)]);
 }
@@ -290,12 +287,11 @@ struct comparison {
     struct errors *block; /* sums over each block */
 };
 
-static void compare_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void compare_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct comparison *comparison = ctx;
     struct errors sum = {0, 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &comparison->from->xyz[3 * i];
         struct ties ties;

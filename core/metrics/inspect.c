@@ -23,27 +23,21 @@ enum {
     SMALL = 2
 };
 
-static void note_bounds(struct vor_corners *out, const struct vor_cloud *cloud)
-{
-    double x[3];
-
-    for (size_t i = 0; i < cloud->n; i++) {
-        vor_cloud_position(cloud, i, x);
-        for (int c = 0; c < 3; c++) {
-            out->low[c] = i == 0 ? x[c] : fmin(out->low[c], x[c]);
-            out->high[c] = i == 0 ? x[c] : fmax(out->high[c], x[c]);
-        }
-    }
-}
-
 void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud)
 {
     const char *word;
     size_t length =
         vor_parameter_choice(vor_parameter_info(VOR_PARAM_FORMAT), cloud->notes.format, &word);
+    double x[3];
 
     (void)snprintf(out->format, sizeof out->format, "%.*s", (int)length, word);
-    note_bounds(&out->bounds, cloud);
+    for (size_t i = 0; i < cloud->n; i++) {
+        vor_cloud_position(cloud, i, x);
+        for (int c = 0; c < 3; c++) {
+            out->bounds.low[c] = i == 0 ? x[c] : fmin(out->bounds.low[c], x[c]);
+            out->bounds.high[c] = i == 0 ? x[c] : fmax(out->bounds.high[c], x[c]);
+        }
+    }
     memcpy(out->origin, cloud->origin, sizeof out->origin);
     for (size_t i = 0; i < cloud->attribute_count; i++) {
         const struct vor_attribute *from = &cloud->attributes[i];
@@ -55,21 +49,6 @@ void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud)
     }
     out->points = cloud->n;
     out->invalid = cloud->notes.invalid;
-}
-
-/* Counts the components; size[i], 0 at first, becomes the points of component i. */
-static void count_components(struct vor_inspect *out, uint32_t *size, const uint32_t *component,
-                             size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        size[component[i]]++;
-    for (size_t c = 0; c < out->components; c++) {
-        out->largest = size[c] > out->largest ? size[c] : out->largest;
-        if (size[c] < SMALL * out->neighbors) {
-            out->small++;
-            out->small_points += size[c];
-        }
-    }
 }
 
 static vor_status find_components(struct vor_inspect *out, const struct vor_graph *graph,
@@ -87,7 +66,15 @@ static vor_status find_components(struct vor_inspect *out, const struct vor_grap
         status = vor_fail(err, VOR_E_NOMEM, "components of %zu points", graph->n);
     } else if (status == VOR_OK) {
         out->components = count;
-        count_components(out, size, component, graph->n);
+        for (size_t i = 0; i < graph->n; i++)
+            size[component[i]]++;
+        for (size_t c = 0; c < out->components; c++) {
+            out->largest = size[c] > out->largest ? size[c] : out->largest;
+            if (size[c] < SMALL * out->neighbors) {
+                out->small++;
+                out->small_points += size[c];
+            }
+        }
     }
     vor_free(run->memory, size);
     vor_free(run->memory, component);
@@ -124,14 +111,13 @@ struct survey {
     float off2[PLACES]; /* INFINITY where there is no surface */
 };
 
-static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
     float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 
-    (void)worker;
     for (size_t place = begin; place < end; place++) {
         size_t at = (size_t)(((double)place + 0.5) / (double)survey->places * (double)domain->n);
         const float *p = &domain->xyz[3 * at];
@@ -177,20 +163,6 @@ static vor_status measure_edges(struct vor_inspect *out, const struct vor_domain
     return status;
 }
 
-static void tell_loop(struct vor_loop_told *out, const struct vor_loop *loop,
-                      const double origin[3], const struct vor_domain *domain)
-{
-    out->length = loop->length * domain->unit;
-    out->points = loop->count;
-    for (int c = 0; c < 3; c++)
-        out->centre[c] = origin[c] + (loop->centre[c] * domain->unit + domain->shift[c]);
-    out->turns = loop->turns;
-    out->kind = loop->turns >= VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_HOLE : VOR_LOOP_RIM;
-    out->why = loop->turns >= VOR_LOOPS_HOLE_TURNS    ? VOR_LOOP_AROUND
-               : loop->turns <= -VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_WITHIN
-                                                      : VOR_LOOP_ONE_SIDE;
-}
-
 static vor_status measure_border(struct vor_inspect *out, const struct vor_domain *domain,
                                  const struct vor_run *run, struct vor_error *err)
 {
@@ -198,10 +170,19 @@ static vor_status measure_border(struct vor_inspect *out, const struct vor_domai
     vor_status status = vor_loops_find(&loops, domain, run, err);
 
     for (size_t i = 0; i < loops.count; i++) {
+        const struct vor_loop *loop = &loops.loop[i];
         struct vor_loop_told beyond = {.id = 0},
                              *told = i < VOR_LOOPS_TOLD ? &out->loops[i] : &beyond;
 
-        tell_loop(told, &loops.loop[i], out->origin, domain);
+        told->length = loop->length * domain->unit;
+        told->points = loop->count;
+        for (int c = 0; c < 3; c++)
+            told->centre[c] = out->origin[c] + (loop->centre[c] * domain->unit + domain->shift[c]);
+        told->turns = loop->turns;
+        told->kind = loop->turns >= VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_HOLE : VOR_LOOP_RIM;
+        told->why = loop->turns >= VOR_LOOPS_HOLE_TURNS    ? VOR_LOOP_AROUND
+                    : loop->turns <= -VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_WITHIN
+                                                           : VOR_LOOP_ONE_SIDE;
         told->id = (uint32_t)i + 1;
         out->border_length += told->length;
         out->border_holes += told->kind == VOR_LOOP_HOLE;
@@ -211,20 +192,6 @@ static vor_status measure_border(struct vor_inspect *out, const struct vor_domai
     out->loops_count = (unsigned)(loops.count < VOR_LOOPS_TOLD ? loops.count : VOR_LOOPS_TOLD);
     vor_loops_free(&loops);
     return status;
-}
-
-/* Notes what is known of the domain. */
-static void note_known(struct vor_inspect *out, const struct vor_domain *domain)
-{
-    const struct vor_conditioning *known = &domain->known;
-
-    out->outliers = known->outliers;
-    out->distinct = known->distinct;
-    out->neighbors = known->neighbors.usual;
-    for (int c = 0; c < 3; c++)
-        out->lattice[c] = known->lattice.cell[c] * domain->unit;
-    out->lattice_matters = known->lattice.matters ? VOR_YES : VOR_NO;
-    out->sheets = known->sheets ? VOR_YES : VOR_NO;
 }
 
 vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain,
@@ -237,7 +204,13 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
 
     if (status != VOR_OK)
         return status;
-    note_known(out, domain);
+    out->outliers = domain->known.outliers;
+    out->distinct = domain->known.distinct;
+    out->neighbors = domain->known.neighbors.usual;
+    for (int c = 0; c < 3; c++)
+        out->lattice[c] = domain->known.lattice.cell[c] * domain->unit;
+    out->lattice_matters = domain->known.lattice.matters ? VOR_YES : VOR_NO;
+    out->sheets = domain->known.sheets ? VOR_YES : VOR_NO;
     for (size_t i = 0; i < domain->n; i++)
         owns += domain->graph.own[i];
     out->own = (double)owns / (double)domain->n;

@@ -47,16 +47,6 @@ static void put_distances(struct vor_measure *measure, const struct vor_distance
     measure->chamfer = distances->chamfer * unit;
 }
 
-static void put_distortion(struct vor_measure *measure, const struct vor_distortion *distortion,
-                           double unit, double peak)
-{
-    measure->peak = peak > 0 ? peak : distortion->peak * unit;
-    measure->d1_mse = distortion->d1_mse * unit * unit;
-    measure->d2_mse = distortion->d2_mse * unit * unit;
-    measure->d1_psnr = vor_distortion_psnr(distortion->d1_mse, measure->peak / unit);
-    measure->d2_psnr = vor_distortion_psnr(distortion->d2_mse, measure->peak / unit);
-}
-
 /* Adds the distances between two clouds in a frame of that unit. */
 static vor_status measure_against(struct vor_measure *measure,
                                   const struct vor_distortion_pair *pair, double unit, double peak,
@@ -72,7 +62,11 @@ static vor_status measure_against(struct vor_measure *measure,
     if (status != VOR_OK)
         return status;
     put_distances(measure, &distances, unit);
-    put_distortion(measure, &distortion, unit, peak);
+    measure->peak = peak > 0 ? peak : distortion.peak * unit;
+    measure->d1_mse = distortion.d1_mse * unit * unit;
+    measure->d2_mse = distortion.d2_mse * unit * unit;
+    measure->d1_psnr = vor_distortion_psnr(distortion.d1_mse, measure->peak / unit);
+    measure->d2_psnr = vor_distortion_psnr(distortion.d2_mse, measure->peak / unit);
     return VOR_OK;
 }
 

@@ -43,13 +43,12 @@ struct search {
     unsigned k;
 };
 
-static void search_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void search_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct search *search = ctx;
     uint32_t index[VOR_KTH_MAX * BLOCK];
     float distance2[VOR_KTH_MAX * BLOCK];
 
-    (void)worker;
     vor_knn_search(search->knn, &search->queries[3 * begin], end - begin, search->k, index,
                    distance2);
     for (size_t i = begin; i < end; i++)

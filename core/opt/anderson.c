@@ -51,7 +51,7 @@ void vor_anderson_free(struct vor_anderson *anderson)
 }
 
 /* Stores one block of the new pair, and its dot products with every residual stored. */
-static void push_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void push_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct push *push = ctx;
     struct vor_anderson *anderson = push->anderson;
@@ -59,7 +59,6 @@ static void push_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float *residual = anderson->residual[anderson->newest];
     double *sums = &anderson->partial[begin / BLOCK * (anderson->window + 1)];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         image[i] = push->g[i];
         residual[i] = push->g[i] - push->y[i];

@@ -38,14 +38,13 @@ static const float *looked_at(const struct compare *compare, size_t i)
     return &domain->xyz[3 * (size_t)((uint64_t)i * domain->n / compare->points)];
 }
 
-static void in_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void in_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct compare *compare = ctx;
     struct vor_sums sums = {0};
     uint32_t index[BATCH];
     float query[3 * BATCH], distance2[BATCH];
 
-    (void)worker;
     for (size_t i = begin, count; i < end; i += count) {
         count = end - i < BATCH ? end - i : BATCH;
         for (size_t j = 0; j < count; j++)

@@ -53,13 +53,12 @@ struct twins {
     struct vor_domain all;
 };
 
-static void join_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void join_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct twins *twins = ctx;
     const struct vor_domain *all = &twins->all;
     struct work *work = twins->work;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         float x[3], distance2;
         uint32_t index;
@@ -152,11 +151,10 @@ static void surface_normal(const struct work *work, size_t i, double normal[3])
     vor_surface_normal(&surface, local, normal);
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct work *work = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         double fitted[3];
 
@@ -207,22 +205,6 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
     return vor_transfer_attributes(out, work->in, work->source, work->normal, work->spec, err);
 }
 
-/* Sets the distances from those of the domain's points: 0 where points share a place. held is 0 for
- * each point of the domain at first. */
-static void spread_nearest(struct work *work, const float *own, unsigned char *held)
-{
-    for (size_t i = 0; i < work->n; i++) {
-        unsigned char *count = &held[work->place[work->source[i]]];
-
-        *count = *count < 2 ? (unsigned char)(*count + 1) : 2;
-    }
-    for (size_t i = 0; i < work->n; i++) {
-        uint32_t at = work->place[work->source[i]];
-
-        work->nearest[i] = held[at] > 1 ? 0 : own[at];
-    }
-}
-
 /* Distances to the nearest other point. */
 static vor_status find_nearest(struct work *work, struct vor_error *err)
 {
@@ -236,20 +218,29 @@ static vor_status find_nearest(struct work *work, struct vor_error *err)
         status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
     } else {
         status = vor_nearest_distances(own, domain->xyz, domain->n, domain->knn, work->run, err);
-        if (status == VOR_OK)
-            spread_nearest(work, own, held);
+        if (status == VOR_OK) { /* 0 where points share a place */
+            for (size_t i = 0; i < work->n; i++) {
+                unsigned char *count = &held[work->place[work->source[i]]];
+
+                *count = *count < 2 ? (unsigned char)(*count + 1) : 2;
+            }
+            for (size_t i = 0; i < work->n; i++) {
+                uint32_t at = work->place[work->source[i]];
+
+                work->nearest[i] = held[at] > 1 ? 0 : own[at];
+            }
+        }
     }
     vor_free(work->run->memory, held);
     vor_free(work->run->memory, own);
     return status;
 }
 
-static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void apart_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
     struct vor_sums sums[2] = {{0}};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t index;
         float distance2;
@@ -316,17 +307,6 @@ static vor_status reorder(struct vor_cloud *out, struct work *work, double spaci
     return status;
 }
 
-/* Counts the input's points that are missing as outliers, unless thin has taken some of them. */
-static void report_points(struct vor_report *report, const struct work *work)
-{
-    vor_output_report_input(report, work->domain);
-    report->points_in = work->in->n;
-    report->points_out = work->n;
-    vor_sides_report(report, &work->sides);
-    if (work->n < work->in->n && !has_filter(work->spec, VOR_FILTER_THIN))
-        report->outliers = work->in->n - work->n;
-}
-
 static vor_status make(struct vor_cloud *out, struct vor_report *report, struct work *work,
                        struct vor_error *err)
 {
@@ -343,7 +323,12 @@ static vor_status make(struct vor_cloud *out, struct vor_report *report, struct 
         return status;
     vor_uniformity_from(&even, work->nearest, work->n);
     vor_output_report_uniformity(report, &even, work->domain->unit);
-    report_points(report, work);
+    vor_output_report_input(report, work->domain);
+    report->points_in = work->in->n;
+    report->points_out = work->n;
+    vor_sides_report(report, &work->sides);
+    if (work->n < work->in->n && !has_filter(work->spec, VOR_FILTER_THIN))
+        report->outliers = work->in->n - work->n;
     return reorder(out, work, even.mean, err);
 }
 

@@ -1,28 +1,15 @@
 #include "core/output/last_record.h"
 
-static int is_told(const struct vor_record *last, const struct vor_report *report)
-{
-    return last->iteration == report->iterations && last->polish == report->polish_steps &&
-           last->best_delta == report->delta && last->best_sigma == report->sigma &&
-           last->best_epsilon == report->epsilon;
-}
-
-/* Moves a record to the stage that the run ended in. */
-static void end_stage(struct vor_record *record, const struct vor_outcome *told)
-{
-    if (told->steps[VOR_RUN_STAGE_POLISH] > 0 && record->stage != VOR_RUN_STAGE_POLISH) {
-        record->stage = VOR_RUN_STAGE_POLISH; /* it was stopped before its first record */
-        record->of = record->ahead;
-        record->ahead = 0;
-    }
-    record->step = told->steps[record->stage];
-}
-
 struct vor_record vor_last_record(const struct vor_outcome *told, const struct vor_report *report)
 {
     struct vor_record record = told->last;
 
-    end_stage(&record, told);
+    if (told->steps[VOR_RUN_STAGE_POLISH] > 0 && record.stage != VOR_RUN_STAGE_POLISH) {
+        record.stage = VOR_RUN_STAGE_POLISH; /* it was stopped before its first record */
+        record.of = record.ahead;
+        record.ahead = 0;
+    }
+    record.step = told->steps[record.stage];
     record.iteration = report->iterations;
     record.polish = report->polish_steps;
     record.delta = record.best_delta = report->delta;
@@ -40,7 +27,9 @@ vor_status vor_last_record_tell(const struct vor_outcome *told, const struct vor
     struct vor_record record;
 
     if (watch == NULL || watch->progress == NULL || told->stages == 0 ||
-        is_told(&told->last, report))
+        (told->last.iteration == report->iterations && told->last.polish == report->polish_steps &&
+         told->last.best_delta == report->delta && told->last.best_sigma == report->sigma &&
+         told->last.best_epsilon == report->epsilon))
         return VOR_OK;
     record = vor_last_record(told, report);
     record.seconds = vor_run_seconds(run);

@@ -232,11 +232,10 @@ static void sum_gain(struct order *order, void *ctx, uint32_t i, double distance
 }
 
 /* Rates the points of a block of the heap, from the grid of the chosen. */
-static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void rate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
 
-    (void)worker;
     if (vor_run_is_late(order->run))
         return; /* no rating is read any more: choose_round */
     for (size_t k = begin; k < end; k++) {
@@ -374,13 +373,12 @@ static vor_status choose_round(struct order *order, struct vor_error *err)
     return status;
 }
 
-static void look_up_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void look_up_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
     uint32_t index;
     float distance2;
 
-    (void)worker;
     for (size_t i = begin * order->stride; i < end * order->stride && i < order->n;
          i += order->stride) {
         if (order->slot[i] == CHOSEN)

@@ -68,18 +68,6 @@ static struct vor_apart in_unit(const struct vor_compare_apart *apart, double un
                               apart->points};
 }
 
-/* Reports the distances to and from the input, and how many neighbours surfaces were fitted to. */
-static void report_comparison(struct vor_report *report, const struct vor_comparison *found,
-                              double unit)
-{
-    report->ref_to_out = in_unit(&found->ref_to_out, unit);
-    report->out_to_ref = in_unit(&found->out_to_ref, unit);
-    report->boundary_points = found->border;
-    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX && report->fitted_count < VOR_FITTED_MAX; k++)
-        if (found->fitted[k] > 0)
-            report->fitted[report->fitted_count++] = (struct vor_fitted){k, found->fitted[k]};
-}
-
 void vor_output_report_uniformity(struct vor_report *report, const struct vor_uniformity *even,
                                   double unit)
 {
@@ -91,23 +79,17 @@ void vor_output_report_uniformity(struct vor_report *report, const struct vor_un
     report->max_over_mean = even->mean > 0 ? even->max / even->mean : 0;
 }
 
-/* Reports what became of holes that were to be filled. */
-static void report_holes(struct vor_report *report, const struct vor_holes *holes)
-{
-    report->has_holes = holes->asked;
-    report->holes_loops = holes->loops;
-    report->holes_filled = holes->filled;
-    report->holes_not_closed = holes->not_closed;
-    report->holes_points = holes->points;
-    report->holes_count = holes->told_count;
-    memcpy(report->holes, holes->told, sizeof report->holes);
-}
-
 void vor_output_report_input(struct vor_report *report, const struct vor_domain *domain)
 {
     const struct vor_conditioning *known = &domain->known;
 
-    report_holes(report, &known->holes);
+    report->has_holes = known->holes.asked;
+    report->holes_loops = known->holes.loops;
+    report->holes_filled = known->holes.filled;
+    report->holes_not_closed = known->holes.not_closed;
+    report->holes_points = known->holes.points;
+    report->holes_count = known->holes.told_count;
+    memcpy(report->holes, known->holes.told, sizeof report->holes);
     report->outliers = known->outliers;
     report->parts = known->parts;
     report->islands = known->islands;
@@ -124,19 +106,6 @@ static void report_stage(struct vor_report *report, const struct vor_outcome *to
                          told->seconds[stage]);
 }
 
-/* Reports the stages of a method, of which the polish is the last. */
-static void report_stages(struct vor_report *report, const struct vor_outcome *told)
-{
-    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++) {
-        if (stage == VOR_RUN_STAGE_POLISH)
-            continue;
-        report_stage(report, told, stage);
-        report->seconds_iterate += told->seconds[stage];
-    }
-    report_stage(report, told, VOR_RUN_STAGE_POLISH);
-    report->seconds_polish += told->seconds[VOR_RUN_STAGE_POLISH];
-}
-
 /* Reports what the method told. */
 static void report_method(struct vor_report *report, const struct vor_placed *placed)
 {
@@ -147,7 +116,14 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->stopped = told->stopped;
     report->iterations = told->steps[VOR_RUN_STAGE_ITERATE] + told->steps[VOR_RUN_STAGE_PROJECT];
     report->polish_steps = told->steps[VOR_RUN_STAGE_POLISH];
-    report_stages(report, told);
+    for (unsigned stage = 0; stage < VOR_RUN_STAGE_COUNT; stage++) {
+        if (stage == VOR_RUN_STAGE_POLISH)
+            continue;
+        report_stage(report, told, stage);
+        report->seconds_iterate += told->seconds[stage];
+    }
+    report_stage(report, told, VOR_RUN_STAGE_POLISH);
+    report->seconds_polish += told->seconds[VOR_RUN_STAGE_POLISH];
     for (unsigned i = 0; i < told->warnings_count; i++)
         vor_warn(report->warnings, &report->warnings_count, told->warnings[i].about,
                  told->warnings[i].value, told->warnings[i].limit);
@@ -271,7 +247,12 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     report_density(report, seeds->whole);
     report_method(report, placed);
     vor_output_report_uniformity(report, &even, unit);
-    report_comparison(report, &found, unit);
+    report->ref_to_out = in_unit(&found.ref_to_out, unit);
+    report->out_to_ref = in_unit(&found.out_to_ref, unit);
+    report->boundary_points = found.border;
+    for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX && report->fitted_count < VOR_FITTED_MAX; k++)
+        if (found.fitted[k] > 0)
+            report->fitted[report->fitted_count++] = (struct vor_fitted){k, found.fitted[k]};
     report_counts(report, &counts);
     report->list_rebuilds = seeds->indexed_before + seeds->point_lists.indexed;
     return VOR_OK;

@@ -72,35 +72,24 @@ static vor_status of_points(struct vor_mesh *out, struct vor_report *report,
     return status;
 }
 
-static vor_status of_seeds(struct vor_mesh *mesh, struct vor_report *report,
-                           const struct vor_triangles_of *of, struct vor_error *err)
-{
-    return of->spec->value[VOR_PARAM_SOUP] > 0
-               ? make_soup(mesh, report, of, of->seeds, err)
-               : vor_mesh_reorder(mesh, of->order, of->seeds->n, err);
-}
-
-/* The middles of loops were relative to the input's origin. */
-static void count_from_zero(struct vor_report *report, const double origin[3])
-{
-    for (unsigned l = 0; l < report->mesh_longest_count; l++)
-        for (int c = 0; c < 3; c++)
-            report->mesh_longest[l].middle[c] += origin[c];
-}
-
 vor_status vor_triangles_finish(struct vor_mesh *mesh, struct vor_report *report,
                                 const struct vor_triangles_of *of, const struct vor_run *run,
                                 struct vor_error *err)
 {
     double began = vor_run_seconds(run);
-    vor_status status =
-        of->seeds->n == 0 ? of_points(mesh, report, of, run, err) : of_seeds(mesh, report, of, err);
+    vor_status status = of->seeds->n == 0
+                            ? of_points(mesh, report, of, run, err)
+                            : (of->spec->value[VOR_PARAM_SOUP] > 0
+                                   ? make_soup(mesh, report, of, of->seeds, err)
+                                   : vor_mesh_reorder(mesh, of->order, of->seeds->n, err));
 
     if (status != VOR_OK) {
         vor_mesh_free(mesh);
         return status;
     }
-    count_from_zero(report, of->in->origin);
+    for (unsigned l = 0; l < report->mesh_longest_count; l++)
+        for (int c = 0; c < 3; c++)
+            report->mesh_longest[l].middle[c] += of->in->origin[c];
     report->mesh_seconds += vor_run_seconds(run) - began;
     return VOR_OK;
 }

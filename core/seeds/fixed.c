@@ -29,18 +29,6 @@ static struct counted count(const struct vor_seeds *seeds)
     return counted;
 }
 
-static void count_on(struct vor_seeds *seeds, const struct counted *counted)
-{
-    struct vor_scratch *scratch = &seeds->scratch[0];
-
-    seeds->area = counted->area;
-    seeds->indexed_before = counted->indexed;
-    scratch->queries = counted->counts.queries;
-    scratch->cells = counted->counts.cells;
-    scratch->bisectors = counted->counts.bisectors;
-    scratch->triangles = counted->counts.triangles;
-}
-
 /* Points that do not move; borrowed. */
 struct fixed {
     const float *xyz; /* n x 3, normalised */
@@ -72,10 +60,17 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
     vor_seeds_free(seeds);
     status = vor_seeds_init(seeds, domain, moved + fixed.n, policy, run, err);
     if (status == VOR_OK) {
+        struct vor_scratch *scratch = &seeds->scratch[0];
+
         memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
         seeds->normal = normal;
         normal = NULL;
-        count_on(seeds, &counted);
+        seeds->area = counted.area;
+        seeds->indexed_before = counted.indexed;
+        scratch->queries = counted.counts.queries;
+        scratch->cells = counted.counts.cells;
+        scratch->bisectors = counted.counts.bisectors;
+        scratch->triangles = counted.counts.triangles;
     }
     vor_free(run->memory, normal);
     vor_free(run->memory, xyz);

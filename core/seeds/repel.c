@@ -109,17 +109,6 @@ struct polish {
     int cells;                /* holes are looked for in this step */
 };
 
-static void free_polish(struct polish *polish)
-{
-    struct vor_memory *memory = polish->seeds->run.memory;
-
-    vor_free(memory, polish->quiet);
-    vor_free(memory, polish->pull);
-    vor_free(memory, polish->step);
-    vor_free(memory, polish->next);
-    vor_stage_free(&polish->stage);
-}
-
 static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
 {
     struct vor_memory *memory = polish->seeds->run.memory;
@@ -370,19 +359,6 @@ static vor_status measure(struct vor_stage *stage, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Sets the parameters of the next step. */
-static void harden(struct polish *polish)
-{
-    unsigned done = polish->stage.record.step, steps = polish->stage.record.of;
-
-    polish->h = polish->stage.spacing;
-    polish->power =
-        VOR_REPEL_SOFT + (polish->aim->hard - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
-    polish->cells = done % polish->aim->cells == 0;
-    polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
-    polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
-}
-
 /* One step of all seeds, in seeds->xyz. Before the last ones, moves the seeds to the whole of the
  * input. */
 static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
@@ -391,6 +367,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     struct vor_seeds *seeds = polish->seeds;
     size_t moving = vor_seeds_moving(seeds);
     vor_status status = VOR_OK;
+    unsigned done = polish->stage.record.step, steps = polish->stage.record.of;
 
     if (!vor_seeds_on_whole(seeds) &&
         (stage->record.step + ON_WHOLE >= stage->record.of || vor_stage_is_enough(stage))) {
@@ -399,7 +376,12 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         if (status == VOR_OK)
             status = vor_stage_restart(stage, err);
     }
-    harden(polish);
+    polish->h = polish->stage.spacing;
+    polish->power =
+        VOR_REPEL_SOFT + (polish->aim->hard - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->cells = done % polish->aim->cells == 0;
+    polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
+    polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     if (status == VOR_OK)
         status = vor_seeds_index(seeds, stage->run, err);
     if (status == VOR_OK)
@@ -430,6 +412,7 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
                             .recall = {.keep_holes = keep_holes},
                             .pitch = lattice_pitch(seeds, told)};
     vor_status status;
+    struct vor_memory *memory = polish.seeds->run.memory;
 
     if (vor_spec_polish(spec) == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
@@ -455,7 +438,11 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     if (status == VOR_OK)
         status = vor_stage_run(&polish.stage, err);
     told->refined = polish.recall.refine;
-    free_polish(&polish);
+    vor_free(memory, polish.quiet);
+    vor_free(memory, polish.pull);
+    vor_free(memory, polish.step);
+    vor_free(memory, polish.next);
+    vor_stage_free(&polish.stage);
     return status;
 }
 

@@ -142,17 +142,6 @@ static unsigned fit_around(struct vor_surface *surface, float near[3 * VOR_NEIGH
                             vor_neighbors_at(&domain->known.neighbors, at));
 }
 
-/* Puts x onto the surface of the input around it. */
-static void put_onto(const struct vor_domain *domain, double x[3])
-{
-    float near[3 * VOR_NEIGHBORS_MAX];
-    struct vor_surface surface;
-
-    (void)fit_around(&surface, near, domain, x);
-    if (surface.kind != VOR_SURFACE_NONE)
-        vor_surface_put(&surface, x);
-}
-
 /* The way out of the input at x, where a line along its border runs from `from` to `to`: across the
  * line, along the surface, away from the points around. */
 static void way_out(double out[3], const struct vor_domain *domain, const double x[3],
@@ -198,12 +187,11 @@ struct work {
     const struct walkers *walkers;
 };
 
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
     struct line *line = work->line;
 
-    (void)worker;
     for (size_t j = begin; j < end; j++) {
         double out[3];
 
@@ -332,13 +320,12 @@ static double even_out(struct walkers *walkers, const struct line *line, size_t 
 }
 
 /* Writes the places of gaps, from walker i to the next: the walker's and the one halfway. */
-static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
     const struct walkers *walkers = work->walkers;
     struct vor_sites *sites = work->on->sites;
 
-    (void)worker;
     for (size_t k = 2 * begin; k < 2 * end; k++) {
         const double *from = &walkers->xyz[3 * (k / 2)],
                      *to = &walkers->xyz[3 * ((k / 2 + 1) % walkers->n)];
@@ -356,13 +343,18 @@ static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
 
-    (void)worker;
-    for (size_t i = begin; i < end; i++)
-        put_onto(work->on->domain, &work->walkers->xyz[3 * i]);
+    for (size_t i = begin; i < end; i++) {
+        float near[3 * VOR_NEIGHBORS_MAX];
+        struct vor_surface surface;
+
+        (void)fit_around(&surface, near, work->on->domain, &work->walkers->xyz[3 * i]);
+        if (surface.kind != VOR_SURFACE_NONE)
+            vor_surface_put(&surface, &work->walkers->xyz[3 * i]);
+    }
 }
 
 /* Makes room for walkers and the places of their gaps, and for as many again. */

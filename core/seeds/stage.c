@@ -89,15 +89,6 @@ static enum vor_answer tell(struct vor_stage *stage, int is_due)
     return watch->progress(watch->ctx, record);
 }
 
-static void count_step(struct vor_record *record)
-{
-    record->step++;
-    if (record->stage == VOR_RUN_STAGE_POLISH)
-        record->polish = record->step;
-    else if (record->stage != VOR_RUN_STAGE_INSERT)
-        record->iteration = record->step;
-}
-
 static int is_even_enough(const struct vor_stage *stage)
 {
     return vor_spec_given(stage->spec, VOR_PARAM_DELTA) &&
@@ -146,16 +137,6 @@ static int is_over(struct vor_stage *stage)
     return 1;
 }
 
-/* Whether the step just made is to be measured: if it is the last one, too. */
-static int measure_is_due(struct vor_stage *stage)
-{
-    const struct vor_record *record = &stage->record;
-
-    return stage->measure != NULL &&
-           (record->step % stage->measure_every == 0 ||
-            record->step + stage->measure_last >= record->of || is_over(stage));
-}
-
 static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
     struct vor_record *record = &stage->record;
@@ -164,10 +145,16 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
 
     if (status != VOR_OK)
         return status;
-    count_step(record);
+    record->step++;
+    if (record->stage == VOR_RUN_STAGE_POLISH)
+        record->polish = record->step;
+    else if (record->stage != VOR_RUN_STAGE_INSERT)
+        record->iteration = record->step;
     record->seconds = vor_run_seconds(stage->run);
     stage->took = record->seconds - before;
-    if (measure_is_due(stage))
+    if (stage->measure != NULL &&
+        (stage->record.step % stage->measure_every == 0 ||
+         stage->record.step + stage->measure_last >= stage->record.of || is_over(stage)))
         status = stage->measure(stage, err);
     if (status != VOR_OK)
         return status;

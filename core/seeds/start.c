@@ -80,21 +80,6 @@ static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
     (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
 }
 
-/* Draws random points of the cell for each of n samples, few for a sample alone. */
-static void draw_pool(struct spread *spread, const struct areas *areas, const struct vor_cell *cell,
-                      size_t first, size_t n)
-{
-    double unit[3];
-
-    spread->n = n;
-    spread->each = n > 1 ? RANDOM : ALONE;
-    for (size_t j = 0; j < n * spread->each; j++) {
-        for (size_t c = 0; c < 3; c++)
-            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
-        vor_cell_sample(cell, unit, spread->pool[j]);
-    }
-}
-
 /* Squared distance along the surface. */
 static double apart2(const double a[3], const double b[3])
 {
@@ -172,32 +157,26 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
         at[c] = (float)x[c];
 }
 
-/* Starts n seeds in scratch->cell. */
+/* Starts n seeds in scratch->cell: each is one of several random points of it, few for a sample
+ * alone. */
 static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, size_t first,
                         size_t n)
 {
     struct spread spread;
+    double unit[3];
 
-    draw_pool(&spread, areas, &scratch->cell, first, n);
+    spread.n = n;
+    spread.each = n > 1 ? RANDOM : ALONE;
+    for (size_t j = 0; j < n * spread.each; j++) {
+        for (size_t c = 0; c < 3; c++)
+            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
+        vor_cell_sample(&scratch->cell, unit, spread.pool[j]);
+    }
     start_apart(&spread);
     for (int round = 0; round < ROUNDS; round++)
         relax(&spread);
     for (size_t i = 0; i < n; i++)
         place_sample(areas, scratch, first + i, spread.at[i]);
-}
-
-/* Starts n seeds around input point i of the draw, without its cell. */
-static void sample_hurried(const struct areas *areas, size_t i, size_t first, size_t n)
-{
-    const struct vor_seeds *from = areas->from;
-
-    for (size_t sample = first; sample < first + n; sample++) {
-        double unit[2];
-
-        for (size_t c = 0; c < 2; c++)
-            unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample * RANDOM + c);
-        vor_hurried_draw(&areas->to->xyz[3 * sample], from->domain, &from->xyz[3 * i], unit);
-    }
 }
 
 static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -212,7 +191,14 @@ static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (first == last)
             continue;
         if (vor_run_is_late(&areas->from->run)) {
-            sample_hurried(areas, i, first, last - first);
+            for (size_t sample = first; sample < last; sample++) {
+                double unit[2];
+
+                for (size_t c = 0; c < 2; c++)
+                    unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * sample * RANDOM + c);
+                vor_hurried_draw(&areas->to->xyz[3 * sample], areas->from->domain,
+                                 &areas->from->xyz[3 * i], unit);
+            }
             continue;
         }
         if (vor_seeds_cell(areas->from, scratch, i) == VOR_SURFACE_NONE)
@@ -239,14 +225,13 @@ static size_t sample_of(const struct areas *areas, size_t i)
 
 /* Estimates the area of a stretch: one of its points is drawn, and each point counts as much as one
  * of the DENSITY_K - 1 neighbours in the disc around that one. */
-static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void density_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct areas *areas = ctx;
     const struct vor_seeds *to = areas->to;
     uint32_t index[DENSITY_BLOCK * DENSITY_K];
     float distance2[DENSITY_BLOCK * DENSITY_K], x[3 * DENSITY_BLOCK] = {0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         memcpy(&x[3 * (i - begin)], &to->domain->xyz[3 * sample_of(areas, i)], 3 * sizeof *x);
     }
@@ -261,13 +246,12 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 /* Turns the areas of stretches into their shares of the seeds: with a density rho, these go with
  * area times sqrt(rho). */
-static void weigh_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void weigh_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct areas *areas = ctx;
     const struct vor_domain *domain = areas->to->domain;
     struct vor_field_near near;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         vor_field_find(&near, &domain->field, &domain->xyz[3 * sample_of(areas, i)]);
         areas->end[i] /= (double)near.value * (double)near.value;
@@ -352,20 +336,6 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
-/* Turns the areas of the cells into their shares of the seeds, as weigh_block. */
-static void weigh_cells(const struct areas *areas)
-{
-    const struct vor_seeds *from = areas->from;
-    double before = 0, sum = 0;
-
-    for (size_t i = 0; i < from->n; i++) {
-        double wanted = vor_wanted_at(&from->wanted, i), area = areas->end[i] - before;
-
-        before = areas->end[i];
-        areas->end[i] = sum += area / (wanted * wanted);
-    }
-}
-
 /* Cells of one task: as many seeds start in them, all in all, as vor_seeds_block says. */
 static size_t sampled_at_once(const struct areas *areas)
 {
@@ -398,8 +368,16 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
         if (status != VOR_OK)
             break;
         to->area = areas->end[from->n - 1];
-        if (from->wanted.value != NULL)
-            weigh_cells(areas);
+        if (from->wanted.value != NULL) {
+            double before = 0, sum = 0; /* of the shares, as weigh_block */
+
+            for (size_t i = 0; i < from->n; i++) {
+                double wanted = vor_wanted_at(&from->wanted, i), area = areas->end[i] - before;
+
+                before = areas->end[i];
+                areas->end[i] = sum += area / (wanted * wanted);
+            }
+        }
         status = vor_run_for(&to->run, from->n, sampled_at_once(areas), sample_block, areas, err);
     }
     vor_free(memory, areas->end);

@@ -41,11 +41,10 @@ struct renew {
     const float *xyz;
 };
 
-static void renew_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void renew_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct renew *renew = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_tensor_near *near = &renew->stretched->near[i];
         const float *x = &renew->xyz[3 * i];

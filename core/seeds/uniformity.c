@@ -54,11 +54,10 @@ static double nearest_wide(const struct even *even, size_t i, struct vor_scratch
 }
 
 /* Distances from the lists; negative where a seed beyond the list could be nearer. */
-static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct even *even = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         even->nearest[i] =
             (float)vor_point_lists_nearest(&even->seeds->point_lists, &even->view, i);

@@ -33,12 +33,11 @@ struct renew {
     const float *xyz;
 };
 
-static void renew_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void renew_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct renew *renew = ctx;
     struct vor_wanted *wanted = renew->wanted;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_field_near *near = &wanted->near[i];
         const float *x = &renew->xyz[3 * i];
