@@ -32,14 +32,6 @@ static const struct vor_method methods[VOR_METHODS] = {
     {"ear", vor_ear_run},
 };
 
-static const struct vor_method *method_of(const struct vor_spec *spec)
-{
-    unsigned index = (unsigned)spec->value[VOR_PARAM_METHOD];
-
-    assert(index < VOR_METHODS);
-    return &methods[index];
-}
-
 /* A run of a process that spreads points. */
 struct engine {
     const struct vor_cloud *given, *in; /* in: what is resampled, given or sampled */
@@ -76,16 +68,17 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
 
 static vor_status place(struct engine *engine, struct vor_error *err)
 {
-    const struct vor_method *method = method_of(&engine->spec);
+    unsigned method = (unsigned)engine->spec.value[VOR_PARAM_METHOD];
     size_t n = engine->target.n, share = vor_islands_share(&engine->domain, n);
     vor_status status = VOR_OK;
 
+    assert(method < VOR_METHODS);
     if (share < n)
         status = vor_followed_make(&engine->domain, engine->in, n - share, &engine->spec,
                                    &engine->whole, err);
     if (status == VOR_OK && share < n)
-        status = method->run(&engine->seeds, &engine->told, &engine->domain, n - share,
-                             &engine->spec, &engine->run, err);
+        status = methods[method].run(&engine->seeds, &engine->told, &engine->domain, n - share,
+                                     &engine->spec, &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
     engine->report.on_islands = share;
     if (status != VOR_OK)
@@ -110,25 +103,19 @@ static vor_status make_output(struct engine *engine, struct vor_cloud *out, stru
     return status == VOR_OK ? vor_output_make(out, &engine->report, &placed, err) : status;
 }
 
-static vor_status join(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
-{
-    struct vor_triangles_of of = {engine->in,     out,           &engine->domain,
-                                  &engine->seeds, engine->order, &engine->spec};
-
-    return vor_triangles_finish(&engine->mesh, &engine->report, &of, &engine->whole, err);
-}
-
 static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vor_error *err)
 {
     struct vor_report *report = &engine->report;
     struct vor_baselines_of beside = {&engine->domain, engine->seeds.n, &methods[VOR_METHOD_KMEANS],
                                       &engine->told, &engine->spec};
     vor_status status = make_output(engine, out, err);
+    struct vor_triangles_of joined = {engine->in,     out,           &engine->domain,
+                                      &engine->seeds, engine->order, &engine->spec};
 
     if (status == VOR_OK)
         status = vor_output_notes(out, report, engine->given, err);
     if (status == VOR_OK && engine->meshes)
-        status = join(engine, out, err);
+        status = vor_triangles_finish(&engine->mesh, report, &joined, &engine->whole, err);
     if (status == VOR_OK)
         status = vor_last_record_tell(&engine->told, report, &engine->run, err);
     if (status == VOR_OK)
@@ -277,19 +264,15 @@ static const struct vor_process processes[] = {
 #undef PROCESS_ROW
 };
 
-static const struct vor_process *process_of(const struct vor_spec *spec)
-{
-    for (size_t i = 0; i < sizeof processes / sizeof processes[0]; i++)
-        if (strcmp(processes[i].id, spec->process->id) == 0)
-            return &processes[i];
-    return NULL;
-}
-
 vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts *in,
                           const struct vor_spec *spec, const struct vor_run *run,
                           struct vor_error *err)
 {
-    const struct vor_process *process = process_of(spec);
+    const struct vor_process *process = NULL;
+
+    for (size_t i = 0; i < sizeof processes / sizeof processes[0]; i++)
+        if (strcmp(processes[i].id, spec->process->id) == 0)
+            process = &processes[i];
 
     assert(process != NULL);
     return vor_process_run(process, out, in, spec, run, err);

@@ -44,6 +44,19 @@ static inline void vor_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/** A vector of doubles in single precision, and one the other way. */
+static inline void vor_to_floats(float out[3], const double x[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)x[c];
+}
+
+static inline void vor_to_doubles(double out[3], const float x[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)x[c];
+}
+
 /** Squared distance of two points, in double precision. */
 static inline double vor_distance2f(const float a[3], const float b[3])
 {

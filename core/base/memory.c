@@ -114,3 +114,9 @@ void vor_free(struct vor_memory *memory, void *p)
     vor_memory_release(memory, header->bytes);
     free(header);
 }
+
+void vor_free_each(struct vor_memory *memory, void *const *p, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        vor_free(memory, p[i]);
+}

@@ -32,6 +32,12 @@ VOR_NODISCARD void *vor_realloc(struct vor_memory *memory, void *p, size_t count
 /** Frees memory from the functions above; p may be NULL. Thread-safe. */
 void vor_free(struct vor_memory *memory, void *p);
 
+/** The same for several. */
+#define VOR_FREE_ALL(memory, ...)                                                                  \
+    vor_free_each(memory, (void *const[]){__VA_ARGS__},                                            \
+                  sizeof((void *const[]){__VA_ARGS__}) / sizeof(void *))
+void vor_free_each(struct vor_memory *memory, void *const *p, size_t count);
+
 /** Counts bytes that a library allocates by itself against the cap. Returns false, and counts
  *  nothing, when they do not fit. vor_memory_release takes them off the count again. Thread-safe.
  */

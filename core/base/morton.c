@@ -317,10 +317,7 @@ vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n, const s
     sorter->count = count;
     status = sort_all(sorter, a, b, n, err);
 done:
-    vor_free(run->memory, count);
-    vor_free(run->memory, b);
-    vor_free(run->memory, a);
-    vor_free(run->memory, sorter);
+    VOR_FREE_ALL(run->memory, count, b, a, sorter);
     return status;
 }
 

@@ -61,32 +61,28 @@ static void renew_inner(struct farthest *farthest, size_t i)
     farthest->node[i].at = more->at;
 }
 
-/* A leaf without points has a box that is far from everything. */
-static void measure_leaf(struct farthest *farthest, size_t leaf)
-{
-    struct node *node = &farthest->node[farthest->leaves + leaf];
-    size_t end = smaller((leaf + 1) * LEAF, farthest->n);
-
-    for (int c = 0; c < 3; c++) {
-        node->low[c] = INFINITY;
-        node->high[c] = -INFINITY;
-    }
-    for (size_t i = leaf * LEAF; i < end; i++)
-        for (size_t c = 0; c < 3; c++) {
-            float x = farthest->xyz[3 * i + c];
-
-            node->low[c] = x < node->low[c] ? x : node->low[c];
-            node->high[c] = x > node->high[c] ? x : node->high[c];
-        }
-    renew_leaf(farthest, leaf);
-}
-
 static void make_tree(struct farthest *farthest)
 {
     for (size_t i = 0; i < farthest->n; i++)
         farthest->distance2[i] = INFINITY;
-    for (size_t leaf = 0; leaf < farthest->leaves; leaf++)
-        measure_leaf(farthest, leaf);
+    for (size_t leaf = 0; leaf < farthest->leaves; leaf++) {
+        /* A leaf without points has a box that is far from everything. */
+        struct node *node = &farthest->node[farthest->leaves + leaf];
+        size_t end = smaller((leaf + 1) * LEAF, farthest->n);
+
+        for (int c = 0; c < 3; c++) {
+            node->low[c] = INFINITY;
+            node->high[c] = -INFINITY;
+        }
+        for (size_t i = leaf * LEAF; i < end; i++)
+            for (size_t c = 0; c < 3; c++) {
+                float x = farthest->xyz[3 * i + c];
+
+                node->low[c] = x < node->low[c] ? x : node->low[c];
+                node->high[c] = x > node->high[c] ? x : node->high[c];
+            }
+        renew_leaf(farthest, leaf);
+    }
     for (size_t i = farthest->leaves - 1; i >= 1; i--) {
         const struct node *left = &farthest->node[2 * i], *right = &farthest->node[2 * i + 1];
         struct node *node = &farthest->node[i];
@@ -192,8 +188,6 @@ vor_status vor_farthest_points(float *out, const float *xyz, size_t n, size_t co
     }
     while (status == VOR_OK && farthest.chosen < count)
         status = vor_run_for(run, 1, 1, choose_chunk, &farthest, err);
-    vor_free(run->memory, farthest.visited);
-    vor_free(run->memory, farthest.node);
-    vor_free(run->memory, farthest.distance2);
+    VOR_FREE_ALL(run->memory, farthest.visited, farthest.node, farthest.distance2);
     return status;
 }

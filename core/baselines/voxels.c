@@ -154,7 +154,6 @@ vor_status vor_voxel_points(float *out, size_t *made, const float *xyz, size_t n
                 out[3 * (size_t)cell->index + c] = (float)(cell->sum[c] / cell->points);
         }
     }
-    vor_free(run->memory, voxels.cell);
-    vor_free(run->memory, voxels.number);
+    VOR_FREE_ALL(run->memory, voxels.cell, voxels.number);
     return status;
 }

@@ -87,10 +87,7 @@ void vor_cloud_free(struct vor_cloud *cloud)
 {
     for (size_t i = 0; i < cloud->attribute_count; i++)
         vor_free(cloud->memory, cloud->attributes[i].data);
-    vor_free(cloud->memory, cloud->notes.remarks);
-    vor_free(cloud->memory, cloud->triangles);
-    vor_free(cloud->memory, cloud->exact);
-    vor_free(cloud->memory, cloud->xyz);
+    VOR_FREE_ALL(cloud->memory, cloud->notes.remarks, cloud->triangles, cloud->exact, cloud->xyz);
     vor_cloud_init(cloud, cloud->memory);
 }
 

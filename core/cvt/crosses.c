@@ -46,10 +46,7 @@ void vor_crosses_free(struct vor_crosses *crosses)
 {
     if (crosses->memory == NULL)
         return;
-    vor_free(crosses->memory, crosses->kept);
-    vor_free(crosses->memory, crosses->next);
-    vor_free(crosses->memory, crosses->now);
-    vor_free(crosses->memory, crosses->own);
+    VOR_FREE_ALL(crosses->memory, crosses->kept, crosses->next, crosses->now, crosses->own);
     memset(crosses, 0, sizeof *crosses);
 }
 

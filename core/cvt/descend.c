@@ -151,8 +151,7 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_stage_run(&descend.stage, err);
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++)
         told->held_ever += (descend.held[i] & VOR_FROZEN_HELD_EVER) != 0;
-    vor_free(memory, descend.held);
-    vor_free(memory, descend.y);
+    VOR_FREE_ALL(memory, descend.held, descend.y);
     vor_stage_free(&descend.stage);
     vor_lbfgs_free(&descend.lbfgs);
     vor_frozen_free(&descend.frozen);

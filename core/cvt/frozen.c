@@ -38,12 +38,7 @@ void vor_frozen_free(struct vor_frozen *f)
         return;
     memory = f->seeds->run.memory;
     vor_planes_free(&f->planes);
-    vor_free(memory, f->sums);
-    vor_free(memory, f->cuts);
-    vor_free(memory, f->by);
-    vor_free(memory, f->cut);
-    vor_free(memory, f->value);
-    vor_free(memory, f->bend);
+    VOR_FREE_ALL(memory, f->sums, f->cuts, f->by, f->cut, f->value, f->bend);
     memset(f, 0, sizeof *f);
 }
 
@@ -245,8 +240,7 @@ static void take_seed(const struct take *take, struct vor_scratch *scratch,
         if (vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x))
             take->held[i] |= VOR_FROZEN_HELD | VOR_FROZEN_HELD_EVER;
     }
-    for (int c = 0; c < 3; c++)
-        xyz[c] = (float)x[c];
+    vor_to_floats(xyz, x);
     sums->moved = fmax(sums->moved, sqrt(vor_distance2f(from, xyz)));
 }
 

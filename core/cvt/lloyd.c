@@ -84,13 +84,9 @@ static void free_cvt(struct cvt *cvt)
 
     if (cvt->anderson.length > 0)
         vor_anderson_free(&cvt->anderson);
-    vor_free(memory, cvt->flags);
-    vor_free(memory, cvt->step);
-    vor_free(memory, cvt->normal);
+    VOR_FREE_ALL(memory, cvt->flags, cvt->step, cvt->normal);
     vor_stage_free(&cvt->stage);
-    vor_free(memory, cvt->mix);
-    vor_free(memory, cvt->lloyd);
-    vor_free(memory, cvt->sums);
+    VOR_FREE_ALL(memory, cvt->mix, cvt->lloyd, cvt->sums);
 }
 
 static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
@@ -118,12 +114,6 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
     if (!ok)
         return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
     return window > 0 ? vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err) : VOR_OK;
-}
-
-static void set3(float *out, const double x[3])
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)x[c];
 }
 
 /* Moments of the cell of seed i, with the density if there is one. */
@@ -265,7 +255,7 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     vor_surface_to_world(&scratch->here.surface, moments.centroid, x);
     if (cvt->normal != NULL) {
         vor_surface_normal(&scratch->here.surface, moments.centroid, normal);
-        set3(&cvt->normal[3 * i], normal);
+        vor_to_floats(&cvt->normal[3 * i], normal);
     }
     if (cvt->step != NULL)
         stretch(cvt, scratch, i, x);
@@ -275,7 +265,7 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
         cvt->flags[i] |= AT_BORDER;
         memcpy(x, from, sizeof from);
     }
-    set3(&cvt->lloyd[3 * i], x);
+    vor_to_floats(&cvt->lloyd[3 * i], x);
     for (size_t c = 0; cvt->step != NULL && c < 3; c++)
         cvt->step[3 * i + c] = cvt->lloyd[3 * i + c] - cvt->seeds->xyz[3 * i + c];
 }
@@ -299,23 +289,6 @@ static void lloyd_block(void *ctx, size_t begin, size_t end, unsigned worker)
     cvt->sums[begin / VOR_SEEDS_BLOCK] = sums;
 }
 
-/* Adds up the blocks, in their order. */
-static void add_blocks(struct cvt *cvt)
-{
-    struct block_sums total = {0};
-
-    for (size_t b = 0; b < cvt->blocks; b++) {
-        total.area += cvt->sums[b].area;
-        total.even += cvt->sums[b].even;
-        total.energy += cvt->sums[b].energy;
-        total.max_move = fmax(total.max_move, cvt->sums[b].max_move);
-        total.held += cvt->sums[b].held;
-        total.plane += cvt->sums[b].plane;
-        total.left += cvt->sums[b].left;
-    }
-    cvt->total = total;
-}
-
 /* The Anderson mix for seed i: the centroid plus the tangential part of the difference, bounded. */
 static void mix_step(struct cvt *cvt, size_t i)
 {
@@ -337,8 +310,9 @@ static void mix_step(struct cvt *cvt, size_t i)
         limit = 0;
     for (int c = 0; c < 3; c++)
         x[c] = (double)lloyd[c] + (length > limit ? d[c] * (limit / length) : d[c]);
-    set3(&cvt->mix[3 * i],
-         limit > 0 ? x : (double[3]){(double)lloyd[0], (double)lloyd[1], (double)lloyd[2]});
+    vor_to_floats(&cvt->mix[3 * i],
+                  limit > 0 ? x
+                            : (double[3]){(double)lloyd[0], (double)lloyd[1], (double)lloyd[2]});
 }
 
 static void mix_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -381,6 +355,7 @@ static vor_status accelerate(struct cvt *cvt, struct vor_uniformity *even, struc
 static vor_status iterate(struct cvt *cvt, struct vor_error *err)
 {
     struct vor_seeds *seeds = cvt->seeds;
+    struct block_sums *total = &cvt->total;
     struct vor_uniformity even;
     vor_status status = vor_seeds_index(seeds, cvt->run, err);
 
@@ -388,7 +363,16 @@ static vor_status iterate(struct cvt *cvt, struct vor_error *err)
         status = vor_run_for(cvt->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
     if (status != VOR_OK)
         return status;
-    add_blocks(cvt);
+    memset(total, 0, sizeof *total);
+    for (size_t b = 0; b < cvt->blocks; b++) {
+        total->area += cvt->sums[b].area;
+        total->even += cvt->sums[b].even;
+        total->energy += cvt->sums[b].energy;
+        total->max_move = fmax(total->max_move, cvt->sums[b].max_move);
+        total->held += cvt->sums[b].held;
+        total->plane += cvt->sums[b].plane;
+        total->left += cvt->sums[b].left;
+    }
     status = vor_seeds_uniformity(&even, cvt->stage.nearest, seeds, cvt->lloyd, cvt->run, err);
     if (status == VOR_OK && cvt->anderson.length > 0)
         status = accelerate(cvt, &even, err);
@@ -397,25 +381,6 @@ static vor_status iterate(struct cvt *cvt, struct vor_error *err)
     memcpy(seeds->xyz, cvt->lloyd, 3 * seeds->n * sizeof *seeds->xyz);
     vor_stage_note(&cvt->stage, &even);
     return VOR_OK;
-}
-
-/* Writes what the method tells of itself after an iteration. */
-static void note(struct cvt *cvt)
-{
-    const struct vor_seeds *seeds = cvt->seeds;
-    struct vor_outcome *told = cvt->stage.told;
-    struct vor_record *record = &cvt->stage.record;
-    double unit = seeds->domain->unit;
-
-    record->energy = cvt->total.energy * unit * unit * unit * unit;
-    record->max_move = cvt->total.max_move * unit;
-    record->held = told->held = cvt->total.held;
-    told->fallback_plane = cvt->total.plane;
-    told->fallback_left = cvt->total.left;
-    told->area = cvt->total.area;
-    told->area_even = cvt->total.even;
-    cvt->stage.moved =
-        cvt->total.max_move / sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
 }
 
 /* Whether delta has fallen too little over the last window to go on. */
@@ -450,12 +415,16 @@ static int ends_on_plateau(struct vor_stage *stage)
 static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
     struct cvt *cvt = stage->of;
+    const struct vor_seeds *seeds = cvt->seeds;
+    const struct block_sums *total = &cvt->total;
+    struct vor_outcome *told = stage->told;
+    struct vor_record *record = &stage->record;
+    double unit = stage->domain->unit;
     vor_status status = VOR_OK;
 
-    if (!vor_seeds_on_whole(cvt->seeds) &&
-        (vor_stage_is_enough(&cvt->stage) ||
-         (!polish_follows(cvt) &&
-          cvt->stage.record.step + on_whole(cvt) >= cvt->stage.record.of))) {
+    if (!vor_seeds_on_whole(seeds) &&
+        (vor_stage_is_enough(stage) ||
+         (!polish_follows(cvt) && record->step + on_whole(cvt) >= record->of))) {
         stage->unfinished = 0;
         status = vor_attach_to_whole(cvt->seeds, 0, err);
         if (status == VOR_OK)
@@ -463,9 +432,17 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     }
     if (status == VOR_OK)
         status = iterate(cvt, err);
-    if (status == VOR_OK)
-        note(cvt);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    record->energy = total->energy * unit * unit * unit * unit;
+    record->max_move = total->max_move * unit;
+    record->held = told->held = total->held;
+    told->fallback_plane = total->plane;
+    told->fallback_left = total->left;
+    told->area = total->area;
+    told->area_even = total->even;
+    stage->moved = total->max_move / sqrt(seeds->area / (VOR_HEXAGON_HEIGHT * (double)seeds->n));
+    return VOR_OK;
 }
 
 vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,

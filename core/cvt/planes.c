@@ -63,11 +63,7 @@ void vor_planes_free(struct vor_planes *p)
         return;
     memory = p->seeds->run.memory;
     vor_crosses_free(&p->crosses);
-    vor_free(memory, p->place);
-    vor_free(memory, p->near);
-    vor_free(memory, p->axes);
-    vor_free(memory, p->middle);
-    vor_free(memory, p->plane);
+    VOR_FREE_ALL(memory, p->place, p->near, p->axes, p->middle, p->plane);
     memset(p, 0, sizeof *p);
 }
 
@@ -165,19 +161,6 @@ static void set_wall(struct vor_energy_plane *flat, const struct vor_planes *p,
     flat->wall[1] = vor_dot(&axes[3], way);
 }
 
-/* Sets the cross of seed i, at x, by a quadric also where fits are planes. */
-static void set_cross(struct vor_planes *p, const struct vor_place *here, size_t i,
-                      const double x[3])
-{
-    struct vor_surface bent = here->surface;
-    struct vor_cross_fit fit = {.surface = &bent, .k = here->k, .spacing = p->spacing};
-
-    if (p->seeds->policy.planes)
-        vor_surface_fit(&bent, here->near, here->k);
-    vor_surface_to_local(&bent, x, fit.at);
-    vor_crosses_set(&p->crosses, i, &fit, &p->axes[9 * i]);
-}
-
 /* A bound of the curvatures of a surface; 0 of a plane. */
 static double bend_of(const struct vor_surface *surface)
 {
@@ -213,8 +196,15 @@ static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch
     if (vor_stretched_are(&p->seeds->stretched))
         set_metric(p, i);
     set_wall(&plane->flat, p, &scratch->here, axes, at, radius);
-    if (p->crossed)
-        set_cross(p, &scratch->here, i, x);
+    if (p->crossed) {
+        struct vor_surface bent = scratch->here.surface; /* a quadric also where fits are planes */
+        struct vor_cross_fit fit = {.surface = &bent, .k = scratch->here.k, .spacing = p->spacing};
+
+        if (p->seeds->policy.planes)
+            vor_surface_fit(&bent, scratch->here.near, scratch->here.k);
+        vor_surface_to_local(&bent, x, fit.at);
+        vor_crosses_set(&p->crosses, i, &fit, &p->axes[9 * i]);
+    }
 }
 
 static void freeze_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -223,23 +213,6 @@ static void freeze_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++)
         freeze_seed(freeze, &freeze->planes->seeds->scratch[worker], i);
-}
-
-/* Turns the axes of all seeds to their crosses, and the walls with them. */
-static void turn(struct vor_planes *p)
-{
-    for (size_t i = 0; i < p->seeds->n; i++) {
-        struct vor_energy_plane *flat = &p->plane[i].flat;
-        double *axes = &p->axes[9 * i], way[3];
-
-        if (!(flat->radius > 0))
-            continue;
-        for (int c = 0; c < 3; c++)
-            way[c] = flat->wall[0] * axes[c] + flat->wall[1] * axes[3 + c];
-        vor_crosses_turn(&p->crosses, i, axes);
-        flat->wall[0] = vor_dot(&axes[0], way);
-        flat->wall[1] = vor_dot(&axes[3], way);
-    }
 }
 
 void vor_planes_place(struct vor_planes *p, const double *y, size_t i)
@@ -354,8 +327,21 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
         status = vor_crosses_smooth(&p->crosses, p->axes, p->near, p->width,
                                     p->width < AROUND ? p->width : AROUND,
                                     p->set == 0 ? ROUNDS_FIRST : ROUNDS, run, err);
-        if (status == VOR_OK)
-            turn(p);
+        if (status == VOR_OK) {
+            /* The axes of all seeds turn to their crosses, and the walls with them. */
+            for (size_t i = 0; i < p->seeds->n; i++) {
+                struct vor_energy_plane *flat = &p->plane[i].flat;
+                double *axes = &p->axes[9 * i], way[3];
+
+                if (!(flat->radius > 0))
+                    continue;
+                for (int c = 0; c < 3; c++)
+                    way[c] = flat->wall[0] * axes[c] + flat->wall[1] * axes[3 + c];
+                vor_crosses_turn(&p->crosses, i, axes);
+                flat->wall[0] = vor_dot(&axes[0], way);
+                flat->wall[1] = vor_dot(&axes[3], way);
+            }
+        }
         p->set = 1;
     }
     if (status != VOR_OK || !p->seeds->policy.keep_border)

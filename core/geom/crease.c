@@ -76,25 +76,6 @@ static double term(const struct fit *fit, unsigned b, unsigned j)
     return terms[b];
 }
 
-/* Gram-Schmidt; a column that depends on those before it becomes 0. */
-static void make_basis(struct fit *fit)
-{
-    for (unsigned b = 0; b < SHARED_TERMS; b++) {
-        double *q = fit->q[b], before, after, scale;
-
-        for (unsigned j = 0; j < fit->k; j++)
-            q[j] = term(fit, b, j);
-        before = dot(q, q, fit->k);
-        take_out(q, fit, b);
-        after = dot(q, q, fit->k);
-        scale = after > VOR_RANK * before ? 1 / sqrt(after) : 0;
-        for (unsigned j = 0; j < fit->k; j++)
-            q[j] *= scale;
-    }
-    memcpy(fit->rest, fit->w, fit->k * sizeof *fit->rest);
-    take_out(fit->rest, fit, SHARED_TERMS);
-}
-
 /* By how much a further column lowers the sum of squares of rest, and its coefficient. */
 static double gain_of(const struct fit *fit, const double *column, double *coefficient)
 {
@@ -242,7 +223,21 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
         fit.u[j] = vor_dot(axis[1], d);
         fit.w[j] = vor_dot(axis[2], d);
     }
-    make_basis(&fit);
+    /* Gram-Schmidt; a column that depends on those before it becomes 0. */
+    for (unsigned b = 0; b < SHARED_TERMS; b++) {
+        double *q = fit.q[b], before, after, scale;
+
+        for (unsigned j = 0; j < fit.k; j++)
+            q[j] = term(&fit, b, j);
+        before = dot(q, q, fit.k);
+        take_out(q, &fit, b);
+        after = dot(q, q, fit.k);
+        scale = after > VOR_RANK * before ? 1 / sqrt(after) : 0;
+        for (unsigned j = 0; j < fit.k; j++)
+            q[j] *= scale;
+    }
+    memcpy(fit.rest, fit.w, fit.k * sizeof *fit.rest);
+    take_out(fit.rest, &fit, SHARED_TERMS);
     kink = find(&fit);
     rest2 = dot(fit.rest, fit.rest, k);
     length = sqrt(1 + kink.slant * kink.slant);

@@ -69,21 +69,6 @@ static void find_triangle(struct triangle *out, const struct vor_energy_plane *p
     out->by[1][1] += share * sum * c1[0] / 2;
 }
 
-/* Adds the second derivative, were the cell to stand still: p (p - 1) times the integral of the
- * power p - 2. */
-static void add_bend(double bend[2], const struct vor_energy_plane *plane, double area,
-                     const double c1[2], const double c2[2])
-{
-    unsigned p = plane->power;
-
-    for (int d = 0; d < 2; d++) {
-        double m = plane->factor[d], value, by1, by2;
-
-        sum_powers(p - 2, m * c1[d], m * c2[d], &value, &by1, &by2);
-        bend[d] += 2 * area * m * m * value; /* the factors of p are (p - 1) p / C(p, 2) = 2 */
-    }
-}
-
 /* Direction across the line of an edge, as far from the seed at `at` as the line is given. */
 static void across(double n[2], const struct vor_energy_plane *plane, uint32_t id,
                    const double at[2], const double (*other)[3])
@@ -172,9 +157,17 @@ void vor_energy_of(struct vor_energy *out, const struct vor_flat *cell,
         double c1[2] = {cell->x[e] - at[0], cell->y[e] - at[1]};
         double c2[2] = {cell->x[f] - at[0], cell->y[f] - at[1]};
         struct triangle triangle;
+        unsigned p = plane->power;
 
         find_triangle(&triangle, plane, c1, c2);
-        add_bend(out->bend, plane, triangle.area, c1, c2);
+        /* Adds the second derivative, were the cell to stand still: p (p - 1) times the integral of
+         * the power p - 2. */
+        for (int d = 0; d < 2; d++) {
+            double m = plane->factor[d], value, by1, by2;
+
+            sum_powers(p - 2, m * c1[d], m * c2[d], &value, &by1, &by2);
+            out->bend[d] += 2 * triangle.area * m * m * value; /* (p - 1) p / C(p, 2) = 2 */
+        }
         out->value += triangle.value;
         for (int d = 0; d < 2; d++) {
             by[e][d] += triangle.by[0][d];

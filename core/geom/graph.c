@@ -27,10 +27,7 @@ void vor_graph_free(struct vor_graph *graph)
 {
     if (graph->memory == NULL)
         return;
-    vor_free(graph->memory, graph->normal);
-    vor_free(graph->memory, graph->own);
-    vor_free(graph->memory, graph->count);
-    vor_free(graph->memory, graph->list);
+    VOR_FREE_ALL(graph->memory, graph->normal, graph->own, graph->count, graph->list);
     memset(graph, 0, sizeof *graph);
 }
 

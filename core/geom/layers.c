@@ -168,24 +168,6 @@ struct means {
     double n[VOR_LAYERS_MAX], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX];
 };
 
-static void average(struct means *means, const struct vor_layers *layers, const struct stack *stack)
-{
-    memset(means, 0, sizeof *means);
-    for (unsigned i = 0; i < stack->k; i++) {
-        unsigned l = layers->of[i];
-
-        means->n[l]++;
-        means->w[l] += stack->w[i];
-        for (int t = 0; t < TERMS; t++)
-            means->x[l][t] += stack->x[i][t];
-    }
-    for (unsigned l = 0; l < layers->count; l++) {
-        means->w[l] /= means->n[l];
-        for (int t = 0; t < TERMS; t++)
-            means->x[l][t] /= means->n[l];
-    }
-}
-
 /* Fits the quadric that the layers share, and computes their heights and the points' heights over
  * it. Returns false when the points do not determine it. */
 static int share(struct vor_layers *layers, struct stack *stack)
@@ -193,7 +175,20 @@ static int share(struct vor_layers *layers, struct stack *stack)
     double a[TERMS * TERMS] = {0};
     struct means means;
 
-    average(&means, layers, stack);
+    memset(&means, 0, sizeof means);
+    for (unsigned i = 0; i < stack->k; i++) {
+        unsigned l = layers->of[i];
+
+        means.n[l]++;
+        means.w[l] += stack->w[i];
+        for (int t = 0; t < TERMS; t++)
+            means.x[l][t] += stack->x[i][t];
+    }
+    for (unsigned l = 0; l < layers->count; l++) {
+        means.w[l] /= means.n[l];
+        for (int t = 0; t < TERMS; t++)
+            means.x[l][t] /= means.n[l];
+    }
     memset(layers->shape, 0, sizeof layers->shape);
     for (unsigned i = 0; i < stack->k; i++) {
         unsigned l = layers->of[i];

@@ -90,12 +90,8 @@ void vor_march_free(struct vor_march *march)
 {
     if (march->memory == NULL)
         return;
-    vor_free(march->memory, march->edge);
-    vor_free(march->memory, march->heading);
-    vor_free(march->memory, march->cost);
-    vor_free(march->memory, march->front.place);
-    vor_free(march->memory, march->front.item);
-    vor_free(march->memory, march->first);
+    VOR_FREE_ALL(march->memory, march->edge, march->heading, march->cost, march->front.place,
+                 march->front.item, march->first);
     memset(march, 0, sizeof *march);
 }
 
@@ -115,8 +111,7 @@ static void set(struct vor_march *march, uint32_t i, const struct way *way)
 {
     march->far[i] = (float)way->far;
     march->cost[i] = (float)way->cost;
-    for (int c = 0; c < 3; c++)
-        march->heading[3 * (size_t)i + c] = (float)way->heading[c];
+    vor_to_floats(&march->heading[3 * (size_t)i], way->heading);
     vor_heap_rise(&march->front, i);
 }
 
@@ -126,17 +121,6 @@ static double heading_along(const struct vor_march *march, uint32_t i, const dou
     const float *h = &march->heading[3 * (size_t)i];
 
     return d[0] * (double)h[0] + d[1] * (double)h[1] + d[2] * (double)h[2];
-}
-
-/* The way along an edge. */
-static void along_edge(struct way *way, const double uv[3], double a)
-{
-    double length = sqrt(vor_dot(uv, uv));
-
-    way->far = a + length;
-    way->cost = way->far + (a > 0 ? EDGE_COST * length : 0);
-    for (int c = 0; c < 3; c++)
-        way->heading[c] = length > 0 ? uv[c] / length : 0;
 }
 
 /* Two points that are done, u and w, and a third, v. In the plane of the three u is at 0, w on the
@@ -293,10 +277,14 @@ static int through(struct way *way, const struct vor_march *march, uint32_t u, u
 static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 {
     struct way best, way;
-    double uv[3];
+    double uv[3], length, before = (double)march->far[u];
 
     between(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
-    along_edge(&best, uv, (double)march->far[u]);
+    length = sqrt(vor_dot(uv, uv));
+    best.far = before + length;
+    best.cost = best.far + (before > 0 ? EDGE_COST * length : 0);
+    for (int c = 0; c < 3; c++)
+        best.heading[c] = length > 0 ? uv[c] / length : 0;
     for (size_t e = march->first[v]; e < march->first[v + 1]; e++) {
         uint32_t w = march->edge[e];
 

@@ -27,19 +27,6 @@ struct ranges {
     struct range range[VOR_OPENING_NEAR];
 };
 
-static void set_axes(double axis[2][3], const double normal[3])
-{
-    double across[3] = {0, 0, 0}, length;
-    int least = fabs(normal[0]) <= fabs(normal[1]) ? 0 : 1;
-
-    across[fabs(normal[2]) < fabs(normal[least]) ? 2 : least] = 1;
-    vor_cross(axis[0], across, normal);
-    length = sqrt(vor_dot(axis[0], axis[0]));
-    for (int c = 0; c < 3; c++)
-        axis[0][c] /= length;
-    vor_cross(axis[1], normal, axis[0]);
-}
-
 /* Adds what a neighbour at (u, v) forbids: a half turn less at a distance of 0, nothing at two
  * radii. cos and sin: of half the range. */
 static void add_range(struct ranges *ranges, unsigned neighbour, double u, double v, double radius)
@@ -149,9 +136,16 @@ unsigned vor_openings_find(struct vor_opening out[VOR_OPENINGS], const float *ne
                            const double x[3], const double normal[3], double radius)
 {
     struct ranges ranges = {.count = 0};
+    double across[3] = {0, 0, 0}, length;
+    int least = fabs(normal[0]) <= fabs(normal[1]) ? 0 : 1;
 
     assert(k <= VOR_OPENING_NEAR);
-    set_axes(ranges.axis, normal);
+    across[fabs(normal[2]) < fabs(normal[least]) ? 2 : least] = 1;
+    vor_cross(ranges.axis[0], across, normal);
+    length = sqrt(vor_dot(ranges.axis[0], ranges.axis[0]));
+    for (int c = 0; c < 3; c++)
+        ranges.axis[0][c] /= length;
+    vor_cross(ranges.axis[1], normal, ranges.axis[0]);
     for (unsigned j = 0; j < k; j++) {
         double d[3] = {(double)near[3 * j] - x[0], (double)near[3 * j + 1] - x[1],
                        (double)near[3 * j + 2] - x[2]};

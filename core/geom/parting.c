@@ -199,10 +199,6 @@ vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, si
         status = vor_fail(err, VOR_E_NOMEM, "groups of %zu points", n);
     else
         status = part(&parting, n, bond, count, run, err);
-    vor_free(memory, parting.parted);
-    vor_free(memory, parting.size);
-    vor_free(memory, parting.has);
-    vor_free(memory, parting.last);
-    vor_free(memory, parting.first);
+    VOR_FREE_ALL(memory, parting.parted, parting.size, parting.has, parting.last, parting.first);
     return status;
 }

@@ -160,8 +160,7 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
         status = vor_fail(err, VOR_E_NOMEM, "signs of %zu points", graph->n);
     else
         status = run_levels(&grow, run, err);
-    vor_free(run->memory, grow.size);
-    vor_free(run->memory, grow.last);
+    VOR_FREE_ALL(run->memory, grow.size, grow.last);
     if (status == VOR_OK)
         *out = span;
     else
@@ -173,8 +172,6 @@ void vor_span_free(struct vor_span *span)
 {
     if (span->memory == NULL)
         return;
-    vor_free(span->memory, span->odd);
-    vor_free(span->memory, span->next);
-    vor_free(span->memory, span->component);
+    VOR_FREE_ALL(span->memory, span->odd, span->next, span->component);
     memset(span, 0, sizeof *span);
 }

@@ -110,7 +110,6 @@ void vor_spline_free(struct vor_spline *spline)
 {
     if (spline->memory == NULL)
         return;
-    vor_free(spline->memory, spline->at);
-    vor_free(spline->memory, spline->weight);
+    VOR_FREE_ALL(spline->memory, spline->at, spline->weight);
     memset(spline, 0, sizeof *spline);
 }

@@ -89,26 +89,6 @@ VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hoo
     return 1;
 }
 
-/* Rotates the neighbours into (u, v, w); sets center and reach. */
-static void to_frame(struct vor_surface *out, struct neighborhood *hood)
-{
-    double reach2 = 0;
-
-    out->center[0] = vor_dot(out->axis[0], hood->mean);
-    out->center[1] = vor_dot(out->axis[1], hood->mean);
-    for (unsigned i = 0; i < hood->k; i++) {
-        double u = vor_dot(out->axis[0], hood->x[i]), v = vor_dot(out->axis[1], hood->x[i]),
-               w = vor_dot(out->axis[2], hood->x[i]);
-        double du = u - out->center[0], dv = v - out->center[1];
-
-        hood->x[i][0] = u;
-        hood->x[i][1] = v;
-        hood->x[i][2] = w;
-        reach2 = fmax(reach2, du * du + dv * dv);
-    }
-    out->reach = sqrt(reach2);
-}
-
 /* Weighted sums: s[a][b] of u^a v^b with a + b <= 4, w[] of w u^a v^b with a + b <= 2, ww of w^2.
  * Lengths are over the reach. */
 struct moments {
@@ -183,16 +163,29 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     struct neighborhood hood;
     struct moments moments;
     double scale;
+    double reach2 = 0;
 
     memset(out, 0, sizeof *out);
-    for (int c = 0; c < 3; c++)
-        out->origin[c] = (double)near[c];
+    vor_to_doubles(out->origin, near);
     if (k < 3)
         return;
     gather(&hood, near, weight, k);
     if (!find_axes(out, &hood, weight))
         return;
-    to_frame(out, &hood);
+    /* Rotates the neighbours into (u, v, w); sets center and reach. */
+    out->center[0] = vor_dot(out->axis[0], hood.mean);
+    out->center[1] = vor_dot(out->axis[1], hood.mean);
+    for (unsigned i = 0; i < hood.k; i++) {
+        double u = vor_dot(out->axis[0], hood.x[i]), v = vor_dot(out->axis[1], hood.x[i]),
+               w = vor_dot(out->axis[2], hood.x[i]);
+        double du = u - out->center[0], dv = v - out->center[1];
+
+        hood.x[i][0] = u;
+        hood.x[i][1] = v;
+        hood.x[i][2] = w;
+        reach2 = fmax(reach2, du * du + dv * dv);
+    }
+    out->reach = sqrt(reach2);
     scale = 1 / out->reach;
     sum_moments(&moments, &hood, weight, scale);
     if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))

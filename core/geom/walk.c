@@ -35,25 +35,6 @@ static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l
     return across * across <= walk->arc * walk->arc * middle2 * l2 ? sqrt(l2) : INFINITY;
 }
 
-/* Settles one point, and tells its neighbours the way through it. */
-static void step(struct vor_walk *walk, unsigned from, double reach2)
-{
-    double l2[VOR_WALK_MOST];
-
-    for (unsigned j = 0; j < walk->most; j++) {
-        double x = (double)walk->x[0][j] - (double)walk->x[0][from],
-               y = (double)walk->x[1][j] - (double)walk->x[1][from],
-               z = (double)walk->x[2][j] - (double)walk->x[2][from];
-
-        l2[j] = x * x + y * y + z * z;
-    }
-    walk->done[from] = 1;
-    walk->reached[from] = walk->far[from] <= walk->limit[from];
-    for (unsigned j = 0; j < walk->most; j++)
-        if (!walk->done[j] && l2[j] <= reach2)
-            walk->far[j] = fmin(walk->far[j], walk->far[from] + edge(walk, from, j, l2[j]));
-}
-
 /* The point with the shortest way of those that are not settled; most: none can be reached. */
 static unsigned nearest(const struct vor_walk *walk)
 {
@@ -80,11 +61,24 @@ void vor_walk_go(struct vor_walk *walk)
         walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
     }
     while (next = nearest(walk), next < walk->most) {
+        double l2[VOR_WALK_MOST];
+
         /* Ways only get longer: what is known of the first `sure` points stays. */
         while (sure < walk->most && (walk->done[sure] || walk->far[next] > walk->limit[sure]))
             found += walk->reached[sure++];
         if (found >= walk->enough)
             return;
-        step(walk, next, reach2);
+        for (unsigned j = 0; j < walk->most; j++) {
+            double x = (double)walk->x[0][j] - (double)walk->x[0][next],
+                   y = (double)walk->x[1][j] - (double)walk->x[1][next],
+                   z = (double)walk->x[2][j] - (double)walk->x[2][next];
+
+            l2[j] = x * x + y * y + z * z;
+        }
+        walk->done[next] = 1;
+        walk->reached[next] = walk->far[next] <= walk->limit[next];
+        for (unsigned j = 0; j < walk->most; j++)
+            if (!walk->done[j] && l2[j] <= reach2)
+                walk->far[j] = fmin(walk->far[j], walk->far[next] + edge(walk, next, j, l2[j]));
     }
 }

@@ -296,12 +296,8 @@ static void end(struct winding *winding, const struct vor_run *run)
 {
     if (winding == NULL)
         return;
-    vor_free(run->memory, winding->block);
-    vor_free(run->memory, winding->member);
-    vor_free(run->memory, winding->piece);
-    vor_free(run->memory, winding->begins);
-    vor_free(run->memory, winding->point);
-    vor_free(run->memory, winding);
+    VOR_FREE_ALL(run->memory, winding->block, winding->member, winding->piece, winding->begins,
+                 winding->point, winding);
 }
 
 /* Turns the pieces of component c that face the wrong way. */

@@ -28,19 +28,6 @@ struct kmeans {
     struct vor_knn *knn; /* of the seeds, while points are assigned */
 };
 
-/* Starts the seeds at a random subset of the input: each point is taken with the probability that
- * leaves as many as are still wanted (Knuth, "The art of computer programming" 3.4.2, algorithm S).
- */
-static void draw(struct vor_seeds *seeds, uint64_t seed)
-{
-    const struct vor_domain *domain = seeds->domain;
-    size_t taken = 0;
-
-    for (size_t i = 0; taken < seeds->n; i++)
-        if (vor_rng_below(seed, STREAM_SUBSET, i, domain->n - i) < seeds->n - taken)
-            memcpy(&seeds->xyz[3 * taken++], &domain->xyz[3 * i], 3 * sizeof *seeds->xyz);
-}
-
 static void assign_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct kmeans *kmeans = ctx;
@@ -114,8 +101,7 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
             continue;
         vor_seeds_position(seeds, i, x);
         vor_surface_put(&seeds->scratch[worker].here.surface, x);
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + c] = (float)x[c];
+        vor_to_floats(&seeds->xyz[3 * i], x);
     }
 }
 
@@ -135,13 +121,6 @@ static vor_status onto_surface(struct vor_seeds *seeds, struct vor_outcome *told
     return status == VOR_OK ? vor_attach(seeds, &keep_holes, err) : status;
 }
 
-static uint32_t iterations_of(const struct vor_spec *spec)
-{
-    if (!vor_spec_given(spec, VOR_PARAM_ITERATIONS))
-        return VOR_KMEANS_ITERATIONS;
-    return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
-}
-
 /* Moves the started seeds. */
 static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
                           const struct vor_spec *spec, const struct vor_run *run,
@@ -153,7 +132,10 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     struct vor_stage stage = {.spec = spec,
                               .run = run,
                               .told = told,
-                              .record = {.stage = VOR_RUN_STAGE_ITERATE, .of = iterations_of(spec)},
+                              .record = {.stage = VOR_RUN_STAGE_ITERATE,
+                                         .of = vor_spec_given(spec, VOR_PARAM_ITERATIONS)
+                                                   ? (uint32_t)spec->value[VOR_PARAM_ITERATIONS]
+                                                   : VOR_KMEANS_ITERATIONS},
                               .of = &kmeans,
                               .step = step,
                               .measure = vor_stage_measure,
@@ -172,8 +154,7 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     if (status == VOR_OK)
         status = onto_surface(seeds, told, err);
     told->seconds[VOR_RUN_STAGE_ITERATE] = vor_run_clock(run) - before;
-    vor_free(memory, kmeans.mean);
-    vor_free(memory, kmeans.nearest);
+    VOR_FREE_ALL(memory, kmeans.mean, kmeans.nearest);
     vor_stage_free(&stage);
     return status;
 }
@@ -185,6 +166,7 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_seeds seeds;
     double before = vor_run_clock(run);
     vor_status status;
+    size_t taken = 0;
 
     if (vor_field_is(&domain->field))
         return vor_fail_param(err, VOR_E_DENSITY, "density",
@@ -207,7 +189,12 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
     if (status != VOR_OK)
         return status;
-    draw(&seeds, (uint64_t)spec->value[VOR_PARAM_SEED]);
+    /* A random subset: each point is taken with the probability that leaves as many as are still
+     * wanted (Knuth, "The art of computer programming" 3.4.2, algorithm S). */
+    for (size_t i = 0; taken < seeds.n; i++)
+        if (vor_rng_below((uint64_t)spec->value[VOR_PARAM_SEED], STREAM_SUBSET, i,
+                          seeds.domain->n - i) < seeds.n - taken)
+            memcpy(&seeds.xyz[3 * taken++], &seeds.domain->xyz[3 * i], 3 * sizeof *seeds.xyz);
     told->seconds_start = vor_run_clock(run) - before;
     status = cluster(&seeds, told, spec, run, err);
     if (status != VOR_OK) {

@@ -98,9 +98,7 @@ int vor_cells_has(const struct vor_cells *cells, const float x[3], double radius
 
 void vor_cells_free(struct vor_cells *cells)
 {
-    vor_free(cells->memory, cells->first);
-    vor_free(cells->memory, cells->next);
-    vor_free(cells->memory, cells->xyz);
+    VOR_FREE_ALL(cells->memory, cells->first, cells->next, cells->xyz);
     cells->first = cells->next = NULL;
     cells->xyz = NULL;
     cells->n = cells->room = cells->entries = 0;

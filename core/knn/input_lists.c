@@ -66,10 +66,7 @@ void vor_input_lists_free(struct vor_input_lists *lists)
 {
     if (lists->memory == NULL)
         return;
-    vor_free(lists->memory, lists->reach);
-    vor_free(lists->memory, lists->anchor);
-    vor_free(lists->memory, lists->list);
-    vor_free(lists->memory, lists->k);
+    VOR_FREE_ALL(lists->memory, lists->reach, lists->anchor, lists->list, lists->k);
     memset(lists, 0, sizeof *lists);
 }
 
@@ -135,25 +132,13 @@ static unsigned select(const struct vor_input_lists *lists, uint32_t *list, unsi
     return exchanged;
 }
 
-static void make_list(struct vor_input_lists *lists, size_t i, const float x[3], unsigned k)
-{
-    float distance2[WIDE_MAX], within = INFINITY;
-    unsigned wide = width(lists, k);
-
-    /* The points of the list that is given up are still as many, so far from here at most. */
-    if (lists->reach[i] >= 0 && wide <= width(lists, lists->k[i]))
-        within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
-    vor_knn_search_within(lists->knn, x, wide, within, &lists->list[i * lists->wide], distance2);
-    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
-    lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
-    lists->k[i] = (uint16_t)k;
-}
-
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index)
 {
     uint32_t *list = &lists->list[i * lists->wide];
+    float distance2[WIDE_MAX], within = INFINITY;
+    unsigned wide = width(lists, k);
 
     assert(k >= 1 && k <= lists->most);
     *index = list;
@@ -169,7 +154,13 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
                 return exchanged > 0 ? VOR_INPUT_LISTS_OTHER : VOR_INPUT_LISTS_SAME;
         }
     }
-    make_list(lists, i, x, k);
+    /* The points of the list that is given up are still as many, so far from here at most. */
+    if (lists->reach[i] >= 0 && wide <= width(lists, lists->k[i]))
+        within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
+    vor_knn_search_within(lists->knn, x, wide, within, &lists->list[i * lists->wide], distance2);
+    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
+    lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
+    lists->k[i] = (uint16_t)k;
     return VOR_INPUT_LISTS_ANEW;
 }
 

@@ -140,16 +140,6 @@ static void count_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsig
         build->subtree[i].nodes = count_nodes(build->code, build->subtree[i].range, LANES);
 }
 
-static void clear_lane(struct vor_boxes_node *node, unsigned lane)
-{
-    for (size_t c = 0; c < 3; c++) {
-        node->low[c][lane] = INFINITY;
-        node->high[c][lane] = -INFINITY;
-    }
-    node->child[lane] = 0;
-    node->count[lane] = 0;
-}
-
 static void make_leaf(const struct build *build, struct vor_boxes_node *node, unsigned lane,
                       size_t begin, size_t end)
 {
@@ -206,7 +196,12 @@ static void make_node(const struct build *build, struct range range, size_t at, 
         size_t n = j < parts ? part[j + 1] - part[j] : 0;
 
         if (n == 0) {
-            clear_lane(&boxes->node[at], j);
+            for (size_t c = 0; c < 3; c++) {
+                boxes->node[at].low[c][j] = INFINITY;
+                boxes->node[at].high[c][j] = -INFINITY;
+            }
+            boxes->node[at].child[j] = 0;
+            boxes->node[at].count[j] = 0;
         } else if (n <= LANES) {
             make_leaf(build, &boxes->node[at], j, part[j], part[j + 1]);
         } else if (next->subtree != NULL && n <= SUBTREE) {
@@ -288,15 +283,13 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
     build.boxes = vor_calloc(run->memory, 1, sizeof *build.boxes);
     build.code = vor_malloc(run->memory, n, sizeof *build.code);
     if (build.boxes == NULL || build.code == NULL) {
-        vor_free(run->memory, build.boxes);
-        vor_free(run->memory, build.code);
+        VOR_FREE_ALL(run->memory, build.boxes, build.code);
         return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
     }
     build.boxes->memory = run->memory;
     build.boxes->n = n;
     status = make_tree(&build, err);
-    vor_free(run->memory, build.subtree);
-    vor_free(run->memory, build.code);
+    VOR_FREE_ALL(run->memory, build.subtree, build.code);
     if (status != VOR_OK) {
         vor_boxes_free(build.boxes);
         return status;
@@ -309,9 +302,7 @@ void vor_boxes_free(struct vor_boxes *boxes)
 {
     if (boxes == NULL)
         return;
-    vor_free(boxes->memory, boxes->leaf);
-    vor_free(boxes->memory, boxes->node);
-    vor_free(boxes->memory, boxes);
+    VOR_FREE_ALL(boxes->memory, boxes->leaf, boxes->node, boxes);
 }
 
 /* A box that may hold a nearer point: of a node (count 0), or of a leaf of `count` points. */

@@ -137,8 +137,6 @@ void vor_places_free(struct vor_places *places)
 {
     if (places->memory == NULL)
         return;
-    vor_free(places->memory, places->point);
-    vor_free(places->memory, places->first);
-    vor_free(places->memory, places->xyz);
+    VOR_FREE_ALL(places->memory, places->point, places->first, places->xyz);
     *places = (struct vor_places){.memory = NULL};
 }

@@ -50,10 +50,7 @@ void vor_point_lists_free(struct vor_point_lists *lists)
     if (lists->memory == NULL)
         return;
     vor_knn_free(lists->knn);
-    vor_free(lists->memory, lists->list);
-    vor_free(lists->memory, lists->reach);
-    vor_free(lists->memory, lists->place);
-    vor_free(lists->memory, lists->anchor);
+    VOR_FREE_ALL(lists->memory, lists->list, lists->reach, lists->place, lists->anchor);
     memset(lists, 0, sizeof *lists);
 }
 

@@ -37,24 +37,7 @@ struct ties {
 static void side_close(struct side *side, struct vor_memory *memory)
 {
     vor_knn_free(side->knn);
-    vor_free(memory, side->source);
-    vor_free(memory, side->mapped);
-    vor_free(memory, side->fitted);
-    vor_free(memory, side->normal);
-    vor_free(memory, side->xyz);
-}
-
-/* Copies the points in Morton order, without those that coincide with the one before. */
-static void keep_distinct(struct side *side, const float *xyz, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        const float *x = &xyz[3 * (size_t)side->source[i]];
-
-        if (side->n > 0 && vor_distance2f(x, &side->xyz[3 * (side->n - 1)]) == 0)
-            continue;
-        memcpy(&side->xyz[3 * side->n], x, 3 * sizeof *x);
-        side->source[side->n++] = side->source[i];
-    }
+    VOR_FREE_ALL(memory, side->source, side->mapped, side->fitted, side->normal, side->xyz);
 }
 
 static vor_status side_open(struct side *side, const float *xyz, size_t n,
@@ -73,7 +56,15 @@ static vor_status side_open(struct side *side, const float *xyz, size_t n,
     status = vor_morton_order(side->source, xyz, n, run, err);
     if (status != VOR_OK)
         return status;
-    keep_distinct(side, xyz, n);
+    /* Copies the points in Morton order, without those that coincide with the one before. */
+    for (size_t i = 0; i < n; i++) {
+        const float *x = &xyz[3 * (size_t)side->source[i]];
+
+        if (side->n > 0 && vor_distance2f(x, &side->xyz[3 * (side->n - 1)]) == 0)
+            continue;
+        memcpy(&side->xyz[3 * side->n], x, 3 * sizeof *x);
+        side->source[side->n++] = side->source[i];
+    }
     return vor_knn_build_sorted(&side->knn, side->xyz, side->n, run, err);
 }
 
@@ -187,8 +178,7 @@ static void fit_normal(struct side *side, size_t i)
     if (surface.kind == VOR_SURFACE_NONE)
         return;
     vor_surface_normal(&surface, foot, normal);
-    for (size_t c = 0; c < 3; c++)
-        side->normal[3 * i + c] = (float)normal[c];
+    vor_to_floats(&side->normal[3 * i], normal);
     side->fitted[i] = 1;
 }
 

@@ -76,8 +76,7 @@ static vor_status find_components(struct vor_inspect *out, const struct vor_grap
             }
         }
     }
-    vor_free(run->memory, size);
-    vor_free(run->memory, component);
+    VOR_FREE_ALL(run->memory, size, component);
     return status;
 }
 
@@ -151,18 +150,6 @@ static vor_status measure_noise(struct vor_inspect *out, const struct vor_domain
     return VOR_OK;
 }
 
-static vor_status measure_edges(struct vor_inspect *out, const struct vor_domain *domain,
-                                const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_edges edges = {.n = 0};
-    vor_status status = vor_edges_find(&edges, domain, run, err);
-
-    out->edge_points = edges.flagged;
-    out->edge_length = edges.length * domain->unit;
-    vor_edges_free(&edges);
-    return status;
-}
-
 static vor_status measure_border(struct vor_inspect *out, const struct vor_domain *domain,
                                  const struct vor_run *run, struct vor_error *err)
 {
@@ -199,6 +186,7 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
                               struct vor_error *err)
 {
     int plain = spec->value[VOR_PARAM_INTRINSIC] == VOR_INTRINSIC_NONE;
+    struct vor_edges edges = {.n = 0};
     vor_status status = vor_lists_make_any(domain, plain, run, err);
     size_t owns = 0;
 
@@ -218,7 +206,10 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
     if (status == VOR_OK)
         status = measure_noise(out, domain, run, err);
     if (status == VOR_OK)
-        status = measure_edges(out, domain, run, err);
+        status = vor_edges_find(&edges, domain, run, err);
+    out->edge_points = edges.flagged;
+    out->edge_length = edges.length * domain->unit;
+    vor_edges_free(&edges);
     if (status == VOR_OK)
         status = measure_border(out, domain, run, err);
     if (status == VOR_OK)

@@ -30,23 +30,6 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     return VOR_OK;
 }
 
-static void put_distances(struct vor_measure *measure, const struct vor_distances *distances,
-                          double unit)
-{
-    measure->has_reference = 1;
-    measure->far_over_knn6_mean = distances->far_over_knn6_mean;
-    measure->far_over_knn6_p999 = distances->far_over_knn6_p999;
-    measure->out_to_ref_mean = distances->out_to_ref_mean * unit;
-    measure->out_to_ref_rms = distances->out_to_ref_rms * unit;
-    measure->out_to_ref_max = distances->out_to_ref_max * unit;
-    measure->ref_to_out_mean = distances->ref_to_out_mean * unit;
-    measure->ref_to_out_rms = distances->ref_to_out_rms * unit;
-    measure->ref_to_out_max = distances->ref_to_out_max * unit;
-    measure->hausdorff = distances->hausdorff * unit;
-    measure->hausdorff_relative = distances->hausdorff_relative;
-    measure->chamfer = distances->chamfer * unit;
-}
-
 /* Adds the distances between two clouds in a frame of that unit. */
 static vor_status measure_against(struct vor_measure *measure,
                                   const struct vor_distortion_pair *pair, double unit, double peak,
@@ -61,7 +44,18 @@ static vor_status measure_against(struct vor_measure *measure,
         status = vor_distortion_measure(&distortion, pair, run, err);
     if (status != VOR_OK)
         return status;
-    put_distances(measure, &distances, unit);
+    measure->has_reference = 1;
+    measure->far_over_knn6_mean = distances.far_over_knn6_mean;
+    measure->far_over_knn6_p999 = distances.far_over_knn6_p999;
+    measure->out_to_ref_mean = distances.out_to_ref_mean * unit;
+    measure->out_to_ref_rms = distances.out_to_ref_rms * unit;
+    measure->out_to_ref_max = distances.out_to_ref_max * unit;
+    measure->ref_to_out_mean = distances.ref_to_out_mean * unit;
+    measure->ref_to_out_rms = distances.ref_to_out_rms * unit;
+    measure->ref_to_out_max = distances.ref_to_out_max * unit;
+    measure->hausdorff = distances.hausdorff * unit;
+    measure->hausdorff_relative = distances.hausdorff_relative;
+    measure->chamfer = distances.chamfer * unit;
     measure->peak = peak > 0 ? peak : distortion.peak * unit;
     measure->d1_mse = distortion.d1_mse * unit * unit;
     measure->d2_mse = distortion.d2_mse * unit * unit;
@@ -95,7 +89,6 @@ vor_status vor_measure_clouds(struct vor_measure *out, const struct vor_cloud *c
     measure.invalid = cloud->notes.invalid;
     if (status == VOR_OK)
         *out = measure;
-    vor_free(run->memory, other);
-    vor_free(run->memory, xyz);
+    VOR_FREE_ALL(run->memory, other, xyz);
     return status;
 }

@@ -43,8 +43,7 @@ vor_status vor_anderson_init(struct vor_anderson *out, size_t length, unsigned w
 void vor_anderson_free(struct vor_anderson *anderson)
 {
     for (unsigned i = 0; i <= VOR_ANDERSON_MAX; i++) {
-        vor_free(anderson->memory, anderson->image[i]);
-        vor_free(anderson->memory, anderson->residual[i]);
+        VOR_FREE_ALL(anderson->memory, anderson->image[i], anderson->residual[i]);
     }
     vor_free(anderson->memory, anderson->partial);
     memset(anderson, 0, sizeof *anderson);

@@ -55,13 +55,9 @@ void vor_lbfgs_free(struct vor_lbfgs *lbfgs)
     if (lbfgs->memory == NULL)
         return;
     for (unsigned i = 0; i < lbfgs->window; i++) {
-        vor_free(lbfgs->memory, lbfgs->change[i]);
-        vor_free(lbfgs->memory, lbfgs->step[i]);
+        VOR_FREE_ALL(lbfgs->memory, lbfgs->change[i], lbfgs->step[i]);
     }
-    vor_free(lbfgs->memory, lbfgs->there);
-    vor_free(lbfgs->memory, lbfgs->place);
-    vor_free(lbfgs->memory, lbfgs->direction);
-    vor_free(lbfgs->memory, lbfgs->gradient);
+    VOR_FREE_ALL(lbfgs->memory, lbfgs->there, lbfgs->place, lbfgs->direction, lbfgs->gradient);
     memset(lbfgs, 0, sizeof *lbfgs);
 }
 

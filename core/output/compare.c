@@ -139,8 +139,7 @@ static int ends(const struct compare *compare, struct vor_scratch *scratch, cons
     for (int c = 0; c < 3; c++)
         query[c] = (float)(x[c] + far * side[c]);
     vor_knn_search(seeds->domain->knn, query, 1, 1, &index, &distance2);
-    for (size_t c = 0; c < 3; c++)
-        at[c] = (double)seeds->domain->xyz[3 * (size_t)index + c];
+    vor_to_doubles(at, &seeds->domain->xyz[3 * (size_t)index]);
     if (vor_seeds_fit_at(seeds, scratch, &scratch->foot, at) == VOR_SURFACE_NONE)
         return 0;
     vor_surface_to_local(&foot->surface, at, local);
@@ -150,16 +149,6 @@ static int ends(const struct compare *compare, struct vor_scratch *scratch, cons
     for (int c = 0; c < 3; c++)
         end[c] = away[0] * foot->surface.axis[0][c] + away[1] * foot->surface.axis[1][c];
     return vor_dot(end, side) > VOR_RIM_SAME_WAY;
-}
-
-/* The run is late: the distance of seed i to the input alone. */
-static void add_hurried(struct vor_sums *sums, const struct vor_seeds *seeds, size_t i)
-{
-    uint32_t index;
-    float distance2;
-
-    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
-    add(sums, vor_distance2f(&seeds->xyz[3 * i], &seeds->domain->xyz[3 * (size_t)index]));
 }
 
 static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -176,7 +165,11 @@ static void out_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double x[3], side[3];
 
         if (vor_run_is_late(&seeds->run)) {
-            add_hurried(&sums, seeds, i);
+            uint32_t index;
+            float distance2;
+
+            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+            add(&sums, vor_distance2f(&seeds->xyz[3 * i], &seeds->domain->xyz[3 * (size_t)index]));
             continue;
         }
         kind = vor_seeds_fit(seeds, scratch, i);

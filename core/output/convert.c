@@ -8,27 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Says of everything that only a resampling or a measurement tells that it is not known. */
-static void forget(struct vor_report *report)
-{
-    double *const unknown[] = {
-        &report->delta,
-        &report->sigma,
-        &report->epsilon,
-        &report->delta_beside,
-        &report->area,
-        &report->spacing_mean,
-        &report->min_over_mean,
-        &report->max_over_mean,
-        &report->six_share,
-        &report->bisectors_per_cell,
-        &report->triangles_per_cell,
-    };
-
-    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++)
-        *unknown[i] = (double)NAN;
-}
-
 static vor_status measure(struct vor_report *report, const struct vor_cloud *cloud,
                           const struct vor_run *run, struct vor_error *err)
 {
@@ -68,13 +47,26 @@ vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_mesh *mesh,
                              const struct vor_spec *spec, const struct vor_run *run,
                              struct vor_error *err)
 {
+    /* What only a resampling or a measurement tells: it is not known. */
+    double *const unknown[] = {&report->delta,
+                               &report->sigma,
+                               &report->epsilon,
+                               &report->delta_beside,
+                               &report->area,
+                               &report->spacing_mean,
+                               &report->min_over_mean,
+                               &report->max_over_mean,
+                               &report->six_share,
+                               &report->bisectors_per_cell,
+                               &report->triangles_per_cell};
     struct vor_cloud cloud;
     vor_status status = VOR_OK;
 
     report->points_in = in->n;
     report->points_out = in->n;
     report->parameters = *spec;
-    forget(report);
+    for (size_t i = 0; i < sizeof unknown / sizeof unknown[0]; i++)
+        *unknown[i] = (double)NAN;
     if (spec->value[VOR_PARAM_FORMAT] == VOR_FORMAT_DRC &&
         spec->value[VOR_PARAM_QUANTIZATION] == VOR_UNSET)
         status = measure(report, in, run, err);

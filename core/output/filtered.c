@@ -114,24 +114,6 @@ static vor_status find_points(struct work *work, struct vor_error *err)
     return status;
 }
 
-static void put_position(struct work *work, struct vor_cloud *out, size_t i)
-{
-    const struct vor_domain *domain = work->domain;
-    const float *from = &work->in->xyz[3 * (size_t)work->source[i]], *to = is_at(work, i);
-    float *was = &work->was[3 * i];
-
-    vor_domain_normalise(domain, from, was);
-    for (size_t c = 0; c < 3; c++) {
-        int is_moved = to[c] != was[c];
-        float x = is_moved ? (float)((double)to[c] * domain->unit + domain->shift[c]) : from[c];
-
-        out->xyz[3 * i + c] = x;
-        if (out->exact != NULL && work->in->exact != NULL)
-            out->exact[3 * i + c] = is_moved ? out->origin[c] + (double)x
-                                             : work->in->exact[3 * (size_t)work->source[i] + c];
-    }
-}
-
 /* The normal of the surface around point i of the result. */
 static void surface_normal(const struct work *work, size_t i, double normal[3])
 {
@@ -197,8 +179,23 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
     }
     out->position_type = work->in->position_type;
     memcpy(out->origin, work->in->origin, sizeof out->origin);
-    for (size_t i = 0; i < work->n; i++)
-        put_position(work, out, i);
+    for (size_t i = 0; i < work->n; i++) {
+        const float *from = &work->in->xyz[3 * (size_t)work->source[i]], *to = is_at(work, i);
+        float *was = &work->was[3 * i];
+
+        vor_domain_normalise(work->domain, from, was);
+        for (size_t c = 0; c < 3; c++) {
+            int is_moved = to[c] != was[c];
+            float x = is_moved
+                          ? (float)((double)to[c] * work->domain->unit + work->domain->shift[c])
+                          : from[c];
+
+            out->xyz[3 * i + c] = x;
+            if (out->exact != NULL && work->in->exact != NULL)
+                out->exact[3 * i + c] = is_moved ? out->origin[c] + (double)x
+                                                 : work->in->exact[3 * (size_t)work->source[i] + c];
+        }
+    }
     status = make_normals(work, err);
     if (status != VOR_OK)
         return status;
@@ -231,8 +228,7 @@ static vor_status find_nearest(struct work *work, struct vor_error *err)
             }
         }
     }
-    vor_free(work->run->memory, held);
-    vor_free(work->run->memory, own);
+    VOR_FREE_ALL(work->run->memory, held, own);
     return status;
 }
 
@@ -347,12 +343,8 @@ vor_status vor_output_filtered(struct vor_cloud *out, struct vor_report *report,
         *out = cloud;
     else
         vor_cloud_free(&cloud);
-    vor_free(run->memory, work.block);
-    vor_free(run->memory, work.nearest);
+    VOR_FREE_ALL(run->memory, work.block, work.nearest);
     vor_sides_free(&work.sides, run->memory);
-    vor_free(run->memory, work.normal);
-    vor_free(run->memory, work.was);
-    vor_free(run->memory, work.source);
-    vor_free(run->memory, work.place);
+    VOR_FREE_ALL(run->memory, work.normal, work.was, work.source, work.place);
     return status;
 }

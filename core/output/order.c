@@ -491,11 +491,7 @@ vor_status vor_order_progressive(uint32_t *out, const float *xyz, size_t n, doub
 
     if (status == VOR_OK)
         status = choose_all(&order, err);
-    vor_free(run->memory, order.grid.start);
-    vor_free(run->memory, order.grid.item);
-    vor_free(run->memory, order.heap);
-    vor_free(run->memory, order.slot);
-    vor_free(run->memory, order.gain);
-    vor_free(run->memory, order.reach);
+    VOR_FREE_ALL(run->memory, order.grid.start, order.grid.item, order.heap, order.slot, order.gain,
+                 order.reach);
     return status;
 }

@@ -139,19 +139,6 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->descent_aspect = told->aspect;
 }
 
-/* Reports the density that was followed. */
-static void report_density(struct vor_report *report, const struct vor_domain *domain)
-{
-    const struct vor_field *field = &domain->field;
-
-    report->has_density = vor_field_is(field);
-    if (!report->has_density)
-        return;
-    report->density_span = field->span;
-    report->density_least = field->least * field->even * domain->unit;
-    report->density_most = field->most * field->even * domain->unit;
-}
-
 /* Reports how the metric was followed. */
 static vor_status report_metric(struct vor_report *report, struct vor_seeds *seeds,
                                 struct vor_error *err)
@@ -172,15 +159,6 @@ static vor_status report_metric(struct vor_report *report, struct vor_seeds *see
     report->metric_off = aspects.off_median;
     report->metric_off_high = aspects.off_high;
     return VOR_OK;
-}
-
-static void report_counts(struct vor_report *report, const struct vor_counts *counts)
-{
-    report->queries = counts->queries;
-    if (counts->cells == 0)
-        return;
-    report->bisectors_per_cell = (double)counts->bisectors / (double)counts->cells;
-    report->triangles_per_cell = (double)counts->triangles / (double)counts->cells;
 }
 
 /* Distances to the nearest neighbour that have nothing to do with what was wanted. */
@@ -223,6 +201,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
                            const struct vor_placed *placed, struct vor_error *err)
 {
     struct vor_seeds *seeds = placed->seeds;
+    const struct vor_field *field = &seeds->whole->field;
     double unit = seeds->domain->unit;
     struct vor_uniformity even = {0}; /* clang-analyzer cannot see that VOR_E_NOMEM is not VOR_OK */
     struct vor_comparison found;
@@ -244,7 +223,12 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     report->points_in = placed->in->n;
     report->points_out = seeds->n;
     vor_output_report_input(report, seeds->domain);
-    report_density(report, seeds->whole);
+    if (vor_field_is(field)) {
+        report->has_density = 1;
+        report->density_span = field->span;
+        report->density_least = field->least * field->even * unit;
+        report->density_most = field->most * field->even * unit;
+    }
     report_method(report, placed);
     vor_output_report_uniformity(report, &even, unit);
     report->ref_to_out = in_unit(&found.ref_to_out, unit);
@@ -253,7 +237,11 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX && report->fitted_count < VOR_FITTED_MAX; k++)
         if (found.fitted[k] > 0)
             report->fitted[report->fitted_count++] = (struct vor_fitted){k, found.fitted[k]};
-    report_counts(report, &counts);
+    report->queries = counts.queries;
+    if (counts.cells > 0) {
+        report->bisectors_per_cell = (double)counts.bisectors / (double)counts.cells;
+        report->triangles_per_cell = (double)counts.triangles / (double)counts.cells;
+    }
     report->list_rebuilds = seeds->indexed_before + seeds->point_lists.indexed;
     return VOR_OK;
 }

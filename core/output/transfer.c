@@ -185,8 +185,7 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     *out = cloud;
     vor_cloud_init(&cloud, run->memory);
 done:
-    vor_free(run->memory, transfer.normal);
-    vor_free(run->memory, transfer.nearest);
+    VOR_FREE_ALL(run->memory, transfer.normal, transfer.nearest);
     vor_cloud_free(&cloud);
     return status;
 }

@@ -87,7 +87,6 @@ vor_status vor_seeds_aspects(struct vor_aspects *out, struct vor_seeds *seeds,
         out->off_median = vor_quantile(measure.off, seeds->n, 0.5);
         out->off_high = vor_quantile(measure.off, seeds->n, 0.9);
     }
-    vor_free(memory, measure.off);
-    vor_free(memory, measure.aspect);
+    VOR_FREE_ALL(memory, measure.off, measure.aspect);
     return status;
 }

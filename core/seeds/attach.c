@@ -133,8 +133,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
         border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
         if (!vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x))
             continue;
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + c] = (float)x[c];
+        vor_to_floats(&seeds->xyz[3 * i], x);
     }
 }
 

@@ -72,8 +72,7 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
         scratch->bisectors = counted.counts.bisectors;
         scratch->triangles = counted.counts.triangles;
     }
-    vor_free(run->memory, normal);
-    vor_free(run->memory, xyz);
+    VOR_FREE_ALL(run->memory, normal, xyz);
     return status;
 }
 
@@ -169,21 +168,6 @@ static void look(float *distance2, uint32_t *index, const struct vor_seeds *seed
             distance2[i] = -distance2[i];
 }
 
-/* Moves the seeds that are left near a border, or outside, to FENCE spacings within it. */
-static void push_in(struct vor_seeds *seeds, const struct vor_sites *sites, const float *distance2,
-                    const uint32_t *index)
-{
-    double room = FENCE * sites->spacing;
-
-    for (size_t i = 0; i < seeds->n; i++) {
-        double far = room + beyond(seeds, sites, i, index[i]);
-
-        for (size_t c = 0; (double)distance2[i] < room * room && c < 3; c++)
-            seeds->xyz[3 * i + c] -=
-                (float)(far * (double)sites->outward[3 * (size_t)index[i] + c]);
-    }
-}
-
 /* Takes out the seeds that lie outside of borders, the farthest first, and then those nearest to
  * the lines of sites, until `wanted` are left. */
 static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *sites, size_t wanted,
@@ -201,18 +185,25 @@ static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *site
     } else {
         status = vor_knn_build(&knn, sites->place, sites->places, memory, err);
         if (status == VOR_OK && surplus > 0) {
+            double room = FENCE * sites->spacing;
+
             look(distance2, index, seeds, sites, knn);
             memcpy(sorted, distance2, n * sizeof *sorted);
             vor_sort_floats(sorted, n);
             keep_far(seeds, distance2, sorted[surplus - 1], wanted);
             look(distance2, index, seeds, sites, knn);
-            push_in(seeds, sites, distance2, index);
+            /* Those left near a border, or outside, go to FENCE spacings within it. */
+            for (size_t i = 0; i < seeds->n; i++) {
+                double far = room + beyond(seeds, sites, i, index[i]);
+
+                for (size_t c = 0; (double)distance2[i] < room * room && c < 3; c++)
+                    seeds->xyz[3 * i + c] -=
+                        (float)(far * (double)sites->outward[3 * (size_t)index[i] + c]);
+            }
         }
     }
     vor_knn_free(knn);
-    vor_free(memory, index);
-    vor_free(memory, sorted);
-    vor_free(memory, distance2);
+    VOR_FREE_ALL(memory, index, sorted, distance2);
     return status;
 }
 

@@ -86,14 +86,6 @@ static const struct aim even_distances = {VOR_REPEL_HARD, 3, VOR_REPEL_GAIN, VOR
  * anisotropic mesh of 5,000 points 1.70e-4 / 1.95e-4 of the diagonal. */
 static const struct aim six_around = {8, 6, 0.4, 0.9, 1.5};
 
-static const struct aim *aim_of(const struct vor_seeds *seeds, const struct vor_spec *spec)
-{
-    int is_mesh = vor_process_takes(spec->process, VOR_PARAM_SOUP);
-    int is_isotropic = spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC;
-
-    return is_mesh && is_isotropic && !seeds->whole->known.sheets ? &six_around : &even_distances;
-}
-
 struct polish {
     struct vor_seeds *seeds;
     const struct aim *aim;
@@ -191,18 +183,10 @@ static double force_reach(const struct polish *polish)
                : VOR_HARD_REACH;
 }
 
-/* Square of the spacing of a pair, given the values of the field at both: the larger. The nearest
- * neighbour of a point lies where the spacing falls, so the point gets the distance that is wanted
- * where it is itself. With the mean / the larger, armadillo, 1,000,000 to 20,000, by curvature:
- * delta 0.025 / 0.020, slope of log spacing over log density -0.227 / -0.242. */
-static double pair2(const struct polish *polish, double a, double b)
-{
-    double h = polish->h * (a > b ? a : b);
-
-    return h * h;
-}
-
-/* Sums the forces of the crowd on seed i. */
+/* Sums the forces of the crowd on seed i. With a density, a pair has the larger spacing of both:
+ * the nearest neighbour of a point lies where the spacing falls, so the point gets the distance
+ * that is wanted where it is itself. With the mean / the larger, armadillo, 1,000,000 to 20,000, by
+ * curvature: delta 0.025 / 0.020, slope of log spacing over log density -0.227 / -0.242. */
 static void repulsion(const struct polish *polish, const struct vor_scratch *scratch, size_t i,
                       double force[3])
 {
@@ -215,8 +199,11 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     for (unsigned j = 0; j < crowd->count; j++) {
         double d2 = (double)crowd->distance2[j], weight, d[3];
 
-        if (wanted != NULL)
-            h2 = pair2(polish, own, (double)wanted[crowd->index[j]]);
+        if (wanted != NULL) {
+            double h = polish->h * fmax(own, (double)wanted[crowd->index[j]]);
+
+            h2 = h * h;
+        }
         if (d2 > reach * reach * h2)
             continue;
         away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
@@ -300,20 +287,12 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     }
 }
 
-/* How far around seed i others are looked for: where the spacing grows, beyond the reach by its
- * own. */
-static double search_reach(const struct polish *polish, size_t i)
-{
-    double reach = force_reach(polish) * spacing_of(polish, i);
-
-    return polish->seeds->wanted.value != NULL ? GROWTH * reach : reach;
-}
-
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct polish *polish = ctx;
     struct vor_seeds *seeds = polish->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
+    int grows = seeds->wanted.value != NULL; /* the spacing, from one seed to another */
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
@@ -324,7 +303,9 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
             vor_seeds_clip(seeds, scratch, i, 0);
             find_hole(polish, scratch, i);
         } else {
-            vor_seeds_within(seeds, scratch, i, search_reach(polish, i));
+            double reach = force_reach(polish) * spacing_of(polish, i);
+
+            vor_seeds_within(seeds, scratch, i, grows ? GROWTH * reach : reach);
         }
         vor_stretched_distances(&scratch->crowd, &seeds->stretched, seeds->xyz, i);
         move(polish, scratch, i);
@@ -393,24 +374,20 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Spacing of a hexagonal lattice of as many points on the same area; with a density, of what that
- * would be where the spacing wanted is the even one. */
-static double lattice_pitch(const struct vor_seeds *seeds, const struct vor_outcome *told)
-{
-    double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
-
-    return sqrt(area / (VOR_HEXAGON_HEIGHT * ((double)seeds->n - (double)seeds->half / 2)));
-}
-
 /* Evens the seeds out. keep_holes is as vor_attach found it. */
 static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
                         const struct vor_spec *spec, const struct vor_run *run,
                         struct vor_error *err)
 {
+    int for_triangles = vor_process_takes(spec->process, VOR_PARAM_SOUP) &&
+                        spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC &&
+                        !seeds->whole->known.sheets;
+    double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
+    double cells = (double)seeds->n - (double)seeds->half / 2;
     struct polish polish = {.seeds = seeds,
-                            .aim = aim_of(seeds, spec),
+                            .aim = for_triangles ? &six_around : &even_distances,
                             .recall = {.keep_holes = keep_holes},
-                            .pitch = lattice_pitch(seeds, told)};
+                            .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
     vor_status status;
     struct vor_memory *memory = polish.seeds->run.memory;
 
@@ -438,10 +415,7 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     if (status == VOR_OK)
         status = vor_stage_run(&polish.stage, err);
     told->refined = polish.recall.refine;
-    vor_free(memory, polish.quiet);
-    vor_free(memory, polish.pull);
-    vor_free(memory, polish.step);
-    vor_free(memory, polish.next);
+    VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next);
     vor_stage_free(&polish.stage);
     return status;
 }

@@ -92,9 +92,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_free(memory, seeds->scratch);
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
-    vor_free(memory, seeds->last_fit);
-    vor_free(memory, seeds->normal);
-    vor_free(memory, seeds->xyz);
+    VOR_FREE_ALL(memory, seeds->last_fit, seeds->normal, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
 
@@ -164,16 +162,18 @@ static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct
     return fitted;
 }
 
-/* The plane through the points that a quadric would be fitted to: what tells sheets apart is
- * measured with quadrics. The points of a sheet may be repeated, which does not change the spacing
- * that they were found with. */
-static struct vor_lists_fitted fit_plane(const struct vor_seeds *seeds, struct vor_place *place,
-                                         struct vor_surface *out, const double x[3],
-                                         const uint32_t *index)
+/* A quadric, or the plane through the points that one would be fitted to: what tells sheets apart
+ * is measured with quadrics. The points of a sheet may be repeated, which does not change the
+ * spacing that they were found with. */
+static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
+                                   struct vor_surface *out, const double x[3],
+                                   const uint32_t *index)
 {
     struct vor_lists_fitted fitted = {.root = VOR_LISTS_NO_ROOT};
     double spacing = 0;
 
+    if (!seeds->policy.planes)
+        return fit_quadric(seeds, place, out, x, index);
     if (seeds->sheets || vor_graph_is(&seeds->domain->graph)) {
         fitted = fit_quadric(seeds, place, out, x, index);
         spacing = out->spacing;
@@ -182,27 +182,6 @@ static struct vor_lists_fitted fit_plane(const struct vor_seeds *seeds, struct v
     if (fitted.sheet)
         out->spacing = spacing;
     return fitted;
-}
-
-static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
-                                   struct vor_surface *out, const double x[3],
-                                   const uint32_t *index)
-{
-    return seeds->policy.planes ? fit_plane(seeds, place, out, x, index)
-                                : fit_quadric(seeds, place, out, x, index);
-}
-
-/* Fits the surface of seed i to the points that were found around it. */
-static void fit_seed(const struct vor_seeds *seeds, struct vor_place *here,
-                     struct vor_last_fit *last, size_t i, const uint32_t *index)
-{
-    struct vor_lists_fitted fitted;
-    double at[3];
-
-    vor_seeds_position(seeds, i, at);
-    fitted = fit(seeds, here, &last->surface, at, index);
-    last->layered = (unsigned char)fitted.sheet;
-    last->root = fitted.root;
 }
 
 /* Finds the input points for the surface of seed i. Their number is looked up with each new list.
@@ -242,9 +221,15 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
      * change from one to the other again and again. Kept / not: shell60k to 240,000 delta_sheet
      * 0.078 / 0.080, arma2 0.097 / 0.100, 6 % less CPU. */
     if (found != VOR_INPUT_LISTS_SAME || last->refined ||
-        (last->layered && last->root == VOR_LISTS_NO_ROOT))
-        fit_seed(seeds, here, last, i, index);
-    else if (last->layered)
+        (last->layered && last->root == VOR_LISTS_NO_ROOT)) {
+        struct vor_lists_fitted fitted;
+        double at[3];
+
+        vor_seeds_position(seeds, i, at);
+        fitted = fit(seeds, here, &last->surface, at, index);
+        last->layered = (unsigned char)fitted.sheet;
+        last->root = fitted.root;
+    } else if (last->layered)
         vor_lists_points(here->near, seeds->domain, last->root, last->k);
     last->refined = 0;
     last->interior = 0;
@@ -374,19 +359,6 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     return 1;
 }
 
-/* Mean distance to the six nearest seeds (Xiao 2024, Sec. III-B step 2). With fewer seeds it is 2,
- * which spans the whole domain. */
-static double patch_radius(const struct vor_crowd *crowd)
-{
-    double sum = 0;
-
-    if (crowd->count < 6)
-        return 2;
-    for (int j = 0; j < 6; j++)
-        sum += sqrt((double)crowd->distance2[j]);
-    return sum / 6;
-}
-
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
 {
     uint64_t low = i < j ? i : j, high = i < j ? j : i;
@@ -503,7 +475,7 @@ static void begin_cell(const struct vor_seeds *seeds, struct vor_scratch *scratc
                        int flat)
 {
     const struct vor_surface *surface = &scratch->here.surface;
-    double x[3], local[3];
+    double x[3], local[3], sum = 0;
 
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
@@ -513,7 +485,11 @@ static void begin_cell(const struct vor_seeds *seeds, struct vor_scratch *scratc
         vor_stretched_crowd(&scratch->crowd, seeds->xyz, i, surface, &scratch->stretch);
         surface = &scratch->stretch.surface;
     }
-    scratch->radius = seeds->policy.widen * patch_radius(&scratch->crowd);
+    /* The mean distance to the six nearest seeds (Xiao 2024, Sec. III-B step 2); with fewer seeds
+     * 2, which spans the whole domain. */
+    for (unsigned j = 0; j < 6 && scratch->crowd.count >= 6; j++)
+        sum += sqrt((double)scratch->crowd.distance2[j]);
+    scratch->radius = seeds->policy.widen * (scratch->crowd.count < 6 ? 2 : sum / 6);
     vor_cell_begin(&scratch->cell, flat ? &seeds->flat : vor_seeds_disc(seeds, scratch), surface,
                    local, scratch->radius);
 }

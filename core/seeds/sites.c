@@ -39,9 +39,7 @@ static void line_free(struct line *line)
 {
     if (line->memory == NULL)
         return;
-    vor_free(line->memory, line->sum);
-    vor_free(line->memory, line->next);
-    vor_free(line->memory, line->at);
+    VOR_FREE_ALL(line->memory, line->sum, line->next, line->at);
     memset(line, 0, sizeof *line);
 }
 
@@ -398,8 +396,7 @@ static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
         float *to = &sites->xyz[3 * sites->n];
         const double *x = &walkers->xyz[3 * i];
 
-        for (size_t c = 0; c < 3; c++)
-            to[c] = (float)x[c];
+        vor_to_floats(to, x);
         if (on->is_edge &&
             vor_cells_has(&on->cells, to, SAME * on->h * unit_at(&on->domain->field, x)))
             continue;
@@ -435,9 +432,7 @@ static vor_status put_on(struct place_on *on, const struct line *line, struct vo
         (void)even_out(&walkers, line, gaps);
         status = add_sites(on, &walkers, err);
     }
-    vor_free(memory, walkers.apart);
-    vor_free(memory, walkers.along);
-    vor_free(memory, walkers.xyz);
+    VOR_FREE_ALL(memory, walkers.apart, walkers.along, walkers.xyz);
     return status;
 }
 
@@ -570,8 +565,6 @@ void vor_sites_free(struct vor_sites *sites)
 {
     if (sites->memory == NULL)
         return;
-    vor_free(sites->memory, sites->outward);
-    vor_free(sites->memory, sites->place);
-    vor_free(sites->memory, sites->xyz);
+    VOR_FREE_ALL(sites->memory, sites->outward, sites->place, sites->xyz);
     memset(sites, 0, sizeof *sites);
 }

@@ -25,8 +25,7 @@ void vor_stage_free(struct vor_stage *stage)
 {
     if (stage->seeds == NULL)
         return;
-    vor_free(stage->seeds->run.memory, stage->best_xyz);
-    vor_free(stage->seeds->run.memory, stage->nearest);
+    VOR_FREE_ALL(stage->seeds->run.memory, stage->best_xyz, stage->nearest);
 }
 
 void vor_stage_note(struct vor_stage *stage, const struct vor_uniformity *even)

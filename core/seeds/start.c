@@ -1,5 +1,6 @@
 #include "core/seeds/start.h"
 
+#include "core/base/linalg.h"
 #include "core/base/rng.h"
 #include "core/geom/integrate.h"
 #include "core/seeds/area.h"
@@ -143,8 +144,7 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
 
     vor_surface_project(&scratch->here.surface, local);
     vor_surface_to_world(&scratch->here.surface, local, x);
-    for (size_t c = 0; c < 3; c++)
-        at[c] = (float)x[c];
+    vor_to_floats(at, x);
     if (!from->policy.keep_border ||
         vor_boundary_within(scratch->here.near, scratch->here.k, x, scratch->here.surface.spacing))
         return;
@@ -153,8 +153,7 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
         return;
     }
     pull_in(from, scratch, x);
-    for (size_t c = 0; c < 3; c++)
-        at[c] = (float)x[c];
+    vor_to_floats(at, x);
 }
 
 /* Starts n seeds in scratch->cell: each is one of several random points of it, few for a sample

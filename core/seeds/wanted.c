@@ -22,9 +22,7 @@ vor_status vor_wanted_init(struct vor_wanted *out, const struct vor_field *field
 
 void vor_wanted_free(struct vor_wanted *wanted, struct vor_memory *memory)
 {
-    vor_free(memory, wanted->scratch);
-    vor_free(memory, wanted->value);
-    vor_free(memory, wanted->near);
+    VOR_FREE_ALL(memory, wanted->scratch, wanted->value, wanted->near);
     memset(wanted, 0, sizeof *wanted);
 }
 
