@@ -9,24 +9,16 @@ START_TEST(whichever_allocation_fails_nothing_is_left)
 }
 END_TEST
 
-START_TEST(a_cancel_at_any_question_ends_with_nothing)
+START_TEST(a_cancel_at_any_question_ends_with_nothing_a_stop_with_all_points)
 {
     if (vt_methods[_i].few > 0)
-        vt_drive_answers(&vt_methods[_i], VOR_CANCEL);
-}
-END_TEST
-
-/* What has no points, as a measure, is not stopped. */
-START_TEST(a_stop_at_any_question_gives_all_points)
-{
-    if (vt_methods[_i].few > 0)
-        vt_drive_answers(&vt_methods[_i], VOR_STOP);
+        vt_drive_answers(&vt_methods[_i]);
 }
 END_TEST
 
 void vt_suite(Suite *suite)
 {
     vt_add_loop(suite, whichever_allocation_fails_nothing_is_left, vt_methods_count());
-    vt_add_loop(suite, a_cancel_at_any_question_ends_with_nothing, vt_methods_count());
-    vt_add_loop(suite, a_stop_at_any_question_gives_all_points, vt_methods_count());
+    vt_add_loop(suite, a_cancel_at_any_question_ends_with_nothing_a_stop_with_all_points,
+                vt_methods_count());
 }

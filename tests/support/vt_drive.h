@@ -48,6 +48,6 @@ void vt_drive_failures(const struct vt_row *row);
  * is VOR_CANCEL: VOR_E_CANCELLED, nothing written to call->out, as many bytes in use as before. A
  * request whose answer is VOR_STOP ends with VOR_OK and as many points as else; one that gives none
  * is not stopped. */
-void vt_drive_answers(const struct vt_row *row, enum vor_answer answer);
+void vt_drive_answers(const struct vt_row *row);
 
 #endif

@@ -422,7 +422,7 @@ END_TEST
 
 START_TEST(a_cancel_leaves_nothing)
 {
-    vt_drive_answers(&rows[_i], VOR_CANCEL);
+    vt_drive_answers(&rows[_i]);
 }
 END_TEST
 
