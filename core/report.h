@@ -67,7 +67,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(U32, step, "step", "", "Steps of this stage done")                                           \
     X(U32, of, "of", "",                                                                           \
       "Largest number of steps of this stage; 0 after the first step if it is not known")          \
-    X(U32, ahead, "ahead", "", "Steps that all later stages together take at most")                \
+    X(U32, ahead, "ahead", "", "Largest number of steps in all later stages together")             \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Iteration of the best result so far, which the run would return now")                       \
     X(U32, best_polish, "best.polish", "", "Polish step of the best result so far")                \
@@ -131,8 +131,8 @@ struct vor_stage_done {
     X(REAL, delta, "delta", "",                                                                    \
       "Uniformity of the result: the relative standard deviation of the distances to the nearest " \
       "neighbour; lower is better. With a density, each distance is divided by the target "        \
-      "spacing there; with a metric, distances are measured in it. The same applies to sigma, "    \
-      "epsilon, events and trace")                                                                 \
+      "spacing there; with a metric, distances are measured in it. The same applies to sigma and " \
+      "epsilon, also in events and traces")                                                        \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean absolute deviation of those distances from their mean")                                \
     X(REAL, epsilon, "epsilon", "",                                                                \
@@ -171,7 +171,8 @@ struct vor_stage_done {
       "Outliers among the input points: ignored, or pulled onto the surface")                      \
     X(U64, parts, "components", "", "Separate parts of the input")                                 \
     X(U64, islands, "islands.components", "",                                                      \
-      "Separate parts with fewer than twice the points of a local fit (neighbors)")                \
+      "Separate parts with few points: fewer than twice the number that a local surface is "       \
+      "fitted to (neighbors)")                                                                     \
     X(U64, in_islands, "islands.points_in", "points", "Input points on islands")                   \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Points of the result on islands, each at the position of an input point; 0 if "             \
@@ -251,8 +252,8 @@ struct vor_stage_done {
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
       "Points left in place in the last iteration because no surface was found")                   \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
-      "Area of the surface: the sum of the cells at the end, or the area that converts spacing "   \
-      "into points")                                                                               \
+      "Area of the surface: if the request has spacing, the area that the number of points was "   \
+      "computed from, else the sum of the areas of the cells at the end")                          \
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
       "Mean distance to the nearest neighbour in the result")                                      \
     X(REAL, min_over_mean, "min_over_mean", "",                                                    \
@@ -465,7 +466,7 @@ struct vor_loop_told {
     X(COLUMNS, attributes, "attributes", "", "Attributes of the points besides positions")         \
     X(U64, points, "points.all", "points", "Points of the cloud")                                  \
     X(U64, invalid, "points.invalid", "points",                                                    \
-      "Points that were left out because a coordinate was not finite; all does not count them")    \
+      "Points that were left out because a coordinate was not finite; `all` does not count them")  \
     X(U64, distinct, "points.distinct", "points", "Points at different positions")                 \
     X(U64, outliers, "points.outliers", "points",                                                  \
       "Points off every surface; 0 with outliers=keep. All figures below are about the other "     \
@@ -474,8 +475,8 @@ struct vor_loop_told {
       "Separate parts: no two points of different parts are among each other's neighbours")        \
     X(U64, largest, "components.largest", "points", "Points of the largest part")                  \
     X(U64, small, "components.small", "",                                                          \
-      "Parts with fewer than twice the points of a local fit (neighbors): too few to show a "      \
-      "surface")                                                                                   \
+      "Parts with too few points to show a surface: fewer than twice the number that a local "     \
+      "surface is fitted to (neighbors)")                                                          \
     X(U64, small_points, "components.small_points", "points", "Points on islands")                 \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
       "Mean distance from a point to its nearest neighbour")                                       \
@@ -485,7 +486,7 @@ struct vor_loop_told {
     X(REAL, noise, "noise", "unit of the cloud",                                                   \
       "Root mean square distance from points to the surface fitted to them: median of 512 places") \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "Number of points that a surface is fitted to: the choice of neighbors=auto at most places") \
+      "Number of points that a surface is fitted to: what neighbors=auto chooses in most places")  \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Size of the cells that the coordinates were rounded to; 0 if none was found")               \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \

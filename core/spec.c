@@ -386,9 +386,9 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
         return VOR_OK;
     if (given == 0)
         return vor_fail_param(err, VOR_E_PARAM, "points",
-                              "none of points, ratio and spacing is given, want exactly one");
+                              "give exactly one of points, ratio and spacing: none is given");
     return vor_fail_param(err, VOR_E_PARAM, "points",
-                          "%d of points, ratio and spacing are given, want exactly one", given);
+                          "give exactly one of points, ratio and spacing, not %d", given);
 }
 
 vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
@@ -418,8 +418,9 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
 
     for (unsigned i = 0; (input = &process->inputs[i])->name != NULL; i++)
         if (input->is_required && (inputs >> i & 1) == 0)
-            return vor_fail_param(err, VOR_E_PARAM, input->name, "%s has no %s but needs one",
-                                  process->id, input->name);
+            return vor_fail_param(err, VOR_E_PARAM, input->name,
+                                  "%s needs a %s, but the request has none", process->id,
+                                  input->name);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++) {
         enum vor_parameter parameter = (enum vor_parameter)i;
         const char *needed = vor_parameter_needs(parameter);
@@ -429,7 +430,8 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
             comes_along(process, needed, inputs))
             continue;
         vor_spec_text(spec, parameter, text);
-        return vor_fail_param(err, VOR_E_PARAM, info.name, "%s is %.*s without a %s", info.name,
+        return vor_fail_param(err, VOR_E_PARAM, info.name,
+                              "%s is %.*s, which needs a %s, but the request has none", info.name,
                               SHOWN_SIZE, text, needed);
     }
     return VOR_OK;
@@ -470,9 +472,10 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     if ((target >= least && target <= most) || !has_target(spec) || vor_spec_only_filters(spec))
         return VOR_OK;
     if (least > most)
-        return vor_fail_param(err, VOR_E_TARGET, name,
-                              "%s of %llu points needs %.0f or more, want at most %.0f",
-                              process->id, (unsigned long long)input, least, most);
+        return vor_fail_param(
+            err, VOR_E_TARGET, name,
+            "%s of %llu points gives %.0f or more, but a result may have at most %.0f", process->id,
+            (unsigned long long)input, least, most);
     if (from != VOR_PARAM_POINTS)
         (void)snprintf(asked, sizeof asked, " and needs %.16g points", target);
     if (is_unbounded(spec))

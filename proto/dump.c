@@ -159,7 +159,7 @@ uint64_t vor_dump_size(const struct vor_cloud *cloud)
 
 static vor_status damaged(size_t offset, const char *what, struct vor_error *err)
 {
-    vor_fail(err, VOR_E_FORMAT, "damaged dump: %s", what);
+    vor_fail(err, VOR_E_FORMAT, "the decoded cloud is damaged: %s", what);
     if (err != NULL)
         err->byte_offset = (int64_t)offset;
     return VOR_E_FORMAT;
@@ -380,7 +380,8 @@ vor_status vor_dump_check(size_t *points, const uint8_t *bytes, size_t size, str
     }
     if (bad > 0 || !isfinite(head.origin[0]) || !isfinite(head.origin[1]) ||
         !isfinite(head.origin[2]))
-        return vor_fail(err, VOR_E_NONFINITE, "damaged dump: coordinates that are not finite");
+        return vor_fail(err, VOR_E_NONFINITE,
+                        "the decoded cloud is damaged: coordinates that are not finite");
     *points = (size_t)head.n;
     return VOR_OK;
 }

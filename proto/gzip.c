@@ -75,7 +75,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
     }
     z->out += got;
     if (got > 0 && z->sink->write(z->sink->ctx, z->block, got) != 0)
-        return vor_fail(err, VOR_E_IO, "the inflated gzip body cannot be kept");
+        return vor_fail(err, VOR_E_IO, "the decompressed body cannot be stored");
     if (code == Z_STREAM_END) {
         size_t at = position(z);
 

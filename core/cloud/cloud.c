@@ -148,7 +148,8 @@ vor_status vor_cloud_add_attribute(struct vor_cloud *cloud, const char *name,
 
     assert(cloud->n > 0 && components >= 1 && components <= 16);
     if (cloud->attribute_count == VOR_ATTRIBUTES_MAX)
-        return vor_fail(err, VOR_E_LIMIT, "more than %d attributes", VOR_ATTRIBUTES_MAX);
+        return vor_fail(err, VOR_E_LIMIT, "the cloud has more than %d attributes",
+                        VOR_ATTRIBUTES_MAX);
     attribute = &cloud->attributes[cloud->attribute_count];
     attribute->data = vor_malloc(cloud->memory, cloud->n, components * vor_type_size(type));
     if (attribute->data == NULL)
@@ -233,7 +234,8 @@ static vor_status double_bounds(const double *xyz, size_t n, double low[3], doub
         low[c] = high[c] = xyz[c];
     for (size_t i = 0; i < 3 * n; i++) {
         if (!isfinite(xyz[i]))
-            return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[i % 3],
+            return vor_fail(err, VOR_E_NONFINITE,
+                            "coordinate %c of point %zu is %g, want a finite number", "xyz"[i % 3],
                             i / 3, xyz[i]);
         low[i % 3] = fmin(low[i % 3], xyz[i]);
         high[i % 3] = fmax(high[i % 3], xyz[i]);
@@ -356,11 +358,12 @@ vor_status vor_cloud_check(const struct vor_cloud *cloud, struct vor_error *err)
         return vor_fail(err, VOR_E_EMPTY, "the cloud has 0 points, want at least 1");
     for (int c = 0; c < 3; c++)
         if (!isfinite(cloud->origin[c]))
-            return vor_fail(err, VOR_E_NONFINITE, "the origin's %c is %g", "xyz"[c],
-                            cloud -> origin[c]);
+            return vor_fail(err, VOR_E_NONFINITE, "the origin's %c is %g, want a finite number",
+                            "xyz"[c], cloud -> origin[c]);
     for (size_t i = 0; i < 3 * cloud->n; i++)
         if (!isfinite(cloud->xyz[i]))
-            return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[i % 3],
+            return vor_fail(err, VOR_E_NONFINITE,
+                            "coordinate %c of point %zu is %g, want a finite number", "xyz"[i % 3],
                             i / 3, (double)cloud->xyz[i]);
     return VOR_OK;
 }

@@ -66,7 +66,8 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
     vor_status status = VOR_OK;
 
     if (n < VOR_SPLINE_TERMS)
-        return vor_fail(err, VOR_E_DEGENERATE, "%zu points, want at least %d for a surface", n,
+        return vor_fail(err, VOR_E_DEGENERATE,
+                        "%zu points are too few for a surface, want at least %d", n,
                         VOR_SPLINE_TERMS);
     spline.at = vor_malloc(memory, n, 2 * sizeof *spline.at);
     spline.weight = vor_malloc(memory, system.order, VALUES * sizeof *spline.weight);
@@ -78,7 +79,7 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
         memcpy(spline.at, at, 2 * n * sizeof *spline.at);
         set_up(&system, &spline, value, smooth);
         if (!vor_solve_pivots(system.row, system.side, system.order, VALUES, 0, RANK))
-            status = vor_fail(err, VOR_E_DEGENERATE, "%zu points determine no surface", n);
+            status = vor_fail(err, VOR_E_DEGENERATE, "no surface can be fitted to %zu points", n);
     }
     vor_free(memory, system.row);
     if (status != VOR_OK) {

@@ -169,18 +169,21 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     size_t taken = 0;
 
     if (vor_field_is(&domain->field))
-        return vor_fail_param(err, VOR_E_DENSITY, "density",
-                              "method kmeans supports no density, want uniform, or method cvt");
+        return vor_fail_param(
+            err, VOR_E_DENSITY, "density",
+            "method kmeans supports no density, want density uniform, or method cvt");
     if (vor_tensors_are(&domain->tensors))
-        return vor_fail_param(err, VOR_E_METRIC, "metric",
-                              "method kmeans supports no metric, want isotropic, or method cvt");
+        return vor_fail_param(
+            err, VOR_E_METRIC, "metric",
+            "method kmeans supports no metric, want metric isotropic, or method cvt");
     if (spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES)
         return vor_fail_param(err, VOR_E_PARAM, "boundary",
-                              "method kmeans has no sites, want boundary keep, free or fill, or "
-                              "method cvt");
+                              "method kmeans does not support boundary=sites, want keep, free or "
+                              "fill, or method cvt");
     if (spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES)
-        return vor_fail_param(err, VOR_E_PARAM, "edges",
-                              "method kmeans has no sites, want edges ignore, or method cvt");
+        return vor_fail_param(
+            err, VOR_E_PARAM, "edges",
+            "method kmeans does not support edges=sites, want ignore, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
                               "%zu points are requested, want 1 to %zu: kmeans needs at least as "

@@ -38,7 +38,8 @@ static size_t first_bad(const float *xyz, size_t begin, size_t end)
 static vor_status check(const float *xyz, size_t n, size_t bad, struct vor_error *err)
 {
     if (bad < 3 * n)
-        return vor_fail(err, VOR_E_NONFINITE, "coordinate %c of point %zu is %g", "xyz"[bad % 3],
+        return vor_fail(err, VOR_E_NONFINITE,
+                        "coordinate %c of point %zu is %g, want a finite number", "xyz"[bad % 3],
                         bad / 3, (double)xyz[bad]);
     return VOR_OK;
 }
@@ -49,7 +50,8 @@ static vor_status start(struct vor_knn **out, size_t n, struct vor_memory *memor
     struct vor_knn *knn;
 
     if (n == 0 || n > INT32_MAX)
-        return vor_fail(err, VOR_E_EMPTY, "an index of %zu points, want 1 to %d", n, INT32_MAX);
+        return vor_fail(err, VOR_E_EMPTY, "the index is for %zu points, want 1 to %d", n,
+                        INT32_MAX);
     knn = vor_calloc(memory, 1, sizeof *knn);
     if (knn == NULL)
         return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);

@@ -155,9 +155,10 @@ struct vor_hole_told {
     X(U64, points, "points", "points",                                                             \
       "Number of points: that of the result, but at most that of the input; about as many for a "  \
       "voxel grid")                                                                                \
-    X(REAL, delta, "delta", "", "delta, as of the result")                                         \
-    X(REAL, sigma, "sigma", "unit of the cloud", "sigma, as of the result")                        \
-    X(REAL, epsilon, "epsilon", "", "epsilon, as of the result")                                   \
+    X(REAL, delta, "delta", "", "delta of these points, computed as for the result")               \
+    X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
+      "sigma of these points, computed as for the result")                                         \
+    X(REAL, epsilon, "epsilon", "", "epsilon of these points, computed as for the result")         \
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
     X(APART, ref_to_out, "ref_to_out", "", "Distances from the input, as ref_to_out of the result")

@@ -178,33 +178,36 @@ enum vor_method_choice {
       "Largest number of polish steps after the iterations: points repel each other, which evens " \
       "out the spacing. 0: no polish")                                                             \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
-      "Largest angle between normals that count as similar: smaller values keep flatter edges, "   \
-      "larger ones smooth more. Only for methods wlop and ear, like rounds, steps and samples")    \
+      "Largest angle between normals that count as similar. Smaller values also keep blunt "       \
+      "edges; larger ones smooth more. Only for method ear")                                       \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
-      "Distance up to which points act on each other. auto: twice the spacing of the "             \
-      "samples, or more if the input is noisy; paper: the diagonal of the bounding box "           \
-      "divided by the square root of the number of input points")                                  \
+      "Distance up to which points act on each other. auto: twice the spacing of the samples, or " \
+      "more if the input is noisy; paper: the diagonal of the bounding box divided by the square " \
+      "root of the number of input points. Only for methods wlop and ear")                         \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
-      "Ratio of the repulsion between points to their attraction by input points")                 \
+      "Ratio of the repulsion between points to their attraction by input points. Only for "       \
+      "methods wlop and ear")                                                                      \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
-      "points stay at their random initial positions")                                             \
+      "points stay at their random initial positions. Only for methods wlop and ear")              \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
-      "Projection steps per round. Default: 12, or 4 for ear before a polish")                     \
+      "Projection steps per round, for methods wlop and ear. Default: 12, or 4 for ear before a "  \
+      "polish")                                                                                    \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
-      "How strongly insertion prefers edges; 0: it inserts points evenly everywhere")              \
+      "How strongly insertion prefers edges; 0: it inserts points evenly everywhere. Only for "    \
+      "method ear")                                                                                \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
-      "Phases of ear. resample: only projects points; insert: only inserts points between the "    \
-      "input points; both: first projects, then inserts")                                          \
+      "Phases of method ear. resample: only projects points; insert: only inserts points between " \
+      "the input points; both: first projects, then inserts")                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points before the insertion: projected ones or, with phases=insert, input "       \
-      "points. Nothing is inserted if the result has no more than these. auto: half of the "       \
-      "input's points (with phases=insert all of them), or as many as the result has if that is "  \
-      "less")                                                                                      \
+      "Number of points before the insertion of method ear: projected ones or, with "              \
+      "phases=insert, input points. Nothing is inserted if the result needs no more points than "  \
+      "that. auto: half of the input's points (with phases=insert all of them), or as many as "    \
+      "the result has if that is less")                                                            \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
-      "Gaps in the input that are wider than its spacing. keep: nothing is inserted there; fill: " \
-      "they are filled, as far as sigmaP reaches")                                                 \
+      "Gaps in the input that are wider than its spacing, for method ear. keep: nothing is "       \
+      "inserted there; fill: they are filled, as far as sigmaP reaches")                           \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
       "Borders of the input. keep: no point moves beyond them; free: no restriction; sites: the "  \
       "first points are placed evenly along them and stay there; fill: holes are filled first, "   \

@@ -269,7 +269,7 @@ static vor_status load_faces(const struct load *load)
         return vor_fail(load->err, VOR_E_NOMEM, "corners of %zu faces", faces);
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "a face has a corner that is not a point");
+        return vor_fail(load->err, VOR_E_FORMAT, "a face refers to a point that does not exist");
     if (load->limits->keep_faces == VOR_FACES_KEPT) {
         size_t kept = 0;
 

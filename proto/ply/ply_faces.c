@@ -30,8 +30,8 @@ int vor_ply_face_list(const struct vor_ply_element *element)
 static vor_status too_many(const struct vor_ply_faces *faces, const char *what, uint64_t got,
                            struct vor_error *err)
 {
-    vor_fail(err, VOR_E_LIMIT, "%llu %s, want at most %zu", (unsigned long long)got, what,
-             faces->most);
+    vor_fail(err, VOR_E_LIMIT, "the file has %llu %s, want at most %zu", (unsigned long long)got,
+             what, faces->most);
     if (err != NULL) {
         err->limit = faces->most;
         err->got = got;
@@ -156,8 +156,7 @@ vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *
     vor_status status = check_type(element, list, err);
 
     if (status == VOR_OK && element->count > faces->most)
-        return vor_ply_at(err, element->offset,
-                          too_many(faces, "rows of faces", element->count, err));
+        return vor_ply_at(err, element->offset, too_many(faces, "faces", element->count, err));
     if (status == VOR_OK)
         status = vor_ply_rows_fit(body, element, err);
     faces->is_strip = is_strips(element);

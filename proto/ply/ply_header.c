@@ -205,9 +205,9 @@ static vor_status read_element(struct scan *scan, struct vor_ply_header *header,
     if (line->words != 3 || !parse_count(line->word[2], &count))
         return bad_line(line, "element NAME COUNT with a whole number", err);
     if (header->element_count == VOR_PLY_ELEMENTS_MAX)
-        return vor_ply_at(
-            err, line->offset,
-            vor_fail(err, VOR_E_FORMAT, "more than %d elements", VOR_PLY_ELEMENTS_MAX));
+        return vor_ply_at(err, line->offset,
+                          vor_fail(err, VOR_E_FORMAT, "the header has more than %d elements",
+                                   VOR_PLY_ELEMENTS_MAX));
     for (unsigned i = 0; i < header->element_count; i++)
         if (header->elements[i].name_length == line->word[1].length &&
             memcmp(header->elements[i].name, line->word[1].at, line->word[1].length) == 0)

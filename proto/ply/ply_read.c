@@ -62,10 +62,10 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
     reader->vertex = element;
     if (element->count == 0)
         return vor_ply_at(err, element->offset,
-                          vor_fail(err, VOR_E_EMPTY, "element vertex 0, want at least 1"));
+                          vor_fail(err, VOR_E_EMPTY, "the file has 0 vertices, want at least 1"));
     if (element->count <= most)
         return VOR_OK;
-    vor_fail(err, VOR_E_LIMIT, "element vertex %llu, want 1 to %zu",
+    vor_fail(err, VOR_E_LIMIT, "the file has %llu vertices, want 1 to %zu",
              (unsigned long long)element->count, most);
     if (err != NULL) {
         err->limit = most;

@@ -208,7 +208,8 @@ static vor_status take_setting(void *ctx, unsigned line, const char *name, const
     if (config->given[setting] && config->line[setting] == 0)
         return VOR_OK;
     if (config->line[setting] > 0 && vor_setting_infos[setting].kind != VOR_SETTING_LIST)
-        return vor_fail(err, VOR_E_PARAM, "%s is on line %u already", name, config->line[setting]);
+        return vor_fail(err, VOR_E_PARAM, "%s is set twice, first on line %u", name,
+                        config->line[setting]);
     config->given[setting] = 1;
     config->line[setting] = line;
     return set(config, setting, value, err);

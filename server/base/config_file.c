@@ -45,9 +45,9 @@ static vor_status take_line(char *line, unsigned number, const struct vor_config
     if (name[0] == '\0' || name[0] == '#' || name[0] == ';')
         return VOR_OK;
     if (has_control(name))
-        return vor_fail(err, VOR_E_PARAM, "a control byte, want name = value");
+        return vor_fail(err, VOR_E_PARAM, "the line has a control character, want name = value");
     if (equals == NULL || equals == name)
-        return vor_fail(err, VOR_E_PARAM, "\"%.60s\", want name = value", name);
+        return vor_fail(err, VOR_E_PARAM, "\"%.60s\" is not of the form name = value", name);
     *equals = '\0';
     return lines->take(lines->ctx, number, trim(name), trim(equals + 1), err);
 }
@@ -68,9 +68,10 @@ vor_status vor_config_file_read(const char *path, int must_exist,
                               strerror(errno));
     for (unsigned number = 1; !is_cut && fgets(line, sizeof line, file) != NULL; number++) {
         is_cut = strchr(line, '\n') == NULL && !feof(file);
-        status = is_cut ? vor_fail(&why, VOR_E_PARAM, "a NUL byte, or more than %d bytes",
-                                   VOR_CONFIG_LINE_MAX - 2)
-                        : take_line(line, number, lines, &why);
+        status = is_cut
+                     ? vor_fail(&why, VOR_E_PARAM, "the line has a NUL byte, or more than %d bytes",
+                                VOR_CONFIG_LINE_MAX - 2)
+                     : take_line(line, number, lines, &why);
         if (status == VOR_OK)
             continue;
         (void)vor_config_file_blame(&why, path, number);

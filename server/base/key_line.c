@@ -75,10 +75,11 @@ static vor_status read_digest(uint8_t out[VOR_DIGEST_BYTES], const char *text, s
     while (good < length && nibble(text[good]) >= 0)
         good++;
     if (good != length || length != VOR_DIGEST_SIZE - 1)
-        return vor_fail_param(err, VOR_E_PARAM, "sha256",
-                              "the digest has %zu characters, of which the first %zu are lower "
-                              "case hexadecimal digits, want %d of them: SHA-256 of the key",
-                              length, good, VOR_DIGEST_SIZE - 1);
+        return vor_fail_param(
+            err, VOR_E_PARAM, "sha256",
+            "the digest has %zu characters, and the first %zu are lower-case hexadecimal digits, "
+            "want %d such digits and no more: the SHA-256 of the key",
+            length, good, VOR_DIGEST_SIZE - 1);
     for (size_t i = 0; i < VOR_DIGEST_BYTES; i++)
         out[i] = (uint8_t)(nibble(text[2 * i]) << 4 | nibble(text[2 * i + 1]));
     return VOR_OK;
@@ -159,7 +160,7 @@ vor_status vor_key_line_read(struct vor_key_line *out, const char *line, struct 
 
     if (line[name] != ':' || scopes[scopes_length] != ':')
         return vor_fail_param(err, VOR_E_PARAM, "line",
-                              "there are fewer than two colons, want NAME:SCOPES:SHA256, or "
+                              "the line has fewer than two colons, want NAME:SCOPES:SHA256, or "
                               "NAME:SCOPES:SHA256:QUOTAS");
     status = read_name(&read.principal, line, name, err);
     if (status == VOR_OK)

@@ -36,7 +36,7 @@ static vor_status add(struct list *list, const struct vor_key_line *line, struct
 {
     for (size_t i = 0; i < list->count; i++)
         if (vor_digest_same(list->lines[i].digest, line->digest))
-            return vor_fail(err, VOR_E_PARAM, "the digest is that of a line above");
+            return vor_fail(err, VOR_E_PARAM, "a line above has the same digest");
     if (list->count == VOR_KEYS_MAX)
         return vor_fail(err, VOR_E_PARAM, "there are more than %d keys", VOR_KEYS_MAX);
     if (list->count == list->capacity) {
@@ -81,7 +81,7 @@ static vor_status read_lines(struct list *list, const char *path, FILE *file, st
     while (status == VOR_OK && fgets(text, sizeof text, file) != NULL) {
         number++;
         if (strchr(text, '\n') == NULL && !feof(file))
-            status = vor_fail(&why, VOR_E_PARAM, "it has more than %d bytes, or a NUL",
+            status = vor_fail(&why, VOR_E_PARAM, "the line has more than %d bytes, or a NUL",
                               VOR_KEY_LINE_SIZE - 2);
         else
             status = take_line(list, text, &why);
@@ -227,9 +227,10 @@ vor_status vor_key_make(const char *name, const char *scopes, const char *quotas
     length = snprintf(line, VOR_KEY_LINE_SIZE, "%s:%s:%.*s%s%s", name, scopes, VOR_DIGEST_SIZE - 1,
                       digest + 1, quotas != NULL ? ":" : "", quotas != NULL ? quotas : "");
     if (length < 0 || length >= VOR_KEY_LINE_SIZE - 1)
-        return vor_fail_param(err, VOR_E_PARAM, "line",
-                              "name, scopes and quotas have too many bytes for a line of %d",
-                              VOR_KEY_LINE_SIZE - 2);
+        return vor_fail_param(
+            err, VOR_E_PARAM, "line",
+            "name, scopes and quotas are too long for a line, which may have %d bytes",
+            VOR_KEY_LINE_SIZE - 2);
     status = vor_key_line_read(&read, line, err);
     if (status == VOR_OK)
         memcpy(key, text, sizeof text);

@@ -47,7 +47,8 @@
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
       "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
-      "Time of the stages of successful runs; all: from the claim to the last write, of any run")  \
+      "Time of the stages of successful runs; stage all: whole runs, from their start to their "   \
+      "last write, including those that failed")                                                   \
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \

@@ -105,7 +105,7 @@ void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
 
 static vor_status fail_missing(const struct vor_reserve *reserve, int number, struct vor_error *err)
 {
-    (void)vor_fail(err, VOR_E_IO, "the disk is full: the reserve of %llu bytes is spent",
+    (void)vor_fail(err, VOR_E_IO, "the disk is full: the reserve of %llu bytes is used up",
                    (unsigned long long)atomic_load(&reserve->wanted));
     if (err != NULL)
         err->got = (uint64_t)number;

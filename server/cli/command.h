@@ -26,9 +26,9 @@ enum {
       "File for the result. With DIR/, a folder, each result has the name of its input. - is "     \
       "stdout, the default for inspect and measure")                                               \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "File for one result, or - for stdout. With DIR/, a folder, all results of the jobs are "    \
-      "written there; the job bunny.ply has bunny.resample.ply and bunny.report.json. Default: "   \
-      "./")                                                                                        \
+      "File for one result, or - for stdout. With DIR/ (a folder), all results are written "       \
+      "there: those of a job named bunny.ply as bunny.resample.ply and bunny.report.json. "        \
+      "Default: ./")                                                                               \
     X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \

@@ -107,7 +107,7 @@ static FILE *open_input(struct remote_run *t, unsigned i, int64_t *size)
     *size = (int64_t)in_memory->size;
     file = fmemopen(in_memory->bytes, in_memory->size, "rb");
     if (file == NULL)
-        (void)vor_fail(&t->follow.err, VOR_E_EMPTY, "there is nothing to read: 0 bytes");
+        (void)vor_fail(&t->follow.err, VOR_E_EMPTY, "the input is empty: 0 bytes");
     return file;
 }
 

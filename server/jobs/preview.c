@@ -81,7 +81,7 @@ static vor_status copy_locked(const struct vor_preview *preview, size_t most, st
     vor_status status;
 
     if (preview->info.version == 0)
-        return vor_fail(err, VOR_E_EMPTY, "nothing is shown yet");
+        return vor_fail(err, VOR_E_EMPTY, "there is no preview yet");
     status = vor_cloud_resize(out, count, err);
     if (status != VOR_OK)
         return status;

@@ -201,12 +201,14 @@ vor_status vor_trace_unpack(struct vor_bus *bus, const struct vor_event_piece *p
     uint64_t count;
 
     if (!get_header(&trace, &count, piece))
-        return vor_fail(err, VOR_E_FORMAT, "%zu bytes are no events", piece->size);
+        return vor_fail(err, VOR_E_FORMAT, "the stored events of the job are damaged (%zu bytes)",
+                        piece->size);
     for (uint64_t i = 0; i < count; i++) {
         struct vor_event event;
 
         if (!get_event(&event, &trace))
-            return vor_fail(err, VOR_E_FORMAT, "event %llu of a piece is damaged",
+            return vor_fail(err, VOR_E_FORMAT,
+                            "event %llu of the stored events of the job is damaged",
                             (unsigned long long)i + 1);
         if (vor_bus_publish(bus, &event) != VOR_OK)
             return vor_fail(err, VOR_E_NOMEM, "%llu events of a job", (unsigned long long)count);

@@ -78,7 +78,7 @@ static vor_status limit(int what, rlim_t most, rlim_t spare, const char *name,
         wanted.rlim_cur = wanted.rlim_max;
     if (setrlimit((__rlimit_resource_t)what, &wanted) == 0)
         return VOR_OK;
-    return vor_fail(err, VOR_E_INTERNAL, "the limit of %s: error %d", name, errno);
+    return vor_fail(err, VOR_E_INTERNAL, "cannot set the limit of %s: error %d", name, errno);
 }
 
 static vor_status set_limits(const struct vor_sandbox *sandbox, struct vor_error *err)
@@ -183,7 +183,7 @@ static vor_status make_program(struct vor_error *err)
         failed = read_program(filter);
     seccomp_release(filter);
     if (failed != 0)
-        return vor_fail(err, VOR_E_INTERNAL, "libseccomp cannot make a filter of system calls");
+        return vor_fail(err, VOR_E_INTERNAL, "libseccomp cannot create a filter for system calls");
     return VOR_OK;
 }
 
@@ -194,7 +194,7 @@ static vor_status set_filter(struct vor_error *err)
     if (program_length > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &list) == 0)
         return VOR_OK;
     return vor_fail(err, VOR_E_INTERNAL,
-                    "the kernel does not accept a filter of system calls: error %d", errno);
+                    "the kernel does not accept a filter for system calls: error %d", errno);
 }
 
 vor_status vor_sandbox_enter(const struct vor_sandbox *sandbox, enum vor_sandbox_kind kind,
@@ -206,7 +206,7 @@ vor_status vor_sandbox_enter(const struct vor_sandbox *sandbox, enum vor_sandbox
         return status;
     (void)prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
-        return vor_fail(err, VOR_E_INTERNAL, "no_new_privs: error %d", errno);
+        return vor_fail(err, VOR_E_INTERNAL, "cannot set no_new_privs: error %d", errno);
     return kind == VOR_SANDBOX_FULL ? set_filter(err) : VOR_OK;
 }
 

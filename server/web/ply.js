@@ -12,7 +12,7 @@ const HEADER_BYTES_MAX = 65536;
 const FULL = { uchar: 255, uint8: 255, ushort: 65535, uint16: 65535, float: 1, float32: 1, double: 1, float64: 1 };
 
 function type(name) {
-    if (!READERS[name]) throw new Error(`The header names a type "${name}" that PLY does not have.`);
+    if (!READERS[name]) throw new Error(`PLY has no type "${name}".`);
     return name;
 }
 
@@ -206,7 +206,7 @@ export function firstOf(bytes, n) {
 export function readPly(buffer, origin) {
     const head = readHeader(new Uint8Array(buffer)), next = numbers(buffer, head);
     const cloud = { xyz: null, normals: null, colors: null, faces: null, left: 0 };
-    if (!/^(ascii|binary_(little|big)_endian)$/.test(head.format)) throw new Error(`The header names a format "${head.format}".`);
+    if (!/^(ascii|binary_(little|big)_endian)$/.test(head.format)) throw new Error(`PLY has no format "${head.format}", want ascii, binary_little_endian or binary_big_endian.`);
     try {
         for (const element of head.elements) {
             if (element.name === 'vertex') readVertices(next, element, cloud);

@@ -176,12 +176,12 @@ static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *
 {
     if (ledger->jobs_max > 0 && ledger->jobs >= ledger->jobs_max) {
         (void)vor_fail(err, VOR_E_LIMIT,
-                       "%llu jobs of the key %s wait or run, the most that are allowed",
-                       (unsigned long long)ledger->jobs_max, tenant);
+                       "the key %s has %llu waiting or running jobs, the most that are allowed",
+                       tenant, (unsigned long long)ledger->jobs_max);
         return VOR_CROWDED;
     }
     (void)vor_fail(err, VOR_E_LIMIT,
-                   "the key %s has %llu bytes of inputs and results here, and this request adds "
+                   "the key %s stores %llu bytes of inputs and results, and this request would add "
                    "%llu, want at most %llu in all: dismiss jobs, or wait until they expire",
                    tenant, (unsigned long long)ledger->bytes, (unsigned long long)bytes,
                    (unsigned long long)ledger->bytes_max);

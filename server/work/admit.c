@@ -34,7 +34,7 @@ static vor_status check_dump(const struct vor_blob_writer *writer,
     status = vor_dump_check(&points, bytes, size, err);
     (void)munmap(bytes, size);
     if (status == VOR_OK && points != facts->points)
-        status = vor_fail(err, VOR_E_FORMAT, "the reader announced %llu points and wrote %zu",
+        status = vor_fail(err, VOR_E_FORMAT, "the decoder announced %llu points and wrote %zu",
                           (unsigned long long)facts->points, points);
     return status;
 }

@@ -23,7 +23,7 @@ static vor_status load_cloud(struct vor_cloud *cloud, const char *name, int fd,
     vor_status status;
 
     if (bytes == MAP_FAILED)
-        return vor_fail(err, VOR_E_IO, "the job's %s cannot be mapped: %s", name,
+        return vor_fail(err, VOR_E_IO, "the job's %s cannot be read: %s", name,
                         size > 0 ? strerror(errno) : "it is empty");
     status = vor_blob_unseal(bytes, &sealed, name, err);
     if (status == VOR_OK)
@@ -64,7 +64,7 @@ static vor_status write_cloud(struct vor_job_output *out, struct vor_blob_writer
     vor_status status;
 
     if (format == NULL)
-        return vor_fail(err, VOR_E_INTERNAL, "this version has no format %u", out->format);
+        return vor_fail(err, VOR_E_INTERNAL, "this version cannot write format %u", out->format);
     status = vor_write_options_from(&options, format, &writing->order->spec, writing->facts, err);
     if (status != VOR_OK)
         return status;

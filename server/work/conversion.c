@@ -172,7 +172,7 @@ static vor_status convert(const struct vor_conversion *conversion, struct vor_er
     if (status != VOR_OK)
         return status;
     if (!found)
-        return vor_fail(err, VOR_E_INTERNAL, "the result is gone");
+        return vor_fail(err, VOR_E_INTERNAL, "the result no longer exists");
     status = convert_file(conversion, fd, size, err);
     (void)close(fd);
     if (status == VOR_OK)

@@ -113,7 +113,7 @@ static vor_status open_input(struct run *run, unsigned index, struct vor_error *
                      &run->order.input[index], &size, &found, err);
 
     if (status == VOR_OK && !found)
-        status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s is gone", name);
+        status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s no longer exists", name);
     return status;
 }
 

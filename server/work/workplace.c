@@ -111,7 +111,7 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
     if (end.status == VOR_STATION_NO_POOL)
         return vor_fail(err, VOR_E_NOMEM, "the threads of the worker");
     describe_end(how, &end);
-    return vor_fail(err, VOR_E_IO, "the worker does not start: %s", how);
+    return vor_fail(err, VOR_E_IO, "the worker process cannot be started: %s", how);
 }
 
 vor_status vor_workplace_spawn(struct vor_child *child, const struct vor_workplace *workplace,

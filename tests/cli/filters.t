@@ -57,7 +57,7 @@ my $refused = $http->post("$daemon->{url}/v1/denoise?filters=blur", { content =>
 is $refused->{status}, 422, 'over HTTP as a request that can be read but not followed';
 like decode_json($refused->{content})->{detail}, qr/^filters is "blur", want words separated by commas, each at most once: mls, outliers, thin, or none/, 'with the list';
 ($code, $stdout, $stderr) = run(['resample', $in, '--filters', 'thin', '-fo', $out]);
-like $stderr, qr/none of points, ratio and spacing is given/, 'thin alone says nothing of a number of points';
+like $stderr, qr/points, ratio and spacing: none is given/, 'thin alone says nothing of a number of points';
 
 stop($daemon);
 done_testing();

@@ -58,7 +58,7 @@ subtest 'submit' => sub {
         [['submit'], qr/\Avoronoid: submit: name a process after submit: resample, denoise, [^\n]+\n\z/],
         [['submit', $in], qr/name a process after submit/], [['submit', 'health', $in], qr/name a process after submit/],
         [['submit', 'resample', @request], qr/\Avoronoid: submit resample: no input/],
-        [['submit', 'resample', $in], qr/none of points, ratio and spacing is given/],
+        [['submit', 'resample', $in], qr/points, ratio and spacing: none is given/],
         [['submit', 'resample', $in, @request, '-o', 'x'], qr/no option -o; see voronoid submit resample --help/],
     ) {
         my ($arguments, $why) = @$case;

@@ -139,9 +139,9 @@ refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
 refused 'no number of points', ['resample', $in, '-fo', $out], 2,
-    'resample: none of points, ratio and spacing is given, want exactly one';
+    'resample: give exactly one of points, ratio and spacing: none is given';
 refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
-    'simplify: none of points, ratio and spacing is given, want exactly one';
+    'simplify: give exactly one of points, ratio and spacing: none is given';
 refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
 refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,
@@ -151,7 +151,7 @@ refused 'more points to simplify to', ['simplify', $in, '-fo', $out, '-n', 51], 
 refused 'too many points to denoise to', ['denoise', $in, '-fo', $out, '-n', 801], 3,
     "$in: points is 801, want 1 to 800: denoise gives up to 16 for each of the input's 50";
 refused 'points and ratio', ['resample', $in, '-fo', $out, @points, '--ratio', 2], 2,
-    'resample: 2 of points, ratio and spacing are given, want exactly one';
+    'resample: give exactly one of points, ratio and spacing, not 2';
 refused 'a number of points out of range', ['resample', $in, '-fo', $out, '-n', 0], 2,
     'resample: points is 0, want a whole number from 1 to 10000000';
 refused 'half a point in thousands', ['resample', $in, '-fo', $out, '-n', '1.2345k'], 2,

@@ -41,10 +41,10 @@ for my $case (
     ["log-level = loud\n", qr/FILE line 1: --log-level is "loud", want one of debug info warn error off/],
     ["\n\nlisten = 0.0.0.0:1\n", qr/FILE line 3: with --listen 0\.0\.0\.0:1 the daemon is open to other machines/],
     ["trusted-proxy = 10.0.0.1\ntrusted-proxy = proxy\n", qr/FILE line 2: --trusted-proxy holds "proxy"/],
-    ["colour = red\n", qr/FILE line 1: no setting "colour"/], ["queue\n", qr/FILE line 1: "queue", want name = value/],
-    ["= 3\n", qr/FILE line 1: "= 3", want name = value/], ["config = x\n", qr/FILE line 1: no setting "config"/],
-    ["queue = 1\nqueue = 2\n", qr/FILE line 2: queue is on line 1 already/],
-    ["queue = 1\x01\n", qr/FILE line 1: a control byte/], ["queue\0 = 1\n", qr/FILE line 1: a NUL byte/],
+    ["colour = red\n", qr/FILE line 1: no setting "colour"/], ["queue\n", qr/FILE line 1: "queue" is not of the form name = value/],
+    ["= 3\n", qr/FILE line 1: "= 3" is not of the form name = value/], ["config = x\n", qr/FILE line 1: no setting "config"/],
+    ["queue = 1\nqueue = 2\n", qr/FILE line 2: queue is set twice, first on line 1/],
+    ["queue = 1\x01\n", qr/FILE line 1: the line has a control character/], ["queue\0 = 1\n", qr/FILE line 1: the line has a NUL byte/],
     ["data = /" . 'x' x 3000 . "\n", qr/FILE line 1: .*more than 2046 bytes/],
     ["data = /" . 'x' x 1500 . "\n", qr/FILE line 1: --data has 1501 bytes, want at most 1023/],
 ) {
@@ -67,7 +67,7 @@ is_deeply [map {s/^voronoid: (?:\Q$faulty\E )?//r} split /\n/, $text], [
     '--heartbeat is "soon", want seconds from 0.1 to 3600', '--threads is "1.5", want a whole number from 0 to 256',
     '--streams is "many", want a whole number from 1 to 100000', 'line 1: --queue is "0", want a whole number from 1 to 100000',
     'line 2: no setting "jobz"; did you mean jobs?', 'line 3: --keep-inputs is "8Q", want bytes (K, M, G, T) from 0 to 1e+15',
-    'line 4: "queue", want name = value', 'line 6: --log-level is "loud", want one of debug info warn error off',
+    'line 4: "queue" is not of the form name = value', 'line 6: --log-level is "loud", want one of debug info warn error off',
     'line 5: --listen is "nowhere", want HOST:PORT with a port from 0 to 65535, or unix:/PATH',
     'line 7: --public-url is "x", want http://HOST or https://HOST, with a port and a path of at most 128 bytes or without, and no query',
 ], 'each in a line of its own, by file, line, name, value and range';

@@ -100,9 +100,9 @@ is $info->{processID}, 'measure', 'there is a job of it';
 is_deeply { map { $_ => $info->{voronoid}{inputs}{$_}{points} } keys %{ $info->{voronoid}{inputs} } }, { cloud => 500, reference => 400 },
     'which tells its inputs';
 is_deeply json($daemon->get("/v1/jobs/$id/results/measure")), json($both), 'with its result';
-refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure has no cloud but needs one$/,
+refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure needs a cloud, but the request has none$/,
     'a reference without a cloud');
-refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^peak is 1 without a reference$/,
+refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^peak is 1, which needs a reference, but the request has none$/,
     'a peak without a reference');
 my $rubbish = file('z.ply', 'rubbish');
 refused(curl('/v1/measure', '-F', "cloud=\@$ply", '-F', "reference=\@$rubbish"), 415, 'unsupported-format',
@@ -125,9 +125,9 @@ for my $case (
     ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL$/],
     ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the 4096 bytes/],
     ['a text of 4096 bytes', '', [['name="points"', '1' x 4096], [@cloud]], 400, qr/^points is 1+/],
-    ['no points', '', [[@cloud]], 400, qr/^none of points, ratio and spacing is given/],
-    ['no file', '', [[@points]], 400, qr/^resample has no cloud but needs one$/],
-    ['no part', '', [], 400, qr/^resample has no cloud but needs one$/],
+    ['no points', '', [[@cloud]], 400, qr/^give exactly one of points, ratio and spacing: none/],
+    ['no file', '', [[@points]], 400, qr/^resample needs a cloud, but the request has none$/],
+    ['no part', '', [], 400, qr/^resample needs a cloud, but the request has none$/],
 ) {
     my ($name, $query, $parts, $status, $detail) = @$case;
     my $answer = form("/v1/resample$query", $parts);
@@ -210,7 +210,7 @@ for my $case (
     ['{"points":5', 400, 'malformed-request', qr/./],
     ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
     [' ', 400, 'malformed-request', qr/./],
-    ['', 400, 'invalid-parameter', qr/^none of points, ratio and spacing/],
+    ['', 400, 'invalid-parameter', qr/^give exactly one of points, ratio and spacing: none/],
     ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
 ) {
     my ($body, $status, $slug, $detail) = @$case;

@@ -21,8 +21,8 @@ sub refused {
 for my $case (
     ['points=0', qr/points is 0, want a whole number from 1 to 10000000/, 'points'],
     ['points=', qr/points is empty/, 'points'],
-    ['', qr/none of points, ratio and spacing/, 'points'],
-    ['points=10&ratio=0.5', qr/2 of points, ratio and spacing/, 'points'],
+    ['', qr/points, ratio and spacing: none/, 'points'],
+    ['points=10&ratio=0.5', qr/points, ratio and spacing, not 2/, 'points'],
     ['points=10&points=10', qr/points is given more than once/, 'points'],
     ['points=10&neighbours=6', qr/^unknown parameter "neighbours" of resample; nearest: neighbors, \w+, \w+$/, 'neighbours'],
     ['points=10&peak=6', qr/^unknown parameter "peak" of resample; nearest: \w+, \w+, \w+$/, 'peak'],
@@ -130,7 +130,7 @@ for my $case (
 refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=7', $cloud), 422, 'unknown-hole',
     qr/holes has 7, (?:but the input has no loop|want numbers from 1 to)/, 'a hole that is not there');
 refused($daemon->post('/v1/resample?points=10&method=kmeans&edges=sites', $cloud), 400, 'invalid-parameter',
-    qr/method kmeans has no sites, want edges ignore, or method cvt/, 'sites of a method that has none');
+    qr/method kmeans does not support edges=sites, want ignore, or method cvt/, 'sites of a method that has none');
 my $job = json($flat)->{jobID};
 ok defined $job, 'a failed job is named';
 is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';

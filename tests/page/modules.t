@@ -81,7 +81,7 @@ function refusals() {
     equal(refusal(() => readPly(bytes('ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n'))), 'The vertices have no x, y and z.',
         'and points without a coordinate');
     equal(refusal(() => readPly(bytes('ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nend_header\n1\n'))),
-        'The header names a type "quad" that PLY does not have.', 'and a type that there is not');
+        'PLY has no type "quad".', 'and a type that there is not');
     const sifted = readPly(bytes('ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n'
         + 'property list uchar int vertex_index\nend_header\n0 0 0\nnan 0 0\n2 0 0\n3 0 1 2\n'));
     equal([sifted.n, sifted.left, [...sifted.positions], sifted.faces], [2, 1, [-1, 0, 0, 1, 0, 0], null],

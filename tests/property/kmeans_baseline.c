@@ -67,7 +67,7 @@ START_TEST(more_points_than_the_input_has_are_refused)
     vt_engine_set(&engine, "density", "curvature");
     vt_assert_fails(VOR_E_DENSITY, vt_engine_try(&engine, &out, &report, &in));
     ck_assert_str_eq(vt_err.message,
-                     "method kmeans supports no density, want uniform, or method cvt");
+                     "method kmeans supports no density, want density uniform, or method cvt");
     ck_assert_uint_eq(out.n, 0);
     vor_cloud_free(&in);
     vt_engine_close(&engine);

@@ -141,8 +141,8 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
     } bad[] = {
         {"", "has no key; voronoid key NAME makes one"},
         {"# nothing\n", "has no key"},
-        {"\nvor_secret\n", "line 2: there are fewer than two colons"},
-        {"alice:submit\n", "line 1: there are fewer than two colons"},
+        {"\nvor_secret\n", "line 2: the line has fewer than two colons"},
+        {"alice:submit\n", "line 1: the line has fewer than two colons"},
         {":submit:" ALPHA, "line 1: the name is \"\", want 1 to 64 letters"},
         {"al ice:submit:" ALPHA, "the name is \"al ice\""},
         {"alice::" ALPHA, "the scopes are \"\", want some of read, submit and admin"},
@@ -159,7 +159,7 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         {"alice:read:" ALPHA ":rate=nan", "a quota is \"rate=nan\""},
         {"alice:read:" ALPHA ":rate=2,colour=3", "a quota is \"colour=3\", want jobs=N, rate=N"},
         {"alice:read:" ALPHA ":bytes=1Q", "a quota is \"bytes=1Q\""},
-        {"a:read:" ALPHA "\nb:read:" ALPHA "\n", "line 2: the digest is that of a line above"},
+        {"a:read:" ALPHA "\nb:read:" ALPHA "\n", "line 2: a line above has the same digest"},
     };
     const char *dir = vt_dir_make();
 
@@ -211,7 +211,7 @@ START_TEST(a_line_without_end_is_refused)
     memset(text, '#', sizeof text);
     text[sizeof text - 1] = '\0';
     vt_assert_fails(VOR_E_PARAM, vor_keys_open(&keys, write_file(dir, text, 0600), &vt_err));
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "line 1: it has more than 510 bytes"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "line 1: the line has more than 510 bytes"));
     vt_assert_fails(VOR_E_PARAM, vor_keys_open(&keys, "/dev/zero", &vt_err));
 }
 END_TEST

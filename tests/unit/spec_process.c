@@ -115,7 +115,7 @@ START_TEST(a_request_without_a_count_gets_that_of_its_process_or_is_refused)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check(&spec, &vt_err));
     if (cases[_i].ratio == VOR_UNSET) {
         vt_assert_fails(VOR_E_PARAM, vor_spec_complete(&spec, &vt_err));
-        ck_assert_ptr_nonnull(strstr(vt_err.message, "none of points, ratio and spacing"));
+        ck_assert_ptr_nonnull(strstr(vt_err.message, "points, ratio and spacing: none"));
         return;
     }
     vt_assert_ok(vor_spec_complete(&spec, &vt_err));
@@ -361,8 +361,8 @@ START_TEST(an_input_that_is_required_must_come_along)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 0, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "cloud");
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 2, &vt_err));
-    ck_assert_str_eq(vt_err.message, _i == 0 ? "resample has no cloud but needs one"
-                                             : "measure has no cloud but needs one");
+    ck_assert_str_eq(vt_err.message, _i == 0 ? "resample needs a cloud, but the request has none"
+                                             : "measure needs a cloud, but the request has none");
 }
 END_TEST
 

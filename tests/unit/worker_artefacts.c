@@ -280,12 +280,12 @@ START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
         unsigned inputs; /* bit 0: cloud, bit 1: reference */
         const char *parameter, *says;
     } cases[] = {
-        {"measure", NULL, 0, "cloud", "measure has no cloud but needs one"},
-        {"measure", NULL, 2, "cloud", "measure has no cloud but needs one"},
+        {"measure", NULL, 0, "cloud", "measure needs a cloud, but the request has none"},
+        {"measure", NULL, 2, "cloud", "measure needs a cloud, but the request has none"},
         {"measure", "2", 1, "peak", "peak is 2 without a reference"},
         {"resample", NULL, 3, "reference", "resample has no input reference"},
         {"resample", NULL, 2, "reference", "resample has no input reference"},
-        {"resample", NULL, 0, "cloud", "resample has no cloud but needs one"},
+        {"resample", NULL, 0, "cloud", "resample needs a cloud, but the request has none"},
     };
     struct vt_daemon daemon;
     struct vor_uuid id;
@@ -426,7 +426,7 @@ START_TEST(a_job_that_lost_an_input_fails_and_names_it)
     vt_daemon_start(&daemon, dir, NULL);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
-    (void)snprintf(says, sizeof says, "the job's input %s is gone", inputs[_i]);
+    (void)snprintf(says, sizeof says, "the job's input %s no longer exists", inputs[_i]);
     ck_assert_str_eq(view.message, says);
     while (vt_daemon_kept(&daemon) > 0) /* the other one: the sweeper's work */
         vt_nap();
