@@ -401,14 +401,6 @@ vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
     return vor_spec_check(spec, err);
 }
 
-/* True when the process has an input of that name and it is there. */
-static int comes_along(const struct vor_process_info *process, const char *name, unsigned inputs)
-{
-    const struct vor_artefact_info *input = vor_artefact_find(process->inputs, name);
-
-    return input != NULL && (inputs >> (input - process->inputs) & 1) != 0;
-}
-
 vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
                                  struct vor_error *err)
 {
@@ -426,8 +418,10 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
         const char *needed = vor_parameter_needs(parameter);
         struct vor_parameter_info info = vor_process_parameter(process, parameter);
 
-        if (needed == NULL || spec->value[i] == info.fallback ||
-            comes_along(process, needed, inputs))
+        if (needed == NULL || spec->value[i] == info.fallback)
+            continue;
+        input = vor_artefact_find(process->inputs, needed);
+        if (input != NULL && (inputs >> (input - process->inputs) & 1) != 0)
             continue;
         vor_spec_text(spec, parameter, text);
         return vor_fail_param(err, VOR_E_PARAM, info.name,
@@ -444,13 +438,6 @@ double vor_spec_target(const struct vor_spec *spec, uint64_t input)
     return spec->value[VOR_PARAM_POINTS];
 }
 
-static enum vor_parameter count_given(const struct vor_spec *spec)
-{
-    if (vor_spec_given(spec, VOR_PARAM_RATIO))
-        return VOR_PARAM_RATIO;
-    return vor_spec_given(spec, VOR_PARAM_SPACING) ? VOR_PARAM_SPACING : VOR_PARAM_POINTS;
-}
-
 /* Whether the process lets any number of points be drawn from faces. */
 static int is_unbounded(const struct vor_spec *spec)
 {
@@ -462,7 +449,9 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
 {
     const struct vor_parameter_info *points = vor_parameter_info(VOR_PARAM_POINTS);
     const struct vor_process_info *process = spec->process;
-    enum vor_parameter from = count_given(spec);
+    enum vor_parameter from = vor_spec_given(spec, VOR_PARAM_RATIO)     ? VOR_PARAM_RATIO
+                              : vor_spec_given(spec, VOR_PARAM_SPACING) ? VOR_PARAM_SPACING
+                                                                        : VOR_PARAM_POINTS;
     const char *name = vor_parameter_info(from)->name;
     double least = fmax(points->min, process->ratio_min * (double)input);
     double most =

@@ -39,16 +39,6 @@ static void push(struct vor_pool *pool, struct loop *loop)
     pool->tail = loop;
 }
 
-static struct loop *pop(struct vor_pool *pool)
-{
-    struct loop *loop = pool->head;
-
-    pool->head = loop->following;
-    if (pool->head == NULL)
-        pool->tail = NULL;
-    return loop;
-}
-
 /* Takes a loop with blocks left out of the queue; none of them will start. */
 static void abandon(struct vor_pool *pool, struct loop *loop)
 {
@@ -70,11 +60,14 @@ static void abandon(struct vor_pool *pool, struct loop *loop)
 /* Works on one block of the loop whose turn it is; the mutex is held on entry and on return. */
 static void work_once(struct vor_pool *pool, unsigned index)
 {
-    struct loop *loop = pop(pool);
+    struct loop *loop = pool->head;
     size_t begin = loop->next;
     size_t end = loop->n - begin > loop->block ? begin + loop->block : loop->n;
     enum vor_answer answer;
 
+    pool->head = loop->following;
+    if (pool->head == NULL)
+        pool->tail = NULL;
     loop->next = end;
     loop->busy++;
     if (end < loop->n)

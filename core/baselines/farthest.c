@@ -125,7 +125,6 @@ static void shorten_leaf(struct farthest *farthest, size_t leaf, const float *x)
     renew_leaf(farthest, leaf);
 }
 
-/* Chooses point number i. */
 static void choose(struct farthest *farthest, size_t i)
 {
     const float *x = &farthest->xyz[3 * i];
@@ -151,7 +150,6 @@ static void choose(struct farthest *farthest, size_t i)
             renew_inner(farthest, farthest->visited[count]);
 }
 
-/* Chooses the points of a chunk, on one thread. */
 static void choose_chunk(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                          VOR_UNUSED unsigned worker)
 {
@@ -162,27 +160,20 @@ static void choose_chunk(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t e
         choose(farthest, farthest->node[1].at);
 }
 
-static vor_status alloc_farthest(struct farthest *farthest, struct vor_memory *memory,
-                                 struct vor_error *err)
-{
-    farthest->leaves = 1;
-    while (farthest->leaves * LEAF < farthest->n)
-        farthest->leaves *= 2;
-    farthest->distance2 = vor_malloc(memory, farthest->n, sizeof *farthest->distance2);
-    farthest->node = vor_malloc(memory, 2 * farthest->leaves, sizeof *farthest->node);
-    farthest->visited = vor_malloc(memory, 2 * farthest->leaves, sizeof *farthest->visited);
-    if (farthest->distance2 == NULL || farthest->node == NULL || farthest->visited == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the farthest of %zu points", farthest->n);
-    return VOR_OK;
-}
-
 vor_status vor_farthest_points(float *out, const float *xyz, size_t n, size_t count, size_t first,
                                const struct vor_run *run, struct vor_error *err)
 {
-    struct farthest farthest = {.xyz = xyz, .n = n, .out = out, .count = count};
-    vor_status status = alloc_farthest(&farthest, run->memory, err);
+    struct farthest farthest = {.xyz = xyz, .n = n, .out = out, .count = count, .leaves = 1};
+    vor_status status = VOR_OK;
 
-    if (status == VOR_OK && count > 0) {
+    while (farthest.leaves * LEAF < n)
+        farthest.leaves *= 2;
+    farthest.distance2 = vor_malloc(run->memory, n, sizeof *farthest.distance2);
+    farthest.node = vor_malloc(run->memory, 2 * farthest.leaves, sizeof *farthest.node);
+    farthest.visited = vor_malloc(run->memory, 2 * farthest.leaves, sizeof *farthest.visited);
+    if (farthest.distance2 == NULL || farthest.node == NULL || farthest.visited == NULL) {
+        status = vor_fail(err, VOR_E_NOMEM, "the farthest of %zu points", n);
+    } else if (count > 0) {
         make_tree(&farthest);
         choose(&farthest, first);
     }

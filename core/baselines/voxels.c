@@ -19,7 +19,6 @@ enum {
 /* No cell has this number. */
 #define NONE UINT64_MAX
 
-/* A cell with points. */
 struct cell {
     uint64_t number; /* or NONE */
     uint32_t index;  /* in the order in which they are met */

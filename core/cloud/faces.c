@@ -186,7 +186,6 @@ static void set_point(struct vor_cloud *out, size_t i, const struct vor_cloud *i
         set_value(&out->attributes[a], i, &in->attributes[a], draw);
 }
 
-/* Draws points first .. last - 1 from triangle t. */
 static void draw_from(struct vor_cloud *out, size_t first, size_t last, const struct vor_cloud *in,
                       size_t t, uint64_t seed)
 {

@@ -150,7 +150,6 @@ static void add_cross(double sum[2], const double *axes, const double *now, size
     sum[1] += c * turn[1] + s * turn[0];
 }
 
-/* A round of means. */
 struct round {
     struct vor_crosses *crosses;
     const double *axes;

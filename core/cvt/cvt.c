@@ -31,32 +31,22 @@ static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_dom
     return status;
 }
 
-/* Starts the seeds. If the input is dense, thins it into *thin and moves the seeds onto that. */
-static vor_status start(struct vor_seeds *seeds, struct vor_domain *thin,
-                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
-                        const struct vor_run *run, struct vor_error *err)
-{
-    int sites = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES ||
-                spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES;
-    vor_status status =
-        (sites ? start_with_sites : vor_start_seeds)(seeds, domain, n, spec, run, err);
-
-    if (status == VOR_OK)
-        status = vor_domain_thin_for(thin, domain, n, seeds->area, &seeds->run, err);
-    if (status == VOR_OK && thin->n >= seeds->input_lists.wide)
-        vor_seeds_onto(seeds, thin);
-    return status;
-}
-
 vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_domain thin = {.n = 0};
+    int sites = spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES ||
+                spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES;
+    struct vor_domain thin = {.n = 0}; /* of a dense input: most of the work is done on it */
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
-    vor_status status = start(&seeds, &thin, domain, n, spec, run, err);
+    vor_status status =
+        (sites ? start_with_sites : vor_start_seeds)(&seeds, domain, n, spec, run, err);
 
+    if (status == VOR_OK)
+        status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
+    if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
+        vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
     if (status == VOR_OK)
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, spec, run, err)

@@ -13,7 +13,6 @@ enum { INNER = 5 };
  * 0.94 / 0.92; its delta from the last power alone 0.11, so 0.09. */
 #define STAGE 0.25
 
-/* The iteration. */
 struct descend {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;
@@ -53,7 +52,6 @@ static unsigned next_power(const struct descend *descend)
     return power < descend->last_power ? power : descend->last_power;
 }
 
-/* Writes what the method tells of itself after an iteration. */
 static void note(struct descend *descend, const struct vor_frozen_sums *sums)
 {
     struct vor_stage *stage = &descend->stage;

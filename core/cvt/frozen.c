@@ -42,7 +42,6 @@ void vor_frozen_free(struct vor_frozen *f)
     memset(f, 0, sizeof *f);
 }
 
-/* An evaluation. */
 struct evaluation {
     struct vor_frozen *frozen;
     const double *y;

@@ -42,13 +42,11 @@ enum { ON_WHOLE = 8 };
 
 enum { AT_BORDER = 1 << 0, HELD_EVER = 1 << 1 }; /* flags of a seed */
 
-/* Sums of one block of seeds. */
 struct block_sums {
     double area, even, energy, max_move; /* even: the area as an even spread would share it */
     uint64_t held, plane, left;
 };
 
-/* The iteration. */
 struct cvt {
     struct vor_seeds *seeds;
     const struct vor_spec *spec;

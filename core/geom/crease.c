@@ -116,21 +116,6 @@ static double gain_of_parabola(const struct fit *fit)
     return gain_of(fit, column, &coefficient);
 }
 
-/* The best of a row of places. */
-static struct kink look(const struct fit *fit)
-{
-    struct kink best = {0};
-
-    for (int i = -STEPS; i <= STEPS; i++) {
-        struct kink kink = {.at = i * STEP};
-
-        weigh(&kink, fit);
-        if (kink.gain > best.gain)
-            best = kink;
-    }
-    return best;
-}
-
 /* Fits a plane of its own to what lies beyond the edge. Returns whether the two planes meet in a
  * line near the first point, which is the next kink's place. */
 static int meet(struct kink *next, const struct fit *fit, const struct kink *kink)
@@ -161,7 +146,15 @@ static int meet(struct kink *next, const struct fit *fit, const struct kink *kin
 
 static struct kink find(const struct fit *fit)
 {
-    struct kink best = look(fit);
+    struct kink best = {0};
+
+    for (int i = -STEPS; i <= STEPS; i++) { /* the best of a row of places */
+        struct kink kink = {.at = i * STEP};
+
+        weigh(&kink, fit);
+        if (kink.gain > best.gain)
+            best = kink;
+    }
 
     for (int round = 0; round < ROUNDS && best.gain > 0; round++) {
         struct kink next;

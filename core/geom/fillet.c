@@ -99,7 +99,6 @@ static void turn(struct vor_fillet *fillet)
     fillet->cosine = n[0][0] * n[1][0] + n[0][1] * n[1][1];
 }
 
-/* Adds a step to the parameters. */
 static void add(struct vor_fillet *fillet, const double *step, double widest)
 {
     for (int l = 0; l < 2; l++) {

@@ -4,7 +4,6 @@
 
 #include <string.h>
 
-/* Area of the triangle (a, b, c). */
 static double triangle_area(const double a[3], const double b[3], const double c[3])
 {
     double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};

@@ -70,20 +70,6 @@ static uint32_t place_of(struct table *table, uint32_t i)
     return (uint32_t)table->places++;
 }
 
-/* The most points that share a place. count: of each place, all 0. */
-static size_t fullest(uint32_t *count, const uint32_t *place, size_t n)
-{
-    uint32_t most = 0;
-
-    for (size_t i = 0; i < n; i++) {
-        uint32_t here = ++count[place[i]];
-
-        most = here > most ? here : most;
-    }
-    return most;
-}
-
-/* Lists the points by their places. */
 static vor_status list(struct vor_places *out, const struct table *table, const uint32_t *place,
                        size_t n, struct vor_error *err)
 {
@@ -110,7 +96,7 @@ vor_status vor_places_find(struct vor_places *out, const float *xyz, size_t n, s
                            struct vor_memory *memory, struct vor_error *err)
 {
     struct table table = {.xyz = xyz, .mask = 15};
-    uint32_t *place;
+    uint32_t *place, most = 0; /* points that share a place */
     vor_status status = VOR_OK;
 
     *out = (struct vor_places){.memory = memory};
@@ -125,7 +111,12 @@ vor_status vor_places_find(struct vor_places *out, const float *xyz, size_t n, s
     for (size_t i = 0; i < n; i++)
         place[i] = place_of(&table, (uint32_t)i);
     memset(table.slot, 0, (table.mask + 1) * sizeof *table.slot); /* counts from here on */
-    if (fullest(table.slot, place, n) > many)
+    for (size_t i = 0; i < n; i++) {
+        uint32_t here = ++table.slot[place[i]];
+
+        most = here > most ? here : most;
+    }
+    if (most > many)
         status = list(out, &table, place, n, err);
     if (status != VOR_OK)
         vor_places_free(out);

@@ -117,14 +117,6 @@ vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz
     return VOR_OK;
 }
 
-static unsigned jumpers_allowed(size_t n)
-{
-    if (n / SHARE < VOR_POINT_LISTS_JUMPERS_MIN)
-        return VOR_POINT_LISTS_JUMPERS_MIN;
-    return n / SHARE < VOR_POINT_LISTS_JUMPERS_MAX ? (unsigned)(n / SHARE)
-                                                   : VOR_POINT_LISTS_JUMPERS_MAX;
-}
-
 /* The cell of a coordinate: 64 cells over -1 .. 1, where all points except jumpers are. Does not
  * decrease with x. */
 static unsigned cell_of(float x)
@@ -150,7 +142,8 @@ int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_poin
                          const float *xyz, double far)
 {
     double limit2 = far * lists->spacing * far * lists->spacing, drift2 = 0;
-    unsigned allowed = jumpers_allowed(lists->n);
+    unsigned allowed = (unsigned)fmin(fmax((double)(lists->n / SHARE), VOR_POINT_LISTS_JUMPERS_MIN),
+                                      VOR_POINT_LISTS_JUMPERS_MAX);
 
     out->xyz = xyz;
     out->jumpers = 0;

@@ -19,7 +19,6 @@ static void add(struct vor_sums *sums, double distance2)
     vor_sums_add(sums, sqrt(distance2), distance2);
 }
 
-/* A comparison in progress. */
 struct compare {
     struct vor_seeds *seeds;
     struct vor_sums *block;

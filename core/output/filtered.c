@@ -19,7 +19,6 @@ enum { BLOCK = 1024 /* points of one task */ };
 
 #define NONE UINT32_MAX
 
-/* A result in progress. */
 struct work {
     const struct vor_cloud *in;
     const struct vor_domain *domain;

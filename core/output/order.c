@@ -57,7 +57,6 @@ struct grid {
     uint32_t *start, *item;
 };
 
-/* The order in progress. */
 struct order {
     const float *xyz;
     size_t n;

@@ -9,7 +9,6 @@
 
 #include <string.h>
 
-/* Transfers attributes and normals to the points. */
 static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
                            const struct vor_placed *placed, double spacing, struct vor_error *err)
 {
@@ -106,7 +105,6 @@ static void report_stage(struct vor_report *report, const struct vor_outcome *to
                          told->seconds[stage]);
 }
 
-/* Reports what the method told. */
 static void report_method(struct vor_report *report, const struct vor_placed *placed)
 {
     const struct vor_outcome *told = placed->told;
@@ -139,7 +137,6 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report->descent_aspect = told->aspect;
 }
 
-/* Reports how the metric was followed. */
 static vor_status report_metric(struct vor_report *report, struct vor_seeds *seeds,
                                 struct vor_error *err)
 {
@@ -161,24 +158,6 @@ static vor_status report_metric(struct vor_report *report, struct vor_seeds *see
     return VOR_OK;
 }
 
-/* Distances to the nearest neighbour that have nothing to do with what was wanted. */
-static vor_status measure_apart(struct vor_uniformity *even, float *nearest,
-                                struct vor_seeds *seeds, struct vor_error *err)
-{
-    struct vor_uniformity apart;
-    vor_status status = VOR_OK;
-
-    if (vor_stretched_are(&seeds->stretched))
-        status = vor_seeds_distances(nearest, seeds, err);
-    if (status != VOR_OK)
-        return status;
-    vor_uniformity_from(&apart, nearest, seeds->n);
-    even->mean = apart.mean;
-    even->min = apart.min;
-    even->max = apart.max;
-    return VOR_OK;
-}
-
 /* Measures how even the points are: with a density or metric, delta, sigma and epsilon are of the
  * distances over the spacing wanted, in the metric; the other lengths of the distances themselves.
  */
@@ -186,13 +165,21 @@ static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
                           struct vor_error *err)
 {
     float *nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
+    int stretched = vor_stretched_are(&seeds->stretched);
+    struct vor_uniformity apart;
     vor_status status;
 
     if (nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
     status = vor_seeds_uniformity_now(even, nearest, seeds, err);
-    if (status == VOR_OK && (seeds->wanted.value != NULL || vor_stretched_are(&seeds->stretched)))
-        status = measure_apart(even, nearest, seeds, err);
+    if (status == VOR_OK && stretched)
+        status = vor_seeds_distances(nearest, seeds, err);
+    if (status == VOR_OK && (stretched || seeds->wanted.value != NULL)) {
+        vor_uniformity_from(&apart, nearest, seeds->n);
+        even->mean = apart.mean;
+        even->min = apart.min;
+        even->max = apart.max;
+    }
     vor_free(seeds->run.memory, nearest);
     return status;
 }

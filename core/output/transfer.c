@@ -68,25 +68,18 @@ static void make_normal(struct transfer *transfer, const struct vor_scratch *scr
         transfer->normal[3 * i + c] = (float)fitted[c];
 }
 
-/* The input point nearest to seed i, by a search for it alone. */
-static uint32_t nearest_source(const struct vor_seeds *seeds, size_t i)
-{
-    uint32_t index;
-    float distance2;
-
-    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
-    return seeds->domain->source[index];
-}
-
 static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct transfer *transfer = ctx;
     struct vor_seeds *seeds = transfer->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
+    uint32_t index;
+    float distance2;
 
     for (size_t i = begin; i < end; i++) {
         if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
-            transfer->nearest[i] = nearest_source(seeds, i);
+            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+            transfer->nearest[i] = seeds->domain->source[index];
             continue;
         }
         (void)vor_seeds_fit(seeds, scratch, i);
@@ -96,28 +89,20 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Whether float32 is too coarse for this spacing at the far end of the cloud. */
-static int needs_double(const struct vor_seeds *seeds, double spacing)
-{
-    double far = 0;
-
-    for (int c = 0; c < 3; c++)
-        far = fmax(far, fabs(seeds->domain->shift[c]) + seeds->domain->unit);
-    return spacing > 0 && far * (double)FLT_EPSILON * STEPS_PER_SPACING > spacing;
-}
-
 static void place(struct transfer *transfer, double spacing)
 {
     const struct vor_domain *domain = transfer->seeds->domain;
     struct vor_cloud *out = transfer->out;
-    double shift[3];
+    double shift[3], far = 0; /* the far end of the cloud, where float32 is coarsest */
 
     out->position_type = transfer->in->position_type;
     for (int c = 0; c < 3; c++) {
         shift[c] = domain->shift[c];
+        far = fmax(far, fabs(shift[c]) + domain->unit);
         out->origin[c] = transfer->in->origin[c];
     }
-    if (out->position_type == VOR_FLOAT32 && needs_double(transfer->seeds, spacing)) {
+    if (out->position_type == VOR_FLOAT32 && spacing > 0 &&
+        far * (double)FLT_EPSILON * STEPS_PER_SPACING > spacing) {
         out->position_type = VOR_FLOAT64;
         for (int c = 0; c < 3; c++) {
             out->origin[c] += shift[c];

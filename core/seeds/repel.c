@@ -59,7 +59,6 @@ enum {
 /* The same in the last FRESH steps. 0.05 and 0.2 move no figure beyond the spread. */
 #define SLACK_FRESH 0.1
 
-/* What the steps aim at. */
 struct aim {
     unsigned hard;     /* S at the last step */
     unsigned cells;    /* steps from one look for holes to the next */
@@ -100,21 +99,6 @@ struct polish {
     struct vor_recall recall; /* of last fits */
     int cells;                /* holes are looked for in this step */
 };
-
-static vor_status alloc_polish(struct polish *polish, struct vor_error *err)
-{
-    struct vor_memory *memory = polish->seeds->run.memory;
-    size_t n = polish->seeds->n, row = 3 * sizeof(float);
-
-    polish->next = vor_malloc(memory, n, row);
-    polish->step = vor_calloc(memory, n, row);
-    polish->pull = vor_calloc(memory, n, row);
-    polish->quiet = vor_calloc(memory, n, 1);
-    if (polish->next == NULL || polish->step == NULL || polish->pull == NULL ||
-        polish->quiet == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
-    return VOR_OK;
-}
 
 /* The spacing that seed i is to have, when the mean is h: with a density, h is the mean of what an
  * even spread would have. */
@@ -250,7 +234,6 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
     return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
-/* Moves seed i, whose surface and neighbours are in the scratch. */
 static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
 {
     const struct vor_seeds *seeds = polish->seeds;
@@ -326,7 +309,6 @@ static double longest_step(const struct polish *polish)
     return sqrt(longest);
 }
 
-/* Measures how even the positions are. */
 static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 {
     struct vor_uniformity even;
@@ -384,12 +366,13 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
                         !seeds->whole->known.sheets;
     double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
     double cells = (double)seeds->n - (double)seeds->half / 2;
+    size_t row = 3 * sizeof(float);
     struct polish polish = {.seeds = seeds,
                             .aim = for_triangles ? &six_around : &even_distances,
                             .recall = {.keep_holes = keep_holes},
                             .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
+    struct vor_memory *memory = seeds->run.memory;
     vor_status status;
-    struct vor_memory *memory = polish.seeds->run.memory;
 
     if (vor_spec_polish(spec) == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
@@ -409,8 +392,13 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     polish.stage.record.stage = VOR_RUN_STAGE_POLISH;
     polish.stage.record.of = vor_spec_polish(spec);
     polish.stage.record.step = polish.stage.record.ahead = 0;
-    status = alloc_polish(&polish, err);
-    if (status == VOR_OK)
+    polish.next = vor_malloc(memory, seeds->n, row);
+    polish.step = vor_calloc(memory, seeds->n, row);
+    polish.pull = vor_calloc(memory, seeds->n, row);
+    polish.quiet = vor_calloc(memory, seeds->n, 1);
+    if (polish.next == NULL || polish.step == NULL || polish.pull == NULL || polish.quiet == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", seeds->n);
+    else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
     if (status == VOR_OK)
         status = vor_stage_run(&polish.stage, err);

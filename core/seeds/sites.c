@@ -267,18 +267,6 @@ struct walkers {
                                     the last */
 };
 
-/* Sums up how far they are apart. */
-static double sum_up(struct walkers *walkers, const struct line *line)
-{
-    size_t n = walkers->n;
-
-    walkers->apart[0] = 0;
-    for (size_t j = 0; j < walkers->gaps; j++)
-        walkers->apart[j + 1] = walkers->apart[j] + distance(line->field, &walkers->xyz[3 * j],
-                                                             &walkers->xyz[3 * ((j + 1) % n)]);
-    return walkers->apart[walkers->gaps];
-}
-
 /* Moves each to where it would be as far from the one before as from the next, by the distances
  * that they have. xyz is scratch. */
 static void step(struct walkers *walkers, double length)
@@ -302,7 +290,7 @@ static void step(struct walkers *walkers, double length)
 /* Puts as many walkers on a line as leave `gaps` gaps, as far from each other. Returns how far. */
 static double even_out(struct walkers *walkers, const struct line *line, size_t gaps)
 {
-    double length = line->sum[line->parts], sum;
+    double length = line->sum[line->parts];
 
     walkers->gaps = gaps;
     walkers->n = line->parts == line->n ? gaps : gaps + 1;
@@ -310,9 +298,13 @@ static double even_out(struct walkers *walkers, const struct line *line, size_t 
         walkers->along[i] = (double)i * (length / (double)gaps);
     for (int round = 0;; round++) {
         walk_along(walkers->xyz, line, walkers->along, walkers->n);
-        sum = sum_up(walkers, line);
+        walkers->apart[0] = 0;
+        for (size_t j = 0; j < gaps; j++)
+            walkers->apart[j + 1] =
+                walkers->apart[j] + distance(line->field, &walkers->xyz[3 * j],
+                                             &walkers->xyz[3 * ((j + 1) % walkers->n)]);
         if (round == EVENINGS)
-            return sum / (double)gaps;
+            return walkers->apart[gaps] / (double)gaps;
         step(walkers, length);
     }
 }
@@ -506,21 +498,6 @@ static vor_status put_on_ridges(struct place_on *on, const struct vor_ridges *ri
     return status;
 }
 
-/* Sets the spacing, and puts sites on the borders if they are asked for. */
-static vor_status on_borders(struct place_on *on, const struct vor_sites_for *wanted, double area,
-                             const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_loops loops = {.memory = NULL};
-    vor_status status = wanted->borders ? vor_loops_find(&loops, on->domain, run, err) : VOR_OK;
-
-    if (status == VOR_OK)
-        status = add_lengths(on, &loops, area, err);
-    if (status == VOR_OK)
-        status = put_on_loops(on, &loops, err);
-    vor_loops_free(&loops);
-    return status;
-}
-
 static vor_status on_edges(struct place_on *on, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_edges edges = {0};
@@ -543,12 +520,17 @@ vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain
 {
     struct vor_sites sites = {.memory = run->memory};
     struct place_on on = {.sites = &sites, .domain = domain, .n = wanted->n, .run = run};
+    struct vor_loops loops = {.memory = NULL};
     double even = domain->field.even, area = wanted->area;
-    vor_status status;
+    vor_status status = wanted->borders ? vor_loops_find(&loops, domain, run, err) : VOR_OK;
 
     if (vor_field_is(&domain->field))
         area = VOR_HEXAGON_HEIGHT * (double)wanted->n * even * even;
-    status = on_borders(&on, wanted, area, run, err);
+    if (status == VOR_OK)
+        status = add_lengths(&on, &loops, area, err);
+    if (status == VOR_OK)
+        status = put_on_loops(&on, &loops, err);
+    vor_loops_free(&loops);
     if (status == VOR_OK && wanted->edges)
         status = on_edges(&on, run, err);
     vor_cells_free(&on.cells);

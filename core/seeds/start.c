@@ -320,7 +320,6 @@ static vor_status start_at_points(struct areas *areas, int *enough, struct vor_e
     return status;
 }
 
-/* Coefficient of variation of the areas. */
 static double variation(const struct areas *areas)
 {
     size_t n = areas->from->n;
@@ -335,16 +334,6 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
-/* Cells of one task: as many seeds start in them, all in all, as vor_seeds_block says. */
-static size_t sampled_at_once(const struct areas *areas)
-{
-    const struct vor_seeds *from = areas->from, *to = areas->to;
-    size_t each = to->n > from->n ? to->n / from->n : 1;
-    size_t block = vor_seeds_block(to->domain) / each;
-
-    return block > 0 ? block : 1;
-}
-
 /* Starts the seeds in the cells of areas->from, as many in each as its area asks for. Where the
  * areas are very uneven and both sets are as large, takes the cells of the started seeds and starts
  * again. */
@@ -352,6 +341,8 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;
     struct vor_memory *memory = to->run.memory;
+    size_t each = to->n > from->n ? to->n / from->n : 1;
+    size_t block = vor_seeds_block(to->domain) / each; /* cells in which as many seeds start */
     vor_status status = VOR_OK;
 
     areas->end = vor_malloc(memory, from->n, sizeof *areas->end);
@@ -377,7 +368,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
                 areas->end[i] = sum += area / (wanted * wanted);
             }
         }
-        status = vor_run_for(&to->run, from->n, sampled_at_once(areas), sample_block, areas, err);
+        status = vor_run_for(&to->run, from->n, block > 0 ? block : 1, sample_block, areas, err);
     }
     vor_free(memory, areas->end);
     return status;
