@@ -16,10 +16,8 @@
  * / 0.95: a screw's thread, 40,000 points with noise to 6,000, delta 0.134 / 0.072 / 0.062 / 0.057.
  * At wedges of 90 to 155 degrees and on fandisk's edges points lie as near, and as even, at all. */
 #define TURNS 0.95
-/* Points of its own side that a point needs around it to be past its edge, and spacings that it is,
- * at least. */
+/* Points of its own side that a point needs around it to be past its edge, at least. */
 #define PAST_OTHERS 3
-#define PAST 0.1
 
 static double cosine(const float *a, const float *b)
 {
@@ -73,7 +71,7 @@ static double beyond(const struct vor_lop_edge *edge, const float x[3])
 /* Whether a point lies past its edge: the points around of its own side are on the other side of
  * the other plane. */
 static int lies_past(const struct vor_lop_edge *edge, const struct vor_lop_gathered *near,
-                     const struct vor_lop_point *point, double spacing)
+                     const struct vor_lop_point *point)
 {
     double own = beyond(edge, point->xyz), others = 0;
     unsigned count = 0;
@@ -87,7 +85,7 @@ static int lies_past(const struct vor_lop_edge *edge, const struct vor_lop_gathe
         others += beyond(edge, x);
         count++;
     }
-    return count > PAST_OTHERS && (own > 0) != (others - own > 0) && fabs(own) > PAST * spacing;
+    return count > PAST_OTHERS && (own > 0) != (others - own > 0);
 }
 
 void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *samples, size_t i,
@@ -118,7 +116,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
         return;
     memcpy(out->other, end[1].normal, sizeof out->other);
     out->distance = (float)sqrt(vor_distance2f(end[0].xyz, out->foot));
-    out->past = lies_past(out, &near, &end[0], spacing);
+    out->past = lies_past(out, &near, &end[0]);
 }
 
 /* A point near an edge. */

@@ -9,17 +9,21 @@
 #include "core/lop/power.h"
 #include "core/seeds/stage.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum {
     /* Samples of one task. */
     BLOCK = 256,
-    /* Insertions from one look at the watch to the next: about a millisecond. */
+    /* Looks at pairs from one look at the watch to the next: about a millisecond. */
     POLL_EVERY = 256,
     /* Records that an insertion tells of. */
     RECORDS = 40
 };
+
+/* Priority of a pair whose base no side holds. */
+#define LAST FLT_MIN
 
 /* The pairs of a point: priorities as of the last look, 0 for none. */
 struct pairs {
@@ -38,6 +42,7 @@ struct insertion {
     struct vor_queue_entry *heap; /* n */
     struct vor_knn *knn;          /* of the samples, while they have no reach */
     size_t begun;                 /* samples at first */
+    size_t looks;                 /* at pairs */
 };
 
 static const float *place(const struct insertion *insertion, uint32_t i)
@@ -258,11 +263,14 @@ static double find_largest(struct insertion *insertion, unsigned *at)
     }
 }
 
-/* Inserts a point between two others, with the clearance that their base had. */
-static vor_status insert_between(struct insertion *insertion, uint32_t i, uint32_t j,
-                                 double clearance2, struct vor_error *err)
+/* Inserts a point between the first point of the queue and its partner at a place, with the
+ * clearance that their base had. Where the surface has no side the pair comes after all others. */
+static vor_status insert_between(struct insertion *insertion, unsigned at, double clearance2,
+                                 struct vor_error *err)
 {
     struct vor_lop_samples *samples = insertion->samples;
+    uint32_t i = insertion->heap[0].point, j = insertion->pairs[i].partner[at];
+    int is_last = insertion->pairs[i].key[at] <= LAST;
     struct vor_lop_base base = base_of(insertion, i, j);
     struct vor_lop_point end[2], point;
     uint32_t k = (uint32_t)samples->n;
@@ -273,7 +281,11 @@ static vor_status insert_between(struct insertion *insertion, uint32_t i, uint32
     memcpy(end[0].normal, normal(insertion, i), sizeof end[0].normal);
     memcpy(end[1].xyz, place(insertion, j), sizeof end[1].xyz);
     memcpy(end[1].normal, normal(insertion, j), sizeof end[1].normal);
-    vor_lop_latent_put(&point, &insertion->latent, base.xyz, end);
+    if (!vor_lop_latent_put(&point, &insertion->latent, base.xyz, end) && !is_last) {
+        lower(insertion, at, LAST);
+        return VOR_OK;
+    }
+    lower(insertion, at, 0);
     memcpy(&samples->xyz[3 * (size_t)k], point.xyz, sizeof point.xyz);
     memcpy(&samples->normal[3 * (size_t)k], point.normal, sizeof point.normal);
     status = vor_lop_tree_add(&insertion->tree, k, point.xyz, point.normal, err);
@@ -289,24 +301,21 @@ static vor_status insert_between(struct insertion *insertion, uint32_t i, uint32
 static vor_status insert_one(struct vor_stage *stage, struct vor_error *err)
 {
     struct insertion *insertion = stage->of;
-    unsigned at;
-    double clearance2;
-    uint32_t i, j;
     vor_status status = VOR_OK;
 
-    if (stage->record.step % POLL_EVERY == POLL_EVERY - 1)
-        status = vor_run_answered(vor_run_poll(stage->run), err);
-    if (status != VOR_OK)
-        return status;
-    clearance2 = find_largest(insertion, &at);
-    i = insertion->heap[0].point;
-    j = insertion->pairs[i].partner[at];
-    if (!(clearance2 > 0))
-        return vor_fail(err, VOR_E_DEGENERATE,
-                        "no room for another point between the %zu existing ones",
-                        insertion->samples->n);
-    lower(insertion, at, 0);
-    status = insert_between(insertion, i, j, clearance2, err);
+    while (status == VOR_OK && insertion->samples->n == stage->n) {
+        unsigned at;
+        double clearance2 = find_largest(insertion, &at);
+
+        if (insertion->looks++ % POLL_EVERY == POLL_EVERY - 1)
+            status = vor_run_answered(vor_run_poll(stage->run), err);
+        if (status == VOR_OK && !(clearance2 > 0))
+            status = vor_fail(err, VOR_E_DEGENERATE,
+                              "no room for another point between the %zu existing ones",
+                              insertion->samples->n);
+        if (status == VOR_OK)
+            status = insert_between(insertion, at, clearance2, err);
+    }
     stage->n = insertion->samples->n;
     return status;
 }

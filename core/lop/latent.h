@@ -52,9 +52,14 @@ void vor_lop_latent_free(struct vor_lop_latent *latent);
  *  @param[in]  base  about between the ends
  *  @param[in]  end   two oriented points; where no sample counts, the planes through them serve
  *
+ *  Departure: a side that few of the samples around are of is none. Else a sample of a wrong
+ * normal, whose pairs come first because their normals differ most, grows a flap into the open.
+ *
+ *  @return false if it is none
+ *
  *  O(samples within sigma_p). Thread-safe. */
-void vor_lop_latent_put(struct vor_lop_point *out, const struct vor_lop_latent *latent,
-                        const float base[3], const struct vor_lop_point end[2]);
+int vor_lop_latent_put(struct vor_lop_point *out, const struct vor_lop_latent *latent,
+                       const float base[3], const struct vor_lop_point end[2]);
 
 /** The same on the side of one end. */
 void vor_lop_latent_side(struct vor_lop_point *out, const struct vor_lop_latent *latent,

@@ -6,6 +6,7 @@
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_lop.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -166,7 +167,7 @@ static void lower_all(struct twin *twin, size_t k)
             if (!(pair->key > 0))
                 continue;
             pair->clearance2 = fminf(pair->clearance2, to_line2(twin, i, pair->partner, k));
-            pair->key = key_of(twin, i, pair->partner, pair->clearance2);
+            pair->key = fminf(pair->key, key_of(twin, i, pair->partner, pair->clearance2));
         }
 }
 
@@ -194,7 +195,10 @@ static void insert_one(struct twin *twin)
         memcpy(end[l].normal, normal(twin, at), sizeof end[l].normal);
     }
     middle(twin, best, first->partner, base);
-    vor_lop_latent_put(&point, &twin->latent, base, end);
+    if (!vor_lop_latent_put(&point, &twin->latent, base, end) && first->key > FLT_MIN) {
+        first->key = FLT_MIN; /* after all others */
+        return;
+    }
     memcpy(&twin->samples.xyz[3 * k], point.xyz, sizeof point.xyz);
     memcpy(&twin->samples.normal[3 * k], point.normal, sizeof point.normal);
     clearance = sqrt((double)first->clearance2);
@@ -215,6 +219,8 @@ static void make_shape(struct vor_lop_samples *out, int shape, double *spacing)
         vt_lop_sphere(out, 300, spacing);
     else
         vt_lop_wedge(out, 100, BEGUN_MAX, (uint64_t)shape, spacing);
+    for (size_t i = 0; i < out->n; i += 7) /* normals that no other sample agrees with */
+        memcpy(&out->normal[3 * i], &out->normal[3 * ((i + 55) % out->n)], 3 * sizeof(float));
 }
 
 static void open_twin(struct twin *twin, int shape, const struct vor_lop_insert_how *how,

@@ -166,12 +166,6 @@ static void make_wedge(struct vor_cloud *cloud, uint64_t seed, size_t n, double 
     }
 }
 
-static int anywhere(const double x[3])
-{
-    (void)x;
-    return 1;
-}
-
 /* Away from the rim of a unit square. */
 static int inside(const double x[3])
 {
@@ -194,15 +188,15 @@ static const struct {
     const char *name;
     void (*make)(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap);
     void (*nearest)(struct place *at, const double x[3], double gap);
-    int (*counts)(const double x[3]);
+    int (*counts)(const double x[3]); /* NULL: all do */
     int closed;
     double area;
 } shapes[] = {
-    [SPHERE] = {"sphere", NULL, nearest_of_sphere, anywhere, 1, 4 * M_PI},
-    [FAR] = {"sphere and a far point", make_far, nearest_of_sphere, anywhere, 1, 4 * M_PI},
-    [TORUS] = {"torus", make_torus, nearest_of_torus, anywhere, 1, 0.8 * 2 * M_PI *M_PI},
-    [NESTED] = {"nested spheres", make_nested, nearest_of_nested, anywhere, 1, 5 * M_PI},
-    [SPHERES] = {"two spheres", NULL, nearest_of_spheres, anywhere, 1, 8 * M_PI},
+    [SPHERE] = {"sphere", NULL, nearest_of_sphere, NULL, 1, 4 * M_PI},
+    [FAR] = {"sphere and a far point", make_far, nearest_of_sphere, NULL, 1, 4 * M_PI},
+    [TORUS] = {"torus", make_torus, nearest_of_torus, NULL, 1, 0.8 * 2 * M_PI *M_PI},
+    [NESTED] = {"nested spheres", make_nested, nearest_of_nested, NULL, 1, 5 * M_PI},
+    [SPHERES] = {"two spheres", NULL, nearest_of_spheres, NULL, 1, 8 * M_PI},
     [SHEETS] = {"two sheets", NULL, nearest_of_sheets, inside, 0, 2},
     [FOLD] = {"fold", NULL, nearest_of_fold, inside, 0, 2},
     [CROSSING] = {"crossing squares", make_crossing, nearest_of_crossing, inside_crossing, 0, 2},
@@ -260,7 +254,7 @@ static void see(struct figures *out, const struct vor_cloud *cloud, enum shape s
 
         vor_cloud_position(cloud, i, x);
         shapes[shape].nearest(&at, x, gap);
-        if (!shapes[shape].counts(x))
+        if (shapes[shape].counts != NULL && !shapes[shape].counts(x))
             continue;
         for (size_t c = 0; c < 3; c++)
             along += at.normal[c] * (double)normal[3 * i + c];
