@@ -13,14 +13,16 @@
 struct vor_job {
     atomic_uint references;
     atomic_int asked; /* enum vor_answer */
-    struct vor_bus *bus;
     struct vor_preview *preview;
     struct vor_uuid id;
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
-    uint32_t stored;        /* events of this attempt; `change` guards it */
-    pthread_mutex_t state;  /* view, first */
+    pthread_mutex_t state;  /* what follows, which only who holds `change` changes */
     struct vor_job_view view;
-    struct vor_pace pace; /* of this attempt, for the estimate */
+    struct vor_pace pace;    /* of this attempt, for the estimate */
+    uint32_t stored, newest; /* numbers of events of this attempt: that the store has, and of all */
+    struct vor_text piece;   /* those between them */
+    pthread_mutex_t waking;  /* subscribers; held while they are woken */
+    struct vor_subscriber *subscribers;
 };
 
 /* Percent done when a stage ends: preparing is 10 of 100, the stages of the run 80, measuring the
@@ -38,12 +40,22 @@ static double estimate(const struct vor_job *job)
     return vor_pace_left(&job->pace, &job->view.spec);
 }
 
-/* Publishes an event with the state of the job; the caller holds job->change. */
+static void wake_all(struct vor_job *job, enum vor_event_kind kind)
+{
+    pthread_mutex_lock(&job->waking);
+    for (struct vor_subscriber *s = job->subscribers; s != NULL; s = s->next)
+        s->wake(s->ctx, kind);
+    pthread_mutex_unlock(&job->waking);
+}
+
+/* Publishes an event with the state of the job; the caller holds job->change. Out of memory, or
+ * beyond VOR_EVENTS_MAX, one point of a chart is missing. */
 static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
 {
     struct vor_event event = {.kind = kind, .time_ms = now_ms};
 
     pthread_mutex_lock(&job->state);
+    event.attempt = job->view.attempt;
     event.status = job->view.status;
     event.stage = job->view.stage;
     event.progress = job->view.progress;
@@ -51,8 +63,10 @@ static void publish(struct vor_job *job, enum vor_event_kind kind, int64_t now_m
         event.record = job->view.record;
         event.eta_seconds = estimate(job);
     }
+    if (job->newest + 1 < VOR_EVENTS_MAX && vor_events_pack(&job->piece, &event) == VOR_OK)
+        job->newest++;
     pthread_mutex_unlock(&job->state);
-    (void)vor_bus_publish(job->bus, &event); /* out of memory: one point of a chart is missing */
+    wake_all(job, kind);
 }
 
 struct vor_job *vor_job_create(const struct vor_job_view *row)
@@ -61,11 +75,8 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
 
     if (job == NULL)
         return NULL;
-    job->bus = vor_bus_create(row->attempt);
     job->preview = vor_preview_create();
-    if (job->bus == NULL || job->preview == NULL) {
-        vor_bus_release(job->bus);
-        vor_preview_destroy(job->preview);
+    if (job->preview == NULL) {
         free(job);
         return NULL;
     }
@@ -73,6 +84,8 @@ struct vor_job *vor_job_create(const struct vor_job_view *row)
     atomic_init(&job->asked, VOR_CONTINUE);
     pthread_mutex_init(&job->change, NULL);
     pthread_mutex_init(&job->state, NULL);
+    pthread_mutex_init(&job->waking, NULL);
+    vor_text_init(&job->piece, 0);
     job->id = row->id;
     job->view = *row;
     job->view.queue_position = -1;
@@ -93,10 +106,11 @@ void vor_job_release(struct vor_job *job)
 {
     if (job == NULL || atomic_fetch_sub(&job->references, 1) != 1)
         return;
+    pthread_mutex_destroy(&job->waking);
     pthread_mutex_destroy(&job->state);
     pthread_mutex_destroy(&job->change);
     vor_preview_destroy(job->preview);
-    vor_bus_release(job->bus);
+    vor_text_free(&job->piece);
     free(job);
 }
 
@@ -105,14 +119,69 @@ const struct vor_uuid *vor_job_id(const struct vor_job *job)
     return &job->id;
 }
 
-struct vor_bus *vor_job_bus(const struct vor_job *job)
-{
-    return job->bus;
-}
-
 struct vor_preview *vor_job_preview(const struct vor_job *job)
 {
     return job->preview;
+}
+
+void vor_job_subscribe(struct vor_job *job, struct vor_subscriber *subscriber)
+{
+    if (job == NULL)
+        return;
+    pthread_mutex_lock(&job->waking);
+    subscriber->next = job->subscribers;
+    job->subscribers = subscriber;
+    pthread_mutex_unlock(&job->waking);
+}
+
+void vor_job_unsubscribe(struct vor_job *job, struct vor_subscriber *subscriber)
+{
+    struct vor_subscriber **at;
+
+    if (job == NULL)
+        return;
+    pthread_mutex_lock(&job->waking);
+    at = &job->subscribers;
+    while (*at != NULL && *at != subscriber)
+        at = &(*at)->next;
+    if (*at != NULL)
+        *at = subscriber->next;
+    pthread_mutex_unlock(&job->waking);
+}
+
+struct vor_event_piece vor_job_piece(const struct vor_job *job)
+{
+    return (struct vor_event_piece){job->newest, (const uint8_t *)job->piece.data, job->piece.size};
+}
+
+void vor_job_read_end(const struct vor_job_view *row, uint32_t last, struct vor_event_batch *batch)
+{
+    const struct vor_event end = {.kind = VOR_EVENT_END,
+                                  .attempt = row->attempt,
+                                  .number = last + 1,
+                                  .status = row->status,
+                                  .stage = row->stage,
+                                  .progress = row->progress,
+                                  .time_ms = row->finished};
+
+    if (batch->position.number <= last)
+        (void)vor_event_batch_add(batch, &end);
+}
+
+int vor_job_read(struct vor_job *job, struct vor_event_batch *batch)
+{
+    struct vor_event_piece piece;
+    int over, is_here;
+
+    pthread_mutex_lock(&job->state);
+    over = vor_job_status_over(job->view.status);
+    vor_event_batch_begin(batch, job->view.attempt, job->newest + (uint32_t)over);
+    is_here = batch->position.number >= job->stored;
+    piece = vor_job_piece(job);
+    if (is_here && vor_events_unpack(batch, &piece) != 0 && over)
+        vor_job_read_end(&job->view, job->newest, batch);
+    pthread_mutex_unlock(&job->state);
+    return is_here;
 }
 
 int vor_job_is_over(struct vor_job *job)
@@ -224,8 +293,9 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
     if (!begin_change(job))
         return 0;
     pthread_mutex_lock(&job->state);
-    vor_bus_restart(job->bus, ++job->view.attempt);
-    job->stored = 0;
+    job->view.attempt++;
+    job->stored = job->newest = 0;
+    vor_text_clear(&job->piece);
     pthread_mutex_unlock(&job->state);
     publish(job, VOR_EVENT_REPLACED, now_ms);
     pthread_mutex_lock(&job->state);
@@ -303,7 +373,7 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
 void vor_job_show(struct vor_job *job, const struct vor_shown *shown)
 {
     vor_preview_put(job->preview, shown);
-    vor_bus_nudge(job->bus);
+    wake_all(job, VOR_EVENT_PROGRESS);
 }
 
 int vor_job_freeze(struct vor_job *job)
@@ -316,14 +386,12 @@ void vor_job_thaw(struct vor_job *job)
     end_change(job);
 }
 
-uint32_t vor_job_stored(const struct vor_job *job)
+void vor_job_stored(struct vor_job *job)
 {
-    return job->stored;
-}
-
-void vor_job_set_stored(struct vor_job *job, uint32_t number)
-{
-    job->stored = number;
+    pthread_mutex_lock(&job->state);
+    job->stored = job->newest;
+    vor_text_clear(&job->piece);
+    pthread_mutex_unlock(&job->state);
 }
 
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row)
@@ -332,7 +400,7 @@ void vor_job_end(struct vor_job *job, const struct vor_job_view *row)
     job->view = *row;
     job->view.queue_position = -1;
     pthread_mutex_unlock(&job->state);
-    publish(job, VOR_EVENT_END, row->finished);
+    wake_all(job, VOR_EVENT_END);
 }
 
 void vor_job_ask(struct vor_job *job, enum vor_answer answer)

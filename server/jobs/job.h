@@ -1,10 +1,11 @@
-/** A job that waits or runs: its row kept current, its bus, and what was asked of its run. */
+/** A job that waits or runs: its row kept current, its latest events, and what was asked of its
+ * run. */
 #ifndef VOR_SERVER_JOBS_JOB_H
 #define VOR_SERVER_JOBS_JOB_H
 
 #include "core/base/watch.h"
 #include "core/report.h"
-#include "server/jobs/bus.h"
+#include "server/jobs/events.h"
 #include "server/jobs/preview.h"
 #include "server/store/row.h"
 
@@ -25,9 +26,9 @@ enum vor_job_outcome {
 /** A job that waits or runs. Counted references; thread-safe. */
 struct vor_job;
 
-/** A live job for a row of status accepted, with one reference and a bus for attempt
- *  row->attempt; its first event (REPLACED after the first attempt, then STATUS) is published. NULL
- *  when memory is out. */
+/** A live job for a row of status accepted, with one reference; the first event of attempt
+ *  row->attempt (REPLACED after the first attempt, then STATUS) is published. NULL when memory is
+ *  out. */
 struct vor_job *vor_job_create(const struct vor_job_view *row);
 
 /** job may be NULL. */
@@ -36,8 +37,31 @@ void vor_job_release(struct vor_job *job);
 
 /** None of them changes during a job's life; borrowed. */
 const struct vor_uuid *vor_job_id(const struct vor_job *job);
-struct vor_bus *vor_job_bus(const struct vor_job *job);
 struct vor_preview *vor_job_preview(const struct vor_job *job);
+
+/** Asks for wake to be called after every event, from the publisher's thread. wake must be quick,
+ *  may read the job, must not subscribe or unsubscribe. Keep the struct until unsubscribed; the
+ *  caller fills in wake and ctx. job may be NULL in both: it is over, and has no event more. */
+struct vor_subscriber {
+    void (*wake)(void *ctx, enum vor_event_kind kind);
+    void *ctx;
+    struct vor_subscriber *next; /**< the job's own */
+};
+
+void vor_job_subscribe(struct vor_job *job, struct vor_subscriber *subscriber);
+
+/** When this returns, wake is not running and will not be called again: do not call it while
+ *  holding a lock that wake takes. One that never subscribed is fine. */
+void vor_job_unsubscribe(struct vor_job *job, struct vor_subscriber *subscriber);
+
+/** Reads events that the store does not have yet, and END. Never waits for an fsync.
+ *
+ *  @return false, and nothing is read, where the store has the next one */
+int vor_job_read(struct vor_job *job, struct vor_event_batch *batch);
+
+/** Reads the END of a row that is over, whose other events end with number `last`, unless it was
+ *  read. */
+void vor_job_read_end(const struct vor_job_view *row, uint32_t last, struct vor_event_batch *batch);
 
 /** True from its END on. */
 int vor_job_is_over(struct vor_job *job);
@@ -71,8 +95,8 @@ void vor_job_tell_stop(struct vor_job *job, int64_t now_ms);
  *  one: prepare is over). */
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms);
 
-/** Shows where the points of a run are, to who looks at vor_job_preview; wakes the subscribers of
- * the bus. */
+/** Shows where the points of a run are, to who looks at vor_job_preview; wakes the subscribers as a
+ *  progress does, without an event. */
 void vor_job_show(struct vor_job *job, const struct vor_shown *shown);
 
 /** Holds every change back until thawed by the same thread, so that the row written meanwhile is
@@ -80,9 +104,10 @@ void vor_job_show(struct vor_job *job, const struct vor_shown *shown);
 VOR_NODISCARD int vor_job_freeze(struct vor_job *job);
 void vor_job_thaw(struct vor_job *job);
 
-/** Of a frozen job: number of the last event of this attempt that the store has. */
-uint32_t vor_job_stored(const struct vor_job *job);
-void vor_job_set_stored(struct vor_job *job, uint32_t number);
+/** Of a frozen job: the events that the store does not have yet, borrowed until it is thawed; and
+ *  that it has them now. */
+struct vor_event_piece vor_job_piece(const struct vor_job *job);
+void vor_job_stored(struct vor_job *job);
 
 /** Final state of a frozen job, as `row` has it. Publishes END. */
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row);

@@ -2,7 +2,6 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/jobs/trace.h"
 #include "server/work/live.h"
 
 #include <stdio.h>
@@ -92,32 +91,45 @@ vor_status vor_worker_list(struct vor_worker *worker, const struct vor_job_filte
     return vor_store_list(worker->config.store, filter, list_one, &listing, err);
 }
 
-static int take_events(void *ctx, const struct vor_event_piece *piece)
+struct stored {
+    struct vor_event_batch *batch;
+    uint32_t last; /* number of the last event seen */
+    int found;     /* of vor_events_unpack */
+};
+
+static int take_piece(void *ctx, const struct vor_event_piece *piece)
 {
-    return vor_trace_unpack(ctx, piece, NULL) == VOR_OK;
+    struct stored *stored = ctx;
+
+    stored->last = piece->last;
+    stored->found = vor_events_unpack(stored->batch, piece);
+    return stored->found > 0;
 }
 
-/* The bus of a job that is not live: its events, and its end. */
-static vor_status stored_bus(struct vor_worker *worker, const struct vor_job_view *row,
-                             struct vor_bus **out, struct vor_error *err)
+/* Looks from two events before the position on: as END has no piece, one is found unless the
+ * position is behind all that there is, or all are gone. Then the reader starts anew, or has END at
+ * once. */
+vor_status vor_worker_stored_events(struct vor_worker *worker, const struct vor_job_view *row,
+                                    struct vor_event_batch *batch, struct vor_error *err)
 {
-    struct vor_event end = {.kind = VOR_EVENT_END,
-                            .status = row->status,
-                            .stage = row->stage,
-                            .progress = row->progress,
-                            .time_ms = row->finished};
-    struct vor_bus *bus = vor_bus_create(row->attempt);
-    const struct vor_event_query all = {.attempt = row->attempt, .each = take_events, .ctx = bus};
-    vor_status status = VOR_OK;
+    struct stored stored = {.batch = batch, .found = 1};
+    struct vor_event_query query = {.attempt = row->attempt, .each = take_piece, .ctx = &stored};
+    vor_status status;
+    uint32_t number;
 
-    if (bus != NULL)
-        status = vor_store_events(worker->config.store, &row->id, &all, err);
-    if (status == VOR_OK && (bus == NULL || vor_bus_publish(bus, &end) != VOR_OK))
-        status = vor_fail(err, VOR_E_NOMEM, "the events of a job");
-    if (status == VOR_OK)
-        *out = bus;
-    else
-        vor_bus_release(bus);
+    vor_event_batch_begin(batch, row->attempt, UINT32_MAX);
+    number = batch->position.number;
+    query.after = number > 2 ? number - 2 : 0;
+    status = vor_store_events(worker->config.store, &row->id, &query, err);
+    if (status == VOR_OK && stored.last == 0 && number > 1) {
+        vor_event_batch_begin(batch, row->attempt, 0);
+        query.after = 0;
+        status = vor_store_events(worker->config.store, &row->id, &query, err);
+        if (stored.last == 0)
+            batch->position.number = stored.last = number;
+    }
+    if (status == VOR_OK && stored.found != 0 && vor_job_status_over(row->status))
+        vor_job_read_end(row, stored.last, batch);
     return status;
 }
 
@@ -143,23 +155,24 @@ static enum vor_job_outcome follow_waiting(struct vor_worker *worker, const stru
 }
 
 enum vor_job_outcome vor_worker_follow(struct vor_worker *worker, const struct vor_uuid *id,
-                                       struct vor_followed *out, struct vor_error *err)
+                                       const char *tenant, struct vor_followed *out,
+                                       struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_DONE;
 
-    out->bus = NULL;
     out->job = vor_worker_find(worker, id);
     if (out->job == NULL)
-        outcome = row_view(worker, id, NULL, &out->row, err);
+        outcome = row_view(worker, id, tenant, &out->row, err);
     if (out->job == NULL && outcome == VOR_DONE && !vor_job_status_over(out->row.status))
         outcome = follow_waiting(worker, id, out, err);
-    if (outcome != VOR_DONE)
-        return outcome;
     if (out->job == NULL)
-        return stored_bus(worker, &out->row, &out->bus, err) == VOR_OK ? VOR_DONE : VOR_FAILED;
-    out->bus = vor_bus_retain(vor_job_bus(out->job));
+        return outcome;
     vor_worker_followed(worker, out, &out->row);
-    return VOR_DONE;
+    if (tenant == NULL || strcmp(out->row.key.principal, tenant) == 0)
+        return outcome;
+    vor_job_release(out->job);
+    out->job = NULL;
+    return VOR_UNKNOWN;
 }
 
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
@@ -175,26 +188,6 @@ void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *f
     if (out->status == VOR_JOB_ACCEPTED &&
         row_view(worker, vor_job_id(followed->job), NULL, &row, NULL) == VOR_DONE)
         out->queue_position = row.queue_position;
-}
-
-void vor_worker_unfollow(struct vor_followed *followed)
-{
-    vor_bus_release(followed->bus);
-    vor_job_release(followed->job);
-    followed->bus = NULL;
-    followed->job = NULL;
-}
-
-enum vor_job_outcome vor_worker_events(struct vor_worker *worker, const struct vor_uuid *id,
-                                       struct vor_bus **out, struct vor_error *err)
-{
-    struct vor_followed followed;
-    enum vor_job_outcome outcome = vor_worker_follow(worker, id, &followed, err);
-
-    if (outcome == VOR_DONE)
-        *out = vor_bus_retain(followed.bus);
-    vor_worker_unfollow(&followed);
-    return outcome;
 }
 
 vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id, char **report,

@@ -2,7 +2,6 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/jobs/trace.h"
 
 #include <errno.h>
 #include <search.h>
@@ -158,17 +157,11 @@ vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
                              const struct vor_job_view *row, const struct vor_lease *lease,
                              const char *report, int *changed, struct vor_error *err)
 {
-    struct vor_store_ending ending = {.report = report};
-    uint8_t *bytes;
-    vor_status status =
-        vor_trace_pack(vor_job_bus(job), vor_job_stored(job), &ending.events, &bytes, err);
+    const struct vor_store_ending ending = {.report = report, .events = vor_job_piece(job)};
+    vor_status status = vor_store_finish(worker->config.store, row, lease, &ending, changed, err);
 
-    *changed = 0;
-    if (status == VOR_OK)
-        status = vor_store_finish(worker->config.store, row, lease, &ending, changed, err);
     if (status == VOR_OK && *changed)
         vor_job_end(job, row);
-    free(bytes);
     return status;
 }
 
@@ -178,20 +171,17 @@ vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *jo
 {
     struct vor_event_piece piece;
     struct vor_job_view row;
-    uint8_t *bytes;
     vor_status status;
 
     *changed = 1;
     if (!vor_job_freeze(job))
         return VOR_OK; /* over: all are stored */
     vor_job_view(job, &row);
-    status = vor_trace_pack(vor_job_bus(job), vor_job_stored(job), &piece, &bytes, err);
-    if (status == VOR_OK)
-        status = vor_store_append_events(worker->config.store, &row, lease, &piece, changed, err);
+    piece = vor_job_piece(job);
+    status = vor_store_append_events(worker->config.store, &row, lease, &piece, changed, err);
     if (status == VOR_OK && *changed)
-        vor_job_set_stored(job, piece.last);
+        vor_job_stored(job);
     vor_job_thaw(job);
-    free(bytes);
     return status;
 }
 

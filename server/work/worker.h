@@ -157,21 +157,20 @@ VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,
                                          int (*each)(void *ctx, const struct vor_job_view *row),
                                          void *ctx, struct vor_error *err);
 
-/** A job and its events, for as long as somebody follows them. */
+/** A job for as long as somebody follows it. */
 struct vor_followed {
-    struct vor_job *job; /**< NULL when it was not live */
-    struct vor_bus *bus; /**< the live one, or that of the trace; a job without a trace (it expired,
-                            or ended before it began) has nothing but its END */
+    struct vor_job *job;     /**< NULL when it was not live; else the caller's, who releases it */
     struct vor_job_view row; /**< as it was at the beginning */
 };
 
-/** Begins to follow; the caller ends it with vor_worker_unfollow.
+/** Begins to follow a job of this principal (NULL: of any). One that waits or runs is live from
+ * then on.
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
  *
- *  Cost: two reads of the store for a job that is not live, however many its events. */
+ *  Cost: a read of the store for a job that is not live. */
 VOR_NODISCARD enum vor_job_outcome vor_worker_follow(struct vor_worker *worker,
-                                                     const struct vor_uuid *id,
+                                                     const struct vor_uuid *id, const char *tenant,
                                                      struct vor_followed *out,
                                                      struct vor_error *err);
 
@@ -180,13 +179,15 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_follow(struct vor_worker *worker,
 void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *followed,
                          struct vor_job_view *out);
 
-/** Releases job and bus and sets them to NULL. May be called twice. */
-void vor_worker_unfollow(struct vor_followed *followed);
-
-/** The events alone; the caller releases *out with vor_bus_release. */
-VOR_NODISCARD enum vor_job_outcome vor_worker_events(struct vor_worker *worker,
-                                                     const struct vor_uuid *id,
-                                                     struct vor_bus **out, struct vor_error *err);
+/** Reads events that the store has, of the attempt of a row, and END if the row is over. What a
+ *  live job has besides them, vor_job_read tells. A job without a trace (it expired, or ended
+ * before it began) has nothing but its END.
+ *
+ *  Cost: a read of the store, of about as many events as are wanted. */
+VOR_NODISCARD vor_status vor_worker_stored_events(struct vor_worker *worker,
+                                                  const struct vor_job_view *row,
+                                                  struct vor_event_batch *batch,
+                                                  struct vor_error *err);
 
 /** DELETE: a job that waits or runs becomes dismissed at once (its cores are free within a block of
  *  work); one that is over is removed with its bytes. *out (may be NULL) then says dismissed.

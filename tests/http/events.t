@@ -99,13 +99,10 @@ my $replay = $daemon->events("/v1/jobs/$big/events", headers => { 'Last-Event-ID
 my @early = map { $replay->next_event } 1 .. 5;
 is $daemon->request('DELETE', "/v1/jobs/$big")->{status}, 200, 'it is removed during a replay';
 $replay->unchunk while $replay->more;
+like $replay->{text}, qr/^event: end\n/m, 'which ends then';
 my @late = $replay->{text} =~ /^event: progress\ndata: (.*)/mg;
-cmp_ok scalar(@late), '>', 10000, 'which goes on to its end';
 is scalar(grep { !/"maxIterations":10000\b/ || !/"maxPolish":10000\b/ } @late), 0,
     'and knows the request of the job all along';
-my @states = $replay->{text} =~ /^event: status\ndata: (.*)/mg;
-cmp_ok scalar(@states), '>', 0, 'states come late in a replay, too';
-is scalar(grep { !/"jobID":"$big"/ } @states), 0, 'with the job they are of';
 
 # NDJSON.
 my @lines = map { json($_) } grep { length } split /\n/,

@@ -114,6 +114,19 @@ struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uui
     return view;
 }
 
+size_t vt_daemon_events(struct vt_daemon *daemon, const struct vor_uuid *id, struct vor_event *out,
+                        size_t max)
+{
+    struct vor_event_batch batch = {.events = out, .max = max};
+    struct vor_followed followed;
+
+    ck_assert_int_eq(vor_worker_follow(daemon->worker, id, NULL, &followed, &vt_err), VOR_DONE);
+    if (followed.job == NULL || !vor_job_read(followed.job, &batch))
+        vt_assert_ok(vor_worker_stored_events(daemon->worker, &followed.row, &batch, &vt_err));
+    vor_job_release(followed.job);
+    return batch.count;
+}
+
 struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id)
 {
     struct vor_job_view view = vt_daemon_get(daemon, id);

@@ -79,6 +79,10 @@ struct vor_uuid vt_daemon_submit_endless(struct vt_daemon *daemon);
 
 struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uuid *id);
 
+/** Reads all events of a job, live or not: how many, of which out has the first `max`. */
+size_t vt_daemon_events(struct vt_daemon *daemon, const struct vor_uuid *id, struct vor_event *out,
+                        size_t max);
+
 /** Waits until the job is over, or runs, or had so many iterations. */
 struct vor_job_view vt_daemon_wait_over(struct vt_daemon *daemon, const struct vor_uuid *id);
 struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const struct vor_uuid *id,

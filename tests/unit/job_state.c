@@ -58,6 +58,16 @@ static double left_after(const struct vor_record *records, size_t count)
     return vor_pace_left(&pace, &row.spec);
 }
 
+static size_t read_events(struct vor_job *job, struct vor_position *position,
+                          struct vor_event *events, size_t max)
+{
+    struct vor_event_batch batch = {.position = *position, .events = events, .max = max};
+
+    ck_assert(vor_job_read(job, &batch));
+    *position = batch.position;
+    return batch.count;
+}
+
 static void end_as(struct vor_job *job, enum vor_job_status status)
 {
     struct vor_job_view row;
@@ -107,7 +117,7 @@ START_TEST(an_event_has_the_estimate_of_its_moment)
 
     for (int i = 0; i < 3; i++)
         vor_job_progress(job, &records[i], 1000);
-    count = vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8);
+    count = read_events(job, &position, events, 8);
     for (size_t i = 0; i < count; i++) {
         if (events[i].kind != VOR_EVENT_PROGRESS)
             continue;
@@ -141,7 +151,7 @@ START_TEST(a_job_that_is_over_does_not_change)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_record record = record_of(7, 1, 12, 0);
-    struct vor_position end, position = {0, 0};
+    struct vor_position position = {0, 0};
     struct vor_job_view view;
     struct vor_event events[8];
 
@@ -154,10 +164,9 @@ START_TEST(a_job_that_is_over_does_not_change)
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_int_eq(view.has_record, 0);
     ck_assert_str_eq(view.message, "over");
-    ck_assert(vor_bus_ended(vor_job_bus(job), &end));
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8),
-                      end.number);
-    ck_assert_int_eq(events[end.number - 1].status, VOR_JOB_DISMISSED);
+    ck_assert_uint_eq(read_events(job, &position, events, 8), 3);
+    ck_assert_int_eq(events[2].kind, VOR_EVENT_END);
+    ck_assert_int_eq(events[2].status, VOR_JOB_DISMISSED);
     vor_job_release(job);
 }
 END_TEST
@@ -174,17 +183,17 @@ START_TEST(a_stop_is_told_while_the_input_is_prepared)
 
     vor_job_view(job, &view);
     ck_assert_str_eq(view.message, "Preparing the input");
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 2);
+    ck_assert_uint_eq(read_events(job, &position, events, 8), 2);
     vor_job_ask(job, VOR_STOP);
     vor_job_tell_stop(job, 2000);
     vor_job_view(job, &view);
     ck_assert_str_eq(view.message, "Preparing the input before it stops");
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 1);
+    ck_assert_uint_eq(read_events(job, &position, events, 8), 1);
     ck_assert_int_eq(events[0].kind, VOR_EVENT_STATUS);
     vor_job_progress(job, &record, 3000);
-    (void)vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8);
+    (void)read_events(job, &position, events, 8);
     vor_job_tell_stop(job, 4000);
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 8), 0);
+    ck_assert_uint_eq(read_events(job, &position, events, 8), 0);
     vor_job_view(job, &view);
     ck_assert_str_eq(view.message, "Iteration 1 of at most 12");
     vor_job_release(job);
@@ -200,7 +209,7 @@ START_TEST(a_second_attempt_begins_with_replaced)
 
     row.attempt = 2;
     job = vor_job_create(&row);
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), &position, VOR_READ_EVERY, events, 4), 2);
+    ck_assert_uint_eq(read_events(job, &position, events, 4), 2);
     ck_assert_int_eq(events[0].kind, VOR_EVENT_REPLACED);
     ck_assert_uint_eq(events[0].attempt, 2);
     ck_assert_int_eq(events[1].kind, VOR_EVENT_STATUS);
@@ -212,7 +221,7 @@ static struct vor_event next_event(struct vor_job *job, struct vor_position *pos
 {
     struct vor_event event = {.number = 0};
 
-    ck_assert_uint_eq(vor_bus_read(vor_job_bus(job), position, VOR_READ_EVERY, &event, 1), 1);
+    ck_assert_uint_eq(read_events(job, position, &event, 1), 1);
     return event;
 }
 
@@ -243,8 +252,8 @@ START_TEST(a_job_that_begins_anew_waits_again_and_forgets_its_events)
     vor_job_begin(job, 1003);
     event = next_event(job, &position);
     ck_assert_int_eq(event.status, VOR_JOB_RUNNING);
-    ck_assert_uint_eq(vor_bus_newest(vor_job_bus(job)).number, 3);
-    ck_assert_uint_eq(vor_bus_attempt(vor_job_bus(job)), 2);
+    ck_assert_uint_eq(event.number, 3);
+    ck_assert_uint_eq(event.attempt, 2);
     vor_job_release(job);
 }
 END_TEST
@@ -252,17 +261,12 @@ END_TEST
 START_TEST(a_job_that_is_over_does_not_begin_anew)
 {
     struct vor_job *job = running_job(NULL, 0);
-    struct vor_job_view view;
+    struct vor_position position = {1, 2};
 
-    ck_assert(vor_job_freeze(job));
-    vor_job_view(job, &view);
-    view.status = VOR_JOB_DISMISSED;
-    vor_job_end(job, &view);
-    vor_job_thaw(job);
+    end_as(job, VOR_JOB_DISMISSED);
     ck_assert(!vor_job_restart(job, 1, 1002));
-    vor_bus_restart(vor_job_bus(job), 2);
-    ck_assert(vor_bus_ended(vor_job_bus(job), NULL));
-    ck_assert_uint_eq(vor_bus_attempt(vor_job_bus(job)), 1);
+    ck_assert_int_eq(next_event(job, &position).kind, VOR_EVENT_END);
+    ck_assert_uint_eq(position.attempt, 1);
     vor_job_release(job);
 }
 END_TEST
@@ -291,23 +295,14 @@ static void *iterate(void *arg)
     return NULL;
 }
 
-/* Where the last event of a bus is. */
-static struct vor_position newest(struct vor_bus *bus)
-{
-    struct vor_position position = {0, 0};
-    struct vor_event events[64];
-
-    while (vor_bus_read(bus, &position, VOR_READ_EVERY, events, 64) > 0)
-        continue;
-    return position;
-}
-
 /* What is packed while a job is frozen is all that its readers will ever see, but the end. */
 START_TEST(nothing_is_published_between_freezing_and_the_end)
 {
     struct vor_job *job = running_job(NULL, 0);
+    struct vor_position position = {1, 0};
+    struct vor_event events[64];
     struct vor_job_view row;
-    struct vor_position before, end;
+    uint32_t last;
     pthread_t thread;
 
     ck_assert_int_eq(pthread_create(&thread, NULL, iterate, job), 0);
@@ -315,15 +310,16 @@ START_TEST(nothing_is_published_between_freezing_and_the_end)
         vor_job_view(job, &row);
     while (!row.has_record);
     ck_assert(vor_job_freeze(job));
-    before = newest(vor_job_bus(job));
+    last = vor_job_piece(job).last;
     sched_yield();
     vor_job_view(job, &row);
     row.status = VOR_JOB_FAILED;
     vor_job_end(job, &row);
     vor_job_thaw(job);
     pthread_join(thread, NULL);
-    ck_assert(vor_bus_ended(vor_job_bus(job), &end));
-    ck_assert_uint_eq(end.number, before.number + 1);
+    while (read_events(job, &position, events, 64) > 0)
+        continue;
+    ck_assert_uint_eq(position.number, last + 1);
     vor_job_release(job);
 }
 END_TEST

@@ -147,25 +147,11 @@ START_TEST(a_document_is_what_the_engine_gives)
 }
 END_TEST
 
-static unsigned events_of(struct vt_daemon *daemon, const struct vor_uuid *id,
-                          struct vor_event *last)
-{
-    struct vor_position position = {0, 0};
-    struct vor_bus *bus;
-    unsigned count = 0;
-
-    ck_assert_int_eq(vor_worker_events(daemon->worker, id, &bus, &vt_err), VOR_DONE);
-    while (vor_bus_read(bus, &position, VOR_READ_EVERY, last, 1) == 1)
-        count++;
-    vor_bus_release(bus);
-    return count;
-}
-
 START_TEST(a_job_without_records_tells_its_stages_and_its_end)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
-    struct vor_event last;
+    struct vor_event events[8];
     struct vor_uuid blocker, id;
     struct pair pair;
 
@@ -179,9 +165,10 @@ START_TEST(a_job_without_records_tells_its_stages_and_its_end)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     expect_successful(&view);
-    ck_assert_uint_eq(events_of(&daemon, &id, &last), 4); /* waits, prepares, encodes, ends */
-    ck_assert_int_eq(last.kind, VOR_EVENT_END);
-    ck_assert_int_eq(last.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(vt_daemon_events(&daemon, &id, events, 8),
+                      4); /* it waits, prepares, encodes */
+    ck_assert_int_eq(events[3].kind, VOR_EVENT_END);
+    ck_assert_int_eq(events[3].status, VOR_JOB_SUCCESSFUL);
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
@@ -341,7 +328,7 @@ static void run_and_die(void *ctx)
     struct vor_subscriber subscriber = {.wake = die_at_instant, .ctx = crash};
     struct vor_uuid blocker, id;
     struct vt_daemon daemon;
-    struct vor_bus *bus;
+    struct vor_followed followed;
 
     vt_daemon_start(&daemon, crash->dir, &one_runner);
     blocker = vt_daemon_submit_endless(&daemon);
@@ -349,8 +336,8 @@ static void run_and_die(void *ctx)
     (void)!write(crash->fd, &id, sizeof id);
     if (crash->instant == 1)
         raise(SIGKILL);
-    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_DONE);
-    vor_bus_subscribe(bus, &subscriber);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
+    vor_job_subscribe(followed.job, &subscriber);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
     for (;;)
         pause();

@@ -67,7 +67,7 @@ static void run_and_die(void *ctx)
     struct vor_spec spec = vt_request(200, ITERATIONS), endless = vt_request(200, 10000);
     struct vt_daemon daemon;
     struct vor_uuid blocker;
-    struct vor_bus *bus;
+    struct vor_followed followed;
 
     vt_daemon_start(&daemon, crash->dir, &one_runner);
     blocker = submit(&daemon, &endless);
@@ -75,8 +75,9 @@ static void run_and_die(void *ctx)
     for (int i = 0; i < 3; i++)
         crash->ids[i] = submit(&daemon, &spec);
     (void)!write(crash->fd, crash->ids, sizeof crash->ids);
-    ck_assert_int_eq(vor_worker_events(daemon.worker, &crash->ids[0], &bus, &vt_err), VOR_DONE);
-    vor_bus_subscribe(bus, &subscriber);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &crash->ids[0], NULL, &followed, &vt_err),
+                     VOR_DONE);
+    vor_job_subscribe(followed.job, &subscriber);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
     for (;;)
         pause();
@@ -127,10 +128,8 @@ START_TEST(the_events_of_a_second_attempt_begin_anew)
 {
     struct vt_daemon daemon;
     struct vor_spec spec = vt_request(200, 10000);
-    struct vor_position position = {1, 7};
     struct vor_event event;
     struct vor_uuid id;
-    struct vor_bus *bus;
     const char *dir = vt_dir_make();
 
     vt_daemon_start(&daemon, dir, &one_runner);
@@ -139,12 +138,10 @@ START_TEST(the_events_of_a_second_attempt_begin_anew)
     vt_daemon_stop(&daemon); /* gives it back */
     vt_daemon_start(&daemon, dir, &one_runner);
     (void)vt_daemon_wait_iteration(&daemon, &id, 1);
-    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_DONE);
-    ck_assert_uint_eq(vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1), 1);
+    ck_assert_uint_eq(vt_daemon_events(&daemon, &id, &event, 1), 1);
     ck_assert_int_eq(event.kind, VOR_EVENT_REPLACED);
     ck_assert_uint_eq(event.attempt, 2);
     ck_assert_uint_eq(event.number, 1);
-    vor_bus_release(bus);
     vt_daemon_stop(&daemon);
 }
 END_TEST

@@ -80,51 +80,39 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
 }
 END_TEST
 
-static struct vor_bus *events(struct vt_daemon *daemon, const struct vor_uuid *id)
+/* From the first event on that the live job still has. */
+START_TEST(the_events_of_a_job_are_the_same_live_and_from_the_store)
 {
-    struct vor_bus *bus;
-
-    ck_assert_int_eq(vor_worker_events(daemon->worker, id, &bus, &vt_err), VOR_DONE);
-    return bus;
-}
-
-START_TEST(the_events_of_a_job_are_the_same_live_and_from_its_trace)
-{
-    struct vor_position a = {0, 0}, b = {0, 0};
-    struct vor_event first = {.kind = VOR_EVENT_STATUS}, second;
-    struct vor_bus *live, *stored;
+    enum { EVENTS = 128 };
+    struct vor_event live[EVENTS], stored[EVENTS];
+    struct vor_event_batch batch = {.position = {1, 0}, .events = live, .max = EVENTS};
+    struct vor_followed followed;
     struct vt_daemon daemon;
     struct vor_uuid id;
     struct vor_spec spec = vt_request(100, 12);
     uint32_t records[2] = {0}; /* of iterations, of the polish */
+    size_t count, first;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     vt_assert_ok(vor_spec_set_number(&spec, "polish", _i * 40, &vt_err));
     id = submit(&daemon, 1000, spec);
-    live = events(&daemon, &id);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
     (void)vt_daemon_wait_over(&daemon, &id);
     vt_daemon_wait_idle(&daemon);
-    stored = events(&daemon, &id);
-    ck_assert_ptr_ne(live, stored);
-    while (vor_bus_read(live, &a, VOR_READ_EVERY, &first, 1) == 1) {
-        ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 1);
-        ck_assert_int_eq(first.kind, second.kind);
-        ck_assert_uint_eq(first.number, second.number);
-        ck_assert_int_eq(first.time_ms, second.time_ms);
-        ck_assert_int_eq(first.status, second.status);
-        ck_assert_int_eq(first.stage, second.stage);
-        ck_assert_int_eq(first.progress, second.progress);
-        ck_assert_double_eq(first.record.delta, second.record.delta);
-        ck_assert_uint_eq(first.record.polish, second.record.polish);
-        records[first.record.polish > 0] += first.kind == VOR_EVENT_PROGRESS;
-    }
-    ck_assert_int_eq(first.kind, VOR_EVENT_END);
-    ck_assert_int_eq(first.status, VOR_JOB_SUCCESSFUL);
-    ck_assert_uint_eq(vor_bus_read(stored, &b, VOR_READ_EVERY, &second, 1), 0);
+    while (followed.job != NULL && !vor_job_read(followed.job, &batch))
+        batch.position.number++;
+    count = vt_daemon_events(&daemon, &id, stored, EVENTS);
+    first = count - batch.count;
+    for (size_t i = 0; i < batch.count; i++)
+        ck_assert_mem_eq(&live[i], &stored[first + i], sizeof live[i]);
+    for (size_t i = 0; i < count; i++)
+        if (stored[i].kind == VOR_EVENT_PROGRESS)
+            records[stored[i].record.polish > 0]++;
+    ck_assert_int_eq(stored[count - 1].kind, VOR_EVENT_END);
+    ck_assert_int_eq(stored[count - 1].status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(records[0], 13); /* with iteration 0 */
     ck_assert_int_eq(records[1] > 0, _i > 0);
-    vor_bus_release(live);
-    vor_bus_release(stored);
+    vor_job_release(followed.job);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -163,32 +151,29 @@ static void count_reads(struct vt_daemon *daemon)
 /* Regression: a stream asked the store for the row at each of its events. */
 START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
 {
-    struct vor_position position = {0, 0};
+    struct vor_event events[128];
+    struct vor_event_batch batch = {.events = events, .max = sizeof events / sizeof events[0]};
     struct vor_followed followed, live;
     struct vor_job_view view, stored;
     struct vt_daemon daemon;
-    struct vor_event event;
     struct vor_uuid id;
-    int events = 0;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.prepare = count_reads});
     id = submit(&daemon, 300, vt_request(100, 50));
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &live, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &live, &vt_err), VOR_DONE);
     do /* its place in the queue is the store's */
         vor_worker_followed(daemon.worker, &live, &view);
     while (view.status == VOR_JOB_ACCEPTED);
     atomic_store(&counting.rows, 0);
-    while (!vor_bus_ended(live.bus, NULL))
+    while (!vor_job_is_over(live.job))
         vor_worker_followed(daemon.worker, &live, &view);
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(atomic_load(&counting.rows), 0);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, &followed, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
     ck_assert_ptr_null(followed.job);
-    while (vor_bus_read(followed.bus, &position, VOR_READ_EVERY, &event, 1) == 1) {
-        vor_worker_followed(daemon.worker, &followed, &stored);
-        events++;
-    }
-    ck_assert_int_gt(events, 50);
+    vt_assert_ok(vor_worker_stored_events(daemon.worker, &followed.row, &batch, &vt_err));
+    ck_assert_uint_gt(batch.count, 50);
+    vor_worker_followed(daemon.worker, &followed, &stored);
     ck_assert_int_eq(atomic_load(&counting.rows), 1);
     ck_assert_int_eq(atomic_load(&counting.traces), 1);
     vor_worker_followed(daemon.worker, &live, &view); /* over, and still in hand */
@@ -198,9 +183,7 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     ck_assert_int_eq(view.finished, stored.finished);
     ck_assert_mem_eq(&view.spec, &stored.spec, sizeof view.spec);
     ck_assert_mem_eq(&live.row.spec, &stored.spec, sizeof view.spec);
-    vor_worker_unfollow(&live);
-    vor_worker_unfollow(&followed);
-    vor_worker_unfollow(&followed);
+    vor_job_release(live.job);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -364,7 +347,7 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
-    struct vor_bus *bus;
+    struct vor_followed followed;
     struct vor_uuid id;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
@@ -377,7 +360,7 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
     ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "", &view, &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "", &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_UNKNOWN);
-    ck_assert_int_eq(vor_worker_events(daemon.worker, &id, &bus, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_UNKNOWN);
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vt_daemon_stop(&daemon);
@@ -410,7 +393,7 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     struct vt_daemon daemon;
     struct vor_job_view view;
     struct vor_uuid ids[3];
-    struct vor_bus *bus;
+    struct vor_event event;
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     for (int i = 0; i < 3; i++)
@@ -423,9 +406,8 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
         ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], &view, &vt_err), outcomes[i]);
         ck_assert_int_eq(view.expired, i == 1);
     }
-    bus = events(&daemon, &ids[1]);
-    ck_assert(vor_bus_ended(bus, NULL));
-    vor_bus_release(bus);
+    ck_assert_uint_eq(vt_daemon_events(&daemon, &ids[1], &event, 1), 1);
+    ck_assert_int_eq(event.kind, VOR_EVENT_END);
     vt_daemon_stop(&daemon);
 }
 END_TEST
@@ -487,19 +469,16 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
     }
     vt_daemon_wait_idle(&daemon);
     for (int i = 0; i < JOBS; i++) {
-        struct vor_bus *bus = events(&daemon, &ids[i]);
-        struct vor_position at = {0, 0};
-        struct vor_event event = {.kind = VOR_EVENT_STATUS};
+        struct vor_event events[64];
+        const struct vor_event *end;
 
         views[i] = vt_daemon_get(&daemon, &ids[i]);
-        while (vor_bus_read(bus, &at, VOR_READ_EVERY, &event, 1) == 1)
-            continue;
-        ck_assert_int_eq(event.kind, VOR_EVENT_END);
-        ck_assert_int_eq(event.status, views[i].status);
+        end = &events[vt_daemon_events(&daemon, &ids[i], events, 64) - 1];
+        ck_assert_int_eq(end->kind, VOR_EVENT_END);
+        ck_assert_int_eq(end->status, views[i].status);
         ck_assert_msg(views[i].status == VOR_JOB_SUCCESSFUL || views[i].status == VOR_JOB_DISMISSED,
                       "job %d: %s", i, views[i].message);
         results += views[i].status == VOR_JOB_SUCCESSFUL;
-        vor_bus_release(bus);
     }
     ck_assert_int_eq(vt_daemon_kept(&daemon), results);
     ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
@@ -513,7 +492,7 @@ int main(void)
 
     vor_log_open(2, VOR_LOG_ERROR);
     vt_add(suite, a_job_ends_with_exactly_the_points_asked_for);
-    vt_add_loop(suite, the_events_of_a_job_are_the_same_live_and_from_its_trace, 2);
+    vt_add_loop(suite, the_events_of_a_job_are_the_same_live_and_from_the_store, 2);
     vt_add(suite, who_follows_a_job_asks_the_store_once_however_many_its_events);
     vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
     vt_add(suite, a_waiting_job_is_dismissed_without_running);

@@ -3,8 +3,8 @@
  * "Prefer: wait=N" it is a long poll instead, an answer like any other that counts as no stream.
  *
  * A stream goes around its jobs and sends a few events of one after the other. What it holds of
- * each is a position and two references: the job's description is looked up while its events are
- * written, and the events of one that is over are in memory only during its turn. */
+ * each is a position and, while it is live, a reference. The latest events of a live job are at
+ * hand; all others are read from the store by another thread, a batch at a time. */
 #include "proto/sse.h"
 #include "server/api/accept.h"
 #include "server/api/auth.h"
@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000 };
+enum { BATCH = 32, RETRY_MS = 2000, RETRY_DRAIN_MS = 1000, WEIGHT = 1000 };
 enum { FEW = 64 };                 /* streams; so many writes take 3 ms */
 enum { ANSWER_BYTES = 256 << 10 }; /* of a poll, about: 500 events; who wants more asks again */
 static const double progress_pause = 0.1;
@@ -28,8 +28,7 @@ static const double progress_pause = 0.1;
 /* One job of a stream. */
 struct track {
     struct vor_uuid id;
-    struct vor_job *job; /* NULL when it is not live */
-    struct vor_bus *bus; /* NULL as long as nobody has looked, and once it is over */
+    struct vor_job *job; /* NULL as long as nobody has looked, and when it is not live */
     struct vor_position position;
     struct vor_subscriber subscriber;
     bool is_replay; /* every event up to the newest at the beginning */
@@ -39,21 +38,23 @@ struct track {
 };
 
 struct stream {
-    struct vor_deferred deferred; /* first; the look-up of a job */
+    struct vor_deferred deferred; /* first; the look-up of a job, or of events */
     struct vor_app *app;
     struct vor_request *request;
-    struct vor_followed
-        followed; /* the job whose events are written; its track has the references */
-    bool is_looking_up;
     struct vor_task task;
-    struct vor_uuid wanted;              /* the job that is looked up, */
-    char tenant[VOR_JOB_PRINCIPAL_SIZE]; /* if it is this one's; "" for anybody's, */
-    enum vor_job_outcome outcome;        /* and what came of it */
-    struct vor_followed found;
+    char tenant[VOR_JOB_PRINCIPAL_SIZE]; /* whose jobs they are; "" for anybody's */
+    bool is_looking_up;                  /* what follows is the look-up's */
+    enum vor_job_outcome outcome;
     struct vor_error error;
-    atomic_bool armed; /* progress may wake the request */
-    bool is_many;      /* ids have the positions of all jobs */
-    bool is_lines;     /* NDJSON */
+    struct vor_followed followed;  /* of the track whose turn it is, which has the reference */
+    struct vor_event_batch batch;  /* its next events */
+    bool is_read;                  /* they are there */
+    const struct track *described; /* that track */
+    bool is_new;                   /* its job is looked up as well as its events */
+    bool is_found;                 /* the job of a stream of one is */
+    atomic_bool armed;             /* progress may wake the request */
+    bool is_many;                  /* ids have the positions of all jobs */
+    struct vor_teller teller;      /* of `followed` */
     bool began, ended;
     bool has_told;         /* of what happened; that points move is not enough to end a poll */
     double wait, deadline; /* of a poll: seconds, and when they are over; wait is -1 for a stream */
@@ -62,6 +63,7 @@ struct stream {
     size_t taken;
     size_t preview;     /* points of previews at most; 0: none are wanted */
     unsigned at, count; /* whose turn it is, of how many */
+    struct vor_event events[BATCH];
     struct track tracks[];
 };
 
@@ -71,11 +73,8 @@ static void leave(struct track *track)
     if (track->is_looking)
         vor_preview_look_away(vor_job_preview(track->job));
     track->is_looking = false;
-    if (track->bus != NULL)
-        vor_bus_unsubscribe(track->bus, &track->subscriber);
-    vor_bus_release(track->bus);
+    vor_job_unsubscribe(track->job, &track->subscriber);
     vor_job_release(track->job);
-    track->bus = NULL;
     track->job = NULL;
     track->is_over = true;
 }
@@ -85,7 +84,8 @@ static void free_stream(struct vor_deferred *deferred)
 {
     struct stream *stream = (struct stream *)deferred;
 
-    vor_worker_unfollow(&stream->found);
+    if (stream->is_looking_up)
+        vor_job_release(stream->followed.job);
     vor_text_free(&stream->text);
     free(stream);
 }
@@ -115,80 +115,89 @@ static void on_event(void *ctx, enum vor_event_kind kind)
         vor_request_wake_after(stream->request, 0);
 }
 
-/* Begins to follow the job that was looked up, whose description is then at hand. */
+/* Takes what was looked up: begins to follow a job that is live. */
 static enum vor_job_outcome take_found(struct stream *stream, struct track *track)
 {
     stream->is_looking_up = false;
-    if (stream->outcome != VOR_DONE)
+    if (stream->outcome != VOR_DONE || stream->followed.job == NULL)
         return stream->outcome;
-    stream->followed = stream->found;
-    stream->found.job = NULL;
-    stream->found.bus = NULL;
     track->job = stream->followed.job;
-    track->bus = stream->followed.bus;
     track->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = stream};
-    vor_bus_subscribe(track->bus, &track->subscriber);
-    track->is_looking = stream->preview > 0 && track->job != NULL;
+    vor_job_subscribe(track->job, &track->subscriber);
+    track->is_looking = stream->preview > 0;
     if (track->is_looking)
         vor_preview_look(vor_job_preview(track->job));
     return VOR_DONE;
 }
 
-/* Reads what there is of a job; one of another caller's is unknown. */
-static void look_up(struct stream *stream)
+/* Reads what the store has of the track's next events, and before that, where nobody has looked
+ * yet, its job: one of another caller's is unknown. The latest events of one that is live are read
+ * once it is subscribed to. */
+static void look_up(void *ctx)
 {
+    struct stream *stream = ctx;
     struct vor_worker *worker = stream->app->worker;
 
     stream->outcome = VOR_DONE;
-    if (stream->tenant[0] != '\0')
-        stream->outcome = vor_worker_get_of(worker, &stream->wanted, stream->tenant,
-                                            &stream->found.row, &stream->error);
-    if (stream->outcome == VOR_DONE)
-        stream->outcome =
-            vor_worker_follow(worker, &stream->wanted, &stream->found, &stream->error);
+    if (stream->is_new)
+        stream->outcome = vor_worker_follow(worker, &stream->described->id,
+                                            stream->tenant[0] != '\0' ? stream->tenant : NULL,
+                                            &stream->followed, &stream->error);
+    if (stream->outcome != VOR_DONE || stream->followed.job != NULL)
+        return;
+    stream->is_read = vor_worker_stored_events(worker, &stream->followed.row, &stream->batch,
+                                               &stream->error) == VOR_OK;
+    stream->outcome = stream->is_read ? VOR_DONE : VOR_FAILED;
 }
 
 /* On a thread that reads the store. */
 static void run_look_up(void *ctx)
 {
-    struct stream *stream = ctx;
-
-    look_up(stream);
-    vor_deferred_complete(&stream->deferred);
+    look_up(ctx);
+    vor_deferred_complete(ctx);
 }
 
-/* Has a track's job looked up: VOR_DONE, and the request is woken then, or why not. */
-static enum vor_job_outcome begin_look_up(struct stream *stream, const struct track *track)
+/* What is read next is the track's. */
+static void turn_to(struct stream *stream, const struct track *track)
+{
+    stream->is_new = track->job == NULL && stream->described != track;
+    stream->described = track;
+    stream->followed.job = track->job;
+    if (track->job != NULL)
+        vor_job_view(track->job, &stream->followed.row);
+    stream->batch = (struct vor_event_batch){
+        .position = track->position,
+        .how = track->is_replay || stream->wait >= 0 ? VOR_READ_EVERY : VOR_READ_LATEST,
+        .events = stream->events,
+        .max = BATCH};
+}
+
+/* Has it looked up: VOR_DONE, and the request is woken then, or why not. */
+static enum vor_job_outcome begin_look_up(struct stream *stream)
 {
     enum vor_job_outcome outcome;
 
-    stream->wanted = track->id;
-    stream->task =
-        (struct vor_task){.run = run_look_up, .weight = 1000}; /* beside the rows of a list */
+    stream->followed.job = NULL; /* a reference is the look-up's own */
+    stream->task = (struct vor_task){.run = run_look_up, .weight = WEIGHT};
     outcome = vor_read_begin(stream->app, stream->request, &stream->deferred, &stream->task,
                              &stream->error);
     stream->is_looking_up = outcome == VOR_DONE;
     return outcome;
 }
 
-/* Has the description of a track's job at hand. That of one that is over was read when it was
- * looked up, and no other track has had a turn since. */
-static void turn_to(struct stream *stream, const struct track *track)
+/* Turns to a track and reads its next events; false where they, or its job, are in the store. */
+static bool read_latest(struct stream *stream, const struct track *track)
 {
-    if (stream->followed.bus == track->bus)
-        return;
-    stream->followed.job = track->job;
-    stream->followed.bus = track->bus;
-    if (track->job != NULL)
-        vor_job_view(track->job, &stream->followed.row);
+    turn_to(stream, track);
+    stream->is_read = track->job != NULL && vor_job_read(track->job, &stream->batch);
+    return stream->is_read;
 }
 
-/* The track's job is over. Another bus may get the address of its bus. */
+/* The track's job is over. */
 static void end_turns(struct stream *stream, struct track *track)
 {
     leave(track);
-    stream->followed.job = NULL;
-    stream->followed.bus = NULL;
+    stream->described = NULL;
 }
 
 /* The id of an event of the track whose turn it is: its position or, where the stream has several
@@ -218,7 +227,6 @@ static void write_id(const struct stream *stream, const char *own, char *out, si
 /* Tells that there is no such job, or none of this caller; the other jobs go on. */
 static void write_unknown(struct stream *stream, struct track *track)
 {
-    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
     char id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
     struct vor_text data;
 
@@ -228,7 +236,7 @@ static void write_unknown(struct stream *stream, struct track *track)
     vor_json_put_string(&data, "jobID", track->id.text);
     vor_json_end_object(&data);
     stream->has_told = true;
-    if (!vor_event_frame(&teller, "unknown", id, &data, &stream->text))
+    if (!vor_event_frame(&stream->teller, "unknown", id, &data, &stream->text))
         stream->ended = true;
     vor_text_free(&data);
     end_turns(stream, track);
@@ -237,7 +245,6 @@ static void write_unknown(struct stream *stream, struct track *track)
 /* Tells that the points have moved, if somebody wants to know and they have; false else. */
 static bool take_preview(struct stream *stream, struct track *track)
 {
-    struct vor_teller teller = {stream->app, stream->request, &stream->followed, stream->is_lines};
     struct vor_preview_info info = {.version = 0};
 
     if (track->is_looking)
@@ -245,35 +252,32 @@ static bool take_preview(struct stream *stream, struct track *track)
     if (info.version == track->version || info.version == 0)
         return false;
     track->version = info.version;
-    if (!vor_event_tell_preview(&teller, &info, stream->preview, &stream->text))
+    if (!vor_event_tell_preview(&stream->teller, &info, stream->preview, &stream->text))
         stream->ended = true;
     return true;
 }
 
 static void say_goodbye(struct stream *stream, unsigned retry_ms)
 {
-    if (!stream->is_lines)
+    if (!stream->teller.is_lines)
         vor_sse_retry(&stream->text, retry_ms);
     stream->ended = true;
 }
 
-/* Writes the events of one track that wait on its bus; false when there are none. */
+/* Writes the events of a track that were read; false when there are none. */
 static bool take_events(struct stream *stream, struct track *track)
 {
-    enum vor_read how = track->is_replay || stream->wait >= 0 ? VOR_READ_EVERY : VOR_READ_LATEST;
+    const struct vor_event *events = stream->events;
+    size_t count = stream->batch.count;
     struct vor_position before = track->position;
-    struct vor_event events[BATCH];
-    size_t count;
-    bool has_preview;
+    bool has_preview = take_preview(stream, track); /* an end may follow */
 
-    turn_to(stream, track);
-    has_preview = take_preview(stream, track); /* an end may follow */
-    count = vor_bus_read(track->bus, &track->position, how, events, BATCH);
+    stream->is_read = false;
+    stream->followed.job = track->job;
+    track->position = stream->batch.position;
     if (count == 0)
         track->is_replay = false;
     for (size_t i = 0; i < count && !stream->ended && !track->is_over; i++) {
-        struct vor_teller teller = {stream->app, stream->request, &stream->followed,
-                                    stream->is_lines};
         bool is_end = events[i].kind == VOR_EVENT_END;
         char own[VOR_POSITION_SIZE], id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
 
@@ -283,7 +287,7 @@ static bool take_events(struct stream *stream, struct track *track)
             (void)snprintf(own, sizeof own, "%u.%u", events[i].attempt, events[i].number);
         write_id(stream, own, id, sizeof id);
         stream->has_told = true;
-        if (!vor_event_tell(&teller, &events[i], id, &stream->text))
+        if (!vor_event_tell(&stream->teller, &events[i], id, &stream->text))
             stream->ended = true; /* out of memory: the client comes back for it */
         if (is_end)
             end_turns(stream, track);
@@ -294,18 +298,17 @@ static bool take_events(struct stream *stream, struct track *track)
     return count > 0;
 }
 
-/* The same for one that may have to be looked up first, which takes a while. */
+/* The same for one that may have to be looked up first, or its events: then false as well. */
 static bool take_turn(struct stream *stream, struct track *track)
 {
     enum vor_job_outcome outcome = VOR_DONE;
 
-    if (track->bus == NULL) {
-        if (!stream->is_looking_up)
-            outcome = begin_look_up(stream, track);
-        if (stream->is_looking_up && !vor_deferred_is_done(&stream->deferred))
+    if (stream->is_looking_up)
+        outcome = take_found(stream, track);
+    if (outcome == VOR_DONE && !stream->is_read && !read_latest(stream, track)) {
+        outcome = begin_look_up(stream);
+        if (outcome == VOR_DONE)
             return false;
-        if (stream->is_looking_up)
-            outcome = take_found(stream, track);
     }
     if (outcome == VOR_UNKNOWN) {
         write_unknown(stream, track);
@@ -323,13 +326,17 @@ static bool take_turn(struct stream *stream, struct track *track)
  * or one is looked up. A track keeps its turn while it catches up. */
 static bool take_round(struct stream *stream)
 {
+    if (stream->is_looking_up && !vor_deferred_is_done(&stream->deferred))
+        return false;
+    if (stream->is_looking_up)
+        stream->at = (unsigned)(stream->described - stream->tracks);
     for (; stream->at < stream->count; stream->at++) {
         struct track *track = &stream->tracks[stream->at];
 
         if (track->is_over)
             continue;
         if (!take_turn(stream, track)) {
-            if (stream->is_looking_up && track->bus == NULL)
+            if (stream->is_looking_up)
                 return false;
             continue;
         }
@@ -356,7 +363,7 @@ static bool is_urgent(const struct stream *stream)
         const struct track *track = &stream->tracks[i];
 
         if (!track->is_over &&
-            (track->bus == NULL || track->is_replay || vor_bus_ended(track->bus, NULL)))
+            (track->job == NULL || track->is_replay || vor_job_is_over(track->job)))
             return true;
     }
     return false;
@@ -394,15 +401,12 @@ static bool fill(struct stream *stream, struct vor_request *request)
 
     if (!stream->began) {
         stream->began = true;
-        if (!stream->is_lines)
+        if (!stream->teller.is_lines)
             vor_sse_retry(&stream->text, RETRY_MS);
         return true;
     }
-    if (vor_request_gone(request)) {
-        stream->ended = true;
-        return true;
-    }
-    if (fill_events(stream, now, beat - quiet))
+    stream->ended = vor_request_gone(request);
+    if (stream->ended || fill_events(stream, now, beat - quiet))
         return true;
     if (vor_request_closing(request) || atomic_load(&stream->app->draining)) {
         say_goodbye(stream, RETRY_DRAIN_MS);
@@ -411,7 +415,7 @@ static bool fill(struct stream *stream, struct vor_request *request)
     if (quiet < beat)
         return false;
     stream->sent_at = now;
-    if (stream->is_lines)
+    if (stream->teller.is_lines)
         vor_text_puts(&stream->text, "\n");
     else
         vor_sse_heartbeat(&stream->text);
@@ -443,17 +447,17 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
 static struct stream *stream_create(struct vor_app *app, struct vor_request *request,
                                     const struct vor_events_query *ask)
 {
-    struct stream *stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
     const char *tenant = vor_auth_tenant(request);
+    struct stream *stream;
 
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
     if (ask->wait < 0 &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
         vor_events_reply_crowded(request);
-        free(stream);
         return NULL;
     }
+    stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
     if (stream == NULL) {
         vor_problem_no_memory(app, request);
         return NULL;
@@ -461,7 +465,8 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     stream->app = app;
     stream->request = request;
     stream->sent_at = vor_clock_seconds();
-    stream->is_lines = vor_accepts(request, "application/x-ndjson");
+    stream->teller = (struct vor_teller){app, request, &stream->followed,
+                                         vor_accepts(request, "application/x-ndjson")};
     stream->is_many = ask->is_many;
     (void)snprintf(stream->tenant, sizeof stream->tenant, "%s", tenant != NULL ? tenant : "");
     stream->preview = ask->preview;
@@ -484,7 +489,7 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
 
 static const char *media_type(const struct stream *stream)
 {
-    return stream->is_lines ? "application/x-ndjson" : "text/event-stream";
+    return stream->teller.is_lines ? "application/x-ndjson" : "text/event-stream";
 }
 
 /* Answers a poll with what has happened, or waits for it. */
@@ -493,16 +498,19 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     struct stream *stream = vor_request_state(request);
     double left = stream->deadline - vor_clock_seconds();
     char applied[32];
+    bool is_part;
 
-    stream->at = 0;
-    while (!stream->ended && stream->text.size < ANSWER_BYTES && take_round(stream))
-        continue;
+    do { /* a round that went on where something was looked up has left out who is before that */
+        is_part = stream->is_looking_up;
+        stream->at = 0;
+        while (!stream->ended && stream->text.size < ANSWER_BYTES && take_round(stream))
+            continue;
+    } while (is_part && !stream->is_looking_up);
     if (((!stream->has_told && left > 0) || stream->is_looking_up) && !stream->ended &&
         !vor_request_gone(request) && !vor_request_closing(request) &&
         !atomic_load(&app->draining)) {
-        if (stream->is_looking_up)
-            return VOR_NEXT_WAIT;
-        vor_request_wake_after(request, left);
+        if (!stream->is_looking_up)
+            vor_request_wake_after(request, left);
         return VOR_NEXT_WAIT;
     }
     (void)snprintf(applied, sizeof applied, "wait=%.0f", stream->wait);
@@ -527,12 +535,12 @@ static enum vor_next reply_found(struct vor_app *app, struct vor_request *reques
     struct stream *stream = vor_request_state(request);
     struct track *track = &stream->tracks[0];
     enum vor_job_outcome outcome = take_found(stream, track);
-    struct vor_position end;
 
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &stream->error, &track->id);
-    return track->is_replay && vor_bus_ended(track->bus, &end) &&
-                   end.attempt == track->position.attempt && end.number == track->position.number
+    stream->is_found = true;
+    return track->is_replay && vor_job_status_over(stream->followed.row.status) &&
+                   (stream->is_read || read_latest(stream, track)) && stream->batch.count == 0
                ? vor_events_reply_nothing(request)
                : reply_stream(app, request);
 }
@@ -547,7 +555,8 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
     stream = stream_create(app, request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
-    stream->wanted = *id;
+    turn_to(stream, &stream->tracks[0]);
+    stream->is_looking_up = true;
     look_up(stream); /* it was accepted just now: there is hardly anything to read */
     return reply_found(app, request);
 }
@@ -558,19 +567,19 @@ enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor
     struct stream *stream = vor_request_state(request);
     enum vor_job_outcome outcome;
 
-    if (step == VOR_STEP_WAKE && !stream->is_looking_up)
+    if (step == VOR_STEP_WAKE && stream->is_found)
         return answer_poll(ctx, request);
-    if (step == VOR_STEP_WAKE && vor_deferred_is_done(&stream->deferred))
-        return reply_found(ctx, request);
     if (step == VOR_STEP_WAKE)
-        return vor_problem_or_wait(ctx, request);
+        return vor_deferred_is_done(&stream->deferred) ? reply_found(ctx, request)
+                                                       : vor_problem_or_wait(ctx, request);
     if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) ||
         !vor_events_query_one(ctx, request, &ask))
         return VOR_NEXT_REPLY;
     stream = stream_create(ctx, request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
-    outcome = begin_look_up(stream, &stream->tracks[0]);
+    turn_to(stream, &stream->tracks[0]);
+    outcome = begin_look_up(stream);
     return outcome == VOR_DONE ? VOR_NEXT_WAIT
                                : vor_outcome_reply(ctx, request, outcome, &stream->error, NULL);
 }

@@ -13,7 +13,7 @@
 struct poll {
     double seconds, deadline;
     struct vor_waker *waker;
-    struct vor_bus *bus;
+    struct vor_job *job; /* NULL: it is over */
     struct vor_subscriber subscriber;
 };
 
@@ -27,8 +27,8 @@ static void release(void *state)
 {
     struct poll *poll = state;
 
-    vor_bus_unsubscribe(poll->bus, &poll->subscriber);
-    vor_bus_release(poll->bus);
+    vor_job_unsubscribe(poll->job, &poll->subscriber);
+    vor_job_release(poll->job);
     vor_waker_drop(poll->waker);
     free(poll);
 }
@@ -36,6 +36,7 @@ static void release(void *state)
 /* Listens to the job's events from now on; false after a problem has been replied. */
 static bool begin_poll(struct vor_app *app, struct vor_request *request, double seconds)
 {
+    struct vor_followed followed;
     struct vor_error err;
     struct vor_uuid id;
     struct poll *poll;
@@ -44,7 +45,8 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     if (!vor_job_of_path(app, request, &id))
         return false;
     poll = calloc(1, sizeof *poll);
-    outcome = poll != NULL ? vor_worker_events(app->worker, &id, &poll->bus, &err) : VOR_FAILED;
+    outcome =
+        poll != NULL ? vor_worker_follow(app->worker, &id, NULL, &followed, &err) : VOR_FAILED;
     if (outcome != VOR_DONE) {
         if (poll == NULL)
             (void)vor_fail(&err, VOR_E_NOMEM, "a request");
@@ -54,9 +56,10 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     }
     poll->seconds = seconds;
     poll->deadline = vor_clock_seconds() + seconds;
+    poll->job = followed.job;
     poll->waker = vor_request_waker(request);
     poll->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = poll->waker};
-    vor_bus_subscribe(poll->bus, &poll->subscriber);
+    vor_job_subscribe(poll->job, &poll->subscriber);
     vor_request_set_state(request, poll, release);
     return true;
 }

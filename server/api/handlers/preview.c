@@ -78,13 +78,14 @@ enum vor_next vor_handle_preview(void *ctx, struct vor_request *request, enum vo
     (void)step;
     if (!vor_job_of_path(app, request, &id) || !vor_query_points(app, request, "points", &most))
         return VOR_NEXT_REPLY;
-    outcome = vor_worker_follow(app->worker, &id, &followed, &err);
+    outcome = vor_worker_follow(app->worker, &id, NULL, &followed, &err);
     if (outcome != VOR_DONE)
         next = vor_outcome_reply(app, request, outcome, &err, &id);
     else if (followed.job == NULL || vor_job_is_over(followed.job))
         next = reply_none(app, request, &id);
     else
         next = reply_cloud(app, request, &followed, most);
-    vor_worker_unfollow(&followed);
+    if (outcome == VOR_DONE)
+        vor_job_release(followed.job);
     return next;
 }

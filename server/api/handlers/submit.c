@@ -40,12 +40,13 @@ struct submission {
     bool replayed;       /* the job is that of an earlier request with this key */
     bool packed;         /* an upload came as gzip: its key's job is found once it is inflated */
     bool headed;         /* the reply has its headers already */
+    bool waits;          /* for the end of the job */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
     struct vor_job_view view;
     struct vor_dismissal cancel; /* once the caller has left */
-    struct vor_bus *bus;         /* once a caller waits for the end */
+    struct vor_job *job;         /* of whose end the request is told; NULL: it is over */
     struct vor_subscriber subscriber;
 };
 
@@ -104,10 +105,8 @@ static void on_over(struct vor_deferred *deferred)
 {
     struct submission *submission = (struct submission *)deferred;
 
-    if (submission->bus != NULL) {
-        vor_bus_unsubscribe(submission->bus, &submission->subscriber);
-        vor_bus_release(submission->bus);
-    }
+    vor_job_unsubscribe(submission->job, &submission->subscriber);
+    vor_job_release(submission->job);
     cancel_if_left(submission);
 }
 
@@ -421,7 +420,7 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
 {
     double left = submission->deadline - vor_clock_seconds();
 
-    if (vor_bus_ended(submission->bus, NULL)) {
+    if (submission->job == NULL || vor_job_is_over(submission->job)) {
         struct vor_job_view view;
         struct vor_error err;
         enum vor_job_outcome outcome =
@@ -457,14 +456,17 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
 static enum vor_next start_wait(struct vor_app *app, struct vor_request *request,
                                 struct submission *submission)
 {
+    struct vor_followed followed;
     enum vor_job_outcome outcome =
-        vor_worker_events(app->worker, &submission->view.id, &submission->bus, &submission->error);
+        vor_worker_follow(app->worker, &submission->view.id, NULL, &followed, &submission->error);
 
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &submission->error, &submission->view.id);
     submission->subscriber =
         (struct vor_subscriber){.wake = on_event, .ctx = submission->deferred.waker};
-    vor_bus_subscribe(submission->bus, &submission->subscriber);
+    submission->waits = true;
+    submission->job = followed.job;
+    vor_job_subscribe(submission->job, &submission->subscriber);
     if (submission->head.wait_seconds >= 0)
         submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
     return wait_for_end(app, request, submission);
@@ -526,7 +528,7 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
         submission->outcome = outcome;
         return accepted(app, request, submission);
     }
-    if (submission->bus != NULL)
+    if (submission->waits)
         return wait_for_end(app, request, submission);
     if (vor_deferred_is_done(&submission->deferred))
         return accepted(app, request, submission);

@@ -32,42 +32,56 @@ static void free_trace(struct vor_deferred *deferred)
     free(trace);
 }
 
-/* Writes the records of a job; *position becomes that of the event read last. */
-static void write_trace(struct vor_bus *bus, bool is_table, struct vor_position *position,
-                        struct vor_text *text)
+/* The next events of a job; false when there are none, or the store fails. */
+static bool read_events(struct trace *trace, struct vor_followed *followed,
+                        struct vor_event_batch *batch)
 {
-    struct vor_event events[BATCH];
-    size_t count;
-
-    while ((count = vor_bus_read(bus, position, VOR_READ_EVERY, events, BATCH)) > 0) {
-        for (size_t i = 0; i < count; i++) {
-            if (events[i].kind != VOR_EVENT_PROGRESS)
-                continue;
-            if (is_table)
-                vor_csv_line(text, &vor_record_members, &events[i].record);
-            else
-                vor_json_record(text, &events[i].record);
-        }
-    }
+    batch->count = 0;
+    if (followed->job != NULL && vor_job_read(followed->job, batch))
+        return batch->count > 0;
+    if (followed->job != NULL)
+        vor_job_view(followed->job, &followed->row);
+    if (vor_worker_stored_events(trace->app->worker, &followed->row, batch, &trace->error) !=
+        VOR_OK)
+        trace->outcome = VOR_FAILED;
+    return trace->outcome == VOR_DONE && batch->count > 0;
 }
 
-static void write_bus(struct trace *trace, struct vor_bus *bus)
+/* Returns the position of the event read last. */
+static struct vor_position write_records(struct trace *trace, struct vor_followed *followed)
 {
-    struct vor_position position = {0, 0};
+    struct vor_event events[BATCH];
+    struct vor_event_batch batch = {.how = VOR_READ_EVERY, .events = events, .max = BATCH};
+
+    while (read_events(trace, followed, &batch))
+        for (size_t i = 0; i < batch.count; i++) {
+            if (events[i].kind != VOR_EVENT_PROGRESS)
+                continue;
+            if (trace->is_table)
+                vor_csv_line(&trace->text, &vor_record_members, &events[i].record);
+            else
+                vor_json_record(&trace->text, &events[i].record);
+        }
+    return batch.position;
+}
+
+static void write_trace(struct trace *trace, struct vor_followed *followed)
+{
     struct vor_text *text = &trace->text;
+    struct vor_position position;
     char last[32];
 
     if (trace->is_table) {
         vor_csv_head(text, &vor_record_members);
-        write_trace(bus, true, &position, text);
+        (void)write_records(trace, followed);
         return;
     }
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", trace->id.text);
-    vor_json_put_u64(text, "attempt", vor_bus_attempt(bus));
+    vor_json_put_u64(text, "attempt", followed->row.attempt);
     vor_json_key(text, "records");
     vor_json_begin_array(text);
-    write_trace(bus, false, &position, text);
+    position = write_records(trace, followed);
     vor_json_end_array(text);
     (void)snprintf(last, sizeof last, "%u.%u", position.attempt, position.number);
     vor_json_put_string(text, "lastEventId", last);
@@ -79,12 +93,14 @@ static void write_bus(struct trace *trace, struct vor_bus *bus)
 static void read_trace(void *ctx)
 {
     struct trace *trace = ctx;
-    struct vor_bus *bus = NULL;
+    struct vor_followed followed;
 
-    trace->outcome = vor_worker_events(trace->app->worker, &trace->id, &bus, &trace->error);
-    if (trace->outcome == VOR_DONE)
-        write_bus(trace, bus);
-    vor_bus_release(bus);
+    trace->outcome =
+        vor_worker_follow(trace->app->worker, &trace->id, NULL, &followed, &trace->error);
+    if (trace->outcome == VOR_DONE) {
+        write_trace(trace, &followed);
+        vor_job_release(followed.job);
+    }
     vor_deferred_complete(&trace->deferred);
 }
 

@@ -1,14 +1,76 @@
-#include "server/jobs/trace.h"
+#include "server/jobs/events.h"
 
-#include <stdlib.h>
+#include <assert.h>
 #include <string.h>
+
+static const char *const event_words[VOR_EVENT_KINDS] = {
+#define EVENT_ROW(name, word) word,
+    VOR_EVENT_TABLE(EVENT_ROW)
+#undef EVENT_ROW
+};
+
+const char *vor_event_word(enum vor_event_kind kind)
+{
+    return event_words[kind];
+}
+
+/* Reads a decimal number that fits; returns what follows it, NULL when there is none. */
+static const char *parse_u32(uint32_t *out, const char *text)
+{
+    uint64_t value = 0;
+    int digits = 0;
+
+    for (; *text >= '0' && *text <= '9' && digits < 10; text++, digits++)
+        value = 10 * value + (uint64_t)(*text - '0');
+    if (digits == 0 || value > UINT32_MAX)
+        return NULL;
+    *out = (uint32_t)value;
+    return text;
+}
+
+int vor_position_parse(struct vor_position *out, const char *text)
+{
+    struct vor_position position;
+
+    text = parse_u32(&position.attempt, text);
+    if (text == NULL || *text != '.')
+        return 0;
+    text = parse_u32(&position.number, text + 1);
+    if (text == NULL || *text != '\0')
+        return 0;
+    *out = position;
+    return 1;
+}
+
+/* --- batches ---------------------------------------------------------------------------------- */
+
+void vor_event_batch_begin(struct vor_event_batch *batch, uint32_t attempt, uint32_t last)
+{
+    if (batch->position.attempt != attempt || batch->position.number > last)
+        batch->position = (struct vor_position){attempt, 0};
+}
+
+int vor_event_batch_add(struct vor_event_batch *batch, const struct vor_event *event)
+{
+    if (batch->count > 0 && batch->how == VOR_READ_LATEST && event->kind == VOR_EVENT_PROGRESS &&
+        batch->events[batch->count - 1].kind == VOR_EVENT_PROGRESS)
+        batch->count--;
+    if (batch->count == batch->max)
+        return 0;
+    batch->events[batch->count++] = *event;
+    batch->position.number = event->number;
+    return 1;
+}
+
+/* --- pieces ----------------------------------------------------------------------------------- */
 
 /* A piece, little endian: the magic, attempt, count of events and bytes of a record (4 bytes each);
  * then for every event kind, status, stage and progress (a byte each) and time (8); a progress
  * event goes on with the estimate (8) and its record. A record has the members of its table in
  * their order, so a build that knows more of them reads those that are there, and one that knows
  * fewer skips the rest. A piece with another magic is refused. */
-enum { MAGIC_SIZE = 4, HEADER_SIZE = 16, EVENT_SIZE = 12, ETA_SIZE = 8 };
+enum { MAGIC_SIZE = 4, COUNT_AT = 8, HEADER_SIZE = 16, EVENT_SIZE = 12, ETA_SIZE = 8 };
+enum { RECORD_MAX = 256 }; /* bytes */
 
 static const char magic[MAGIC_SIZE] = {'V', 'T', 'R', '3'};
 
@@ -147,37 +209,45 @@ static int get_event(struct vor_event *out, struct trace *trace)
     if (kind >= VOR_EVENT_KINDS || status >= VOR_JOB_STATUSES || stage >= VOR_STAGES ||
         progress > 100)
         return 0;
-    *out = (struct vor_event){.kind = (enum vor_event_kind)kind,
-                              .status = (enum vor_job_status)status,
-                              .stage = (enum vor_stage)stage,
-                              .progress = (int)progress,
-                              .time_ms = (int64_t)time_ms};
+    out->kind = (enum vor_event_kind)kind;
+    out->status = (enum vor_job_status)status;
+    out->stage = (enum vor_stage)stage;
+    out->progress = (int)progress;
+    out->time_ms = (int64_t)time_ms;
     return kind != VOR_EVENT_PROGRESS || get_progress(out, trace);
 }
 
-vor_status vor_trace_pack(struct vor_bus *bus, uint32_t after, struct vor_event_piece *piece,
-                          uint8_t **bytes, struct vor_error *err)
+/* The same for one that nobody wants. */
+static int skip_event(struct trace *trace)
 {
-    struct vor_position newest = vor_bus_newest(bus), position = {newest.attempt, after};
-    uint32_t count = newest.number - after;
-    struct vor_event event;
-    uint8_t *at;
+    size_t left = (size_t)(trace->end - trace->at), size = EVENT_SIZE;
 
-    *piece = (struct vor_event_piece){.last = newest.number};
-    *bytes = NULL;
-    if (count == 0)
-        return VOR_OK;
-    *bytes = malloc(HEADER_SIZE + count * (EVENT_SIZE + ETA_SIZE + record_size()));
-    if (*bytes == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%u events of a job", (unsigned)count);
-    memcpy(*bytes, magic, sizeof magic);
-    at = put(put(*bytes + sizeof magic, newest.attempt, 4), count, 4);
-    at = put(at, record_size(), 4);
-    while (position.number < newest.number &&
-           vor_bus_read(bus, &position, VOR_READ_EVERY, &event, 1) == 1)
-        at = put_event(at, &event);
-    piece->data = *bytes;
-    piece->size = (size_t)(at - *bytes);
+    if (left > 0 && trace->at[0] == VOR_EVENT_PROGRESS)
+        size += ETA_SIZE + (size_t)trace->record;
+    if (left < size)
+        return 0;
+    trace->at += size;
+    return 1;
+}
+
+vor_status vor_events_pack(struct vor_text *piece, const struct vor_event *event)
+{
+    uint8_t bytes[HEADER_SIZE + EVENT_SIZE + ETA_SIZE + RECORD_MAX], *at = bytes;
+    uint64_t count = 0;
+
+    assert(record_size() <= RECORD_MAX);
+    if (piece->size == 0) {
+        memcpy(at, magic, sizeof magic);
+        at = put(put(put(at + MAGIC_SIZE, event->attempt, 4), 0, 4), record_size(), 4);
+    }
+    at = put_event(at, event);
+    vor_text_append(piece, bytes, (size_t)(at - bytes));
+    if (piece->failed) {
+        piece->failed = 0;
+        return VOR_E_NOMEM;
+    }
+    (void)get((const uint8_t *)piece->data + COUNT_AT, &count, 4);
+    (void)put((uint8_t *)piece->data + COUNT_AT, count + 1, 4);
     return VOR_OK;
 }
 
@@ -191,27 +261,30 @@ static int get_header(struct trace *trace, uint64_t *count, const struct vor_eve
     (void)get(get(get(piece->data + MAGIC_SIZE, &attempt, 4), count, 4), &trace->record, 4);
     trace->at = piece->data + HEADER_SIZE;
     trace->end = piece->data + piece->size;
-    return trace->record > 0;
+    return trace->record > 0 && *count <= piece->last;
 }
 
-vor_status vor_trace_unpack(struct vor_bus *bus, const struct vor_event_piece *piece,
-                            struct vor_error *err)
+int vor_events_unpack(struct vor_event_batch *batch, const struct vor_event_piece *piece)
 {
     struct trace trace;
     uint64_t count;
 
+    if (piece->size == 0)
+        return 1;
     if (!get_header(&trace, &count, piece))
-        return vor_fail(err, VOR_E_FORMAT, "the stored events of the job are damaged (%zu bytes)",
-                        piece->size);
-    for (uint64_t i = 0; i < count; i++) {
-        struct vor_event event;
+        return -1;
+    for (uint32_t number = piece->last - (uint32_t)count + 1; count > 0; count--, number++) {
+        struct vor_event event = {.attempt = batch->position.attempt, .number = number};
 
+        if (number <= batch->position.number) {
+            if (!skip_event(&trace))
+                return -1;
+            continue;
+        }
         if (!get_event(&event, &trace))
-            return vor_fail(err, VOR_E_FORMAT,
-                            "event %llu of the stored events of the job is damaged",
-                            (unsigned long long)i + 1);
-        if (vor_bus_publish(bus, &event) != VOR_OK)
-            return vor_fail(err, VOR_E_NOMEM, "%llu events of a job", (unsigned long long)count);
+            return -1;
+        if (!vor_event_batch_add(batch, &event))
+            return 0;
     }
-    return VOR_OK;
+    return 1;
 }
