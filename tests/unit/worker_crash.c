@@ -236,7 +236,7 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
     view = vt_daemon_wait_over(&daemon, &row.id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_INTERNAL);
-    ck_assert_ptr_nonnull(strstr(view.message, "input cloud is gone"));
+    ck_assert_ptr_nonnull(strstr(view.message, "input cloud no longer exists"));
     while (vt_dir_count(daemon.dir, "blobs/keep") > 0) /* the sweeper's work */
         vt_nap();
     vt_daemon_stop(&daemon);
