@@ -112,13 +112,7 @@ static unsigned at_most(const struct vor_domain *domain, unsigned k)
     return k < domain->n ? k : (unsigned)domain->n;
 }
 
-static void copy(float *near, const struct vor_domain *domain, const uint32_t *index, unsigned k)
-{
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], point(domain, index[j]), 3 * sizeof *near);
-}
-
-static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
     struct vor_graph *graph = make->graph;
@@ -126,7 +120,6 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2[VOR_ADJACENT + 1];
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         unsigned taken = 0;
 
@@ -141,12 +134,11 @@ static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
     struct vor_graph *graph = make->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const uint32_t *list = &graph->list[i * graph->most];
         const float *x = point(make->domain, (uint32_t)i);
@@ -215,7 +207,8 @@ static int fit_to(struct vor_surface *out, const struct vor_domain *domain, cons
 {
     float near[3 * (VOR_ADJACENT + 1)];
 
-    copy(near, domain, index, n);
+    for (unsigned j = 0; j < n; j++)
+        memcpy(&near[3 * j], point(domain, index[j]), 3 * sizeof *near);
     vor_surface_fit(out, near, n);
     return out->kind != VOR_SURFACE_NONE;
 }
@@ -309,11 +302,10 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     }
 }
 
-static void sheet_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void sheet_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct vor_sheets_recent recent = {.count = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         find_sheet(ctx, i, &recent);
 }
@@ -339,7 +331,7 @@ static int has_steep(const struct make *make, size_t i)
 /* What is left: points without a sheet of their own whose nearest lie badly on one surface, or
  * steeply, as at creases. Fits stay with the nearest points, but the list keeps to what a walk
  * reaches. */
-static void rest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct make *make = ctx;
     const struct vor_domain *domain = make->domain;
@@ -347,7 +339,6 @@ static void rest_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_surface plain;
     uint32_t index[VOR_ADJACENT + 1];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         unsigned n = 0;
 
@@ -382,12 +373,11 @@ static int lies_steep(const struct make *make, size_t i, size_t j)
 }
 
 /* Drops those entries of lists that lie over their point. */
-static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct make *make = ctx;
     struct vor_graph *graph = make->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &graph->list[i * graph->most], stay[VOR_ADJACENT];
         unsigned left = 0;
@@ -441,8 +431,7 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
         status = vor_fail(err, VOR_E_NOMEM, "planes of %zu points", domain->n);
     else
         status = make_lists(&make, run, err);
-    vor_free(run->memory, make.noisy);
-    vor_free(run->memory, make.known);
+    VOR_FREE_ALL(run->memory, make.noisy, make.known);
     if (status != VOR_OK) {
         vor_graph_free(&graph);
         return status;
@@ -563,13 +552,12 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i)
            left_out_over(&walk, &own, domain, index, n);
 }
 
-static void probe_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct probe *probe = ctx;
     const struct vor_domain *domain = probe->domain;
     size_t places = domain->n < PLACES ? domain->n : PLACES;
 
-    (void)worker;
     for (size_t place = begin; place < end; place++)
         if (shows_sheets(domain,
                          (uint32_t)(((double)place + 0.5) / (double)places * (double)domain->n)))

@@ -32,9 +32,7 @@ vor_status vor_band_search_init(struct vor_band_search *out, size_t n, struct vo
 
 void vor_band_search_free(struct vor_band_search *search, struct vor_memory *memory)
 {
-    vor_free(memory, search->from);
-    vor_free(memory, search->point);
-    vor_free(memory, search->seen);
+    VOR_FREE_ALL(memory, search->from, search->point, search->seen);
     memset(search, 0, sizeof *search);
 }
 
@@ -128,8 +126,7 @@ static int is_steep(const struct vor_domain *domain, uint32_t point, const doubl
 {
     double own[3];
 
-    for (size_t c = 0; c < 3; c++)
-        own[c] = (double)domain->graph.normal[3 * (size_t)point + c];
+    vor_to_doubles(own, &domain->graph.normal[3 * (size_t)point]);
     return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < FOLD_COSINE;
 }
 
@@ -145,13 +142,12 @@ struct lay {
     atomic_size_t steep, over;
 };
 
-static void flat_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void flat_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct lay *lay = ctx;
     struct vor_band *band = lay->band;
     size_t steep = 0, over = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         project(&band->at[2 * i], band, lay->axis, &lay->domain->xyz[3 * (size_t)band->point[i]]);
         steep += (size_t)is_steep(lay->domain, band->point[i], lay->axis[2]);
@@ -193,13 +189,12 @@ static void turn(double share, double out[2])
     out[1] = sum[1];
 }
 
-static void unroll_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void unroll_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct lay *lay = ctx;
     struct vor_band *band = lay->band;
     double length = lay->along[band->rim], way[2];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *p = &lay->domain->xyz[3 * (size_t)band->point[i]];
         double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
@@ -229,8 +224,7 @@ static void unroll_rim(struct lay *lay)
         const float *p = &lay->domain->xyz[3 * (size_t)lay->loop[i]],
                     *q = &lay->domain->xyz[3 * (size_t)lay->loop[(i + 1) % band->rim]];
 
-        for (size_t c = 0; c < 3; c++)
-            lay->rim[3 * i + c] = (double)p[c];
+        vor_to_doubles(&lay->rim[3 * i], p);
         lay->along[i + 1] = lay->along[i] + sqrt(vor_distance2f(p, q));
     }
     length = lay->along[band->rim];
@@ -273,8 +267,7 @@ static vor_status lay_out(struct vor_band *band, const struct vor_domain *domain
     if (status == VOR_OK && folds)
         status = unroll(&lay, run, err);
     vor_polygon_free(&lay.polygon);
-    vor_free(band->memory, lay.along);
-    vor_free(band->memory, lay.rim);
+    VOR_FREE_ALL(band->memory, lay.along, lay.rim);
     return status;
 }
 
@@ -310,8 +303,6 @@ void vor_band_free(struct vor_band *band)
     if (band->memory == NULL)
         return;
     vor_polygon_free(&band->polygon);
-    vor_free(band->memory, band->at);
-    vor_free(band->memory, band->outline);
-    vor_free(band->memory, band->point);
+    VOR_FREE_ALL(band->memory, band->at, band->outline, band->point);
     memset(band, 0, sizeof *band);
 }

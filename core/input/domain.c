@@ -76,11 +76,10 @@ struct work {
     size_t *first; /* where the points of each block of the order go */
 };
 
-static void normalise_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normalise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         vor_domain_normalise(work->out, &work->in->xyz[3 * i], &work->unsorted[3 * i]);
 }
@@ -92,23 +91,21 @@ static int is_first(const struct work *work, size_t i)
                                  &work->unsorted[3 * (size_t)work->order[i - 1]]);
 }
 
-static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void count_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct work *work = ctx;
     size_t count = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         count += (size_t)is_first(work, i);
     work->first[begin / BLOCK] = count;
 }
 
-static void gather_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void gather_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct work *work = ctx;
     size_t at = work->first[begin / BLOCK];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         if (!is_first(work, i))
             continue;
@@ -153,9 +150,7 @@ static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in
         status = vor_morton_order(work.order, work.unsorted, in->n, run, err);
     if (status == VOR_OK)
         status = gather(&work, err);
-    vor_free(run->memory, work.first);
-    vor_free(run->memory, work.order);
-    vor_free(run->memory, work.unsorted);
+    VOR_FREE_ALL(run->memory, work.first, work.order, work.unsorted);
     return status;
 }
 
@@ -166,24 +161,22 @@ struct sums {
     double (*block)[6];
 };
 
-static void sum_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void sum_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct sums *sums = ctx;
     double *sum = sums->block[begin / BLOCK];
 
-    (void)worker;
     memset(sum, 0, 6 * sizeof *sum);
     for (size_t i = begin; i < end; i++)
         for (size_t c = 0; c < 3; c++)
             sum[c] += (double)sums->xyz[3 * i + c];
 }
 
-static void spread_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void spread_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct sums *sums = ctx;
     double *m = sums->block[begin / BLOCK];
 
-    (void)worker;
     memset(m, 0, 6 * sizeof *m);
     for (size_t i = begin; i < end; i++) {
         double x = (double)sums->xyz[3 * i] - sums->mean[0],
@@ -254,32 +247,28 @@ static size_t rank_below_gap(const float *far2, size_t n)
     return last;
 }
 
-/* Sets sparse from a sample of points at equal steps along the order. */
-static void find_sparse(struct vor_domain *domain)
-{
-    size_t n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
-    unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
-    float far2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
-
-    for (size_t i = 0; i < n; i++) {
-        size_t at = (size_t)((double)i / (double)n * (double)domain->n);
-        uint32_t index[SIXTH + 1];
-        float distance2[SIXTH + 1];
-
-        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
-        far2[i] = distance2[k - 1];
-    }
-    vor_sort_floats(far2, n);
-    domain->sparse = sqrt((double)far2[rank_below_gap(far2, n)]);
-}
-
 vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run,
                             struct vor_error *err)
 {
     vor_status status = vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
 
-    if (status == VOR_OK)
-        find_sparse(domain);
+    if (status == VOR_OK) {
+        /* Sets sparse from a sample of points at equal steps along the order. */
+        size_t n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
+        unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
+        float far2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
+
+        for (size_t i = 0; i < n; i++) {
+            size_t at = (size_t)((double)i / (double)n * (double)domain->n);
+            uint32_t index[SIXTH + 1];
+            float distance2[SIXTH + 1];
+
+            vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+            far2[i] = distance2[k - 1];
+        }
+        vor_sort_floats(far2, n);
+        domain->sparse = sqrt((double)far2[rank_below_gap(far2, n)]);
+    }
     return status;
 }
 
@@ -291,16 +280,6 @@ vor_status vor_domain_move(struct vor_domain *domain, float *xyz, const struct v
     domain->knn = NULL;
     domain->xyz = xyz;
     return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
-}
-
-/* Replaces the points by those of `xyz` in an order. */
-static void put_in_order(struct vor_domain *domain, const float *xyz, const uint32_t *source,
-                         const uint32_t *order)
-{
-    for (size_t i = 0; i < domain->n; i++) {
-        memcpy(&domain->xyz[3 * i], &xyz[3 * (size_t)order[i]], 3 * sizeof *xyz);
-        domain->source[i] = source[order[i]];
-    }
 }
 
 vor_status vor_domain_add(struct vor_domain *domain, const float *xyz, const uint32_t *source,
@@ -326,12 +305,15 @@ vor_status vor_domain_add(struct vor_domain *domain, const float *xyz, const uin
         memcpy(&from[before], source, count * sizeof *from);
         status = vor_morton_order(order, copy, all, run, err);
         domain->n = all;
-        if (status == VOR_OK)
-            put_in_order(domain, copy, from, order);
+        if (status == VOR_OK) {
+            /* Replaces the points by those of `xyz` in an order. */
+            for (size_t i = 0; i < domain->n; i++) {
+                memcpy(&domain->xyz[3 * i], &copy[3 * (size_t)order[i]], 3 * sizeof *copy);
+                domain->source[i] = from[order[i]];
+            }
+        }
     }
-    vor_free(memory, from);
-    vor_free(memory, copy);
-    vor_free(memory, order);
+    VOR_FREE_ALL(memory, from, copy, order);
     vor_knn_free(domain->knn);
     domain->knn = NULL;
     return status == VOR_OK ? vor_domain_index(domain, run, err) : status;
@@ -369,10 +351,8 @@ void vor_domain_free(struct vor_domain *domain)
     vor_field_free(&domain->field);
     vor_graph_free(&domain->graph);
     vor_knn_free(domain->knn);
-    vor_free(domain->memory, domain->islands.member);
-    vor_free(domain->memory, domain->islands.first);
-    vor_free(domain->memory, domain->source);
-    vor_free(domain->memory, domain->xyz);
+    VOR_FREE_ALL(domain->memory, domain->islands.member, domain->islands.first, domain->source,
+                 domain->xyz);
     memset(&domain->islands, 0, sizeof domain->islands);
     domain->knn = NULL;
     domain->source = NULL;

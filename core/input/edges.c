@@ -151,12 +151,11 @@ static int plane_of(float normal[3], const struct around *around)
 }
 
 /* Leaves in flag which points are bent. */
-static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct around around;
 
-    (void)worker;
     around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
@@ -164,14 +163,13 @@ static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void noise_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     const struct vor_domain *domain = find->domain;
     struct around around;
     struct vor_surface surface;
 
-    (void)worker;
     around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
@@ -201,21 +199,6 @@ static vor_status measure_noise(struct find *find, const struct vor_run *run, st
     return VOR_OK;
 }
 
-/* Axes and lengths of the sum of the normals' squares: along an edge, across it, and up. */
-static void spread_of(double values[3], double vectors[3][3], const struct around *around,
-                      const float *normal)
-{
-    double m[6] = {0};
-
-    for (unsigned j = 0; j < around->k; j++) {
-        const float *n = &normal[3 * (size_t)around->index[j]];
-        double d[3] = {(double)n[0], (double)n[1], (double)n[2]};
-
-        add_square(m, d);
-    }
-    vor_eigen3(values, vectors, m);
-}
-
 /* Whether a crease of k points is an edge; all in spacings. */
 static int is_edge(const struct vor_crease *crease, unsigned k, double noise2)
 {
@@ -231,9 +214,17 @@ static int look_at(const struct find *find, size_t i, struct around *around)
 {
     struct vor_crease crease;
     double values[3], axis[3][3];
+    double m[6] = {0};
 
     search(around, find->domain, &find->domain->xyz[3 * i], AROUND);
-    spread_of(values, axis, around, find->normal);
+    /* Axes and lengths of the sum of the normals' squares: along an edge, across it, and up. */
+    for (unsigned j = 0; j < around->k; j++) {
+        const float *n = &find->normal[3 * (size_t)around->index[j]];
+        double d[3] = {(double)n[0], (double)n[1], (double)n[2]};
+
+        add_square(m, d);
+    }
+    vor_eigen3(values, axis, m);
     if (!(around->spacing > 0) || !(values[1] >= ACROSS * around->k))
         return 0;
     vor_crease_fit(&crease, around->near, around->k, axis, around->spacing);
@@ -250,13 +241,12 @@ static int look_at(const struct find *find, size_t i, struct around *around)
 }
 
 /* An edge is as long as the band of its points is large over how wide it is. */
-static void edge_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct found found = {0};
     struct around around;
 
-    (void)worker;
     around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         if (!find->edges->flag[i])
@@ -318,9 +308,7 @@ vor_status vor_edges_find(struct vor_edges *out, const struct vor_domain *domain
     status = make_room(&find, run->memory, err);
     if (status == VOR_OK && domain->n >= VOR_CREASE_MIN)
         status = find_all(&find, run, err);
-    vor_free(run->memory, find.block);
-    vor_free(run->memory, find.off2);
-    vor_free(run->memory, find.normal);
+    VOR_FREE_ALL(run->memory, find.block, find.off2, find.normal);
     if (status != VOR_OK) {
         vor_edges_free(&edges);
         return status;
@@ -333,9 +321,6 @@ void vor_edges_free(struct vor_edges *edges)
 {
     if (edges->memory == NULL)
         return;
-    vor_free(edges->memory, edges->foot);
-    vor_free(edges->memory, edges->direction);
-    vor_free(edges->memory, edges->strength);
-    vor_free(edges->memory, edges->flag);
+    VOR_FREE_ALL(edges->memory, edges->foot, edges->direction, edges->strength, edges->flag);
     memset(edges, 0, sizeof *edges);
 }

@@ -81,7 +81,6 @@ void vor_field_free(struct vor_field *field)
     if (field->memory == NULL)
         return;
     vor_knn_free(field->knn);
-    vor_free(field->memory, field->value);
-    vor_free(field->memory, field->xyz);
+    VOR_FREE_ALL(field->memory, field->value, field->xyz);
     memset(field, 0, sizeof *field);
 }

@@ -63,8 +63,7 @@ void vor_filling_free(struct vor_filling *filling)
     if (filling->domain == NULL)
         return;
     vor_band_search_free(&filling->search, filling->domain->memory);
-    vor_free(filling->domain->memory, filling->xyz);
-    vor_free(filling->domain->memory, filling->source);
+    VOR_FREE_ALL(filling->domain->memory, filling->xyz, filling->source);
     memset(filling, 0, sizeof *filling);
 }
 
@@ -166,12 +165,11 @@ static vor_status fit(struct fill *fill, const struct vor_run *run, struct vor_e
 }
 
 /* Computes places of the rows, one after another. */
-static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct fill *fill = ctx;
     double step = STEP * fill->loop->spacing;
 
-    (void)worker;
     for (size_t k = begin; k < end; k++) {
         size_t column = k % fill->side[0], row = fill->row + k / fill->side[0];
         double u[2] = {fill->low[0] + (double)column * step, fill->low[1] + (double)row * step};
@@ -265,14 +263,13 @@ static vor_status put_points(struct fill *fill, int *inside, const struct vor_ru
 }
 
 /* Gives new points their sources, and counts those that lie on another part of the input. */
-static void source_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void source_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct fill *fill = ctx;
     const struct vor_band_search *search = &fill->filling->search;
     double near = IN_THE_WAY * fill->loop->spacing;
     size_t in_the_way = 0;
 
-    (void)worker;
     for (size_t i = fill->before + begin; i < fill->before + end; i++) {
         uint32_t index;
         float distance2;

@@ -9,29 +9,6 @@
 /* Points between two looks at whether to go on: a millisecond. */
 enum { POLL_EVERY = 4096 };
 
-/* Counts the lists that each point is in in first[j + 1], and makes them the places where those of
- * each begin. */
-static void count_lists(struct vor_grading *grading, const struct vor_graph *graph)
-{
-    for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++)
-            grading->first[graph->list[i * graph->most + a] + 1]++;
-    for (size_t j = 0; j < graph->n; j++)
-        grading->first[j + 1] += grading->first[j];
-}
-
-/* Writes whose lists they are; queue[j] is how many of point j are written. */
-static void fill_lists(struct vor_grading *grading, const struct vor_graph *graph)
-{
-    memset(grading->queue, 0, graph->n * sizeof *grading->queue);
-    for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++) {
-            uint32_t j = graph->list[i * graph->most + a];
-
-            grading->to[grading->first[j] + grading->queue[j]++] = (uint32_t)i;
-        }
-}
-
 vor_status vor_grading_init(struct vor_grading *out, const struct vor_graph *graph,
                             const float *xyz, struct vor_error *err)
 {
@@ -40,14 +17,27 @@ vor_status vor_grading_init(struct vor_grading *out, const struct vor_graph *gra
     grading.first = vor_calloc(grading.memory, grading.n + 1, sizeof *grading.first);
     grading.queue = vor_malloc(grading.memory, grading.n, 2 * sizeof *grading.queue);
     if (grading.first != NULL && grading.queue != NULL) {
-        count_lists(&grading, graph);
+        /* Counts the lists that each point is in in first[j + 1], and makes them the places where
+         * those of each begin. */
+        for (size_t i = 0; i < graph->n; i++)
+            for (unsigned a = 0; a < graph->count[i]; a++)
+                grading.first[graph->list[i * graph->most + a] + 1]++;
+        for (size_t j = 0; j < graph->n; j++)
+            grading.first[j + 1] += grading.first[j];
         grading.to = vor_malloc(grading.memory, grading.first[grading.n] + 1, sizeof *grading.to);
     }
     if (grading.to == NULL) {
         vor_grading_free(&grading);
         return vor_fail(err, VOR_E_NOMEM, "limits between %zu points", graph->n);
     }
-    fill_lists(&grading, graph);
+    /* Writes whose lists they are; queue[j] is how many of point j are written. */
+    memset(grading.queue, 0, graph->n * sizeof *grading.queue);
+    for (size_t i = 0; i < graph->n; i++)
+        for (unsigned a = 0; a < graph->count[i]; a++) {
+            uint32_t j = graph->list[i * graph->most + a];
+
+            grading.to[grading.first[j] + grading.queue[j]++] = (uint32_t)i;
+        }
     *out = grading;
     return VOR_OK;
 }
@@ -56,9 +46,7 @@ void vor_grading_free(struct vor_grading *grading)
 {
     if (grading->memory == NULL)
         return;
-    vor_free(grading->memory, grading->to);
-    vor_free(grading->memory, grading->queue);
-    vor_free(grading->memory, grading->first);
+    VOR_FREE_ALL(grading->memory, grading->to, grading->queue, grading->first);
     memset(grading, 0, sizeof *grading);
 }
 

@@ -65,7 +65,6 @@ static int fit_to(struct vor_surface *out, const struct growing *growing, const 
     return out->kind != VOR_SURFACE_NONE;
 }
 
-/* Fits to a point and its list. */
 static int fit_list(struct vor_surface *out, const struct growing *growing, uint32_t i)
 {
     const struct vor_graph *graph = growing->graph;
@@ -120,11 +119,10 @@ static double off(const struct vor_surface *surface, const float *p)
            surface->spacing;
 }
 
-static void rate_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void rate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct growing *growing = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_surface own;
 
@@ -189,8 +187,7 @@ static void take_list(struct growing *growing, uint32_t i, const uint32_t *index
     memcpy(&graph->list[(size_t)i * graph->most], &index[1], count * sizeof *index);
     vor_surface_to_local(surface, x, local);
     vor_surface_normal(surface, local, normal);
-    for (size_t c = 0; c < 3; c++)
-        graph->normal[3 * (size_t)i + c] = (float)normal[c];
+    vor_to_floats(&graph->normal[3 * (size_t)i], normal);
     keep(&growing->leaf[i], surface);
     growing->grown[i] = 1;
 }
@@ -219,23 +216,21 @@ static void grow_point(struct growing *growing, uint32_t i)
         take_list(growing, i, index, n, &surface);
 }
 
-static void grow_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void grow_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct growing *growing = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         if (!growing->sure[i])
             grow_point(growing, (uint32_t)i);
 }
 
 /* Drops those of a list whose own surfaces pass the point by. */
-static void drop_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct growing *growing = ctx;
     struct vor_graph *graph = growing->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &graph->list[i * graph->most], stay[VOR_ADJACENT];
         unsigned left = 0;
@@ -282,8 +277,6 @@ vor_status vor_grow(struct vor_graph *graph, const struct vor_domain *domain,
     }
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, BLOCK, drop_block, &growing, err);
-    vor_free(run->memory, growing.leaf);
-    vor_free(run->memory, growing.grown);
-    vor_free(run->memory, growing.sure);
+    VOR_FREE_ALL(run->memory, growing.leaf, growing.grown, growing.sure);
     return status;
 }

@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Marks the loops that the request names. */
 static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loops,
                              const struct vor_spec *spec, struct vor_error *err)
 {

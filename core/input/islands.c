@@ -28,7 +28,6 @@ enum {
 
 #define LARGE UINT32_MAX
 
-/* Parts of a domain. */
 struct parts {
     size_t count;        /* all of them */
     size_t small, least; /* those of fewer than `least` points, and that number */
@@ -39,19 +38,7 @@ struct parts {
 
 static void free_parts(struct parts *parts, struct vor_memory *memory)
 {
-    vor_free(memory, parts->size);
-    vor_free(memory, parts->root);
-}
-
-static void count_small(struct parts *parts, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        parts->size[parts->root[i]]++;
-    for (size_t i = 0; i < n; i++)
-        if (parts->size[i] > 0 && parts->size[i] < parts->least) {
-            parts->small++;
-            parts->points += parts->size[i];
-        }
+    VOR_FREE_ALL(memory, parts->size, parts->root);
 }
 
 /* Finds the parts; root and size are set only if there are several. */
@@ -73,7 +60,13 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
     parts->size = vor_calloc(run->memory, domain->n, sizeof *parts->size);
     if (parts->size == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the parts of %zu points", domain->n);
-    count_small(parts, domain->n);
+    for (size_t i = 0; i < domain->n; i++)
+        parts->size[parts->root[i]]++;
+    for (size_t i = 0; i < domain->n; i++)
+        if (parts->size[i] > 0 && parts->size[i] < parts->least) {
+            parts->small++;
+            parts->points += parts->size[i];
+        }
     return VOR_OK;
 }
 
@@ -118,8 +111,7 @@ static vor_status cut_off(struct vor_domain *domain, const struct parts *parts,
     uint32_t *source = vor_malloc(memory, parts->points, sizeof *source);
 
     if (xyz == NULL || source == NULL) {
-        vor_free(memory, source);
-        vor_free(memory, xyz);
+        VOR_FREE_ALL(memory, source, xyz);
         return vor_fail(err, VOR_E_NOMEM, "the points of %zu islands", parts->small);
     }
     for (size_t i = 0; i < parts->points; i++) {
@@ -135,15 +127,13 @@ static vor_status cut_off(struct vor_domain *domain, const struct parts *parts,
     memcpy(&domain->xyz[3 * rest], xyz, parts->points * 3 * sizeof *xyz);
     memcpy(&domain->source[rest], source, parts->points * sizeof *source);
     domain->n = rest;
-    vor_free(memory, source);
-    vor_free(memory, xyz);
+    VOR_FREE_ALL(memory, source, xyz);
     return VOR_OK;
 }
 
 static void forget(struct vor_domain *domain)
 {
-    vor_free(domain->memory, domain->islands.first);
-    vor_free(domain->memory, domain->islands.member);
+    VOR_FREE_ALL(domain->memory, domain->islands.first, domain->islands.member);
     memset(&domain->islands, 0, sizeof domain->islands);
 }
 
@@ -267,17 +257,6 @@ static size_t share_before(const struct placing *placing, size_t island)
     return (size_t)((sum + islands->points / 2) / islands->points);
 }
 
-static void mean_of(const struct placing *placing, size_t first, size_t count, float mean[3])
-{
-    double sum[3] = {0, 0, 0};
-
-    for (size_t i = 0; i < count; i++)
-        for (size_t c = 0; c < 3; c++)
-            sum[c] += (double)member(placing, first + i)[c];
-    for (size_t c = 0; c < 3; c++)
-        mean[c] = (float)(sum[c] / (double)count);
-}
-
 /* Places `wanted` points at those of an island. */
 static void place_island(const struct placing *placing, size_t island, size_t at, size_t wanted)
 {
@@ -285,8 +264,13 @@ static void place_island(const struct placing *placing, size_t island, size_t at
     size_t count = first[1] - first[0], best = 0;
     double far2[FITS * VOR_NEIGHBORS_MAX];
     float mean[3];
+    double sum[3] = {0, 0, 0};
 
-    mean_of(placing, first[0], count, mean);
+    for (size_t i = 0; i < count; i++)
+        for (size_t c = 0; c < 3; c++)
+            sum[c] += (double)member(placing, first[0] + i)[c];
+    for (size_t c = 0; c < 3; c++)
+        mean[c] = (float)(sum[c] / (double)count);
     for (size_t i = 0; i < count; i++) {
         far2[i] = vor_distance2f(member(placing, first[0] + i), mean);
         best = far2[i] < far2[best] ? i : best;
@@ -305,11 +289,10 @@ static void place_island(const struct placing *placing, size_t island, size_t at
     }
 }
 
-static void place_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct placing *placing = ctx;
 
-    (void)worker;
     for (size_t island = begin; island < end; island++) {
         size_t at = share_before(placing, island), next = share_before(placing, island + 1);
 

@@ -77,17 +77,6 @@ struct axis {
     double rounding;                  /* values nearer than twice this are one level */
 };
 
-static void sample_axis(struct axis *axis, const struct vor_domain *domain, size_t c)
-{
-    axis->n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
-    for (size_t i = 0; i < axis->n; i++) {
-        size_t at = (size_t)(((double)i + 0.5) / (double)axis->n * (double)domain->n);
-
-        axis->value[i] = (double)domain->xyz[3 * at + c];
-    }
-    vor_sort_doubles(axis->value, axis->n);
-}
-
 static void find_levels(struct axis *axis, double rounding)
 {
     axis->rounding = rounding;
@@ -162,19 +151,6 @@ static int follow(struct found *out, const struct axis *axis, double cell)
     return stray * STRAY <= axis->n;
 }
 
-/* Finds the largest cell that the sample is on. */
-static void try_candidates(struct found *out, const struct axis *axis)
-{
-    struct found found = {0};
-
-    for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++) {
-        double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)];
-
-        if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
-            *out = found;
-    }
-}
-
 /* First with levels rounded, because all float32 values are on the lattice of their last bits. */
 static void find_cell(struct found *out, struct axis *axis, double largest)
 {
@@ -183,8 +159,16 @@ static void find_cell(struct found *out, struct axis *axis, double largest)
     for (int i = 0; i < 2 && out->cell == 0 && !out->few; i++) {
         find_levels(axis, roundings[i]);
         out->few = axis->levels < FEW && roundings[i] <= FLAT;
-        if (axis->levels >= FEW)
-            try_candidates(out, axis);
+        if (axis->levels >= FEW) {
+            struct found found = {0}; /* the largest cell that the sample is on is taken */
+
+            for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++) {
+                double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)];
+
+                if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
+                    *out = found;
+            }
+        }
     }
 }
 
@@ -194,11 +178,10 @@ struct check {
     atomic_size_t stray[3];
 };
 
-static void check_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void check_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct check *check = ctx;
 
-    (void)worker;
     for (size_t c = 0; c < 3; c++) {
         size_t stray = 0;
 
@@ -275,7 +258,13 @@ vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *do
     for (int c = 0; c < 3; c++)
         largest = fmax(largest, 1 + fabs(domain->shift[c]) / domain->unit);
     for (size_t c = 0; c < 3; c++) {
-        sample_axis(axis, domain, c);
+        axis->n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
+        for (size_t i = 0; i < axis->n; i++) {
+            size_t at = (size_t)(((double)i + 0.5) / (double)axis->n * (double)domain->n);
+
+            axis->value[i] = (double)domain->xyz[3 * at + c];
+        }
+        vor_sort_doubles(axis->value, axis->n);
         find_cell(&check.found[c], axis, largest);
     }
     vor_free(run->memory, axis);
@@ -297,16 +286,6 @@ struct hood {
     float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX], weight[VOR_NEIGHBORS_MAX];
     struct vor_surface surface;
 };
-
-static void gather(struct hood *out, const struct smooth *smooth, size_t i)
-{
-    const struct vor_domain *domain = smooth->domain;
-    uint32_t index[VOR_NEIGHBORS_MAX];
-
-    vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, smooth->k, index, out->distance2);
-    for (unsigned j = 0; j < smooth->k; j++)
-        memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *out->near);
-}
 
 /* Fits to the k nearest with the weight (1 - d^2 / d_k^2)^3. Returns their weighted variance about
  * the surface. */
@@ -351,8 +330,13 @@ static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
     struct hood hood;
     double local[3] = {0, 0, 0};
     unsigned k = smooth->k;
+    uint32_t index[VOR_NEIGHBORS_MAX];
 
-    gather(&hood, smooth, i);
+    vor_knn_search(smooth->domain->knn, &smooth->domain->xyz[3 * i], 1, smooth->k, index,
+                   hood.distance2);
+    for (unsigned j = 0; j < smooth->k; j++)
+        memcpy(&hood.near[3 * j], &smooth->domain->xyz[3 * (size_t)index[j]],
+               3 * sizeof *hood.near);
     while (k >= NEAREST && fit(&hood, k) > excused(smooth, &hood.surface, k))
         k /= 2;
     if (k < NEAREST || hood.surface.kind == VOR_SURFACE_NONE)
@@ -362,12 +346,11 @@ static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
     return 1;
 }
 
-static void smooth_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void smooth_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct smooth *smooth = ctx;
     size_t moved = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *from = &smooth->domain->xyz[3 * i];
         float *to = &smooth->xyz[3 * i];

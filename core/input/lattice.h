@@ -4,9 +4,9 @@
  *  Source: none of the papers; Xiao 2024 Sec. V-C resamples octree-decoded clouds as they are.
  *
  *  Finding: along each axis the gaps between a sample's different values are multiples of the cell.
- *  Candidates are a few quantiles of the gaps and their halves, thirds and quarters. Each is
- *  followed from one value over the whole axis and fitted again whenever the distance has doubled.
- *  The largest one that nearly all of the sample fits is checked against all points.
+ *  Candidates are a few quantiles of the gaps. Each is followed from one value over the whole axis
+ *  and fitted again whenever the distance has doubled. The largest one that nearly all of the
+ *  sample fits is checked against all points.
  *
  *  Smoothing: where cells are as large as the spacing, the rounding is most of a point's error.
  *  Each point moves to its foot on a quadric fitted to its neighbours, weighted by distance, but
@@ -28,7 +28,7 @@
 #include "core/input/domain.h"
 
 /** Looks for a lattice. Coordinates may be off it by the rounding of float32 and a hundredth of a
- *  cell, one in a thousand by any distance. Fewer than 200 points have none.
+ *  cell, one in 200 by any distance. Fewer than 200 points have none.
  *
  *  Far from the origin float32 itself rounds to a lattice; it is reported only if it matters.
  *

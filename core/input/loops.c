@@ -127,8 +127,7 @@ static void normal_of(double normal[3], const struct find *find, size_t i,
                       around->k < find->flat ? around->k : find->flat);
         known = plane.normal;
     }
-    for (int c = 0; c < 3; c++)
-        normal[c] = (double)known[c];
+    vor_to_doubles(normal, known);
 }
 
 static unsigned openings_at(struct vor_opening *out, const struct find *find, size_t i,
@@ -141,13 +140,12 @@ static unsigned openings_at(struct vor_opening *out, const struct find *find, si
     return vor_openings_find(out, around->near, around->k, x, normal, radius);
 }
 
-static void flag_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void flag_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct vor_opening opening[VOR_OPENINGS];
     struct around around;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         double radius;
 
@@ -171,13 +169,12 @@ static double spacing_at(const struct find *find, const struct around *around)
     return (double)spacing[vor_quantile_rank(INSIDE_QUANTILE, k)];
 }
 
-static void corner_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void corner_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct vor_opening opening[VOR_OPENINGS];
     struct around around;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t at = find->candidate[i];
         double spacing;
@@ -260,14 +257,6 @@ static size_t mark(const struct walk *walk, size_t end)
     return count;
 }
 
-/* Marks the rows that stop somewhere, and counts the long ones. */
-static void count_open(const struct walk *walk)
-{
-    for (size_t end = 0; end < 2 * walk->n; end++)
-        if (walk->mate[end] == VOR_ROWS_NO_END && !walk->seen[end / 2])
-            walk->loops->open += mark(walk, end) >= LEAST;
-}
-
 /* What is summed up along a loop. */
 struct sums {
     double length, bend, spacing, centre[3];
@@ -327,18 +316,6 @@ static int longer(const void *left, const void *right)
     return (a->first > b->first) - (a->first < b->first);
 }
 
-/* Walks along the rows. */
-static void walk_rows(struct walk *walk)
-{
-    struct vor_loops *loops = walk->loops;
-
-    count_open(walk);
-    for (size_t i = 0; i < walk->n; i++)
-        if (!walk->seen[i])
-            take_loop(walk, i);
-    qsort(loops->loop, loops->count, sizeof *loops->loop, longer);
-}
-
 /* Makes the loops of n corners. */
 static vor_status make_loops(struct vor_loops *loops, const struct find *find, size_t n,
                              const struct vor_run *run, struct vor_error *err)
@@ -354,11 +331,18 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
         status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", n);
     } else {
         status = vor_rows_join(walk.mate, walk.corner, n, VOR_LOOPS_RADIUS, run->memory, err);
-        if (status == VOR_OK)
-            walk_rows(&walk);
+        if (status == VOR_OK) {
+            /* Marks the rows that stop somewhere, and counts the long ones. */
+            for (size_t end = 0; end < 2 * walk.n; end++)
+                if (walk.mate[end] == VOR_ROWS_NO_END && !walk.seen[end / 2])
+                    loops->open += mark(&walk, end) >= LEAST;
+            for (size_t i = 0; i < walk.n; i++)
+                if (!walk.seen[i])
+                    take_loop(&walk, i);
+            qsort(loops->loop, loops->count, sizeof *loops->loop, longer);
+        }
     }
-    vor_free(run->memory, walk.seen);
-    vor_free(run->memory, walk.mate);
+    VOR_FREE_ALL(run->memory, walk.seen, walk.mate);
     return status;
 }
 
@@ -390,11 +374,8 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
         status = find_corners(&find, &corners, run, err);
     if (status == VOR_OK)
         status = make_loops(&loops, &find, corners, run, err);
-    vor_free(run->memory, find.corner);
-    vor_free(run->memory, find.corners_of);
-    vor_free(run->memory, find.candidate);
-    vor_free(run->memory, find.flag);
-    vor_free(run->memory, find.spacing);
+    VOR_FREE_ALL(run->memory, find.corner, find.corners_of, find.candidate, find.flag,
+                 find.spacing);
     if (status != VOR_OK) {
         vor_loops_free(&loops);
         return status;
@@ -407,7 +388,6 @@ void vor_loops_free(struct vor_loops *loops)
 {
     if (loops->memory == NULL)
         return;
-    vor_free(loops->memory, loops->point);
-    vor_free(loops->memory, loops->loop);
+    VOR_FREE_ALL(loops->memory, loops->point, loops->loop);
     memset(loops, 0, sizeof *loops);
 }

@@ -127,12 +127,11 @@ static void fit_best(struct hood *hood)
     hood->surface = best;
 }
 
-static void project_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct pass *pass = ctx;
     struct hood hood;
 
-    (void)worker;
     memset(&hood.surface, 0, sizeof hood.surface); /* clang-analyzer cannot see that k >= 1 */
     for (size_t i = begin; i < end; i++) {
         const float *from = &pass->domain->xyz[3 * i];

@@ -128,9 +128,8 @@ static void fit_place(struct survey *survey, size_t place)
     }
 }
 
-static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void fit_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    (void)worker;
     for (size_t place = begin; place < end; place++)
         fit_place(ctx, place);
 }

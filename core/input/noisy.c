@@ -44,20 +44,18 @@ static double roughness(const struct find *find, size_t i)
     return sqrt(surface.off2 * n / (n - QUADRIC)) / surface.spacing;
 }
 
-static void rough_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void rough_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         find->rough[i] = (float)roughness(find, i);
 }
 
-static void region_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void region_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
 
-    (void)worker;
     if (begin > 0 && end - begin < VOR_NOISY_REGION)
         return; /* a rest: of the region before it */
     if (find->domain->n - end < VOR_NOISY_REGION)

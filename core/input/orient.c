@@ -84,8 +84,7 @@ struct component {
 
 static void read3(double out[3], const float *x)
 {
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)x[c];
+    vor_to_doubles(out, x);
 }
 
 /* The points that the normal of point i is fitted to: those of its list where a fit takes as few,
@@ -114,13 +113,12 @@ static unsigned gather(float *near, const struct orient *orient, size_t i,
     return k;
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct orient *orient = ctx;
     float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_surface surface;
         double x[3], local[3], normal[3];
@@ -134,8 +132,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
             vor_surface_to_local(&surface, x, local);
             vor_surface_normal(&surface, local, normal);
         }
-        for (size_t c = 0; c < 3; c++)
-            orient->normal[3 * i + c] = (float)normal[c];
+        vor_to_floats(&orient->normal[3 * i], normal);
     }
 }
 
@@ -164,12 +161,11 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
                            (mirrored < 0 ? VOR_SPAN_TURNS : 0));
 }
 
-static void edge_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void edge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct orient *orient = ctx;
     const struct vor_graph *graph = orient->graph;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         for (unsigned a = 0; a < graph->count[i]; a++)
             orient->edge[i * graph->most + a] =
@@ -248,22 +244,6 @@ static void add_up(struct component *components, const struct orient *orient)
     }
 }
 
-/* Adds up what needs the middles. */
-static void add_flux(struct component *components, const struct orient *orient)
-{
-    for (size_t i = 0; i < orient->on->n; i++) {
-        struct component *of = &components[orient->span.component[i]];
-        double area = area_of(orient, i), from[3], normal[3];
-
-        read3(from, &orient->on->xyz[3 * i]);
-        read3(normal, &orient->normal[3 * i]);
-        for (int c = 0; c < 3 && of->area > 0; c++)
-            from[c] -= of->middle[c] / of->area;
-        of->flux += area * vor_dot(from, normal);
-        of->span += area * sqrt(vor_dot(from, from));
-    }
-}
-
 static int carried_say(const struct component *of)
 {
     return of->counted > 0 && fabs(of->agree) > AGREE * of->counted;
@@ -306,21 +286,6 @@ static void look_beside(struct component *components, const struct orient *orien
                 vor_span_vote(edge_of(orient, i, index[a]), 0);
 }
 
-/* Small components are on the side of larger ones beside them: too few points were left of their
- * sheet to be joined to it. */
-static void join_sides(struct component *components, struct orient *orient)
-{
-    for (size_t i = 0; i < orient->on->n; i++)
-        if (components[orient->span.component[i]].points < SMALL)
-            look_beside(components, orient, i);
-    for (size_t i = 0; i < orient->on->n; i++) {
-        const struct component *of = &components[orient->span.component[i]];
-
-        orient->span.odd[i] = of->beside < 0 && !carried_say(of);
-    }
-    turn(orient);
-}
-
 /* Turns the components outward and counts those with one side. */
 static vor_status face_outward(struct vor_orientation *out, struct orient *orient,
                                const struct vor_run *run, struct vor_error *err)
@@ -330,11 +295,32 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
     if (components == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu components", out->components);
     add_up(components, orient);
-    add_flux(components, orient);
+    /* Adds up what needs the middles. */
+    for (size_t i = 0; i < orient->on->n; i++) {
+        struct component *of = &components[orient->span.component[i]];
+        double area = area_of(orient, i), from[3], normal[3];
+
+        read3(from, &orient->on->xyz[3 * i]);
+        read3(normal, &orient->normal[3 * i]);
+        for (int c = 0; c < 3 && of->area > 0; c++)
+            from[c] -= of->middle[c] / of->area;
+        of->flux += area * vor_dot(from, normal);
+        of->span += area * sqrt(vor_dot(from, from));
+    }
     for (size_t i = 0; i < orient->on->n; i++)
         orient->span.odd[i] = (unsigned char)faces_inward(&components[orient->span.component[i]]);
     turn(orient);
-    join_sides(components, orient);
+    /* Small components are on the side of larger ones beside them: too few points were left of
+     * their sheet to be joined to it. */
+    for (size_t i = 0; i < orient->on->n; i++)
+        if (components[orient->span.component[i]].points < SMALL)
+            look_beside(components, orient, i);
+    for (size_t i = 0; i < orient->on->n; i++) {
+        const struct component *of = &components[orient->span.component[i]];
+
+        orient->span.odd[i] = of->beside < 0 && !carried_say(of);
+    }
+    turn(orient);
     for (size_t i = 0; i < out->components; i++)
         out->one_sided += (double)components[i].broken > SEAM * sqrt((double)components[i].points);
     vor_free(run->memory, components);
@@ -349,13 +335,12 @@ struct anew {
 };
 
 /* Every point whose neighbours mostly say so changes its side, in the order of the points. */
-static void outvote(void *ctx, size_t begin, size_t end, unsigned worker)
+static void outvote(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct orient *orient = ((struct anew *)ctx)->orient;
     const struct vor_graph *graph = orient->graph;
     unsigned char *odd = ((struct anew *)ctx)->span.odd;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         double vote = 0;
 
@@ -379,7 +364,7 @@ static vor_status spread_anew(struct anew *anew, const struct vor_winding_points
         status = vor_winding_turn(&anew->span, points, run, err);
     for (unsigned k = 0; k < VOTES && status == VOR_OK; k++)
         status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
-    if (status == VOR_OK)
+    if (status == VOR_OK && orient->shun_rough)              /* else nobody asks for them */
         status = vor_winding_find(anew->found, &anew->span, points, run, err);
     return status;
 }
@@ -387,20 +372,6 @@ static vor_status spread_anew(struct anew *anew, const struct vor_winding_points
 static int is_closed(const struct vor_winding_found *found)
 {
     return fabs(found->mean) >= CLOSED;
-}
-
-/* Takes the new signs of the components that are closed, or that the new signs close. */
-static void take(struct orient *orient, struct vor_winding_found *found, const struct anew *anew)
-{
-    for (size_t i = 0; i < orient->on->n; i++) {
-        uint32_t c = orient->span.component[i];
-        const struct vor_winding_found *now = &anew->found[c];
-
-        if (orient->shun_rough
-                ? found[c].apart >= APART && is_closed(now) && now->apart <= found[c].apart / 2
-                : is_closed(&found[c]))
-            orient->span.odd[i] = anew->span.odd[i];
-    }
 }
 
 /* Spreads signs anew, across rough places last if that is set, and takes those that are better. */
@@ -415,9 +386,19 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
     if (anew.found == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu components", orient->span.components);
     status = spread_anew(&anew, points, run, err);
-    if (status == VOR_OK)
-        take(orient, found, &anew);
-    if (status == VOR_OK)
+    if (status == VOR_OK) {
+        /* Takes the new signs of the components that are closed, or that the new signs close. */
+        for (size_t i = 0; i < orient->on->n; i++) {
+            uint32_t c = orient->span.component[i];
+            const struct vor_winding_found *now = &anew.found[c];
+
+            if (orient->shun_rough
+                    ? found[c].apart >= APART && is_closed(now) && now->apart <= found[c].apart / 2
+                    : is_closed(&found[c]))
+                orient->span.odd[i] = anew.span.odd[i];
+        }
+    }
+    if (status == VOR_OK && !orient->shun_rough) /* else nobody asks for them any more */
         status = vor_winding_find(found, &orient->span, points, run, err);
     vor_span_free(&anew.span);
     vor_free(run->memory, anew.found);
@@ -509,8 +490,7 @@ static vor_status fit_and_spread(struct vor_orientation *out, struct orient *ori
         status = vor_run_for(run, n, BLOCK, edge_block, orient, err);
     if (status == VOR_OK)
         status = spread(out, orient, run, err);
-    vor_free(run->memory, orient->rough);
-    vor_free(run->memory, orient->edge);
+    VOR_FREE_ALL(run->memory, orient->rough, orient->edge);
     return status;
 }
 

@@ -109,18 +109,16 @@ static void point_batch(const struct look *look, size_t begin, size_t count)
     }
 }
 
-static void point_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    (void)worker;
     for (size_t i = begin; i < end; i += BATCH)
         point_batch(ctx, i, end - i < BATCH ? end - i : BATCH);
 }
 
-static void judge_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void judge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
 }
@@ -153,11 +151,10 @@ static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
-static void look_closer_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t nearest, other;
 
@@ -205,19 +202,6 @@ static vor_status put_aside(struct vor_outliers *aside, size_t count, const stru
     return VOR_OK;
 }
 
-static void remove_out(struct vor_domain *domain, const struct look *look)
-{
-    size_t kept = 0;
-
-    for (size_t i = 0; i < domain->n; i++) {
-        if (look->is_out[i])
-            continue;
-        memmove(&domain->xyz[3 * kept], &domain->xyz[3 * i], 3 * sizeof *domain->xyz);
-        domain->source[kept++] = domain->source[i];
-    }
-    domain->n = kept;
-}
-
 /* Finds the outliers of one look. */
 static vor_status search(struct look *look, int closer, const struct vor_run *run,
                          struct vor_error *err)
@@ -255,10 +239,18 @@ static vor_status take(struct vor_domain *domain, size_t *taken, struct vor_outl
         *taken = 0;
     if (*taken > 0)
         status = put_aside(aside, *taken, &look, err);
-    if (*taken > 0 && status == VOR_OK)
-        remove_out(domain, &look);
-    vor_free(run->memory, look.is_out);
-    vor_free(run->memory, look.pointed);
+    if (*taken > 0 && status == VOR_OK) {
+        size_t kept = 0;
+
+        for (size_t i = 0; i < domain->n; i++) {
+            if (look.is_out[i])
+                continue;
+            memmove(&domain->xyz[3 * kept], &domain->xyz[3 * i], 3 * sizeof *domain->xyz);
+            domain->source[kept++] = domain->source[i];
+        }
+        domain->n = kept;
+    }
+    VOR_FREE_ALL(run->memory, look.is_out, look.pointed);
     if (*taken == 0 || status != VOR_OK)
         return status;
     vor_knn_free(domain->knn);
@@ -286,9 +278,11 @@ struct rest {
     uint32_t *kept;        /* their numbers in the cloud */
 };
 
-/* Parts the points; there is room for all. */
-static void part(struct rest *rest, struct vor_outliers *aside)
+static vor_status make_of_rest(struct vor_domain *domain, struct vor_outliers *aside,
+                               struct rest *rest, const struct vor_run *run, struct vor_error *err)
 {
+    vor_status status;
+
     rest->near.n = 0;
     for (size_t i = 0; i < rest->in->n; i++)
         if (vor_remote_is(&rest->remote, rest->in, i)) {
@@ -298,15 +292,6 @@ static void part(struct rest *rest, struct vor_outliers *aside)
                    3 * sizeof *rest->in->xyz);
             rest->kept[rest->near.n++] = (uint32_t)i;
         }
-}
-
-/* Makes the domain of the others. */
-static vor_status make_of_rest(struct vor_domain *domain, struct vor_outliers *aside,
-                               struct rest *rest, const struct vor_run *run, struct vor_error *err)
-{
-    vor_status status;
-
-    part(rest, aside);
     status = vor_domain_init(domain, &rest->near, run, err);
     if (status != VOR_OK)
         return status;
@@ -337,8 +322,7 @@ vor_status vor_outliers_remote(struct vor_outliers *out, struct vor_domain *doma
         (void)vor_fail(err, status, "%zu points without the remote ones", in->n);
     else
         status = make_of_rest(domain, &aside, &rest, run, err);
-    vor_free(run->memory, rest.near.xyz);
-    vor_free(run->memory, rest.kept);
+    VOR_FREE_ALL(run->memory, rest.near.xyz, rest.kept);
     if (status == VOR_OK)
         *out = aside;
     else
@@ -367,8 +351,7 @@ vor_status vor_outliers_drop(struct vor_domain *domain, size_t *dropped, const s
 
 void vor_outliers_free(struct vor_outliers *outliers)
 {
-    vor_free(outliers->memory, outliers->source);
-    vor_free(outliers->memory, outliers->xyz);
+    VOR_FREE_ALL(outliers->memory, outliers->source, outliers->xyz);
     outliers->source = NULL;
     outliers->xyz = NULL;
     outliers->n = 0;
@@ -425,9 +408,8 @@ static void pull_point(struct pull *pull, size_t i)
     pull->goes[i] = (uint64_t)nearest << 32 | i;
 }
 
-static void pull_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void pull_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         pull_point(ctx, i);
 }
@@ -467,8 +449,7 @@ static vor_status insert(struct vor_domain *domain, const struct pull *pull,
     uint32_t *source = vor_malloc(domain->memory, n, sizeof *source);
 
     if (xyz == NULL || source == NULL) {
-        vor_free(domain->memory, source);
-        vor_free(domain->memory, xyz);
+        VOR_FREE_ALL(domain->memory, source, xyz);
         return vor_fail(err, VOR_E_NOMEM, "pulling outliers among %zu points", n);
     }
     qsort(pull->goes, pull->outliers->n, sizeof *pull->goes, earlier);
@@ -496,7 +477,6 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
         if (status == VOR_OK)
             status = insert(domain, &pull, run, err);
     }
-    vor_free(run->memory, pull.goes);
-    vor_free(run->memory, pull.foot);
+    VOR_FREE_ALL(run->memory, pull.goes, pull.foot);
     return status;
 }

@@ -289,10 +289,7 @@ vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *do
         if (!follow.used[i])
             status = follow_from(&follow, i, err);
     vor_knn_free(follow.knn);
-    vor_free(follow.memory, follow.pass);
-    vor_free(follow.memory, follow.used);
-    vor_free(follow.memory, follow.way);
-    vor_free(follow.memory, follow.foot);
+    VOR_FREE_ALL(follow.memory, follow.pass, follow.used, follow.way, follow.foot);
     if (status != VOR_OK) {
         vor_ridges_free(&ridges);
         return status;
@@ -305,7 +302,6 @@ void vor_ridges_free(struct vor_ridges *ridges)
 {
     if (ridges->memory == NULL)
         return;
-    vor_free(ridges->memory, ridges->ridge);
-    vor_free(ridges->memory, ridges->xyz);
+    VOR_FREE_ALL(ridges->memory, ridges->ridge, ridges->xyz);
     memset(ridges, 0, sizeof *ridges);
 }

@@ -175,9 +175,7 @@ static vor_status join_nearly(struct rows *rows, size_t n, struct vor_memory *me
         }
     }
     vor_knn_free(left.knn);
-    vor_free(memory, left.pair);
-    vor_free(memory, left.middle);
-    vor_free(memory, left.end);
+    VOR_FREE_ALL(memory, left.pair, left.middle, left.end);
     return status;
 }
 

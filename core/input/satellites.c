@@ -46,21 +46,6 @@ struct make {
     unsigned wide; /* points of both sets; 0: lists are plain */
 };
 
-/* Puts the points into the order of their components. */
-static void sort_members(struct make *make)
-{
-    size_t n = make->domain->n;
-
-    for (size_t i = 0; i < n; i++)
-        make->first[make->component[i] + 1]++;
-    for (size_t c = 0; c < make->components; c++)
-        make->first[c + 1] += make->first[c];
-    for (size_t i = n; i-- > 0;)
-        make->member[--make->first[make->component[i] + 1]] = (uint32_t)i;
-    memmove(make->first, make->first + 1, make->components * sizeof *make->first);
-    make->first[make->components] = (uint32_t)n;
-}
-
 /* The point of each component that is farthest from the sources so far: those of the last march, or
  * the nearest of the first `marches`. */
 static void farthest(struct make *make, size_t marches)
@@ -104,16 +89,6 @@ static vor_status march_all(struct make *make, const struct vor_run *run, struct
     }
     vor_march_free(&march);
     return status;
-}
-
-/* Writes the coordinates of the members. */
-static void locate(struct make *make)
-{
-    size_t n = make->domain->n;
-
-    for (size_t m = 0; m < n; m++)
-        for (size_t s = 0; s < SATELLITES; s++)
-            make->at[3 * m + s] = make->far[s * n + make->member[m]];
 }
 
 /* The normal of a plane through a point and its nearest neighbours. */
@@ -168,7 +143,7 @@ static void take_both(struct make *make, uint32_t i, const uint32_t *near, unsig
     graph->count[i] = (unsigned char)taken;
 }
 
-static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
     const struct vor_domain *domain = make->domain;
@@ -176,7 +151,6 @@ static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
     uint32_t near[WIDE], along[WIDE];
     float distance2[WIDE];
 
-    (void)worker;
     for (size_t m = begin; m < end; m++) {
         uint32_t i = make->member[make->begin + m];
 
@@ -210,11 +184,10 @@ static vor_status list_component(struct make *make, size_t c, const struct vor_r
     return status;
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         fit_normal(&make->graph->normal[3 * i], make, i);
 }
@@ -238,15 +211,27 @@ static vor_status allocate(struct make *make, const struct vor_run *run, struct 
 static vor_status make_lists(struct make *make, const struct vor_run *run, struct vor_error *err)
 {
     vor_status status = vor_graph_components(make->component, &make->components, make->graph, err);
+    size_t n = make->domain->n;
 
     if (status == VOR_OK)
         status = allocate(make, run, err);
     if (status != VOR_OK)
         return status;
-    sort_members(make);
+    /* Puts the points into the order of their components. */
+    for (size_t i = 0; i < n; i++)
+        make->first[make->component[i] + 1]++;
+    for (size_t c = 0; c < make->components; c++)
+        make->first[c + 1] += make->first[c];
+    for (size_t i = n; i-- > 0;)
+        make->member[--make->first[make->component[i] + 1]] = (uint32_t)i;
+    memmove(make->first, make->first + 1, make->components * sizeof *make->first);
+    make->first[make->components] = (uint32_t)n;
     status = march_all(make, run, err);
-    if (status == VOR_OK)
-        locate(make);
+    if (status == VOR_OK) {
+        for (size_t m = 0; m < n; m++)
+            for (size_t s = 0; s < SATELLITES; s++)
+                make->at[3 * m + s] = make->far[s * n + make->member[m]];
+    }
     for (size_t c = 0; c < make->components && status == VOR_OK; c++)
         status = list_component(make, c, run, err);
     if (status == VOR_OK)
@@ -274,12 +259,8 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
         status = vor_graph_keep_mutual(&graph, run, err);
     if (status == VOR_OK)
         status = make_lists(&make, run, err);
-    vor_free(run->memory, make.at);
-    vor_free(run->memory, make.far);
-    vor_free(run->memory, make.member);
-    vor_free(run->memory, make.first);
-    vor_free(run->memory, make.source);
-    vor_free(run->memory, make.component);
+    VOR_FREE_ALL(run->memory, make.at, make.far, make.member, make.first, make.source,
+                 make.component);
     if (status != VOR_OK) {
         vor_graph_free(&graph);
         return status;

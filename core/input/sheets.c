@@ -73,16 +73,6 @@ static void copy(float *near, const struct vor_domain *domain, const uint32_t *i
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
 }
 
-/* The k nearest points of x, nearest first. */
-static void search(float *near, const struct vor_domain *domain, const float x[3], unsigned k)
-{
-    float distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
-
-    vor_knn_search(domain->knn, x, 1, k, index, distance2);
-    copy(near, domain, index, k);
-}
-
 /* The points around a place that are searched for layers. */
 struct wide {
     unsigned most;
@@ -139,15 +129,6 @@ static unsigned find_like(struct vor_layers *out, const struct vor_sheets_recent
     return ATTEMPTS;
 }
 
-static void keep(struct vor_sheets_recent *recent, const struct vor_layers *layers,
-                 unsigned attempt)
-{
-    recent->layers[recent->next] = *layers;
-    recent->attempt[recent->next] = (unsigned char)attempt;
-    recent->next = (recent->next + 1) % RECENT;
-    recent->count += recent->count < RECENT;
-}
-
 unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const double x[3],
                          unsigned k, struct vor_sheets_recent *recent)
 {
@@ -162,7 +143,10 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const 
             attempt = first[i];
     if (attempt == ATTEMPTS)
         return 0;
-    keep(recent, &layers, attempt);
+    recent->layers[recent->next] = layers;
+    recent->attempt[recent->next] = (unsigned char)attempt;
+    recent->next = (recent->next + 1) % RECENT;
+    recent->count += recent->count < RECENT;
     return take_layer(list, &layers, &wide, x, k);
 }
 
@@ -201,7 +185,7 @@ struct survey {
     atomic_uint layered;
 };
 
-static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
@@ -210,11 +194,13 @@ static void survey_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_surface surface;
     struct vor_layers layers;
 
-    (void)worker;
     for (size_t place = begin; place < end; place++) {
         size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
+        float distance2[VOR_NEIGHBORS_MAX];
+        uint32_t index[VOR_NEIGHBORS_MAX];
 
-        search(near, domain, &domain->xyz[3 * at], k);
+        vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
+        copy(near, domain, index, k);
         vor_surface_fit(&surface, near, k);
         if (!vor_layers_possible(&surface))
             continue;

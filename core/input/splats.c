@@ -10,12 +10,6 @@ static int has_attribute(const struct vor_cloud *cloud, const char *name)
     return 0;
 }
 
-static int is_splats(const struct vor_cloud *cloud)
-{
-    return has_attribute(cloud, "f_dc_0") && has_attribute(cloud, "opacity") &&
-           has_attribute(cloud, "scale_0") && has_attribute(cloud, "rot_0");
-}
-
 /* Outliers go, and the others stay as they are. */
 static int moves_no_point(const struct vor_spec *spec)
 {
@@ -29,7 +23,8 @@ vor_status vor_splats_check(const struct vor_cloud *cloud, const struct vor_spec
                             struct vor_error *err)
 {
     if (spec->value[VOR_PARAM_ATTRIBUTES] == VOR_ATTRIBUTES_DROP || moves_no_point(spec) ||
-        !is_splats(cloud))
+        !(has_attribute(cloud, "f_dc_0") && has_attribute(cloud, "opacity") &&
+          has_attribute(cloud, "scale_0") && has_attribute(cloud, "rot_0")))
         return VOR_OK;
     return vor_fail_param(
         err, VOR_E_SPLATS, "attributes",

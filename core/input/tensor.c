@@ -65,8 +65,6 @@ void vor_tensors_free(struct vor_tensors *tensors)
     if (tensors->memory == NULL)
         return;
     vor_knn_free(tensors->knn);
-    vor_free(tensors->memory, tensors->tensor);
-    vor_free(tensors->memory, tensors->normal);
-    vor_free(tensors->memory, tensors->xyz);
+    VOR_FREE_ALL(tensors->memory, tensors->tensor, tensors->normal, tensors->xyz);
     memset(tensors, 0, sizeof *tensors);
 }

@@ -51,13 +51,12 @@ struct thinning {
 
 /* Takes a point that is a gap away from the last ones taken: points near in space are near in the
  * order. */
-static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void choose_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct thinning *thinning = ctx;
     const float *xyz = thinning->in->xyz;
     size_t recent[RECENT], count = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         int keep = 1;
 
@@ -70,14 +69,13 @@ static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
     thinning->first[begin / BLOCK] = count;
 }
 
-static void thin_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void thin_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct thinning *thinning = ctx;
     const struct vor_domain *in = thinning->in;
     struct vor_domain *out = thinning->out;
     size_t at = thinning->first[begin / BLOCK];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         if (!thinning->kept[i])
             continue;
@@ -119,33 +117,17 @@ struct means {
     double *sum;       /* out->n x 4: of coordinates, and how many there are */
 };
 
-static void nearest_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct means *means = ctx;
     struct vor_knn_last last = {.k = 0};
     float distance2;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &means->in->xyz[3 * i];
 
         vor_knn_search_next(means->out->knn, &last, x, 1, &means->nearest[i], &distance2);
     }
-}
-
-/* Moves each kept point to the mean of the points nearest to it. */
-static void add_means(struct means *means, float *xyz)
-{
-    for (size_t i = 0; i < means->in->n; i++) {
-        double *sum = &means->sum[4 * (size_t)means->nearest[i]];
-
-        for (size_t c = 0; c < 3; c++)
-            sum[c] += (double)means->in->xyz[3 * i + c];
-        sum[3]++;
-    }
-    for (size_t i = 0; i < means->out->n; i++)
-        for (size_t c = 0; c < 3 && means->sum[4 * i + 3] > 0; c++)
-            xyz[3 * i + c] = (float)(means->sum[4 * i + c] / means->sum[4 * i + 3]);
 }
 
 static vor_status take_means(struct vor_domain *domain, const struct vor_domain *in,
@@ -162,11 +144,21 @@ static vor_status take_means(struct vor_domain *domain, const struct vor_domain 
         status = vor_fail(err, VOR_E_NOMEM, "means of %zu points", in->n);
     } else {
         status = vor_run_for(run, in->n, MEANS_BLOCK, nearest_block, &means, err);
-        if (status == VOR_OK)
-            add_means(&means, domain->xyz);
+        if (status == VOR_OK) {
+            /* Moves each kept point to the mean of the points nearest to it. */
+            for (size_t i = 0; i < means.in->n; i++) {
+                double *sum = &means.sum[4 * (size_t)means.nearest[i]];
+
+                for (size_t c = 0; c < 3; c++)
+                    sum[c] += (double)means.in->xyz[3 * i + c];
+                sum[3]++;
+            }
+            for (size_t i = 0; i < means.out->n; i++)
+                for (size_t c = 0; c < 3 && means.sum[4 * i + 3] > 0; c++)
+                    domain->xyz[3 * i + c] = (float)(means.sum[4 * i + c] / means.sum[4 * i + 3]);
+        }
     }
-    vor_free(run->memory, means.sum);
-    vor_free(run->memory, means.nearest);
+    VOR_FREE_ALL(run->memory, means.sum, means.nearest);
     vor_knn_free(domain->knn);
     domain->knn = NULL;
     return status;
@@ -205,8 +197,7 @@ static vor_status thin(struct vor_domain *out, const struct vor_domain *in, stru
 
     memcpy(domain.shift, in->shift, sizeof domain.shift);
     status = thin_points(&thinning, run, err);
-    vor_free(run->memory, thinning.first);
-    vor_free(run->memory, thinning.kept);
+    VOR_FREE_ALL(run->memory, thinning.first, thinning.kept);
     if (status == VOR_OK && domain.n > 0 && how.means) {
         vor_neighbors_fewer(&domain.known.neighbors, (double)domain.n / (double)in->n);
         status = take_means(&domain, in, run, err);
@@ -258,7 +249,7 @@ struct apart {
     double *sum; /* of each block */
 };
 
-static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void apart_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct apart *apart = ctx;
     const struct vor_domain *domain = apart->domain;
@@ -266,7 +257,6 @@ static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_knn_last last = {.k = 0};
     double sum = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t index[THREE + 1];
         float distance2[THREE + 1];

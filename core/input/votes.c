@@ -1,5 +1,6 @@
 #include "core/input/votes.h"
 
+#include "core/base/linalg.h"
 #include "core/geom/twofold.h"
 
 #include <assert.h>
@@ -54,15 +55,14 @@ static void vote(signed char says[MEMBERS], const float *near, unsigned n)
     for (size_t e = 0; e < MEMBERS; e++) {
         double half, apart;
 
-        for (size_t c = 0; c < 3; c++)
-            x[c] = (double)near[3 * e + c];
+        vor_to_doubles(x, &near[3 * e]);
         (void)vor_twofold_above(&two, x, &half);
         apart = 2 * fabs(half) / fmax(two.off, EXACT * two.radius);
         says[e] = (signed char)(two.side[e] * (int)fmin(STEPS * apart + 0.5, SUREST));
     }
 }
 
-static void vote_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct voting *voting = ctx;
     const float *xyz = voting->domain->xyz;
@@ -70,7 +70,6 @@ static void vote_block(void *ctx, size_t begin, size_t end, unsigned worker)
     uint32_t index[WIDEST];
     float distance2[WIDEST], near[3 * WIDEST];
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct vor_votes_of *of = &voting->of[i];
 
@@ -123,18 +122,6 @@ static unsigned slot_of(uint32_t index)
     return (index * UINT32_C(2654435761)) >> 25;
 }
 
-static void list_places(unsigned char place[SLOTS], const uint32_t *index, unsigned count)
-{
-    memset(place, NOWHERE, SLOTS);
-    for (unsigned e = 0; e < count; e++) {
-        unsigned slot = slot_of(index[e]);
-
-        while (place[slot] != NOWHERE)
-            slot = (slot + 1) % SLOTS;
-        place[slot] = (unsigned char)e;
-    }
-}
-
 static unsigned find_place(const unsigned char place[SLOTS], const uint32_t *index, uint32_t wanted)
 {
     unsigned slot = slot_of(wanted);
@@ -153,7 +140,14 @@ void vor_votes_hear(double *odds, const struct vor_votes *votes, uint32_t i, con
     memset(odds, 0, count * sizeof *odds);
     if (votes->of == NULL)
         return;
-    list_places(place, index, count);
+    memset(place, NOWHERE, SLOTS);
+    for (unsigned e = 0; e < count; e++) {
+        unsigned slot = slot_of(index[e]);
+
+        while (place[slot] != NOWHERE)
+            slot = (slot + 1) % SLOTS;
+        place[slot] = (unsigned char)e;
+    }
     for (unsigned e = 0; e < count; e++) {
         const struct vor_votes_of *of = &votes->of[index[e]];
         unsigned own = 0;

@@ -63,14 +63,13 @@ static void take_fit(const struct bends *bends, size_t i)
     }
 }
 
-static void region_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void region_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct bends *bends = ctx;
     double fitted = 0, sides = 0, put[3], off2;
     struct vor_surface surface;
     uint32_t flagged = 0;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         flagged += bends->flag[i];
         if (!bends->flag[i] || !fit_around(&surface, put, &off2, bends->domain, i))

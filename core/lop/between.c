@@ -80,12 +80,11 @@ static void put(struct vor_lop_samples *samples, size_t at, const size_t ends[2]
         normal[c] = (float)((double)normal[c] / sqrt(length2));
 }
 
-static void room_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void room_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct between *between = ctx;
     struct towards towards;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         look_around(&towards, between, i);
         between->room[i] = towards.room;
@@ -123,11 +122,10 @@ static void share_out(struct between *between)
     }
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct between *between = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         size_t first = between->first[i], count = between->first[i + 1] - first, times;
         struct towards towards;
@@ -168,8 +166,7 @@ vor_status vor_lop_between(struct vor_lop_samples *samples, size_t n, uint64_t s
     if (status == VOR_OK)
         status = vor_run_for(run, samples->n, BLOCK, put_block, &between, err);
     vor_knn_free(between.knn);
-    vor_free(samples->memory, between.first);
-    vor_free(samples->memory, between.room);
+    VOR_FREE_ALL(samples->memory, between.first, between.room);
     if (status == VOR_OK)
         samples->n = n;
     return status;

@@ -62,28 +62,6 @@ VOR_CLONES static void draw(double *restrict alpha, const struct vor_lop_data *d
     }
 }
 
-static void add_up(struct vor_lop_drawn *out, const struct vor_lop_data *data,
-                   const struct said *said)
-{
-    for (unsigned j = 0; j < data->count; j++) {
-        out->alpha += said->alpha[j];
-        out->density += 1 / (double)data->area[j];
-        for (int c = 0; c < 3; c++)
-            out->to[c] += said->alpha[j] * (double)data->there[c][j];
-    }
-}
-
-static void add_side(struct vor_lop_drawn *out, const struct vor_lop_data *data,
-                     const struct said *said)
-{
-    for (unsigned j = 0; j < data->count; j++) {
-        out->height += said->height[j];
-        out->weight += said->weight[j];
-        for (int c = 0; c < 3; c++)
-            out->normal[c] += said->weight[j] * (double)data->normal[c][j];
-    }
-}
-
 void vor_lop_drawn_by(struct vor_lop_drawn *out, const struct vor_lop_data *data,
                       const float *normal, const struct vor_lop_counting *how)
 {
@@ -98,8 +76,18 @@ void vor_lop_drawn_by(struct vor_lop_drawn *out, const struct vor_lop_data *data
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
 
         take_side(said.alpha, said.height, said.weight, data, n, how);
-        add_side(out, data, &said);
+        for (unsigned j = 0; j < data->count; j++) {
+            out->height += said.height[j];
+            out->weight += said.weight[j];
+            for (int c = 0; c < 3; c++)
+                out->normal[c] += said.weight[j] * (double)data->normal[c][j];
+        }
     }
     draw(said.alpha, data, how->nearest);
-    add_up(out, data, &said);
+    for (unsigned j = 0; j < data->count; j++) {
+        out->alpha += said.alpha[j];
+        out->density += 1 / (double)data->area[j];
+        for (int c = 0; c < 3; c++)
+            out->to[c] += said.alpha[j] * (double)data->there[c][j];
+    }
 }

@@ -50,14 +50,8 @@ static void free_even(struct even *even)
 {
     struct vor_memory *memory = even->samples->memory;
 
-    vor_free(memory, even->nearest);
-    vor_free(memory, even->step);
-    vor_free(memory, even->next);
-    vor_free(memory, even->spacing);
-    vor_free(memory, even->list);
-    vor_free(memory, even->listed);
-    vor_free(memory, even->on);
-    vor_free(memory, even->edge);
+    VOR_FREE_ALL(memory, even->nearest, even->step, even->next, even->spacing, even->list,
+                 even->listed, even->on, even->edge);
     vor_lop_tree_free(&even->tree);
 }
 
@@ -86,14 +80,13 @@ struct apart {
     struct vor_knn *knn;
 };
 
-static void apart_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void apart_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct apart *apart = ctx;
     struct even *even = apart->even;
     size_t n = even->samples->n;
     unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t index[VOR_LOP_SPACING_OF + 1];
         float distance2[VOR_LOP_SPACING_OF + 1];
@@ -162,9 +155,8 @@ static void put_back(struct even *even, size_t i)
     memcpy(&even->samples->normal[3 * i], point.normal, sizeof point.normal);
 }
 
-static void put_back_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_back_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    (void)worker;
     for (size_t i = begin; i < end && !vor_run_is_late(((struct even *)ctx)->run); i++)
         put_back(ctx, i);
 }
@@ -204,12 +196,11 @@ static void bring_back(struct even *even, size_t i)
         x[c] = 2 * edge->foot[c] - x[c];
 }
 
-static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct even *even = ctx;
     struct vor_lop_gathered near;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         vor_lop_tree_gather(&near, &even->tree, &even->samples->xyz[3 * i],
                             LIST_REACH * (double)even->spacing[i]);
@@ -323,11 +314,10 @@ static int passes_edge(const struct even *even, size_t i, const float y[3])
     return (before > 0 && after < 0) || (before < 0 && after > 0);
 }
 
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct even *even = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &even->samples->xyz[3 * i];
         float *step = &even->step[3 * i], *y = &even->next[3 * i];
@@ -365,7 +355,6 @@ static double longest_step(const struct even *even)
     return sqrt(longest2);
 }
 
-/* One step of all points. */
 static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
 {
     struct even *even = stage->of;

@@ -200,11 +200,10 @@ static int lies_below(const struct fillets *fillets, const struct sides *sides,
 }
 
 /* Finds the points at edges, and of these the ones that may be at fillets. */
-static void screen_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void screen_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct fillets *fillets = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const uint32_t *list = &fillets->lists->list[i * fillets->lists->most];
         unsigned k = fillets->lists->count[i];
@@ -260,11 +259,10 @@ static void fit(struct signed_fillet *out, const struct fillets *fillets, size_t
     out->sign = sides.sign;
 }
 
-static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void fit_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct fillets *fillets = ctx;
 
-    (void)worker;
     for (size_t f = begin; f < end; f++)
         fit(&fillets->fillet[f], fillets, fillets->point[f]);
 }
@@ -325,11 +323,10 @@ static void ask(struct said *said, const struct fillets *fillets, size_t i)
     }
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct fillets *fillets = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         float *y = &fillets->next->xyz[3 * i], *n = &fillets->next->normal[3 * i];
         struct said said;
@@ -369,16 +366,6 @@ static vor_status list(struct fillets *fillets, struct vor_memory *memory, struc
     return VOR_OK;
 }
 
-static void take(struct vor_lop_samples *data, struct vor_lop_samples *room)
-{
-    float *xyz = data->xyz, *normal = data->normal;
-
-    data->xyz = room->xyz;
-    data->normal = room->normal;
-    room->xyz = xyz;
-    room->normal = normal;
-}
-
 vor_status vor_lop_fillets(struct vor_lop_samples *data, struct vor_lop_samples *room,
                            const struct vor_domain *domain, const struct vor_lop_lists *lists,
                            const struct vor_run *run, struct vor_error *err)
@@ -398,10 +385,14 @@ vor_status vor_lop_fillets(struct vor_lop_samples *data, struct vor_lop_samples 
         status = vor_run_for(run, fillets.count, BLOCK, fit_block, &fillets, err);
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, BLOCK, put_block, &fillets, err);
-    if (status == VOR_OK)
-        take(data, room);
-    vor_free(memory, fillets.fillet);
-    vor_free(memory, fillets.point);
-    vor_free(memory, fillets.slot);
+    if (status == VOR_OK) {
+        float *xyz = data->xyz, *normal = data->normal;
+
+        data->xyz = room->xyz;
+        data->normal = room->normal;
+        room->xyz = xyz;
+        room->normal = normal;
+    }
+    VOR_FREE_ALL(memory, fillets.fillet, fillets.point, fillets.slot);
     return status;
 }

@@ -164,21 +164,19 @@ static void find_pairs(const struct insertion *insertion, uint32_t i)
     }
 }
 
-static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void find_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         find_pairs(ctx, (uint32_t)i);
 }
 
 /* How far away partners of the samples may be, by the spacing around each. */
-static void reach_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void reach_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct insertion *insertion = ctx;
     size_t n = insertion->begun;
     unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t index[VOR_LOP_SPACING_OF + 1];
         float distance2[VOR_LOP_SPACING_OF + 1];
@@ -351,28 +349,20 @@ static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct 
     return VOR_OK;
 }
 
-static void free_insertion(struct insertion *insertion)
-{
-    struct vor_memory *memory = insertion->samples->memory;
-
-    vor_free(memory, insertion->heap);
-    vor_free(memory, insertion->reach);
-    vor_free(memory, insertion->pairs);
-    vor_lop_tree_free(&insertion->tree);
-}
-
 /* Inserts until there are n points, or the run is stopped. */
 static vor_status insert_all(struct insertion *insertion, struct vor_stage *stage,
                              struct vor_error *err)
 {
     size_t more = stage->record.of;
     vor_status status = alloc_insertion(insertion, insertion->begun + more, err);
+    struct vor_memory *memory = insertion->samples->memory;
 
     if (status == VOR_OK)
         status = start(insertion, err);
     if (status == VOR_OK)
         status = vor_stage_run(stage, err);
-    free_insertion(insertion);
+    VOR_FREE_ALL(memory, insertion->heap, insertion->reach, insertion->pairs);
+    vor_lop_tree_free(&insertion->tree);
     return status;
 }
 

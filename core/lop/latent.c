@@ -111,8 +111,7 @@ static void put_onto(struct vor_lop_point *out, const struct vor_lop_latent *lat
     struct fit fit;
     double n[3], d;
 
-    for (int c = 0; c < 3; c++)
-        n[c] = (double)end->normal[c];
+    vor_to_doubles(n, end->normal);
     normal_of(first, n);
     fit_to(&fit, latent, near, base, n);
     d = distance_of(&fit, base, end, n);
@@ -220,7 +219,6 @@ int vor_lop_latent_edge(float foot[3], float along[3], double *cosine,
         if (!meet(foot, direction, cosine, plane))
             return 0;
     }
-    for (int c = 0; c < 3; c++)
-        along[c] = (float)direction[c];
+    vor_to_floats(along, direction);
     return 1;
 }

@@ -192,7 +192,7 @@ static void face(float *x, const float *point, const float *normal, double dista
 
 /* Gives the samples the normals of the data next to them and puts them onto the planes of these, no
  * farther from them than from their neighbours. Points of the input that are kept stay. */
-static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void face_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct lop *lop = ctx;
     unsigned k = lop->domain->n < BESIDE ? (unsigned)lop->domain->n : BESIDE;
@@ -200,7 +200,6 @@ static void face_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2[BESIDE];
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         float *x = lop->samples.xyz + 3 * i;
         const float *normal;
@@ -315,25 +314,19 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     return VOR_OK;
 }
 
-/* Points whose sides suffice for samples among means. */
-static size_t sides_of(size_t samples)
-{
-    return (size_t)ceil(SIDES_SHARE * (double)samples);
-}
-
 /* The input with its normals. */
 static vor_status find_normals(struct lop *lop, size_t samples, struct vor_error *err)
 {
     const struct vor_run whole = vor_run_unstoppable(lop->run);
     const double *value = lop->spec->value;
-    struct vor_lop_normals_how how = {.sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
-                                      .points = lop->means ? sides_of(samples) : samples,
-                                      .area = lop->area,
-                                      .plain = lop->means,
-                                      .edges = !lop->smooth,
-                                      .rounds =
-                                          only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
-                                      .orientation = &lop->sides};
+    struct vor_lop_normals_how how = {
+        .sigma_n = value[VOR_PARAM_SIGMA_N] * RADIANS,
+        .points = lop->means ? (size_t)ceil(SIDES_SHARE * (double)samples) : samples,
+        .area = lop->area,
+        .plain = lop->means,
+        .edges = !lop->smooth,
+        .rounds = only_inserts(lop) ? 0 : (uint32_t)value[VOR_PARAM_ROUNDS],
+        .orientation = &lop->sides};
     vor_status status = vor_lop_normals(&lop->data, lop->domain, &how, &whole, err);
 
     lop->told->oriented = 1;

@@ -101,13 +101,12 @@ static unsigned for_planes(unsigned k)
 }
 
 /* Lists the neighbours, and puts a plane through them. */
-static void plane_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct normals *normals = ctx;
     const struct vor_domain *domain = normals->domain;
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &normals->list[i * normals->most];
         unsigned k = vor_lop_around(domain, i, counting(normals, i), list, &last);
@@ -141,12 +140,11 @@ static double cost_of(const struct vor_plane *plane, const float x[3], double r2
 }
 
 /* Takes for each point the best of the planes around it. */
-static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void choose_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct normals *normals = ctx;
     const struct vor_domain *domain = normals->domain;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = &domain->xyz[3 * i];
         const uint32_t *index = &normals->list[i * normals->most];
@@ -168,12 +166,11 @@ static void choose_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void sign_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void sign_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct normals *normals = ctx;
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         float *normal = normals->now.normal + 3 * i;
         const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
@@ -280,12 +277,11 @@ static void smooth(float out[3], const struct normals *normals, const struct see
         out[c] = length > 0 ? (float)(sum[c] / length) : about[c];
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct normals *normals = ctx;
     struct seen seen;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         see(&seen, normals, i);
         smooth(&normals->next.normal[3 * i], normals, &seen, most_agreed(normals, &seen));
@@ -293,12 +289,11 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* Moves each point along its normal to where those of its side see it. */
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct normals *normals = ctx;
     struct seen seen;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         const float *x = normals->now.xyz + 3 * i, *n = normal_now(normals, i);
         double sum = 0, weights = 0;
@@ -424,10 +419,7 @@ vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain 
         out->n = domain->n;
         normals.now = (struct vor_lop_samples){0};
     }
-    vor_free(run->memory, normals.list);
-    vor_free(run->memory, normals.count);
-    vor_free(run->memory, normals.off);
-    vor_free(run->memory, normals.plane);
+    VOR_FREE_ALL(run->memory, normals.list, normals.count, normals.off, normals.plane);
     vor_lop_samples_free(&normals.next);
     vor_lop_samples_free(&normals.now);
     return status;

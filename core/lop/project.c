@@ -68,7 +68,7 @@ struct project {
     double scale;         /* of vor_lop_alike */
 };
 
-static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void density_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct project *project = ctx;
     unsigned k = project->domain->n < DENSITY_K ? (unsigned)project->domain->n : DENSITY_K;
@@ -76,7 +76,6 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2[DENSITY_K];
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         vor_knn_search_next(project->domain->knn, &last, &project->domain->xyz[3 * i], k, index,
                             distance2);
@@ -85,13 +84,12 @@ static void density_block(void *ctx, size_t begin, size_t end, unsigned worker)
 }
 
 /* The sum of theta over the other points around each, and the point itself. */
-static void crowding_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void crowding_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct project *project = ctx;
     double inverse = 1 / (project->how->reach * project->how->reach);
     struct vor_crowd crowd;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         double sum = 1, least = INFINITY;
 
@@ -224,13 +222,12 @@ static void stay_on_side(double move[3], const struct vor_lop_drawn *drawn, stru
     }
 }
 
-static void step_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void step_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct project *project = ctx;
     struct vor_lop_drawn drawn;
     double push[3], move[3], share;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         look_at_data(&drawn, project, i);
         repel(push, project, i);
@@ -321,19 +318,6 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
                                 err);
 }
 
-static void free_project(struct project *project)
-{
-    struct vor_memory *memory = project->run->memory;
-
-    vor_point_lists_free(&project->others);
-    vor_input_lists_free(&project->near_data);
-    vor_free(memory, project->turned);
-    vor_free(memory, project->next);
-    vor_free(memory, project->nearest);
-    vor_free(memory, project->crowding);
-    vor_free(memory, project->own_area);
-}
-
 /* As many data as lie within the reach, by those for each point: a disc of the reach r holds
  * pi r^2 / (sqrt(3) / 2 h^2) points of spacing h. */
 static unsigned data_of(const struct project *project, double spacing)
@@ -372,6 +356,7 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
                               .share = VOR_STAGE_SHARE};
     const struct vor_run whole = vor_run_unstoppable(run);
     vor_status status;
+    struct vor_memory *memory = project.run->memory;
 
     project.k = data_of(&project, how->spacing);
     status = alloc_project(&project, err);
@@ -381,6 +366,9 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
         status = index_points(&stage, &whole, err);
     if (status == VOR_OK)
         status = vor_stage_run(&stage, err);
-    free_project(&project);
+    vor_point_lists_free(&project.others);
+    vor_input_lists_free(&project.near_data);
+    VOR_FREE_ALL(memory, project.turned, project.next, project.nearest, project.crowding,
+                 project.own_area);
     return status;
 }

@@ -7,8 +7,7 @@ vor_status vor_lop_samples_init(struct vor_lop_samples *out, size_t room, struct
     float *normal = vor_malloc(memory, room, 3 * sizeof *normal);
 
     if (xyz == NULL || normal == NULL) {
-        vor_free(memory, normal);
-        vor_free(memory, xyz);
+        VOR_FREE_ALL(memory, normal, xyz);
         return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", room);
     }
     *out = (struct vor_lop_samples){memory, 0, room, xyz, normal, NULL};
@@ -17,8 +16,6 @@ vor_status vor_lop_samples_init(struct vor_lop_samples *out, size_t room, struct
 
 void vor_lop_samples_free(struct vor_lop_samples *samples)
 {
-    vor_free(samples->memory, samples->area);
-    vor_free(samples->memory, samples->normal);
-    vor_free(samples->memory, samples->xyz);
+    VOR_FREE_ALL(samples->memory, samples->area, samples->normal, samples->xyz);
     *samples = (struct vor_lop_samples){0};
 }

@@ -85,8 +85,7 @@ void vor_lop_tree_free(struct vor_lop_tree *tree)
 {
     if (tree->memory == NULL)
         return;
-    vor_free(tree->memory, tree->leaf);
-    vor_free(tree->memory, tree->node);
+    VOR_FREE_ALL(tree->memory, tree->leaf, tree->node);
     *tree = (struct vor_lop_tree){0};
 }
 

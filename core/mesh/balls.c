@@ -27,11 +27,10 @@ static unsigned search(const struct vor_balls *balls, uint32_t i, unsigned aroun
     return count;
 }
 
-static void list_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct vor_balls *balls = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         balls->count[i] = (unsigned char)search(balls, (uint32_t)i, VOR_BALLS_FEW,
                                                 &balls->list[i * VOR_BALLS_FEW], &balls->far2[i]);
@@ -63,9 +62,7 @@ void vor_balls_free(struct vor_balls *balls)
     if (balls->sheet == NULL)
         return;
     memory = balls->sheet->seeds->run.memory;
-    vor_free(memory, balls->list);
-    vor_free(memory, balls->count);
-    vor_free(memory, balls->far2);
+    VOR_FREE_ALL(memory, balls->list, balls->count, balls->far2);
     vor_knn_free(balls->knn);
     memset(balls, 0, sizeof *balls);
 }

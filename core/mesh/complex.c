@@ -22,9 +22,7 @@ void vor_complex_free(struct vor_complex *complex)
 {
     if (complex->memory == NULL)
         return;
-    vor_free(complex->memory, complex->degree);
-    vor_free(complex->memory, complex->around);
-    vor_free(complex->memory, complex->triangle);
+    VOR_FREE_ALL(complex->memory, complex->degree, complex->around, complex->triangle);
     memset(complex, 0, sizeof *complex);
 }
 

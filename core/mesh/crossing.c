@@ -182,23 +182,13 @@ static int is_crossed(const struct crossing *crossing, size_t t)
     return crosses(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0});
 }
 
-static void cross_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void cross_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct crossing *crossing = ctx;
 
-    (void)worker;
     for (size_t t = begin; t < end; t++)
         crossing->passes[t] =
             crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE && is_crossed(crossing, t);
-}
-
-/* Drops the triangles marked, and all but the largest fan of each point. */
-static void drop(struct vor_complex *complex, const unsigned char *passes)
-{
-    for (size_t t = 0; t < complex->count; t++)
-        if (passes[t])
-            vor_complex_remove(complex, (uint32_t)t);
-    vor_complex_prune(complex);
 }
 
 vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet *sheet,
@@ -222,8 +212,12 @@ vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet
         status = vor_fail(err, VOR_E_NOMEM, "crossings of %zu triangles", complex->count);
     } else {
         status = vor_run_for(run, complex->count, BLOCK, cross_block, &crossing, err);
-        if (status == VOR_OK)
-            drop(complex, crossing.passes);
+        if (status == VOR_OK) {
+            for (size_t t = 0; t < complex->count; t++)
+                if (crossing.passes[t])
+                    vor_complex_remove(complex, (uint32_t)t);
+            vor_complex_prune(complex);
+        }
     }
     vor_free(run->memory, crossing.passes);
     vor_knn_free(knn);

@@ -62,11 +62,10 @@ static int is_crowded(const struct crowded *crowded, uint32_t i)
     return 0;
 }
 
-static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void find_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct crowded *crowded = ctx;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         crowded->sheet->crowded[i] = (unsigned char)is_crowded(crowded, (uint32_t)i);
 }

@@ -101,10 +101,12 @@ static struct vor_mesh_loop loop_of(const struct vor_rims *rims, size_t l,
     return loop;
 }
 
-/* Tells the loops with most edges, of those with as many the first. */
-static void tell_loops(struct vor_report *report, const struct vor_rims *rims,
-                       const struct vor_seeds *seeds)
+vor_status vor_mesh_describe(struct vor_report *report, const struct vor_complex *complex,
+                             const struct vor_rims *rims, const struct vor_sheet *sheet,
+                             struct vor_error *err)
 {
+    count(report, complex, rims, sheet);
+    /* Tells the loops with most edges, of those with as many the first. */
     for (size_t l = 0; l < rims->count; l++) {
         size_t edges = rims->start[l + 1] - rims->start[l];
         unsigned at = report->mesh_longest_count;
@@ -114,16 +116,8 @@ static void tell_loops(struct vor_report *report, const struct vor_rims *rims,
         at -= at == VOR_MESH_LOOPS_TOLD;
         for (; at > 0 && report->mesh_longest[at - 1].edges < edges; at--)
             report->mesh_longest[at] = report->mesh_longest[at - 1];
-        report->mesh_longest[at] = loop_of(rims, l, seeds);
+        report->mesh_longest[at] = loop_of(rims, l, sheet->seeds);
         report->mesh_longest_count += report->mesh_longest_count < VOR_MESH_LOOPS_TOLD;
     }
-}
-
-vor_status vor_mesh_describe(struct vor_report *report, const struct vor_complex *complex,
-                             const struct vor_rims *rims, const struct vor_sheet *sheet,
-                             struct vor_error *err)
-{
-    count(report, complex, rims, sheet);
-    tell_loops(report, rims, sheet->seeds);
     return rate(report, complex, sheet->seeds->xyz, err);
 }

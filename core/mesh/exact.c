@@ -85,12 +85,11 @@ static int put(const struct around *around, double x[3])
     return 1;
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct putting *putting = ctx;
     struct vor_seeds *seeds = putting->seeds;
 
-    (void)worker;
     for (size_t i = begin; i < end; i++) {
         struct around around;
         double x[3];
@@ -101,8 +100,7 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
         vor_seeds_position(seeds, i, x);
         if (around.count < FEWEST || !put(&around, x))
             continue;
-        for (size_t c = 0; c < 3; c++)
-            seeds->xyz[3 * i + c] = (float)x[c];
+        vor_to_floats(&seeds->xyz[3 * i], x);
     }
 }
 

@@ -57,21 +57,16 @@ static int reach_from(struct turning *turning, uint32_t t)
     return contrary;
 }
 
-static void middle_of(const struct turning *turning, const uint32_t *corner, double out[3])
-{
-    for (size_t c = 0; c < 3; c++) {
-        out[c] = 0;
-        for (int k = 0; k < 3; k++)
-            out[c] += (double)turning->xyz[3 * (size_t)corner[k] + c] / 3;
-    }
-}
-
 /* The middle of triangle q of the component, and its normal of twice its area in length. */
 static void take(const struct turning *turning, size_t q, double x[3], double normal[3])
 {
     const uint32_t *corner = &turning->complex->triangle[3 * (size_t)turning->queue[q]];
 
-    middle_of(turning, corner, x);
+    for (size_t c = 0; c < 3; c++) {
+        x[c] = 0;
+        for (int k = 0; k < 3; k++)
+            x[c] += (double)turning->xyz[3 * (size_t)corner[k] + c] / 3;
+    }
     vor_triangle_normal(normal, turning->xyz, corner);
 }
 
@@ -154,7 +149,6 @@ vor_status vor_facing_turn(struct vor_complex *complex, struct vor_facing *told,
         for (size_t t = 0; t < complex->count; t++)
             if (!turning.reached[t] && complex->triangle[3 * t] != VOR_COMPLEX_GONE)
                 turn_component(&turning, told, (uint32_t)t);
-    vor_free(complex->memory, turning.reached);
-    vor_free(complex->memory, turning.queue);
+    VOR_FREE_ALL(complex->memory, turning.reached, turning.queue);
     return status;
 }

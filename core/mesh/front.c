@@ -59,14 +59,10 @@ struct front {
     struct vor_balls *balls;
 };
 
-static int leads(const struct front *front, uint32_t i, uint32_t j)
-{
-    return !front->by_lists || vor_sheet_leads(front->sheet, i, j);
-}
-
 static int joins(const struct front *front, uint32_t i, uint32_t j)
 {
-    return (!front->strict || vor_sheet_is_beside(front->sheet, i, j)) && leads(front, i, j);
+    return (!front->strict || vor_sheet_is_beside(front->sheet, i, j)) &&
+           (!front->by_lists || vor_sheet_leads(front->sheet, i, j));
 }
 
 /* The cosine between the normal of a triangle, of unit length, and that of the surface at a point;
@@ -534,8 +530,6 @@ vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *ball
             status = go_on_all(&front, run, err);
     }
     vor_peel_notches(complex, sheet->seeds->xyz);
-    vor_free(complex->memory, front.side);
-    vor_free(complex->memory, front.heap);
-    vor_free(complex->memory, front.edge);
+    VOR_FREE_ALL(complex->memory, front.side, front.heap, front.edge);
     return status;
 }

@@ -116,28 +116,14 @@ static int meet_at(const struct vor_sheet *sheet, size_t i, struct vor_knn_last 
     return 2 * fabs(half) < VOR_MEETING_NEAR * over.spacing && alike(&over) < ALIKE;
 }
 
-static void meet_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void meet_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct meeting *meeting = ctx;
     const struct vor_sheet *sheet = meeting->sheet;
     struct vor_knn_last last = {.k = 0};
 
-    (void)worker;
     for (size_t i = begin; i < end; i++)
         meeting->meets[i] = sheet->seeds->last_fit[i].layered && meet_at(sheet, i, &last);
-}
-
-/* Drops the triangles at points marked, and all but the largest fan of each point. */
-static void drop(struct vor_complex *complex, const unsigned char *meets)
-{
-    for (size_t t = 0; t < complex->count; t++) {
-        const uint32_t *corner = &complex->triangle[3 * t];
-
-        if (corner[0] != VOR_COMPLEX_GONE &&
-            (meets[corner[0]] || meets[corner[1]] || meets[corner[2]]))
-            vor_complex_remove(complex, (uint32_t)t);
-    }
-    vor_complex_prune(complex);
 }
 
 vor_status vor_meeting_drop(struct vor_complex *complex, const struct vor_sheet *sheet,
@@ -154,8 +140,17 @@ vor_status vor_meeting_drop(struct vor_complex *complex, const struct vor_sheet 
     if (meeting.meets == NULL)
         return vor_fail(err, VOR_E_NOMEM, "meeting sheets at %zu points", seeds->n);
     status = vor_run_for(run, seeds->n, BLOCK, meet_block, &meeting, err);
-    if (status == VOR_OK)
-        drop(complex, meeting.meets);
+    if (status == VOR_OK) {
+        /* Drops the triangles at points marked, and all but the largest fan of each point. */
+        for (size_t t = 0; t < complex->count; t++) {
+            const uint32_t *corner = &complex->triangle[3 * t];
+
+            if (corner[0] != VOR_COMPLEX_GONE &&
+                (meeting.meets[corner[0]] || meeting.meets[corner[1]] || meeting.meets[corner[2]]))
+                vor_complex_remove(complex, (uint32_t)t);
+        }
+        vor_complex_prune(complex);
+    }
     vor_free(run->memory, meeting.meets);
     return status;
 }

@@ -23,7 +23,6 @@ enum { ROUNDS = 3 };
  */
 enum { ROUNDS_BETTER = 2, STEPS = 3 };
 
-/* A mesh being made. */
 struct making {
     struct vor_seeds *seeds;
     const struct vor_mesh_how *how;
@@ -36,39 +35,33 @@ struct making {
     struct vor_error *err;
 };
 
-static void close_loops(void *ctx, size_t begin, size_t end, unsigned worker)
+static void close_loops(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                        VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
     size_t closed = 0;
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     making->status =
         vor_close(&making->complex, &closed, &making->balls, &making->seeds->run, making->err);
     vor_complex_prune(&making->complex);
     making->report->mesh_filled += closed;
 }
 
-static void advance(void *ctx, size_t begin, size_t end, unsigned worker)
+static void advance(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                    VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     making->status =
         vor_front_advance(&making->complex, &making->balls, &making->seeds->run, making->err);
     vor_complex_prune(&making->complex);
 }
 
-static void flip(void *ctx, size_t begin, size_t end, unsigned worker)
+static void flip(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                 VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     (void)vor_flip(&making->complex, &making->sheet);
     making->status = VOR_OK;
 }
@@ -96,15 +89,13 @@ static vor_status hand_out(struct making *making)
     return VOR_OK;
 }
 
-static void finish(void *ctx, size_t begin, size_t end, unsigned worker)
+static void finish(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                   VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
     struct vor_rims rims = {.count = 0};
     struct vor_facing facing = {0, 0};
 
-    (void)begin;
-    (void)end;
-    (void)worker;
     making->status = vor_facing_turn(&making->complex, &facing, making->seeds->xyz, making->err);
     if (making->status == VOR_OK)
         making->status = vor_rims_find(&rims, &making->complex, &making->sheet, making->err);

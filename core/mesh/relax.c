@@ -115,25 +115,7 @@ static void set_normal(struct vor_sheet *sheet, const struct vor_surface *surfac
 
     vor_surface_to_local(surface, x, local);
     vor_surface_normal(surface, local, normal);
-    for (size_t c = 0; c < 3; c++)
-        sheet->normal[3 * i + c] = (float)normal[c];
-}
-
-static void move(const struct relax *relax, const struct vor_surface *surface, size_t i)
-{
-    struct vor_frame frame;
-    double x[3], step[2];
-
-    vor_seeds_position(relax->seeds, i, x);
-    set_normal(relax->sheet, surface, i, x);
-    vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
-    step_of(relax, &frame, i, step);
-    for (int c = 0; c < 3; c++)
-        x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
-    vor_surface_put(surface, x);
-    set_normal(relax->sheet, surface, i, x);
-    for (size_t c = 0; c < 3; c++)
-        relax->next[3 * i + c] = (float)x[c];
+    vor_to_floats(&sheet->normal[3 * i], normal);
 }
 
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -144,8 +126,21 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         memcpy(&relax->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (relax->moves[i] && vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE)
-            move(relax, &scratch->onto, i);
+        if (relax->moves[i] &&
+            vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE) {
+            struct vor_frame frame;
+            double x[3], step[2];
+
+            vor_seeds_position(relax->seeds, i, x);
+            set_normal(relax->sheet, &scratch->onto, i, x);
+            vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
+            step_of(relax, &frame, i, step);
+            for (int c = 0; c < 3; c++)
+                x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
+            vor_surface_put(&scratch->onto, x);
+            set_normal(relax->sheet, &scratch->onto, i, x);
+            vor_to_floats(&relax->next[3 * i], x);
+        }
     }
 }
 
@@ -219,7 +214,6 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
         status = vor_fail(err, VOR_E_NOMEM, "moves of %zu points", seeds->n);
     else
         status = steps(&relax, how, err);
-    vor_free(memory, relax.moves);
-    vor_free(memory, relax.next);
+    VOR_FREE_ALL(memory, relax.moves, relax.next);
     return status;
 }

@@ -65,21 +65,6 @@ static void look(double out[2], const struct vor_sheet *sheet, const struct vor_
     out[1] = vor_dot(frame->axis[1], d);
 }
 
-/* Sorts the ends at point i around it. */
-static void sort_ends(struct end *end, unsigned count)
-{
-    for (unsigned a = 1; a < count; a++) {
-        struct end moved = end[a];
-        unsigned b = a;
-
-        for (; b > 0 && (end[b - 1].angle > moved.angle ||
-                         (end[b - 1].angle == moved.angle && end[b - 1].to > moved.to));
-             b--)
-            end[b] = end[b - 1];
-        end[b] = moved;
-    }
-}
-
 /* Pairs the ends at point i: each that opens a gap with the next, which closes it, where they take
  * turns. Where they do not, as at the tip of a cone, in their order. */
 static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const uint32_t *third,
@@ -98,7 +83,16 @@ static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const
         look(b, trace->sheet, &frame, i, third[e]);
         end[e] = (struct end){to[e], a[0] * b[1] - a[1] * b[0] < 0, angle(a)};
     }
-    sort_ends(end, count);
+    for (unsigned a = 1; a < count; a++) {
+        struct end moved = end[a];
+        unsigned b = a;
+
+        for (; b > 0 && (end[b - 1].angle > moved.angle ||
+                         (end[b - 1].angle == moved.angle && end[b - 1].to > moved.to));
+             b--)
+            end[b] = end[b - 1];
+        end[b] = moved;
+    }
     for (unsigned e = 0; e < count; e++)
         first[e] = end[e].to;
     for (unsigned e = 1; e < count; e++)
@@ -111,18 +105,6 @@ static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const
 
         pair[a] = trace->first[i] + b;
         pair[b] = trace->first[i] + a;
-    }
-}
-
-static void find_ends(struct trace *trace)
-{
-    uint32_t to[ENDS], third[ENDS];
-
-    for (size_t i = 0; i < trace->complex->n; i++) {
-        unsigned count = ends_of(trace->complex, (uint32_t)i, to, third);
-
-        if (count > 0)
-            pair_ends(trace, (uint32_t)i, to, third, count);
     }
 }
 
@@ -199,13 +181,17 @@ vor_status vor_rims_find(struct vor_rims *out, const struct vor_complex *complex
     vor_status status = begin(&trace, err);
 
     if (status == VOR_OK) {
-        find_ends(&trace);
+        uint32_t to[ENDS], third[ENDS];
+
+        for (size_t i = 0; i < trace.complex->n; i++) {
+            unsigned count = ends_of(trace.complex, (uint32_t)i, to, third);
+
+            if (count > 0)
+                pair_ends(&trace, (uint32_t)i, to, third, count);
+        }
         status = walk_all(&rims, &trace, err);
     }
-    vor_free(complex->memory, trace.seen);
-    vor_free(complex->memory, trace.pair);
-    vor_free(complex->memory, trace.to);
-    vor_free(complex->memory, trace.first);
+    VOR_FREE_ALL(complex->memory, trace.seen, trace.pair, trace.to, trace.first);
     if (status != VOR_OK) {
         vor_rims_free(&rims);
         return status;
@@ -218,7 +204,6 @@ void vor_rims_free(struct vor_rims *rims)
 {
     if (rims->memory == NULL)
         return;
-    vor_free(rims->memory, rims->point);
-    vor_free(rims->memory, rims->start);
+    VOR_FREE_ALL(rims->memory, rims->point, rims->start);
     memset(rims, 0, sizeof *rims);
 }

@@ -41,8 +41,7 @@ static void find_normal(struct vor_sheet *sheet, struct vor_seeds *seeds,
     vor_seeds_position(seeds, i, x);
     vor_surface_to_local(surface, x, local);
     vor_surface_normal(surface, local, normal);
-    for (size_t c = 0; c < 3; c++)
-        sheet->normal[3 * i + c] = (float)normal[c];
+    vor_to_floats(&sheet->normal[3 * i], normal);
 }
 
 /* What a worker writes to. */
@@ -116,10 +115,7 @@ void vor_sheet_free(struct vor_sheet *sheet)
 {
     if (sheet->seeds == NULL)
         return;
-    vor_free(sheet->seeds->run.memory, sheet->root);
-    vor_free(sheet->seeds->run.memory, sheet->crowded);
-    vor_free(sheet->seeds->run.memory, sheet->near);
-    vor_free(sheet->seeds->run.memory, sheet->normal);
+    VOR_FREE_ALL(sheet->seeds->run.memory, sheet->root, sheet->crowded, sheet->near, sheet->normal);
     vor_graph_free(&sheet->own);
     memset(sheet, 0, sizeof *sheet);
 }

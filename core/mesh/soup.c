@@ -17,16 +17,12 @@ struct soup {
     uint32_t *source; /* for each corner, the point of the result */
 };
 
-static size_t seed_of(const struct soup *soup, size_t k)
-{
-    return soup->of->order != NULL ? soup->of->order[k] : k;
-}
-
 /* Cuts the cell of point k; returns it, or NULL without a surface. */
 static const struct vor_cell *cell_of(const struct soup *soup, struct vor_scratch *scratch,
                                       size_t k)
 {
-    return vor_seeds_cell(soup->of->seeds, scratch, seed_of(soup, k)) == VOR_SURFACE_NONE
+    return vor_seeds_cell(soup->of->seeds, scratch,
+                          soup->of->order != NULL ? soup->of->order[k] : k) == VOR_SURFACE_NONE
                ? NULL
                : &scratch->cell;
 }
@@ -57,20 +53,6 @@ static int faces_away(const struct soup *soup, const struct vor_surface *surface
     return cosine < 0;
 }
 
-/* Puts a corner of the cell of point k, relative to the origin of the result. */
-static void put_corner(struct soup *soup, const struct vor_surface *surface, size_t k,
-                       const double vertex[3], size_t corner)
-{
-    float *out = soup->cloud.xyz + 3 * corner;
-    const float *at = &soup->of->result->xyz[3 * k];
-    double unit = soup->of->seeds->domain->unit;
-
-    for (int c = 0; c < 3; c++)
-        out[c] = (float)((double)at[c] +
-                         unit * (vertex[0] * surface->axis[0][c] + vertex[1] * surface->axis[1][c] +
-                                 vertex[2] * surface->axis[2][c]));
-}
-
 /* Puts a polygon of the cell of point k, whose corners begin at `corner`; returns where triangles
  * go on. */
 static uint32_t *put_piece(struct soup *soup, const struct vor_surface *surface, size_t k,
@@ -81,9 +63,15 @@ static uint32_t *put_piece(struct soup *soup, const struct vor_surface *surface,
     assert(corner + piece->count <= soup->corner[k + 1]); /* the cell is that counted */
     for (unsigned v = 0; v < piece->count; v++) {
         unsigned from = turned ? piece->count - 1 - v : v;
+        float *out = soup->cloud.xyz + 3 * (corner + v);
+        const float *at = &soup->of->result->xyz[3 * k];
+        double unit = soup->of->seeds->domain->unit;
 
         soup->source[corner + v] = (uint32_t)k;
-        put_corner(soup, surface, k, piece->vertex[from], corner + v);
+        for (int c = 0; c < 3; c++)
+            out[c] = (float)((double)at[c] + unit * (piece->vertex[from][0] * surface->axis[0][c] +
+                                                     piece->vertex[from][1] * surface->axis[1][c] +
+                                                     piece->vertex[from][2] * surface->axis[2][c]));
         if (v < 2)
             continue;
         *triangle++ = (uint32_t)corner;
@@ -195,8 +183,6 @@ vor_status vor_soup_make(struct vor_cloud *out, struct vor_mesh *mesh, const str
         vor_cloud_free(&soup.cloud);
         vor_mesh_free(&soup.mesh);
     }
-    vor_free(memory, soup.source);
-    vor_free(memory, soup.triangle);
-    vor_free(memory, soup.corner);
+    VOR_FREE_ALL(memory, soup.source, soup.triangle, soup.corner);
     return status;
 }

@@ -131,8 +131,6 @@ void vor_twosided_free(struct vor_twosided *sides)
 {
     if (sides->memory == NULL)
         return;
-    vor_free(sides->memory, sides->one);
-    vor_free(sides->memory, sides->contrary);
-    vor_free(sides->memory, sides->parent);
+    VOR_FREE_ALL(sides->memory, sides->one, sides->contrary, sides->parent);
     memset(sides, 0, sizeof *sides);
 }
