@@ -290,7 +290,7 @@ static vor_status take_tail(struct vor_cloud *cloud, const uint8_t **from, struc
         return VOR_OK;
     notes->remarks = vor_malloc(cloud->memory, (size_t)tail.remarks_size, 1);
     if (notes->remarks == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", (size_t)tail.remarks_size);
+        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of comments", (size_t)tail.remarks_size);
     notes->remarks_size = (size_t)tail.remarks_size;
     memcpy(notes->remarks, at, notes->remarks_size);
     return VOR_OK;
@@ -309,7 +309,7 @@ static vor_status take_faces(struct vor_cloud *cloud, const uint8_t **from, stru
         return VOR_OK;
     cloud->triangles = vor_malloc(cloud->memory, (size_t)faces.triangle_count, TRIANGLE);
     if (cloud->triangles == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", (size_t)faces.triangle_count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", (size_t)faces.triangle_count);
     cloud->triangle_count = (size_t)faces.triangle_count;
     memcpy(cloud->triangles, at + sizeof faces, cloud->triangle_count * TRIANGLE);
     return VOR_OK;
@@ -319,7 +319,7 @@ static vor_status take_doubles(struct vor_cloud *cloud, const uint8_t *at, struc
 {
     cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
     if (cloud->exact == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     memcpy(cloud->exact, at, cloud->n * 3 * sizeof *cloud->exact);
     return VOR_OK;
 }

@@ -88,7 +88,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
         return inflateReset(&z->stream) == Z_OK ? VOR_OK : refuse(z, "cannot be read", err);
     }
     if (code == Z_MEM_ERROR)
-        return vor_fail(err, VOR_E_NOMEM, "inflating a gzip body");
+        return vor_fail(err, VOR_E_NOMEM, "decompressing a gzip body");
     if (code == Z_BUF_ERROR && position(z) == z->size)
         return refuse(z, "is cut short", err);
     if (code != Z_OK && code != Z_BUF_ERROR)
@@ -116,7 +116,7 @@ vor_status vor_gzip_inflate(const struct vor_sink *sink, const uint8_t *bytes, s
         ratio = VOR_GZIP_FREE;
     z.most = ratio < most ? ratio : most;
     if (inflateInit2(&z.stream, WINDOW + GZIP_ONLY) != Z_OK)
-        return vor_fail(err, VOR_E_NOMEM, "inflating a gzip body");
+        return vor_fail(err, VOR_E_NOMEM, "decompressing a gzip body");
     while (status == VOR_OK && !done)
         status = step(&z, &done, err);
     (void)inflateEnd(&z.stream);

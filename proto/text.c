@@ -108,6 +108,6 @@ vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)
 {
     if (!text->failed)
         return VOR_OK;
-    return vor_fail(err, VOR_E_NOMEM, "a text needs more than the %zu bytes it has (at most %zu)",
+    return vor_fail(err, VOR_E_NOMEM, "a text of more than %zu bytes (at most %zu are allowed)",
                     text->size, text->cap);
 }

@@ -117,7 +117,7 @@ static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
 
     daemon->app.rates = vor_rates_create();
     if (status == VOR_OK && daemon->app.rates == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the rates of keys");
+        status = vor_fail(err, VOR_E_NOMEM, "the request rates of keys");
     if (status == VOR_OK && path[0] != '\0')
         status = vor_keys_open(&daemon->app.keys, path, err);
     return status;
@@ -217,7 +217,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     limits.inflated = (uint64_t)config->number[VOR_SET_BODY_LIMIT];
     daemon->app.inflight = vor_inflight_create();
     if (daemon->app.inflight == NULL && status == VOR_OK)
-        status = vor_fail(err, VOR_E_NOMEM, "the keys of requests");
+        status = vor_fail(err, VOR_E_NOMEM, "the Idempotency-Keys");
     if (status == VOR_OK) {
         worker.executor = vor_supervisor_executor(daemon->supervisor);
         status = vor_worker_create(&daemon->app.worker, &worker, err);
@@ -444,7 +444,7 @@ static const char *signal_word(int number)
 static void reload(struct daemon *daemon)
 {
     struct vor_config *fresh = calloc(1, sizeof *fresh);
-    struct vor_error err = {.status = VOR_E_NOMEM, .message = "not enough memory: the settings"};
+    struct vor_error err = {.status = VOR_E_NOMEM, .message = "not enough memory for the settings"};
 
     if (fresh == NULL ||
         vor_config_read(fresh, daemon->argc, daemon->argv, getenv, &err) != VOR_OK) {

@@ -44,7 +44,7 @@ vor_status vor_bounds(struct vor_box *out, const float *xyz, size_t n, const str
     vor_status status;
 
     if (boxes.box == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the bounds of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_run_for(run, n, BLOCK, bound_block, &boxes, err);
     if (status == VOR_OK) {
         *out = boxes.box[0];

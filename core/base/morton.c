@@ -308,7 +308,7 @@ vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n, const s
     vor_status status;
 
     if (sorter == NULL || a == NULL || b == NULL || count == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         goto done;
     }
     sorter->xyz = xyz;

@@ -131,7 +131,7 @@ vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_e
                               VOR_THREADS_MAX);
     pool = calloc(1, sizeof *pool + threads * sizeof pool->thread[0]);
     if (pool == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "%u threads", threads);
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->work, NULL);
     pthread_cond_init(&pool->done, NULL);
@@ -140,7 +140,9 @@ vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_e
         if (start_worker(pool))
             continue;
         vor_pool_destroy(pool);
-        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM,
+                        "cannot start %u threads: too little memory, or a limit on processes",
+                        threads);
     }
     *out = pool;
     return VOR_OK;

@@ -40,18 +40,17 @@ static void begin(struct vor_error *err, vor_status status, const char *paramete
     (void)snprintf(err->parameter, sizeof err->parameter, "%s", parameter);
 }
 
-/* Where memory ran out, the words are of what it was for; a failure that is passed on says it once.
- */
+/* Where memory ran out, the words are what it was for, or a sentence about memory. */
 static void say(struct vor_error *err, const char *format, va_list args)
 {
-    static const char memory[] = "not enough memory: ";
-    size_t size = sizeof memory - 1;
+    static const char lacks[] = "not enough memory for ";
+    size_t size = sizeof lacks - 1;
 
     (void)vsnprintf(err->message, sizeof err->message, format, args);
-    if (err->status != VOR_E_NOMEM || strstr(err->message, memory) != NULL)
+    if (err->status != VOR_E_NOMEM || strstr(err->message, "memory") != NULL)
         return;
     memmove(err->message + size, err->message, sizeof err->message - size);
-    memcpy(err->message, memory, size);
+    memcpy(err->message, lacks, size);
     err->message[sizeof err->message - 1] = '\0';
 }
 

@@ -94,7 +94,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
     vor_status status;
 
     if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
     if (status == VOR_OK)
         status = vor_seeds_six_share(&out->six_share, seeds, err);
@@ -155,7 +155,7 @@ static vor_status tell_one(struct vor_report *report, const struct maker *maker,
 
     points.xyz = vor_malloc(memory, 2 * points.wanted + VOR_VOXELS_SLACK, 3 * sizeof *points.xyz);
     if (points.xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points of a baseline", points.wanted);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", points.wanted);
     status = maker->make(&points, err);
     if (status == VOR_OK)
         status = measure(out, &points, err);

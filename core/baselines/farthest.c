@@ -172,7 +172,7 @@ vor_status vor_farthest_points(float *out, const float *xyz, size_t n, size_t co
     farthest.node = vor_malloc(run->memory, 2 * farthest.leaves, sizeof *farthest.node);
     farthest.visited = vor_malloc(run->memory, 2 * farthest.leaves, sizeof *farthest.visited);
     if (farthest.distance2 == NULL || farthest.node == NULL || farthest.visited == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "the farthest of %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     } else if (count > 0) {
         make_tree(&farthest);
         choose(&farthest, first);

@@ -130,7 +130,7 @@ static vor_status alloc_voxels(struct voxels *voxels, size_t count, struct vor_m
     voxels->number = vor_malloc(memory, voxels->n, sizeof *voxels->number);
     voxels->cell = vor_malloc(memory, voxels->slots, sizeof *voxels->cell);
     if (voxels->number == NULL || voxels->cell == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the voxels of %zu points", voxels->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", voxels->n);
     return VOR_OK;
 }
 

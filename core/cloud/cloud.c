@@ -106,7 +106,7 @@ vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error 
     }
     cloud->xyz = vor_malloc(cloud->memory, n, 3 * sizeof *cloud->xyz);
     if (cloud->xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     cloud->n = n;
     return VOR_OK;
 }
@@ -186,7 +186,7 @@ static vor_status copy_exact(struct vor_cloud *out, const struct vor_cloud *in,
         return VOR_OK;
     out->exact = vor_malloc(out->memory, in->n, 3 * sizeof *out->exact);
     if (out->exact == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", in->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     memcpy(out->exact, in->exact, in->n * 3 * sizeof *in->exact);
     return VOR_OK;
 }
@@ -335,7 +335,7 @@ vor_status vor_cloud_reorder(struct vor_cloud *cloud, const uint32_t *order, str
             widest = size_of(&cloud->attributes[i]);
     scratch = vor_malloc(cloud->memory, cloud->n, widest);
     if (scratch == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points in another order", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     reorder_column(cloud->xyz, 3 * sizeof *cloud->xyz, order, cloud->n, scratch);
     if (cloud->exact != NULL)
         reorder_column(cloud->exact, 3 * sizeof *cloud->exact, order, cloud->n, scratch);

@@ -35,7 +35,7 @@ vor_status vor_frame_positions(float **out, const struct vor_cloud *cloud,
     double x[3];
 
     if (xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     for (size_t i = 0; i < cloud->n; i++) {
         vor_cloud_position(cloud, i, x);
         for (size_t c = 0; c < 3; c++)

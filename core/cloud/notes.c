@@ -49,7 +49,7 @@ vor_status vor_notes_copy_remarks(struct vor_notes *out, const struct vor_notes 
         return VOR_OK;
     remarks = vor_malloc(memory, in->remarks_size, 1);
     if (remarks == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", in->remarks_size);
+        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of comments", in->remarks_size);
     memcpy(remarks, in->remarks, in->remarks_size);
     out->remarks = remarks;
     out->remarks_size = in->remarks_size;

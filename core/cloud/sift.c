@@ -61,7 +61,7 @@ static vor_status renumber(struct vor_cloud *cloud, const struct positions *at,
     size_t kept = 0;
 
     if (number == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "numbers of %zu points", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     for (size_t i = 0; i < cloud->n; i++)
         number[i] = is_finite(at, i) ? next++ : UINT32_MAX;
     for (size_t t = 0; t < cloud->triangle_count; t++) {

@@ -36,7 +36,7 @@ vor_status vor_crosses_init(struct vor_crosses *out, size_t n, struct vor_memory
     if (crosses.own == NULL || crosses.now == NULL || crosses.next == NULL ||
         crosses.kept == NULL) {
         vor_crosses_free(&crosses);
-        return vor_fail(err, VOR_E_NOMEM, "directions of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = crosses;
     return VOR_OK;

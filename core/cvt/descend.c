@@ -33,7 +33,7 @@ static vor_status alloc_descend(struct descend *descend, struct vor_error *err)
     descend->y = vor_calloc(memory, n, 2 * sizeof *descend->y);
     descend->held = vor_calloc(memory, n, 1);
     if (descend->y == NULL || descend->held == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_frozen_init(&descend->frozen, descend->seeds,
                              descend->spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP, err);
     return status == VOR_OK ? vor_lbfgs_init(&descend->lbfgs, 2 * n, INNER, memory, err) : status;

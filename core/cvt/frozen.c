@@ -24,7 +24,7 @@ vor_status vor_frozen_init(struct vor_frozen *out, struct vor_seeds *seeds, int 
     if (f.bend == NULL || f.value == NULL || f.cut == NULL || f.by == NULL || f.cuts == NULL ||
         f.sums == NULL || vor_planes_init(&f.planes, seeds, crossed, err) != VOR_OK) {
         vor_frozen_free(&f);
-        return vor_fail(err, VOR_E_NOMEM, "the energy of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = f;
     return VOR_OK;

@@ -110,7 +110,7 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
         ok &= cvt->mix != NULL && cvt->normal != NULL;
     }
     if (!ok)
-        return vor_fail(err, VOR_E_NOMEM, "the iteration of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return window > 0 ? vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err) : VOR_OK;
 }
 

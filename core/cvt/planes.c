@@ -49,7 +49,7 @@ vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int 
     if (p.plane == NULL || p.middle == NULL || p.axes == NULL || p.near == NULL ||
         p.place == NULL || vor_crosses_init(&p.crosses, n, memory, err) != VOR_OK) {
         vor_planes_free(&p);
-        return vor_fail(err, VOR_E_NOMEM, "planes of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = p;
     return VOR_OK;

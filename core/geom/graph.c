@@ -17,7 +17,7 @@ vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most, struct
     graph.normal = vor_calloc(memory, n, 3 * sizeof *graph.normal);
     if (graph.list == NULL || graph.count == NULL || graph.own == NULL || graph.normal == NULL) {
         vor_graph_free(&graph);
-        return vor_fail(err, VOR_E_NOMEM, "a graph of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = graph;
     return VOR_OK;
@@ -122,7 +122,7 @@ vor_status vor_graph_keep_mutual(struct vor_graph *graph, const struct vor_run *
 
     assert(graph->most <= 32);
     if (mutual.stay == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "pairs of %zu points", graph->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     status = vor_run_for(run, graph->n, BLOCK, mutual_block, &mutual, err);
     if (status == VOR_OK)
         status = vor_run_for(run, graph->n, BLOCK, drop_block, &mutual, err);
@@ -171,7 +171,7 @@ vor_status vor_graph_components(uint32_t *component, size_t *count, const struct
     uint32_t *parent = vor_malloc(graph->memory, graph->n, sizeof *parent);
 
     if (parent == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "components of %zu points", graph->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     for (size_t i = 0; i < graph->n; i++)
         parent[i] = (uint32_t)i;
     for (size_t i = 0; i < graph->n; i++)

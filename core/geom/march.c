@@ -79,7 +79,7 @@ vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph, 
     }
     if (march.edge == NULL) {
         vor_march_free(&march);
-        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", graph->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     }
     fill_edges(&march, graph);
     *out = march;

@@ -196,7 +196,7 @@ vor_status vor_parting_make(uint32_t *group, size_t n, struct vor_bond *bond, si
     parting.parted = vor_malloc(memory, parts, 2 * sizeof *parting.parted);
     if (parting.first == NULL || parting.last == NULL || parting.has == NULL ||
         parting.size == NULL || parting.parted == NULL || parts >= UINT32_MAX / 2)
-        status = vor_fail(err, VOR_E_NOMEM, "groups of %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = part(&parting, n, bond, count, run, err);
     VOR_FREE_ALL(memory, parting.parted, parting.size, parting.has, parting.last, parting.first);

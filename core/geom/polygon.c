@@ -81,7 +81,7 @@ vor_status vor_polygon_init(struct vor_polygon *out, const double *at, size_t n,
         pieces *= 2;
     polygon.box = vor_malloc(memory, pieces, 2 * dims * sizeof *polygon.box);
     if (polygon.box == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "boxes around %zu edges", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu edges", n);
     make_boxes(&polygon, whole(&polygon));
     *out = polygon;
     return VOR_OK;

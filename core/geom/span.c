@@ -157,7 +157,7 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
     grow.size = vor_malloc(run->memory, graph->n, sizeof *grow.size);
     if (span.component == NULL || span.next == NULL || span.odd == NULL || grow.last == NULL ||
         grow.size == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "signs of %zu points", graph->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     else
         status = run_levels(&grow, run, err);
     VOR_FREE_ALL(run->memory, grow.size, grow.last);

@@ -74,7 +74,7 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
     system.row = vor_malloc(memory, system.order, system.order * sizeof *system.row);
     system.side = spline.weight;
     if (spline.at == NULL || spline.weight == NULL || system.row == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "a surface through %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     } else {
         memcpy(spline.at, at, 2 * n * sizeof *spline.at);
         set_up(&system, &spline, value, smooth);

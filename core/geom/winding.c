@@ -277,7 +277,7 @@ static vor_status begin(struct winding **out, const struct vor_span *span,
     struct winding *winding = *out = vor_calloc(memory, 1, sizeof *winding);
 
     if (winding == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", span->n);
     winding->span = span;
     winding->points = points;
     winding->point = vor_malloc(memory, span->n, sizeof *winding->point);
@@ -287,7 +287,7 @@ static vor_status begin(struct winding **out, const struct vor_span *span,
     winding->block = vor_malloc(memory, span->n / BLOCK + PIECES, sizeof *winding->block);
     if (winding->point == NULL || winding->begins == NULL || winding->piece == NULL ||
         winding->member == NULL || winding->block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "winding numbers of %zu points", span->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", span->n);
     sort_points(winding);
     return VOR_OK;
 }

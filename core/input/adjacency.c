@@ -428,7 +428,7 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
     make.known = vor_malloc(run->memory, domain->n, sizeof *make.known);
     make.noisy = vor_malloc(run->memory, domain->n, sizeof *make.noisy);
     if (make.known == NULL || make.noisy == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "planes of %zu points", domain->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     else
         status = make_lists(&make, run, err);
     VOR_FREE_ALL(run->memory, make.noisy, make.known);

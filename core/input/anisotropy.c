@@ -43,7 +43,7 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     work->next = vor_malloc(memory, n, 7 * sizeof *work->next);
     if (out->xyz == NULL || out->normal == NULL || out->tensor == NULL || work->swap == NULL ||
         work->bend == NULL || work->next == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the metric at %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     memcpy(out->xyz, work->curved->domain->xyz, 3 * n * sizeof *out->xyz);
     return vor_graph_init(&work->graph, n,
                           n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);

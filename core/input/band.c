@@ -24,7 +24,7 @@ vor_status vor_band_search_init(struct vor_band_search *out, size_t n, struct vo
 
     if (search.seen == NULL || search.point == NULL || search.from == NULL) {
         vor_band_search_free(&search, memory);
-        return vor_fail(err, VOR_E_NOMEM, "the surface around holes of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = search;
     return VOR_OK;
@@ -244,7 +244,7 @@ static vor_status unroll(struct lay *lay, const struct vor_run *run, struct vor_
     lay->rim = vor_malloc(band->memory, band->rim, 3 * sizeof *lay->rim);
     lay->along = vor_malloc(band->memory, band->rim + 1, sizeof *lay->along);
     if (lay->rim == NULL || lay->along == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the rim of a hole of %zu points", band->rim);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", band->rim);
     band->unrolled = 1;
     unroll_rim(lay);
     vor_polygon_free(&band->polygon);
@@ -285,7 +285,7 @@ vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
     band.outline = vor_malloc(band.memory, band.rim, 2 * sizeof *band.outline);
     band.at = vor_malloc(band.memory, band.count, 2 * sizeof *band.at);
     if (band.point == NULL || band.outline == NULL || band.at == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "the surface around a hole of %zu points", of->count);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", of->count);
     } else {
         memcpy(band.point, search->point, band.count * sizeof *band.point);
         status = lay_out(&band, domain, loop, run, err);

@@ -71,7 +71,7 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
     domain.source = vor_malloc(run->memory, domain.n, sizeof *domain.source);
     if (domain.xyz == NULL || domain.source == NULL) {
         vor_domain_free(&domain);
-        return vor_fail(err, VOR_E_NOMEM, "one in %d of %zu points", (int)EACH, in->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     }
     for (size_t i = 0; i < domain.n; i++) {
         memcpy(&domain.xyz[3 * i], &in->xyz[3 * EACH * i], 3 * sizeof *domain.xyz);

@@ -134,7 +134,7 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     work->given = vor_malloc(memory, n, sizeof *work->given);
     if (field->xyz == NULL || field->value == NULL || work->rho == NULL || work->next == NULL ||
         work->area == NULL || work->given == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the density at %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     memcpy(field->xyz, work->curved->domain->xyz, 3 * n * sizeof *field->xyz);
     return vor_graph_init(&work->graph, n,
                           n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);
@@ -348,7 +348,7 @@ static vor_status mark_edges(struct work *work, const struct vor_run *run, struc
         return VOR_OK;
     work->on_edge = vor_malloc(run->memory, n, 1);
     if (work->on_edge == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "edges at %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     memset(work->on_edge, 0, n);
     for (size_t i = 0; i < work->edges.n; i++) {
         uint32_t nearest;

@@ -128,7 +128,7 @@ static vor_status gather(struct work *work, struct vor_error *err)
     out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
     out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
     if (out->xyz == NULL || out->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "sorting %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return vor_run_for(work->run, n, BLOCK, gather_block, work, err);
 }
 
@@ -143,7 +143,7 @@ static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in
     work.order = vor_malloc(run->memory, in->n, sizeof *work.order);
     work.first = vor_malloc(run->memory, vor_blocks_of(in->n, BLOCK), sizeof *work.first);
     if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "sorting %zu points", in->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     else
         status = vor_run_for(run, in->n, BLOCK, normalise_block, &work, err);
     if (status == VOR_OK)
@@ -202,7 +202,7 @@ static vor_status moments(double m[6], const struct vor_domain *domain, const st
 
     sums.block = vor_malloc(run->memory, blocks, sizeof *sums.block);
     if (sums.block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the moments of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, sum_block, &sums, err);
     if (status == VOR_OK) {
         for (size_t i = 0; i < 3 * blocks; i++)
@@ -297,7 +297,7 @@ vor_status vor_domain_add(struct vor_domain *domain, const float *xyz, const uin
     copy = vor_malloc(memory, all, 3 * sizeof *copy);
     from = vor_malloc(memory, all, sizeof *from);
     if (more == NULL || sources == NULL || order == NULL || copy == NULL || from == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu more points", count);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", count);
     } else {
         memcpy(copy, domain->xyz, 3 * before * sizeof *copy);
         memcpy(from, domain->source, before * sizeof *from);

@@ -277,7 +277,7 @@ static vor_status make_room(struct find *find, struct vor_memory *memory, struct
     find->block = vor_malloc(memory, vor_blocks_of(n, BLOCK), sizeof *find->block);
     if (edges->flag == NULL || edges->strength == NULL || edges->direction == NULL ||
         edges->foot == NULL || find->normal == NULL || find->off2 == NULL || find->block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 

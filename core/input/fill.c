@@ -213,7 +213,7 @@ static vor_status grow(struct fill *fill, struct vor_error *err)
         source = vor_realloc(fill->memory, filling->source, room, sizeof *source);
         filling->source = source != NULL ? source : filling->source;
         if (xyz == NULL || source == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu points in holes", room);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", room);
         filling->room = room;
     }
     return VOR_OK;
@@ -250,7 +250,7 @@ static vor_status put_points(struct fill *fill, int *inside, const struct vor_ru
 
     fill->place = vor_malloc(fill->memory, rows * fill->side[0], 3 * sizeof *fill->place);
     if (status == VOR_OK && fill->place == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "places in a hole");
+        status = vor_fail(err, VOR_E_NOMEM, "filling a hole");
     for (; status == VOR_OK && *inside && fill->row < fill->side[1]; fill->row += rows) {
         if (rows > fill->side[1] - fill->row)
             rows = fill->side[1] - fill->row;

@@ -28,7 +28,7 @@ vor_status vor_grading_init(struct vor_grading *out, const struct vor_graph *gra
     }
     if (grading.to == NULL) {
         vor_grading_free(&grading);
-        return vor_fail(err, VOR_E_NOMEM, "limits between %zu points", graph->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     }
     /* Writes whose lists they are; queue[j] is how many of point j are written. */
     memset(grading.queue, 0, graph->n * sizeof *grading.queue);

@@ -263,7 +263,7 @@ vor_status vor_grow(struct vor_graph *graph, const struct vor_domain *domain,
     vor_status status;
 
     if (growing.sure == NULL || growing.grown == NULL || growing.leaf == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "sheets of %zu points", domain->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     } else {
         memset(growing.grown, 0, domain->n);
         status = vor_run_for(run, domain->n, BLOCK, rate_block, &growing, err);

@@ -53,13 +53,13 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
         return VOR_OK;
     parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
     if (parts->root == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the parts of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_knn_join(parts->root, &parts->count, domain->knn, clear, run, err);
     if (status != VOR_OK || parts->count == 1)
         return status;
     parts->size = vor_calloc(run->memory, domain->n, sizeof *parts->size);
     if (parts->size == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the parts of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     for (size_t i = 0; i < domain->n; i++)
         parts->size[parts->root[i]]++;
     for (size_t i = 0; i < domain->n; i++)
@@ -112,7 +112,7 @@ static vor_status cut_off(struct vor_domain *domain, const struct parts *parts,
 
     if (xyz == NULL || source == NULL) {
         VOR_FREE_ALL(memory, source, xyz);
-        return vor_fail(err, VOR_E_NOMEM, "the points of %zu islands", parts->small);
+        return vor_fail(err, VOR_E_NOMEM, "%zu islands", parts->small);
     }
     for (size_t i = 0; i < parts->points; i++) {
         memcpy(&xyz[3 * i], &domain->xyz[3 * (size_t)islands->member[i]], 3 * sizeof *xyz);
@@ -159,12 +159,12 @@ static vor_status take_out(struct vor_domain *domain, struct parts *parts,
     status = cut_off(domain, parts, err);
     if (status != VOR_OK)
         return status;
-    status = vor_domain_check(domain, run, NULL);
+    status = vor_domain_check(domain, run, err);
     if (status == VOR_E_DEGENERATE) {
         domain->n += parts->points;
         forget(domain);
     } else if (status != VOR_OK) {
-        return vor_fail(err, status, "looking at the input without its islands");
+        return status;
     }
     return index_again(domain, run, err);
 }

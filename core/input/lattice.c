@@ -254,7 +254,7 @@ vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *do
         return VOR_OK;
     axis = vor_malloc(run->memory, 1, sizeof *axis);
     if (axis == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "looking for a lattice");
+        return vor_fail(err, VOR_E_NOMEM, "the search for a lattice");
     for (int c = 0; c < 3; c++)
         largest = fmax(largest, 1 + fabs(domain->shift[c]) / domain->unit);
     for (size_t c = 0; c < 3; c++) {
@@ -388,7 +388,7 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
         smooth.k = (unsigned)domain->n;
     smooth.xyz = vor_malloc(run->memory, domain->n, 3 * sizeof *smooth.xyz);
     if (smooth.xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "smoothing %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, SMOOTH_BLOCK, smooth_block, &smooth, err);
     if (status != VOR_OK) {
         vor_free(run->memory, smooth.xyz);

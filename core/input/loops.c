@@ -215,7 +215,7 @@ static vor_status find_corners(struct find *find, size_t *count, const struct vo
     find->corners_of = vor_malloc(run->memory, find->candidates, sizeof *find->corners_of);
     find->corner = vor_malloc(run->memory, find->candidates, VOR_OPENINGS * sizeof *find->corner);
     if (find->candidate == NULL || find->corners_of == NULL || find->corner == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "corners of %zu points", find->candidates);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", find->candidates);
     for (size_t i = 0; i < n; i++)
         if (find->flag[i])
             find->candidate[found++] = (uint32_t)i;
@@ -328,7 +328,7 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
     loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
     loops->loop = vor_malloc(run->memory, n / LEAST, sizeof *loops->loop);
     if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     } else {
         status = vor_rows_join(walk.mate, walk.corner, n, VOR_LOOPS_RADIUS, run->memory, err);
         if (status == VOR_OK) {
@@ -369,7 +369,7 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
     find.spacing = vor_malloc(run->memory, domain->n, sizeof *find.spacing);
     find.flag = vor_malloc(run->memory, domain->n, sizeof *find.flag);
     if (find.spacing == NULL || find.flag == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "borders of %zu points", domain->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     else if (domain->n >= FEWEST)
         status = find_corners(&find, &corners, run, err);
     if (status == VOR_OK)

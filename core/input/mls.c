@@ -153,7 +153,7 @@ static vor_status project(struct vor_domain *domain, const struct vor_domain *on
     vor_status status;
 
     if (pass.xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "smoothing %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, project_block, &pass, err);
     if (status != VOR_OK) {
         vor_free(run->memory, pass.xyz);

@@ -325,7 +325,7 @@ vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_doma
     vor_status status = VOR_OK;
 
     if (survey == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the neighbours of %d places", (int)PLACES);
+        return vor_fail(err, VOR_E_NOMEM, "the neighbours of %d points", (int)PLACES);
     survey->domain = domain;
     vor_neighbors_fix(out, ladder[0]);
     for (size_t place = 0; place < PLACES; place++)

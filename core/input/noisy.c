@@ -75,7 +75,7 @@ vor_status vor_noisy_find(unsigned char *out, const struct vor_domain *domain,
 
     find.rough = vor_malloc(run->memory, domain->n, sizeof *find.rough);
     if (find.rough == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "noise of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, rough_block, &find, err);
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &find, err);

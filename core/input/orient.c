@@ -293,7 +293,7 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
     struct component *components = vor_calloc(run->memory, out->components, sizeof *components);
 
     if (components == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu components", out->components);
+        return vor_fail(err, VOR_E_NOMEM, "%zu parts", out->components);
     add_up(components, orient);
     /* Adds up what needs the middles. */
     for (size_t i = 0; i < orient->on->n; i++) {
@@ -384,7 +384,7 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
 
     anew.found = vor_malloc(run->memory, orient->span.components, sizeof *anew.found);
     if (anew.found == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu components", orient->span.components);
+        return vor_fail(err, VOR_E_NOMEM, "%zu parts", orient->span.components);
     status = spread_anew(&anew, points, run, err);
     if (status == VOR_OK) {
         /* Takes the new signs of the components that are closed, or that the new signs close. */
@@ -432,7 +432,7 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
     vor_status status;
 
     if (found == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu components", components);
+        return vor_fail(err, VOR_E_NOMEM, "%zu parts", components);
     status = vor_winding_find(found, &orient->span, points, run, err);
     for (size_t c = 0; c < components && status == VOR_OK; c++)
         closed += is_closed(&found[c]);
@@ -457,7 +457,7 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
     vor_status status;
 
     if (area == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "areas of %zu points", orient->on->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", orient->on->n);
     for (size_t i = 0; i < orient->on->n; i++)
         area[i] = (float)area_of(orient, i);
     status = vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err);
@@ -483,7 +483,7 @@ static vor_status fit_and_spread(struct vor_orientation *out, struct orient *ori
     orient->rough = vor_malloc(run->memory, n, sizeof *orient->rough);
     orient->edge = vor_malloc(run->memory, n, orient->graph->most);
     if (orient->edge == NULL || orient->rough == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "signs of %zu normals", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = vor_run_for(run, n, BLOCK, normal_block, orient, err);
     if (status == VOR_OK)
@@ -539,9 +539,8 @@ vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *doma
     if (status == VOR_OK) {
         made.normal = vor_malloc(run->memory, orient.on->n, 3 * sizeof *made.normal);
         orient.normal = made.normal;
-        status = made.normal == NULL
-                     ? vor_fail(err, VOR_E_NOMEM, "normals of %zu points", orient.on->n)
-                     : fit_and_spread(&made, &orient, run, err);
+        status = made.normal == NULL ? vor_fail(err, VOR_E_NOMEM, "%zu points", orient.on->n)
+                                     : fit_and_spread(&made, &orient, run, err);
     }
     vor_graph_free(&own);
     if (status != VOR_OK) {

@@ -212,7 +212,7 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
     look->pointed = vor_calloc(run->memory, n, sizeof *look->pointed);
     look->is_out = vor_malloc(run->memory, n, sizeof *look->is_out);
     if (look->pointed == NULL || look->is_out == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "looking for outliers among %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     find_sparse(look);
     status = vor_run_for(run, n, BLOCK, point_block, look, err);
     if (status == VOR_OK)
@@ -450,7 +450,7 @@ static vor_status insert(struct vor_domain *domain, const struct pull *pull,
 
     if (xyz == NULL || source == NULL) {
         VOR_FREE_ALL(domain->memory, source, xyz);
-        return vor_fail(err, VOR_E_NOMEM, "pulling outliers among %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     qsort(pull->goes, pull->outliers->n, sizeof *pull->goes, earlier);
     merge(xyz, source, pull);
@@ -471,7 +471,7 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
     pull.foot = vor_malloc(run->memory, outliers->n, 3 * sizeof *pull.foot);
     pull.goes = vor_malloc(run->memory, outliers->n, sizeof *pull.goes);
     if (pull.foot == NULL || pull.goes == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "pulling %zu outliers", outliers->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu outliers", outliers->n);
     } else {
         status = vor_run_for(run, outliers->n, BATCH, pull_block, &pull, err);
         if (status == VOR_OK)

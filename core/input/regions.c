@@ -435,7 +435,7 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
     if (regions.leaf == NULL || regions.bond == NULL || regions.bonds == NULL ||
         regions.mixed == NULL || regions.asked == NULL || regions.region == NULL ||
         regions.next == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "regions of %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = make(&regions, run, err);
     VOR_FREE_ALL(memory, regions.next, regions.region, regions.asked, regions.mixed, regions.bonds,

@@ -145,7 +145,7 @@ static vor_status put(struct follow *follow, const struct head *head, struct vor
         double *xyz = vor_realloc(follow->memory, ridges->xyz, room, 3 * sizeof *xyz);
 
         if (xyz == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu places on edges", room);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", room);
         ridges->xyz = xyz;
         follow->room = room;
     }
@@ -266,7 +266,7 @@ static vor_status take_feet(struct follow *follow, const struct vor_edges *edges
     follow->ridges->ridge = vor_malloc(follow->memory, m, sizeof *follow->ridges->ridge);
     if (follow->foot == NULL || follow->way == NULL || follow->used == NULL ||
         follow->pass == NULL || follow->ridges->ridge == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", m);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", m);
     for (size_t i = 0; i < edges->n; i++) {
         if (!edges->flag[i])
             continue;

@@ -126,7 +126,7 @@ static vor_status gather(struct left *left, const struct rows *rows, struct vor_
     left->middle = vor_malloc(memory, left->n, 3 * sizeof *left->middle);
     left->pair = vor_malloc(memory, left->n, NEAR * sizeof *left->pair);
     if (left->end == NULL || left->middle == NULL || left->pair == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu ends of borders", left->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", left->n);
     for (size_t end = 0; end < 2 * rows->n; end++) {
         if (rows->mate[end] != VOR_ROWS_NO_END)
             continue;

@@ -203,7 +203,7 @@ static vor_status allocate(struct make *make, const struct vor_run *run, struct 
     make->at = vor_malloc(run->memory, n, SATELLITES * sizeof *make->at);
     if (make->source == NULL || make->first == NULL || make->member == NULL || make->far == NULL ||
         make->at == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "coordinates of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 
@@ -251,7 +251,7 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
         return status;
     make.component = vor_malloc(run->memory, domain->n, sizeof *make.component);
     if (make.component == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "components of %zu points", domain->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     if (status == VOR_OK)
         status =
             vor_graph_nearest(&graph, domain->knn, domain->xyz, least(MARCHED, most), run, err);

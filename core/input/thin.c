@@ -94,7 +94,7 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     thinning->kept = vor_malloc(run->memory, n, sizeof *thinning->kept);
     thinning->first = vor_malloc(run->memory, vor_blocks_of(n, BLOCK), sizeof *thinning->first);
     if (thinning->kept == NULL || thinning->first == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_run_for(run, n, BLOCK, choose_block, thinning, err);
     if (status != VOR_OK)
         return status;
@@ -106,7 +106,7 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
     out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
     if (out->xyz == NULL || out->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "thinning %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
 }
 
@@ -141,7 +141,7 @@ static vor_status take_means(struct vor_domain *domain, const struct vor_domain 
     means.nearest = vor_malloc(run->memory, in->n, sizeof *means.nearest);
     means.sum = vor_calloc(run->memory, domain->n, 4 * sizeof *means.sum);
     if (means.nearest == NULL || means.sum == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "means of %zu points", in->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     } else {
         status = vor_run_for(run, in->n, MEANS_BLOCK, nearest_block, &means, err);
         if (status == VOR_OK) {
@@ -280,7 +280,7 @@ static vor_status mean_distance(double *out, const struct vor_domain *domain,
 
     *out = 0;
     if (apart.sum == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, apart_block, &apart, err);
     for (size_t b = 0; status == VOR_OK && b < blocks; b++)
         *out += apart.sum[b] / (double)domain->n;

@@ -98,7 +98,7 @@ vor_status vor_votes_make(struct vor_votes *out, const struct vor_domain *domain
     }
     voting.of = vor_malloc(run->memory, domain->n, sizeof *voting.of);
     if (voting.of == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "votes of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, vote_block, &voting, err);
     if (status == VOR_OK)
         *out = (struct vor_votes){run->memory, voting.of};

@@ -146,7 +146,7 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     kmeans.nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans.nearest);
     kmeans.mean = vor_malloc(memory, seeds->n, sizeof *kmeans.mean);
     if (kmeans.nearest == NULL || kmeans.mean == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "k-means of %zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     if (status == VOR_OK)
         status = vor_stage_of_seeds(&stage, seeds, err);
     if (status == VOR_OK)

@@ -54,7 +54,7 @@ vor_status vor_cells_reserve(struct vor_cells *cells, size_t room, struct vor_er
     first = vor_malloc(cells->memory, entries, sizeof *first);
     if (xyz == NULL || next == NULL || first == NULL) {
         vor_free(cells->memory, first);
-        return vor_fail(err, VOR_E_NOMEM, "cells of %zu points", room);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", room);
     }
     vor_free(cells->memory, cells->first);
     cells->first = first;

@@ -54,7 +54,7 @@ static vor_status start(struct vor_knn **out, size_t n, struct vor_memory *memor
                         INT32_MAX);
     knn = vor_calloc(memory, 1, sizeof *knn);
     if (knn == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     knn->memory = memory;
     knn->n = n;
     *out = knn;

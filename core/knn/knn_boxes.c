@@ -239,7 +239,7 @@ static vor_status plan(struct build *build, size_t *nodes, struct vor_error *err
     list_subtrees(build, all);
     build->subtree = vor_malloc(build->run->memory, build->subtrees, sizeof *build->subtree);
     if (build->subtree == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", build->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", build->n);
     build->subtrees = 0;
     list_subtrees(build, all);
     status = vor_run_for(build->run, build->subtrees, 1, count_subtrees, build, err);
@@ -264,7 +264,7 @@ static vor_status make_tree(struct build *build, struct vor_error *err)
     boxes->node = vor_malloc(boxes->memory, nodes, sizeof *boxes->node);
     boxes->leaf = vor_malloc(boxes->memory, build->n + LANES, 3 * sizeof *boxes->leaf);
     if (boxes->node == NULL || boxes->leaf == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", build->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", build->n);
     memset(&boxes->leaf[3 * build->n], 0, LANES * 3 * sizeof *boxes->leaf);
     status = vor_run_for(build->run, build->subtrees, 1, make_subtrees, build, err);
     if (status != VOR_OK)
@@ -284,7 +284,7 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
     build.code = vor_malloc(run->memory, n, sizeof *build.code);
     if (build.boxes == NULL || build.code == NULL) {
         VOR_FREE_ALL(run->memory, build.boxes, build.code);
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     build.boxes->memory = run->memory;
     build.boxes->n = n;

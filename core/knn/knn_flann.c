@@ -50,7 +50,7 @@ vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
     vor_status status;
 
     if (flann == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     flann->memory = memory;
     status = vor_places_find(&flann->places, xyz, n, MANY, memory, err);
     if (status != VOR_OK)
@@ -58,7 +58,7 @@ vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
     flann->xyz = flann->places.n > 0 ? flann->places.xyz : xyz;
     flann->n = flann->places.n > 0 ? flann->places.n : n;
     if (!vor_memory_charge(memory, flann->n * BYTES_PER_POINT)) {
-        status = vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         goto failed;
     }
     flann->charged = flann->n * BYTES_PER_POINT;

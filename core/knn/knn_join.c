@@ -246,7 +246,7 @@ vor_status vor_boxes_join(uint32_t *root, size_t *parts, const struct vor_boxes 
 
     join.whole = vor_calloc(run->memory, boxes->nodes, VOR_BOXES_LANES);
     if (join.whole == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "joining %zu points", boxes->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", boxes->n);
     memset(root, 0xff, boxes->n * sizeof *root);
     status = vor_run_for(run, children(top), 1, join_lanes, &join, err);
     if (status == VOR_OK)

@@ -79,7 +79,7 @@ static vor_status list(struct vor_places *out, const struct table *table, const 
     out->first = vor_calloc(out->memory, places + 2, sizeof *out->first);
     out->point = vor_malloc(out->memory, n, sizeof *out->point);
     if (out->xyz == NULL || out->first == NULL || out->point == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     out->n = places;
     for (size_t i = 0; i < places; i++)
         memcpy(&out->xyz[3 * i], &table->xyz[3 * (size_t)table->first[i]], 3 * sizeof *out->xyz);
@@ -104,7 +104,7 @@ vor_status vor_places_find(struct vor_places *out, const float *xyz, size_t n, s
         table.mask = 2 * table.mask + 1;
     table.slot = vor_malloc(memory, table.mask + 1 + 2 * n, sizeof *table.slot);
     if (table.slot == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     table.first = table.slot + table.mask + 1;
     place = table.first + n;
     memset(table.slot, 0xff, (table.mask + 1) * sizeof *table.slot);

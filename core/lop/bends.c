@@ -91,7 +91,7 @@ vor_status vor_lop_bends(size_t *on_edges, struct vor_lop_samples *data,
     vor_status status;
 
     if (bends.left == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "edges of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &bends, err);
     *on_edges = 0;
     for (size_t r = 0; r < regions && status == VOR_OK; r++)

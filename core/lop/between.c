@@ -156,7 +156,7 @@ vor_status vor_lop_between(struct vor_lop_samples *samples, size_t n, uint64_t s
     between.room = vor_malloc(samples->memory, samples->n, sizeof *between.room);
     between.first = vor_malloc(samples->memory, samples->n + 1, sizeof *between.first);
     if (between.room == NULL || between.first == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "shares of %zu points", samples->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", samples->n);
     if (status == VOR_OK)
         status = vor_knn_build(&between.knn, samples->xyz, samples->n, samples->memory, err);
     if (status == VOR_OK)

@@ -146,7 +146,7 @@ static vor_status list(struct candidate **out, size_t *count, const struct vor_l
         *count += !on[i] && (double)edge[i].distance <= VOR_LOP_EDGE_NEAR * (double)spacing[i];
     candidate = vor_malloc(samples->memory, *count, sizeof *candidate);
     if (candidate == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points near edges", *count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", *count);
     *count = 0;
     for (size_t i = 0; i < samples->n; i++)
         if (!on[i] && (double)edge[i].distance <= VOR_LOP_EDGE_NEAR * (double)spacing[i]) {

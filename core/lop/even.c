@@ -70,7 +70,7 @@ static vor_status alloc_even(struct even *even, struct vor_error *err)
     even->nearest = vor_malloc(memory, n, sizeof *even->nearest);
     if (even->edge == NULL || even->on == NULL || even->listed == NULL || even->list == NULL ||
         even->spacing == NULL || even->next == NULL || even->step == NULL || even->nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 

@@ -376,7 +376,7 @@ vor_status vor_lop_fillets(struct vor_lop_samples *data, struct vor_lop_samples 
 
     fillets.slot = vor_malloc(memory, domain->n, sizeof *fillets.slot);
     if (fillets.slot == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "edges of %zu points", domain->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, BLOCK, screen_block, &fillets, err);
     if (status == VOR_OK)

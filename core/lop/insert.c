@@ -331,7 +331,7 @@ static vor_status grow(struct vor_lop_samples *samples, size_t n, struct vor_err
         more = vor_realloc(samples->memory, samples->normal, n, 3 * sizeof *more);
     }
     if (more == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     samples->normal = more;
     samples->room = n;
     return VOR_OK;
@@ -345,7 +345,7 @@ static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct 
     insertion->reach = vor_malloc(memory, n, sizeof *insertion->reach);
     insertion->heap = vor_malloc(memory, n, sizeof *insertion->heap);
     if (insertion->pairs == NULL || insertion->reach == NULL || insertion->heap == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the insertion of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 

@@ -240,7 +240,7 @@ static vor_status sort_samples(struct lop *lop, struct vor_error *err)
     vor_status status;
 
     if (order == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu samples", samples->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", samples->n);
     status = vor_morton_order(order, samples->xyz, samples->n, &whole, err);
     if (status == VOR_OK)
         status = vor_lop_samples_init(&sorted, samples->n, memory, err);
@@ -277,7 +277,7 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
         seeds.normal = vor_malloc(memory, n, 3 * sizeof *seeds.normal);
         if (seeds.normal == NULL) {
             vor_seeds_free(&seeds);
-            return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", n);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         }
         memcpy(seeds.normal, lop->samples.normal, 3 * n * sizeof *seeds.normal);
     }

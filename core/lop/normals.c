@@ -388,7 +388,7 @@ static vor_status alloc_normals(struct normals *normals, struct vor_memory *memo
     normals->list = vor_malloc(memory, n, normals->most * sizeof *normals->list);
     if (normals->now.area == NULL || normals->plane == NULL || normals->off == NULL ||
         normals->count == NULL || normals->list == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 

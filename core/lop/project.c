@@ -310,7 +310,7 @@ static vor_status alloc_project(struct project *project, struct vor_error *err)
     project->turned = vor_malloc(memory, n, 3 * sizeof *project->turned);
     if (project->area == NULL || project->crowding == NULL || project->nearest == NULL ||
         project->next == NULL || project->turned == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "projection of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_input_lists_init(&project->near_data, n, &near, memory, err);
     if (status != VOR_OK)
         return status;

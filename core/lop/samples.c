@@ -8,7 +8,7 @@ vor_status vor_lop_samples_init(struct vor_lop_samples *out, size_t room, struct
 
     if (xyz == NULL || normal == NULL) {
         VOR_FREE_ALL(memory, normal, xyz);
-        return vor_fail(err, VOR_E_NOMEM, "%zu oriented points", room);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", room);
     }
     *out = (struct vor_lop_samples){memory, 0, room, xyz, normal, NULL};
     return VOR_OK;

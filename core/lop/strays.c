@@ -49,7 +49,7 @@ vor_status vor_lop_strays_drop(struct vor_lop_samples *samples, struct vor_error
     vor_status status;
 
     if (far == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     sorted = far + n;
     status = measure(far, samples, err);
     if (status == VOR_OK) {

@@ -46,7 +46,7 @@ static vor_status grow(void **array, size_t *room, size_t size, size_t want,
         return VOR_OK;
     more = wanted < LEAF ? vor_realloc(memory, *array, wanted, size) : NULL;
     if (more == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "an index of %zu nodes", want);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", want);
     *array = more;
     *room = wanted;
     return VOR_OK;

@@ -49,7 +49,7 @@ vor_status vor_balls_make(struct vor_balls *out, const struct vor_sheet *sheet,
     out->count = vor_malloc(run->memory, seeds->n, 1);
     out->far2 = vor_malloc(run->memory, seeds->n, sizeof *out->far2);
     if (out->list == NULL || out->count == NULL || out->far2 == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "points around %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_knn_build(&out->knn, seeds->xyz, seeds->n, run->memory, err);
     return status == VOR_OK ? vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, list_block, out, err)
                             : status;

@@ -186,7 +186,7 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
 
     *closed = 0;
     if (closing == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "closing loops");
+        return vor_fail(err, VOR_E_NOMEM, "closing loops of the mesh");
     closing->complex = complex;
     closing->sheet = sheet;
     closing->balls = balls;

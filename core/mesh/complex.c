@@ -12,7 +12,7 @@ vor_status vor_complex_init(struct vor_complex *out, size_t n, struct vor_memory
     complex.degree = vor_calloc(memory, n, 1);
     if (complex.triangle == NULL || complex.around == NULL || complex.degree == NULL) {
         vor_complex_free(&complex);
-        return vor_fail(err, VOR_E_NOMEM, "triangles of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = complex;
     return VOR_OK;

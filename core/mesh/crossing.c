@@ -209,7 +209,7 @@ vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet
     crossing.most = seeds->n < AROUND ? (unsigned)seeds->n : AROUND;
     crossing.passes = vor_malloc(run->memory, complex->count, 1);
     if (crossing.passes == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "crossings of %zu triangles", complex->count);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
     } else {
         status = vor_run_for(run, complex->count, BLOCK, cross_block, &crossing, err);
         if (status == VOR_OK) {

@@ -80,6 +80,6 @@ vor_status vor_crowded_find(struct vor_sheet *sheet, const struct vor_complex *c
         return VOR_OK;
     sheet->crowded = vor_malloc(run->memory, complex->n, 1);
     return sheet->crowded == NULL
-               ? vor_fail(err, VOR_E_NOMEM, "near sheets at %zu points", complex->n)
+               ? vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n)
                : vor_run_for(run, complex->n, VOR_SEEDS_BLOCK, find_block, &crowded, err);
 }

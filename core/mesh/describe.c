@@ -59,7 +59,7 @@ static vor_status rate(struct vor_report *report, const struct vor_complex *comp
     size_t rated = 0;
 
     if (quality == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "quality of triangles");
+        return vor_fail(err, VOR_E_NOMEM, "the quality of the triangles");
     for (size_t t = 0; t < complex->count; t++) {
         const uint32_t *corner = &complex->triangle[3 * t];
 

@@ -256,7 +256,7 @@ static vor_status grow(struct front *front, struct vor_error *err)
         front->edge = edge;
     heap = edge == NULL ? NULL : vor_realloc(memory, front->heap, room, sizeof *heap);
     if (heap == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu open edges", room);
+        return vor_fail(err, VOR_E_NOMEM, "%zu edges", room);
     front->heap = heap;
     front->room = room;
     return VOR_OK;
@@ -516,9 +516,8 @@ vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *ball
                           .balls = balls,
                           .by_lists = sheet->graph != NULL,
                           .side = vor_calloc(run->memory, complex->n, 1)};
-    vor_status status = front.side == NULL
-                            ? vor_fail(err, VOR_E_NOMEM, "sides of %zu points", complex->n)
-                            : go_on_all(&front, run, err);
+    vor_status status = front.side == NULL ? vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n)
+                                           : go_on_all(&front, run, err);
 
     if (status == VOR_OK && front.by_lists && !balls->parts) {
         front.by_lists = 0;

@@ -138,7 +138,7 @@ vor_status vor_meeting_drop(struct vor_complex *complex, const struct vor_sheet 
         return VOR_OK;
     meeting.meets = vor_malloc(run->memory, seeds->n, 1);
     if (meeting.meets == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "meeting sheets at %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_run_for(run, seeds->n, BLOCK, meet_block, &meeting, err);
     if (status == VOR_OK) {
         /* Drops the triangles at points marked, and all but the largest fan of each point. */

@@ -207,7 +207,7 @@ vor_status vor_mesh_reorder(struct vor_mesh *mesh, const uint32_t *order, size_t
     uint32_t *place = vor_malloc(mesh->memory, n, sizeof *place);
 
     if (place == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     for (size_t k = 0; k < n; k++)
         place[order[k]] = (uint32_t)k;
     for (size_t c = 0; c < 3 * mesh->count; c++)

@@ -11,7 +11,7 @@ vor_status vor_peel(struct vor_complex *complex, struct vor_error *err)
     unsigned char *border = vor_calloc(complex->memory, complex->n, 1);
 
     if (border == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "open edges of %zu points", complex->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n);
     for (size_t t = 0; t < complex->count; t++)
         for (int c = 0; c < 3 && complex->triangle[3 * t] != VOR_COMPLEX_GONE; c++)
             if (vor_complex_is_open(complex, t, c)) {

@@ -211,7 +211,7 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
     relax.next = vor_malloc(memory, seeds->n, 3 * sizeof *relax.next);
     relax.moves = vor_malloc(memory, seeds->n, 1);
     if (relax.next == NULL || relax.moves == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "moves of %zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = steps(&relax, how, err);
     VOR_FREE_ALL(memory, relax.moves, relax.next);

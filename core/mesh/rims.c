@@ -116,7 +116,7 @@ static vor_status begin(struct trace *trace, struct vor_error *err)
 
     trace->first = vor_malloc(memory, n + 1, sizeof *trace->first);
     if (trace->first == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "loops of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     for (size_t i = 0; i < n; i++) {
         trace->first[i] = (uint32_t)trace->arcs;
         trace->arcs += ends_of(trace->complex, (uint32_t)i, to, third);
@@ -126,7 +126,7 @@ static vor_status begin(struct trace *trace, struct vor_error *err)
     trace->pair = vor_malloc(memory, trace->arcs, sizeof *trace->pair);
     trace->seen = vor_calloc(memory, trace->arcs, 1);
     if (trace->to == NULL || trace->pair == NULL || trace->seen == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "loops of %zu edges", trace->arcs);
+        return vor_fail(err, VOR_E_NOMEM, "%zu edges", trace->arcs);
     return VOR_OK;
 }
 
@@ -164,7 +164,7 @@ static vor_status walk_all(struct vor_rims *rims, struct trace *trace, struct vo
     rims->start = vor_malloc(rims->memory, edges / 3 + 2, sizeof *rims->start);
     rims->point = vor_malloc(rims->memory, edges, sizeof *rims->point);
     if (rims->start == NULL || rims->point == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "loops of %zu edges", edges);
+        return vor_fail(err, VOR_E_NOMEM, "%zu edges", edges);
     rims->start[0] = 0;
     for (size_t i = 0; i < trace->complex->n; i++)
         for (uint32_t arc = trace->first[i]; arc < trace->first[i + 1]; arc++)

@@ -88,8 +88,7 @@ static vor_status take_graph(struct vor_sheet *sheet, const struct vor_seeds *se
     if (status != VOR_OK || sheet->graph == NULL)
         return status;
     sheet->root = vor_malloc(seeds->run.memory, seeds->n, sizeof *sheet->root);
-    return sheet->root == NULL ? vor_fail(err, VOR_E_NOMEM, "sheets of %zu points", seeds->n)
-                               : VOR_OK;
+    return sheet->root == NULL ? vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n) : VOR_OK;
 }
 
 vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
@@ -104,7 +103,7 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
     out->normal = vor_malloc(seeds->run.memory, seeds->n, 3 * sizeof *out->normal);
     out->near = vor_malloc(seeds->run.memory, seeds->n, sizeof *out->near);
     if (out->normal == NULL || out->near == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = take_graph(out, seeds, run, err);
     if (status == VOR_OK)
         status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, find_block, &finding, err);

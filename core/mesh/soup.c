@@ -136,7 +136,7 @@ static vor_status put(struct soup *soup, struct vor_error *err)
     mesh->triangle = vor_malloc(mesh->memory, mesh->count, 3 * sizeof *mesh->triangle);
     soup->source = vor_malloc(mesh->memory, corners, sizeof *soup->source);
     if (mesh->triangle == NULL || soup->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "polygons of %zu corners", corners);
+        return vor_fail(err, VOR_E_NOMEM, "%zu corners", corners);
     status = vor_run_for(&seeds->run, result->n, VOR_SEEDS_BLOCK, put_block, soup, err);
     if (status != VOR_OK)
         return status;
@@ -155,7 +155,7 @@ static vor_status make(struct soup *soup, struct vor_error *err)
     soup->corner = vor_malloc(memory, n + 1, sizeof *soup->corner);
     soup->triangle = vor_malloc(memory, n + 1, sizeof *soup->triangle);
     if (soup->corner == NULL || soup->triangle == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "polygons of %zu cells", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_seeds_index(seeds, &seeds->run, err);
     if (status == VOR_OK)
         status = vor_run_for(&seeds->run, n, VOR_SEEDS_BLOCK, count_block, soup, err);

@@ -116,7 +116,7 @@ vor_status vor_twosided_make(struct vor_twosided *out, const struct vor_complex 
     sides.one = vor_malloc(sides.memory, room, 1);
     if (sides.parent == NULL || sides.contrary == NULL || sides.one == NULL) {
         vor_twosided_free(&sides);
-        return vor_fail(err, VOR_E_NOMEM, "sides of %zu triangles", room);
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", room);
     }
     for (size_t t = 0; t < complex->count; t++)
         begin(&sides, (uint32_t)t);

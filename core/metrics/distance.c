@@ -101,7 +101,7 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
                         m, length);
     d = vor_malloc(run->memory, n > m ? n : m, sizeof *d);
     if (d == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n > m ? n : m);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n > m ? n : m);
     status = vor_knn_build(&from.knn, xyz, n, run->memory, err);
     if (status == VOR_OK)
         status = vor_knn_build(&to.knn, reference, m, run->memory, err);

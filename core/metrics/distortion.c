@@ -52,7 +52,7 @@ static vor_status side_open(struct side *side, const float *xyz, size_t n,
     side->source = vor_malloc(run->memory, n, sizeof *side->source);
     if (side->xyz == NULL || side->normal == NULL || side->fitted == NULL || side->mapped == NULL ||
         side->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distinct points of %zu", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_morton_order(side->source, xyz, n, run, err);
     if (status != VOR_OK)
         return status;
@@ -130,7 +130,7 @@ static vor_status find_peak(double *out, const struct side *side, const struct v
     vor_status status;
 
     if (peak.block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "spacing of %zu points", side->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", side->n);
     status = vor_run_for(run, side->n, BLOCK, peak_block, &peak, err);
     for (size_t b = 0; b < blocks; b++)
         most = fmax(most, peak.block[b]);
@@ -235,7 +235,7 @@ static vor_status map_normals(struct side *cloud, const struct side *reference,
     vor_status status = VOR_OK;
 
     if (mapping.ties == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "neighbours of %zu points", room);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", room);
     for (; mapping.first < reference->n && status == VOR_OK; mapping.first += room) {
         size_t left = reference->n - mapping.first, count = left < room ? left : room;
 
@@ -304,7 +304,7 @@ static vor_status compare(struct errors *out, const struct side *from, const str
     *out = (struct errors){0, 0};
     comparison.block = vor_calloc(run->memory, blocks, sizeof *comparison.block);
     if (comparison.block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "errors of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_run_for(run, n, BLOCK, compare_block, &comparison, err);
     for (size_t b = 0; b < blocks; b++) {
         out->d1 += comparison.block[b].d1 / (double)n;

@@ -63,7 +63,7 @@ static vor_status find_components(struct vor_inspect *out, const struct vor_grap
     if (status == VOR_OK)
         size = vor_calloc(run->memory, count, sizeof *size);
     if (component == NULL || (status == VOR_OK && size == NULL)) {
-        status = vor_fail(err, VOR_E_NOMEM, "components of %zu points", graph->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     } else if (status == VOR_OK) {
         out->components = count;
         for (size_t i = 0; i < graph->n; i++)
@@ -88,7 +88,7 @@ static vor_status measure_spacing(struct vor_inspect *out, const struct vor_doma
     vor_status status;
 
     if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", domain->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_nearest_distances(nearest, domain->xyz, domain->n, domain->knn, run, err);
     if (status == VOR_OK) {
         for (size_t i = 0; i < domain->n; i++)

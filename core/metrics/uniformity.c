@@ -81,7 +81,7 @@ vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, 
     vor_status status;
 
     if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_knn_build(&knn, xyz, n, run->memory, err);
     if (status == VOR_OK)
         status = vor_nearest_distances(nearest, xyz, n, knn, run, err);

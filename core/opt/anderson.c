@@ -37,7 +37,7 @@ vor_status vor_anderson_init(struct vor_anderson *out, size_t length, unsigned w
     if (ok && out->partial != NULL)
         return VOR_OK;
     vor_anderson_free(out);
-    return vor_fail(err, VOR_E_NOMEM, "a window of %u vectors of %zu numbers", window, length);
+    return vor_fail(err, VOR_E_NOMEM, "%zu numbers", length);
 }
 
 void vor_anderson_free(struct vor_anderson *anderson)

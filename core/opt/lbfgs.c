@@ -44,7 +44,7 @@ vor_status vor_lbfgs_init(struct vor_lbfgs *out, size_t length, unsigned window,
     }
     if (!ok) {
         vor_lbfgs_free(&lbfgs);
-        return vor_fail(err, VOR_E_NOMEM, "the descent of %zu variables", length);
+        return vor_fail(err, VOR_E_NOMEM, "%zu variables", length);
     }
     *out = lbfgs;
     return VOR_OK;

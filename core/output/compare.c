@@ -203,7 +203,7 @@ static vor_status over_blocks(struct vor_compare_apart *out, struct compare *com
 
     compare->block = vor_malloc(run->memory, blocks, sizeof *compare->block);
     if (compare->block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_run_for(run, n, BLOCK, task, compare, err);
     for (size_t b = 0; status == VOR_OK && b < blocks; b++)
         vor_sums_merge(&all, &compare->block[b]);

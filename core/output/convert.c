@@ -35,7 +35,7 @@ static vor_status copy_faces(struct vor_mesh *out, const struct vor_cloud *in,
         return VOR_OK;
     out->triangle = vor_malloc(out->memory, in->triangle_count, size);
     if (out->triangle == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", in->triangle_count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", in->triangle_count);
     memcpy(out->triangle, in->triangles, in->triangle_count * size);
     out->count = in->triangle_count;
     out->polygons = in->polygons;

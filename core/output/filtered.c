@@ -100,7 +100,7 @@ static vor_status find_points(struct work *work, struct vor_error *err)
     work->place = vor_malloc(work->run->memory, n, sizeof *work->place);
     work->source = vor_malloc(work->run->memory, n, sizeof *work->source);
     if (work->place == NULL || work->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "handing out %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     for (size_t i = 0; i < n; i++)
         work->place[i] = NONE;
     for (size_t i = 0; i < domain->n; i++)
@@ -154,7 +154,7 @@ static vor_status make_normals(struct work *work, struct vor_error *err)
         return VOR_OK;
     work->normal = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->normal);
     if (work->normal == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "normals of %zu points", work->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     status = vor_sides_find(&work->sides, &of, work->run, err);
     if (status != VOR_OK)
         return status;
@@ -170,11 +170,11 @@ static vor_status make_cloud(struct vor_cloud *out, struct work *work, struct vo
         return status;
     work->was = vor_malloc(work->run->memory, work->n, 3 * sizeof *work->was);
     if (work->was == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "places of %zu points", work->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     if (work->in->exact != NULL) {
         out->exact = vor_malloc(out->memory, work->n, 3 * sizeof *out->exact);
         if (out->exact == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "doubles of %zu points", work->n);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     }
     out->position_type = work->in->position_type;
     memcpy(out->origin, work->in->origin, sizeof out->origin);
@@ -211,7 +211,7 @@ static vor_status find_nearest(struct work *work, struct vor_error *err)
 
     work->nearest = vor_malloc(work->run->memory, work->n, sizeof *work->nearest);
     if (own == NULL || held == NULL || work->nearest == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     } else {
         status = vor_nearest_distances(own, domain->xyz, domain->n, domain->knn, work->run, err);
         if (status == VOR_OK) { /* 0 where points share a place */
@@ -269,7 +269,7 @@ static vor_status report_apart(struct vor_report *report, struct work *work, str
     work->block = vor_malloc(work->run->memory, blocks, 2 * sizeof *work->block);
     if (work->block == NULL) {
         vor_knn_free(knn);
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", work->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     }
     status = vor_run_for(work->run, work->n, BLOCK, apart_block, work, err);
     if (status == VOR_OK) {
@@ -294,7 +294,7 @@ static vor_status reorder(struct vor_cloud *out, struct work *work, double spaci
         memcpy(&work->was[3 * i], is_at(work, i), 3 * sizeof *work->was);
     order = vor_malloc(work->run->memory, work->n, sizeof *order);
     if (order == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", work->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     status = vor_order_progressive(order, work->was, work->n, spacing, work->run, err);
     if (status == VOR_OK)
         status = vor_cloud_reorder(out, order, err);

@@ -399,7 +399,7 @@ static vor_status look_up(struct order *order, struct vor_error *err)
     vor_status status;
 
     if (xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", order->count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", order->count);
     for (size_t k = 0; k < order->count; k++)
         memcpy(&xyz[3 * k], &order->xyz[3 * (size_t)order->out[k]], 3 * sizeof *xyz);
     status = vor_knn_build(&order->knn, xyz, order->count, order->run->memory, err);
@@ -473,7 +473,7 @@ static vor_status begin(struct order *order, struct vor_error *err)
     order->grid.start = vor_malloc(memory, order->grid.buckets + 1, sizeof *order->grid.start);
     if (order->reach == NULL || order->gain == NULL || order->slot == NULL || order->heap == NULL ||
         order->grid.item == NULL || order->grid.start == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     order->stride = 1;
     while (n / order->stride >= GROWS * POOL_LEAST)
         order->stride *= GROWS;

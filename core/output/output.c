@@ -45,7 +45,7 @@ static vor_status hand_out(struct vor_cloud *out, struct vor_report *report,
     if (placed->spec->value[VOR_PARAM_ORDER] == VOR_ORDER_PROGRESSIVE) {
         order = vor_malloc(memory, seeds->n, sizeof *order);
         if (order == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "order of %zu points", seeds->n);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
         status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, &seeds->run, err);
     }
     if (status == VOR_OK)
@@ -170,7 +170,7 @@ static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
     vor_status status;
 
     if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_uniformity_now(even, nearest, seeds, err);
     if (status == VOR_OK && stretched)
         status = vor_seeds_distances(nearest, seeds, err);

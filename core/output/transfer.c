@@ -154,7 +154,7 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     if (fit)
         transfer.normal = vor_malloc(run->memory, seeds->n, 3 * sizeof *transfer.normal);
     if (transfer.nearest == NULL || (fit && transfer.normal == NULL)) {
-        status = vor_fail(err, VOR_E_NOMEM, "attributes of %zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
         goto done;
     }
     status = vor_cloud_resize(&cloud, seeds->n, err);

@@ -20,7 +20,7 @@ vor_status vor_triangles_of_seeds(struct vor_mesh *out, uint32_t **order, struct
 
     *order = vor_malloc(seeds->run.memory, seeds->n, sizeof **order);
     if (*order == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "order of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     if (spec->value[VOR_PARAM_SOUP] > 0)
         return VOR_OK;
     status = vor_mesh_make(out, report, seeds, &how, err);

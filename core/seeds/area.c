@@ -86,7 +86,7 @@ vor_status vor_area_of_surface(double *out, const struct vor_domain *domain, uin
     vor_status status;
 
     if (end == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_seeds_init(&seeds, domain, n, policy, run, err);
     if (status == VOR_OK) {
         vor_area_draw(&seeds, seed);

@@ -75,7 +75,7 @@ vor_status vor_seeds_aspects(struct vor_aspects *out, struct vor_seeds *seeds,
     vor_status status;
 
     if (measure.aspect == NULL || measure.off == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_seeds_index(seeds, &seeds->run, err);
     if (status == VOR_OK)

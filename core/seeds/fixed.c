@@ -49,7 +49,7 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
 
     if (xyz == NULL || (normals && normal == NULL)) {
         vor_free(run->memory, xyz);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points that do not move", fixed.n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", fixed.n);
     }
     if (normals)
         memcpy(normal, seeds->normal, 3 * moved * sizeof *normal);
@@ -86,7 +86,7 @@ static vor_status measure(double *delta, struct vor_seeds *seeds, struct vor_err
         return VOR_OK;
     nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
     if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "distances of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
     if (status == VOR_OK)
         *delta = even.delta;
@@ -109,7 +109,7 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
         return VOR_OK;
     xyz = vor_malloc(run->memory, share, 3 * sizeof *xyz);
     if (xyz == NULL && share > 0)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points on islands", share);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", share);
     fixed.xyz = xyz;
     status = measure(delta_beside, seeds, err);
     if (status == VOR_OK)
@@ -181,7 +181,7 @@ static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *site
     vor_status status = VOR_E_NOMEM;
 
     if (distance2 == NULL || sorted == NULL || index == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points beside borders", n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     } else {
         status = vor_knn_build(&knn, sites->place, sites->places, memory, err);
         if (status == VOR_OK && surplus > 0) {

@@ -397,7 +397,7 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     polish.pull = vor_calloc(memory, seeds->n, row);
     polish.quiet = vor_calloc(memory, seeds->n, 1);
     if (polish.next == NULL || polish.step == NULL || polish.pull == NULL || polish.quiet == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the polish of %zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
     if (status == VOR_OK)

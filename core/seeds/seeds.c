@@ -75,7 +75,7 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
         vor_wanted_init(&seeds.wanted, &domain->field, n, run->memory, err) != VOR_OK ||
         vor_stretched_init(&seeds.stretched, &domain->tensors, n, run->memory, err) != VOR_OK) {
         vor_seeds_free(&seeds);
-        return vor_fail(err, VOR_E_NOMEM, "%zu seeds", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = seeds;
     return VOR_OK;

@@ -55,7 +55,7 @@ static vor_status line_init(struct line *out, size_t n, int closed, const struct
     line.sum = vor_malloc(memory, n + 1, sizeof *line.sum);
     if (line.at == NULL || line.next == NULL || line.sum == NULL) {
         line_free(&line);
-        (void)vor_fail(err, VOR_E_NOMEM, "a line of %zu places", n);
+        (void)vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         return VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
     }
     *out = line;
@@ -238,7 +238,7 @@ static vor_status line_of(struct line *out, const struct place_on *on,
     if (status == VOR_OK)
         status = line_init(&line, n, 1, domain, err);
     if (along == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "a border of %zu places", n);
+        (void)vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         status = VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
     } else if (status == VOR_OK) {
         double step = measure(&raw) / (double)n;
@@ -366,7 +366,7 @@ static vor_status make_room(struct place_on *on, const struct walkers *walkers,
     sites->place = place != NULL ? place : sites->place;
     sites->outward = outward != NULL ? outward : sites->outward;
     if (xyz == NULL || place == NULL || outward == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points on lines", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     return VOR_OK;
 }
 
@@ -415,7 +415,7 @@ static vor_status put_on(struct place_on *on, const struct line *line, struct vo
     walkers.along = vor_malloc(memory, gaps + 1, sizeof *walkers.along);
     walkers.apart = vor_malloc(memory, gaps + 1, sizeof *walkers.apart);
     if (walkers.xyz == NULL || walkers.along == NULL || walkers.apart == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points on a line", gaps);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", gaps);
     } else {
         /* Straight ways are shorter than the line between their ends. */
         size_t fewer = (size_t)rint((double)gaps * even_out(&walkers, line, gaps) / on->h);

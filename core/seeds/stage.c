@@ -17,7 +17,7 @@ vor_status vor_stage_of_seeds(struct vor_stage *stage, struct vor_seeds *seeds,
     stage->nearest = vor_malloc(memory, seeds->n, sizeof *stage->nearest);
     stage->best_xyz = vor_malloc(memory, seeds->n, 3 * sizeof *stage->best_xyz);
     if (stage->nearest == NULL || stage->best_xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the most even of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     return vor_stage_restart(stage, err);
 }
 

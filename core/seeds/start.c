@@ -304,7 +304,7 @@ static vor_status start_at_points(struct areas *areas, int *enough, struct vor_e
     *enough = 0;
     areas->end = vor_malloc(run->memory, to->n, sizeof *areas->end);
     if (areas->end == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "areas of %zu stretches", to->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", to->n);
     status = vor_run_for(run, to->n, DENSITY_BLOCK, density_block, areas, err);
     for (size_t i = 0; status == VOR_OK && i < to->n; i++)
         sum += areas->end[i];
@@ -347,7 +347,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
 
     areas->end = vor_malloc(memory, from->n, sizeof *areas->end);
     if (areas->end == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "areas of %zu cells", from->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", from->n);
     for (int pass = 0; status == VOR_OK && pass < PASSES; pass++) {
         if (pass > 0) {
             if (from->n != to->n || variation(areas) < UNEVEN)

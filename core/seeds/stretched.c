@@ -25,7 +25,7 @@ vor_status vor_stretched_init(struct vor_stretched *out, const struct vor_tensor
         return VOR_OK;
     stretched.near = vor_calloc(memory, n, sizeof *stretched.near);
     if (stretched.near == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the metric at %zu seeds", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     *out = stretched;
     return VOR_OK;
 }

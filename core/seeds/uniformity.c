@@ -273,7 +273,7 @@ vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds, struct vor_
     vor_status status;
 
     if (six.is == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the cells of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
     for (size_t i = 0; i < seeds->n; i++)
         count += six.is[i] >= SIX, looked_at += six.is[i] > 0;

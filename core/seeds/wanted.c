@@ -14,7 +14,7 @@ vor_status vor_wanted_init(struct vor_wanted *out, const struct vor_field *field
     wanted.scratch = vor_malloc(memory, n, sizeof *wanted.scratch);
     if (wanted.near == NULL || wanted.value == NULL || wanted.scratch == NULL) {
         vor_wanted_free(&wanted, memory);
-        return vor_fail(err, VOR_E_NOMEM, "the spacing of %zu seeds", n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     *out = wanted;
     return VOR_OK;

@@ -154,7 +154,7 @@ vor_status vor_draco_fit_positions(struct vor_draco_column *column, const struct
         capacity *= 2;
     slots = vor_malloc(cloud->memory, capacity, sizeof *slots);
     if (slots == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "table of %zu points", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     column->bits = 1;
     while (column->bits < BITS_MAX && ldexp(1, column->bits) - 1 < wanted)
         column->bits++;

@@ -56,8 +56,9 @@ static vor_status decode(struct vor_draco_decoded **out, struct vor_alloc_budget
     case VOR_DRACO_DONE:
         return refuse_rest(bytes, size, used, err);
     case VOR_DRACO_NO_MEMORY:
-        return vor_fail(err, VOR_E_NOMEM, "decoding %zu bytes of Draco takes more than %zu bytes",
-                        size, left < budget->most ? left : budget->most);
+        return vor_fail(err, VOR_E_NOMEM,
+                        "decoding %zu bytes of Draco takes more than %zu bytes of memory", size,
+                        left < budget->most ? left : budget->most);
     default:
         return vor_fail(err, VOR_E_FORMAT,
                         "the Draco file is damaged or cut short; the Draco library says: %s",
@@ -137,7 +138,7 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     vor_status status;
 
     if (raw == NULL || xyz == NULL) {
-        status = vor_fail(load->err, VOR_E_NOMEM, "positions of %zu points", load->n);
+        status = vor_fail(load->err, VOR_E_NOMEM, "%zu points", load->n);
         goto done;
     }
     status = copy_values(load, load->position, raw);
@@ -266,7 +267,7 @@ static vor_status load_faces(const struct load *load)
     }
     cloud->triangles = vor_malloc(cloud->memory, faces, 3 * sizeof *cloud->triangles);
     if (cloud->triangles == NULL)
-        return vor_fail(load->err, VOR_E_NOMEM, "corners of %zu faces", faces);
+        return vor_fail(load->err, VOR_E_NOMEM, "%zu faces", faces);
     cloud->triangle_count = faces;
     if (vor_draco_corners(load->decoded, cloud->triangles) != VOR_DRACO_DONE)
         return vor_fail(load->err, VOR_E_FORMAT, "a face refers to a point that does not exist");

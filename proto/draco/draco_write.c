@@ -69,7 +69,7 @@ static vor_status choose_frame(struct plan *plan, const struct vor_write_options
         return VOR_OK;
     plan->xyz = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *plan->xyz);
     if (plan->xyz == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "positions of %zu points", cloud->n);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
     for (size_t i = 0; i < 3 * cloud->n; i++) {
         double shift = cloud->origin[i % 3] - origin[i % 3];
 
@@ -436,7 +436,7 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
         return status;
     plan = vor_calloc(cloud->memory, 1, sizeof *plan);
     if (plan == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "plan of %zu attributes", cloud->attribute_count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu attributes", cloud->attribute_count);
     plan->cloud = cloud;
     status = choose_faces(plan, options->mesh, err);
     if (status == VOR_OK)

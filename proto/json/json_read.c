@@ -70,7 +70,7 @@ static vor_status check_duplicates(const cJSON *root, const struct vor_json_keys
         return VOR_OK;
     list.keys = malloc(found->count * sizeof *list.keys);
     if (list.keys == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the keys of a JSON text");
+        return vor_fail(err, VOR_E_NOMEM, "a JSON text");
     collect_keys(&list, root);
     qsort(list.keys, list.count, sizeof *list.keys, compare_keys);
     for (size_t i = 1; i < list.count; i++)
@@ -100,7 +100,7 @@ vor_status vor_json_parse(struct vor_json **out, const char *bytes, size_t size,
     *out = NULL;
     keys.offsets = malloc(VOR_JSON_TOKENS_MAX * sizeof *keys.offsets);
     if (keys.offsets == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the keys of a JSON text");
+        return vor_fail(err, VOR_E_NOMEM, "a JSON text");
     status = vor_json_scan(bytes, size, &keys, err);
     if (status != VOR_OK)
         goto done;

@@ -47,7 +47,7 @@ static vor_status reserve(struct vor_ply_faces *faces, size_t capacity, struct v
         return VOR_OK;
     triangles = vor_realloc(faces->memory, faces->triangles, capacity, CORNERS * sizeof *triangles);
     if (triangles == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "corners of %zu triangles", capacity);
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", capacity);
     faces->triangles = triangles;
     faces->capacity = capacity;
     return VOR_OK;

@@ -100,7 +100,7 @@ vor_status vor_ply_note(struct vor_cloud *cloud, const uint8_t *bytes,
         return VOR_OK;
     notes->remarks = vor_malloc(cloud->memory, size, 1);
     if (notes->remarks == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of remarks", size);
+        return vor_fail(err, VOR_E_NOMEM, "%zu bytes of comments", size);
     notes->remarks_size = put_remarks(notes->remarks, &others, bytes, header->body);
     return VOR_OK;
 }

@@ -124,7 +124,7 @@ static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
     if (type == VOR_FLOAT64) {
         reader->wide = vor_malloc(reader->cloud.memory, n, 3 * sizeof *reader->wide);
         if (reader->wide == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "coordinates of %zu points", n);
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     }
     for (int c = 0; c < 3; c++) {
         struct vor_ply_column *column = &reader->rows.columns[at[c]];

@@ -325,7 +325,7 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
     writer.fields = vor_malloc(cloud->memory, count, sizeof *writer.fields);
     writer.buffer = vor_malloc(cloud->memory, writer.capacity, 1);
     if (writer.fields == NULL || writer.buffer == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "the rows of a PLY file");
+        status = vor_fail(err, VOR_E_NOMEM, "writing a PLY file");
         goto done;
     }
     add_coordinates(&writer);

@@ -280,7 +280,10 @@ vor_status vor_log_sink_start(struct vor_error *err)
     if (alive)
         sink.mode = QUEUED;
     pthread_mutex_unlock(&sink.mutex);
-    return alive ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "the thread that writes the log");
+    return alive ? VOR_OK
+                 : vor_fail(err, VOR_E_NOMEM,
+                            "cannot start the thread that writes the log: too little memory, or a "
+                            "limit on processes");
 }
 
 static struct timespec after(double seconds)

@@ -27,7 +27,7 @@ vor_status vor_reserve_open(struct vor_reserve **out, const char *path, struct v
 
     if (reserve == NULL || (reserve->path = strdup(path)) == NULL) {
         free(reserve);
-        return vor_fail(err, VOR_E_NOMEM, "the reserve of the disk");
+        return vor_fail(err, VOR_E_NOMEM, "opening the job store");
     }
     pthread_mutex_init(&reserve->mutex, NULL);
     if (stat(path, &info) == 0)

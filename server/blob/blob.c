@@ -170,7 +170,7 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
     writer->digest = vor_digest_create();
     if (writer->digest == NULL) {
         vor_blob_discard(writer);
-        return vor_fail(err, VOR_E_NOMEM, "the digest of a blob");
+        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
     }
     *out = writer;
     return VOR_OK;

@@ -158,7 +158,7 @@ static vor_status open_blobs(struct vor_blobs **out, const char *place, long *ho
     vor_status status;
 
     if (directory == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the blobs of %.80s", place);
+        return vor_fail(err, VOR_E_NOMEM, "the files in %.80s", place);
     *directory = (struct directory){.lock = -1, .parent = -1, .keep = -1, .tmp = -1};
     status = open_parts(directory, place, holder, err);
     if (status != VOR_OK) {
@@ -349,7 +349,7 @@ static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *
     vor_status status;
 
     if (writer == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a blob to read again");
+        return vor_fail(err, VOR_E_NOMEM, "reading a file again");
     status = get(blobs, &from->id, from->name, &writer->base.fd, &writer->base.size, found, err);
     if (status != VOR_OK || !*found) {
         free(writer);

@@ -137,5 +137,5 @@ vor_status vor_dir_trim_lost(int parent, const struct vor_lost_bounds *bounds,
         trim(folder, &list, bounds);
     free(list.item);
     closedir(stream);
-    return list.failed ? vor_fail(err, VOR_E_NOMEM, "a list of lost bytes") : VOR_OK;
+    return list.failed ? vor_fail(err, VOR_E_NOMEM, "the list of lost files") : VOR_OK;
 }

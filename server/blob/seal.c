@@ -45,7 +45,7 @@ vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
         return VOR_OK;
     digest = vor_digest_create();
     if (digest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the digest of a blob");
+        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
     memcpy(&seal, bytes + *size - sizeof seal, sizeof seal);
     vor_digest_update(digest, bytes, *size - sizeof seal);
     vor_digest_hex(digest, found);

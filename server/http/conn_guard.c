@@ -440,7 +440,7 @@ vor_status vor_conn_guard_start(struct vor_conn_guard **out, const struct vor_co
     struct vor_conn_guard *guard = calloc(1, sizeof *guard);
 
     if (guard == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the watch over connections");
+        return vor_fail(err, VOR_E_NOMEM, "the HTTP threads");
     guard->limits = *limits;
     TAILQ_INIT(&guard->due);
     for (int i = 0; i < VOR_QUEUES; i++)
@@ -453,7 +453,9 @@ vor_status vor_conn_guard_start(struct vor_conn_guard **out, const struct vor_co
     if (guard->poke < 0 || guard->departures < 0 ||
         vor_machine_thread(&guard->thread, "vor-connections", run, guard) != 0) {
         release(guard);
-        return vor_fail(err, VOR_E_NOMEM, "the thread that watches connections");
+        return vor_fail(err, VOR_E_NOMEM,
+                        "cannot start the thread that watches connections: too little memory, or a "
+                        "limit on processes");
     }
     *out = guard;
     return VOR_OK;

@@ -232,7 +232,7 @@ vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
     struct vor_admit *admit = calloc(1, sizeof *admit);
 
     if (admit == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the admission");
+        return vor_fail(err, VOR_E_NOMEM, "a request");
     admit->blobs = blobs;
     admit->limits = *limits;
     if (vor_crew_create(&admit->crew, threads, waiting_max, err) != VOR_OK) {

@@ -137,7 +137,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     if (size > 0)
         input = mmap(NULL, size, PROT_READ, MAP_PRIVATE | vor_ring_flags(size), fds[FD_INPUT], 0);
     if (ring_bytes == MAP_FAILED || input == MAP_FAILED)
-        return vor_fail(&reply->error, VOR_E_NOMEM, "%zu bytes to read", size);
+        return vor_fail(&reply->error, VOR_E_NOMEM, "reading %zu bytes", size);
     ring->bytes = ring_bytes;
     warm_heap(size);
     status = vor_codec_do(&reply->facts, &sink, &start->order, input, &reply->error);

@@ -126,7 +126,8 @@ static vor_status explain(const struct run *run, const struct vor_child_end *end
         return vor_fail(err, blame(run),
                         "%s was stopped: it made a system call that is not allowed", what);
     case SIGKILL:
-        return vor_fail(err, VOR_E_NOMEM, "%s: its process was killed", what);
+        return vor_fail(err, VOR_E_NOMEM,
+                        "%s: the system killed its process, probably for lack of memory", what);
     default:
         return vor_fail(err, blame(run), "%s failed: it crashed (signal %d, exit status %d)", what,
                         end->signal, end->status);

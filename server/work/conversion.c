@@ -47,7 +47,7 @@ vor_status vor_conversions_create(struct vor_conversions **out,
     struct vor_conversions *conversions = calloc(1, sizeof *conversions);
 
     if (conversions == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the conversions");
+        return vor_fail(err, VOR_E_NOMEM, "converting results");
     conversions->config = *config;
     pthread_mutex_init(&conversions->mutex, NULL);
     *out = conversions;
@@ -262,7 +262,7 @@ enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
     enum vor_job_outcome outcome = VOR_DONE;
 
     if (fresh == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "a conversion");
+        (void)vor_fail(err, VOR_E_NOMEM, "converting a result");
         return VOR_FAILED;
     }
     fresh->service = conversions;

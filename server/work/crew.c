@@ -175,7 +175,7 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
 
     assert(threads >= 1 && waiting_max >= 1);
     if (crew == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "a pool of %u threads", threads);
+        return vor_fail(err, VOR_E_NOMEM, "%u threads", threads);
     crew->tail = &crew->head;
     crew->waiting_max = crew->caller_waiting_max = waiting_max;
     crew->caller_running_max = crew->count = threads;

@@ -60,7 +60,7 @@ vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err)
 
     if (verify == NULL || vor_crew_create(&verify->crew, THREADS, KNOWN_MAX, err) != VOR_OK) {
         free(verify);
-        return vor_fail(err, VOR_E_NOMEM, "the verification of bytes");
+        return vor_fail(err, VOR_E_NOMEM, "checking stored files");
     }
     pthread_mutex_init(&verify->mutex, NULL);
     for (int i = 0; i < KNOWN_MAX; i++)

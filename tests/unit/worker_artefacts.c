@@ -232,7 +232,7 @@ START_TEST(an_output_of_an_unknown_format_is_not_written)
     vt_cloud_sphere(&artefact.cloud, 1, 70);
     vor_spec_preset(&order.spec, vor_process_find("measure"));
     vt_assert_fails(VOR_E_INTERNAL, vor_artefact_write(&saved, &writing, 0, &artefact, &vt_err));
-    ck_assert_str_eq(vt_err.message, "this version has no format 99");
+    ck_assert_str_eq(vt_err.message, "this version cannot write format 99");
     ck_assert_uint_eq(saved.points, 77);
     ck_assert_int_eq(lseek(order.output[0], 0, SEEK_END), 0);
     (void)fclose(file);
@@ -269,7 +269,7 @@ START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
     } cases[] = {
         {"measure", NULL, 0, "cloud", "measure needs a cloud, but the request has none"},
         {"measure", NULL, 2, "cloud", "measure needs a cloud, but the request has none"},
-        {"measure", "2", 1, "peak", "peak is 2 without a reference"},
+        {"measure", "2", 1, "peak", "peak is 2, which needs a reference, but the request has none"},
         {"resample", NULL, 3, "reference", "resample has no input reference"},
         {"resample", NULL, 2, "reference", "resample has no input reference"},
         {"resample", NULL, 0, "cloud", "resample needs a cloud, but the request has none"},
