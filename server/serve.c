@@ -148,7 +148,8 @@ static struct vor_codec_place place_of(struct daemon *daemon)
 /* Results are converted where uploads are decoded, as many at a time as there are cores. */
 static vor_status start_conversions(struct daemon *daemon, struct vor_error *err)
 {
-    struct vor_conversions_config conversions = {.blobs = daemon->app.blobs,
+    struct vor_conversions_config conversions = {.store = daemon->app.store,
+                                                 .blobs = daemon->app.blobs,
                                                  .worker = daemon->app.worker,
                                                  .crew = vor_admit_crew(daemon->app.admit),
                                                  .place = place_of(daemon),
@@ -162,9 +163,7 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
  * leaves one to others. */
 static unsigned readers(void)
 {
-    unsigned cores = vor_machine_cores();
-
-    return cores > 2 ? cores : 2;
+    return vor_machine_cores() > 2 ? vor_machine_cores() : 2;
 }
 
 /* Half of the disk unless somebody says; all of it when nobody can tell its size. */

@@ -164,8 +164,8 @@ struct vor_store_driver {
                          int *changed, struct vor_error *err);
     vor_status (*remove)(struct vor_store *store, const struct vor_uuid *id, int *changed,
                          struct vor_error *err);
-    vor_status (*get_of)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                         struct vor_job_view *out, int *found, struct vor_error *err);
+    vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                      struct vor_job_view *out, int *found, struct vor_error *err);
     vor_status (*ledger)(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
                          struct vor_error *err);
     vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,

@@ -405,8 +405,8 @@ static int take_row(void *ctx, struct vor_sqlite_row *row)
     return 0;
 }
 
-static vor_status get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                         struct vor_job_view *out, int *found, struct vor_error *err)
+static vor_status get(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                      struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
     vor_status status = vor_sqlite_query(vor_sqlite_of(store), take_row, &taken, err,
@@ -583,7 +583,7 @@ const struct vor_store_driver vor_store_sqlite = {
     .hand_back = hand_back,
     .finish = finish,
     .remove = remove_row,
-    .get_of = get_of,
+    .get = get,
     .ledger = get_ledger,
     .find_key = find_key,
     .report = get_report,

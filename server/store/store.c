@@ -157,13 +157,6 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
     return status;
 }
 
-vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
-                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
-                          struct vor_error *err)
-{
-    return store->driver->list(store, filter, each, ctx, err);
-}
-
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
                             struct vor_error *err)
 {
@@ -181,12 +174,6 @@ vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t 
     return made_room(store->reserve, status, err)
                ? store->driver->evict(store, why, limit, evictions, err)
                : status;
-}
-
-vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
-                                    struct vor_error *err)
-{
-    return store->driver->forget_uploads(store, id, err);
 }
 
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)

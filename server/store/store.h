@@ -131,23 +131,17 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
                                           const struct vor_store_ending *ending, int *changed,
                                           struct vor_error *err);
 
-/** @param[out] found  0 when there is no such job; *out is then untouched
+/** A job of this principal (NULL: of any).
+ *
+ *  @param[out] found  0 when there is no such job; *out is then untouched
  *
  *  Cost: of a job that waits also some hundred steps over an index, for its place in the queue. */
 VOR_NODISCARD static inline vor_status vor_store_get(struct vor_store *store,
-                                                     const struct vor_uuid *id,
+                                                     const struct vor_uuid *id, const char *tenant,
                                                      struct vor_job_view *out, int *found,
                                                      struct vor_error *err)
 {
-    return store->driver->get_of(store, id, NULL, out, found, err);
-}
-
-/** The same for a job of this principal alone (NULL: of any). */
-VOR_NODISCARD static inline vor_status
-vor_store_get_of(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                 struct vor_job_view *out, int *found, struct vor_error *err)
-{
-    return store->driver->get_of(store, id, tenant, out, found, err);
+    return store->driver->get(store, id, tenant, out, found, err);
 }
 
 /** What a principal has: sets jobs and bytes.
@@ -172,7 +166,8 @@ VOR_NODISCARD static inline vor_status vor_store_find_key(struct vor_store *stor
     return store->driver->find_key(store, key, out, found, err);
 }
 
-/** The report of a job as JSON: malloc, the caller frees; NULL when there is none.
+/** The output of a job that is kept in its row (vor_output_in_row), as JSON: malloc, the caller
+ *  frees; NULL when there is none. All others are blobs.
  *
  *  @retval VOR_E_NOMEM, VOR_E_IO */
 VOR_NODISCARD static inline vor_status vor_store_report(struct vor_store *store,
@@ -194,10 +189,13 @@ VOR_NODISCARD static inline vor_status vor_store_events(struct vor_store *store,
 
 /** Calls each for the jobs that match and have not expired, newest first. each must not call the
  *  store and ends the list by returning 0. */
-VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
-                                        const struct vor_job_filter *filter,
-                                        int (*each)(void *ctx, const struct vor_job_view *row),
-                                        void *ctx, struct vor_error *err);
+VOR_NODISCARD static inline vor_status
+vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
+               int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+               struct vor_error *err)
+{
+    return store->driver->list(store, filter, each, ctx, err);
+}
 
 /** How much waits. Cost: one step for each 256 jobs of the one who has most. */
 VOR_NODISCARD static inline vor_status
@@ -223,8 +221,11 @@ VOR_NODISCARD vor_status vor_store_evict(struct vor_store *store, enum vor_evict
                                          struct vor_evictions *evictions, struct vor_error *err);
 
 /** Notes that a job keeps no uploads any more. */
-VOR_NODISCARD vor_status vor_store_forget_uploads(struct vor_store *store,
-                                                  const struct vor_uuid *id, struct vor_error *err);
+VOR_NODISCARD static inline vor_status
+vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id, struct vor_error *err)
+{
+    return store->driver->forget_uploads(store, id, err);
+}
 
 /** Moves the time at which each job expires: the wall clock has moved by that. */
 VOR_NODISCARD vor_status vor_store_shift(struct vor_store *store, int64_t by_ms,

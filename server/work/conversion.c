@@ -76,7 +76,7 @@ static double spacing_of(const struct vor_conversion *conversion)
     char *report = NULL;
     double spacing = 0;
 
-    if (vor_worker_report(conversion->service->config.worker, &conversion->row.id, &report, NULL) ==
+    if (vor_store_report(conversion->service->config.store, &conversion->row.id, &report, NULL) ==
             VOR_OK &&
         report != NULL && vor_json_parse(&json, report, strlen(report), NULL) == VOR_OK)
         (void)vor_json_get_number(vor_json_get(json, "spacing"), &spacing);
@@ -144,7 +144,7 @@ static void drop_if_gone(const struct vor_conversion *conversion)
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_job_view now;
 
-    switch (vor_worker_get(config->worker, &conversion->row.id, &now, NULL)) {
+    switch (vor_worker_get(config->worker, &conversion->row.id, NULL, &now, NULL)) {
     case VOR_UNKNOWN:
         break;
     case VOR_DONE:

@@ -16,7 +16,8 @@ struct vor_conversions;
 struct vor_conversion;
 
 struct vor_conversions_config {
-    struct vor_blobs *blobs; /**< borrowed, as the next two */
+    struct vor_store *store; /**< borrowed, as the next three */
+    struct vor_blobs *blobs;
     struct vor_worker *worker;
     struct vor_crew *crew;        /**< that decodes */
     struct vor_codec_place place; /**< where that is done */

@@ -28,7 +28,7 @@ static enum vor_job_outcome row_view(struct vor_worker *worker, const struct vor
 {
     int found;
 
-    if (vor_store_get_of(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
+    if (vor_store_get(worker->config.store, id, tenant, out, &found, err) != VOR_OK)
         return VOR_FAILED;
     if (found && !vor_job_status_over(out->status))
         vor_job_describe(out, VOR_CONTINUE);
@@ -36,14 +36,8 @@ static enum vor_job_outcome row_view(struct vor_worker *worker, const struct vor
 }
 
 enum vor_job_outcome vor_worker_get(struct vor_worker *worker, const struct vor_uuid *id,
-                                    struct vor_job_view *out, struct vor_error *err)
-{
-    return vor_worker_get_of(worker, id, NULL, out, err);
-}
-
-enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker, const struct vor_uuid *id,
-                                       const char *tenant, struct vor_job_view *out,
-                                       struct vor_error *err)
+                                    const char *tenant, struct vor_job_view *out,
+                                    struct vor_error *err)
 {
     if (!live_view(worker, id, out))
         return row_view(worker, id, tenant, out, err);
@@ -188,12 +182,6 @@ void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *f
     if (out->status == VOR_JOB_ACCEPTED &&
         row_view(worker, vor_job_id(followed->job), NULL, &row, NULL) == VOR_DONE)
         out->queue_position = row.queue_position;
-}
-
-vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id, char **report,
-                             struct vor_error *err)
-{
-    return vor_store_report(worker->config.store, id, report, err);
 }
 
 /* --- ending ----------------------------------------------------------------------------------- */

@@ -63,7 +63,7 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     struct vor_job_view row;
     int found;
 
-    if (vor_store_get(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK)
+    if (vor_store_get(worker->config.store, &blob->id, NULL, &row, &found, NULL) != VOR_OK)
         return 1;
     if (!found || row.expired)
         return 0;
@@ -88,8 +88,8 @@ static size_t count_orphans(struct vor_worker *worker)
                        vor_blob_is_upload(found->blobs[i].name);
         int has_row = 1;
 
-        if (!is_input && vor_store_get(worker->config.store, &found->blobs[i].id, &row, &has_row,
-                                       NULL) == VOR_OK)
+        if (!is_input && vor_store_get(worker->config.store, &found->blobs[i].id, NULL, &row,
+                                       &has_row, NULL) == VOR_OK)
             orphans += !has_row;
     }
     return orphans;

@@ -130,18 +130,12 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker
                                                        struct vor_job_view *out,
                                                        struct vor_error *err);
 
-/** What is known about a job, live or from its row.
+/** What is known about a job of this principal (NULL: of any), live or from its row.
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED */
 VOR_NODISCARD enum vor_job_outcome vor_worker_get(struct vor_worker *worker,
-                                                  const struct vor_uuid *id,
+                                                  const struct vor_uuid *id, const char *tenant,
                                                   struct vor_job_view *out, struct vor_error *err);
-
-/** The same for a job of this principal alone; those of others are unknown. NULL: of any. */
-VOR_NODISCARD enum vor_job_outcome vor_worker_get_of(struct vor_worker *worker,
-                                                     const struct vor_uuid *id, const char *tenant,
-                                                     struct vor_job_view *out,
-                                                     struct vor_error *err);
 
 /** Would a job of a principal be within what it may have (jobs_max and bytes_max of the ledger),
  * with so many bytes more? For an early answer: vor_worker_submit decides, and counts what comes.
@@ -244,13 +238,6 @@ void vor_worker_settle(struct vor_worker *worker, double seconds);
  *  @retval VOR_CONFLICT the job does not run */
 VOR_NODISCARD enum vor_job_outcome
 vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id, struct vor_error *err);
-
-/** The output of a successful job that is kept in its row (vor_output_in_row), as JSON (malloc, the
- *  caller frees); NULL when there is none. All others are blobs.
- *
- *  @retval VOR_E_IO, VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_worker_report(struct vor_worker *worker, const struct vor_uuid *id,
-                                           char **report, struct vor_error *err);
 
 /** Expires what is due now; the sweeper does it once a minute. */
 VOR_NODISCARD vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err);

@@ -110,7 +110,7 @@ struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uui
 {
     struct vor_job_view view;
 
-    ck_assert_int_eq(vor_worker_get(daemon->worker, id, &view, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_worker_get(daemon->worker, id, NULL, &view, &vt_err), VOR_DONE);
     return view;
 }
 

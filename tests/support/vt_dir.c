@@ -151,7 +151,7 @@ struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id
     struct vor_job_view row;
     int found;
 
-    vt_assert_ok(vor_store_get(store, id, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, id, NULL, &row, &found, &vt_err));
     ck_assert(found);
     return row;
 }

@@ -49,7 +49,8 @@ static void begin(struct scene *scene, unsigned most)
     vt_assert_ok(vor_crew_create(&scene->crew, 1, 16, &vt_err));
     vt_assert_ok(
         vor_conversions_create(&scene->conversions,
-                               &(struct vor_conversions_config){.blobs = scene->daemon.blobs,
+                               &(struct vor_conversions_config){.store = scene->daemon.store,
+                                                                .blobs = scene->daemon.blobs,
                                                                 .worker = scene->daemon.worker,
                                                                 .crew = scene->crew,
                                                                 .memory = (size_t)1 << 30,

@@ -133,7 +133,7 @@ START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
     ck_assert_uint_eq(view.output[0].points, 300);
-    vt_assert_ok(vor_worker_report(daemon.worker, &id, &report, &vt_err));
+    vt_assert_ok(vor_store_report(daemon.store, &id, &report, &vt_err));
     ck_assert_ptr_nonnull(strstr(report, "\"iterations\":0"));
     ck_assert_ptr_nonnull(strstr(report, "\"stopped\":\"seconds\""));
     free(report);

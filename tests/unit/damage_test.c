@@ -157,7 +157,7 @@ static size_t rows_left(struct vt_daemon *daemon, const struct life *life)
     int found;
 
     for (int i = 0; i < ROWS; i++) {
-        vt_assert_ok(vor_store_get(daemon->store, &life->row[i].id, &row, &found, &vt_err));
+        vt_assert_ok(vor_store_get(daemon->store, &life->row[i].id, NULL, &row, &found, &vt_err));
         left += found && row.status == VOR_JOB_SUCCESSFUL;
     }
     return left;

@@ -106,14 +106,14 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     ck_assert_int_eq(status, VOR_E_IO);
     ck_assert_msg(vor_error_storage_full(&vt_err), "%s", vt_err.message);
     vt_assert_ok(vor_store_check(store, &vt_err)); /* full is not out of order */
-    vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
     ck_assert(!found);
     make_room(dir);
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     ck_assert_int_eq(row.seq, rows + 1);
     vor_store_close(store);
     store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
     ck_assert(found);
     vor_store_close(store);
     remove_disk(dir);
@@ -192,7 +192,7 @@ START_TEST(a_job_that_waits_for_room_can_be_ended_without_any)
         ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_DONE);
     else
         vor_worker_drain(daemon.worker, 0);
-    vt_assert_ok(vor_store_get(daemon.store, &id, &view, &found, &vt_err));
+    vt_assert_ok(vor_store_get(daemon.store, &id, NULL, &view, &found, &vt_err));
     ck_assert_int_eq(view.status, _i == 0 ? VOR_JOB_DISMISSED : VOR_JOB_ACCEPTED);
     vt_daemon_stop(&daemon);
     remove_disk(dir);
@@ -312,7 +312,7 @@ START_TEST(a_store_opens_on_a_full_disk_whose_reserve_is_spent)
     for (int i = 0; i <= _i; i++) {
         store = vt_dir_store(dir);
         vor_store_set_reserve(store, 200000);
-        vt_assert_ok(vor_store_get(store, &row.id, &back, &found, &vt_err));
+        vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
         ck_assert(found);
         vt_assert_fails(VOR_E_IO, vor_store_check_reserve(store, &vt_err));
         vor_store_close(store);
@@ -341,12 +341,12 @@ START_TEST(what_a_start_cannot_put_in_order_waits_for_room)
     start(&daemon, dir);
     vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
     ck_assert(vor_error_storage_full(&vt_err));
-    ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, &row, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, NULL, &row, &vt_err), VOR_DONE);
     ck_assert_int_eq(row.status, VOR_JOB_RUNNING);
     make_room(dir);
     while (row.status == VOR_JOB_RUNNING) { /* the sweeper looks twice a second */
         nap(20);
-        ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, &row, &vt_err), VOR_DONE);
+        ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, NULL, &row, &vt_err), VOR_DONE);
     }
     vt_cloud_sphere(&cloud, 1, 1000);
     while (vt_daemon_submit(&daemon, &cloud, &spec, &id) != VOR_DONE)

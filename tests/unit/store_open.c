@@ -166,7 +166,7 @@ START_TEST(a_store_of_version_6_or_8_is_taken_with_its_jobs)
     for (int opening = 0; opening < 2; opening++) {
         run_sql(path, opening == 0 ? store_of_version_6 : back_to_version_8);
         store = vt_dir_store(dir);
-        vt_assert_ok(vor_store_get(store, &id, &row, &found, &vt_err));
+        vt_assert_ok(vor_store_get(store, &id, NULL, &row, &found, &vt_err));
         ck_assert(found && row.seq == 3 && row.status == VOR_JOB_SUCCESSFUL && row.expires == 99);
         ck_assert_str_eq(row.key.text, "k");
         vt_assert_ok(vor_store_report(store, &id, &report, &vt_err));
@@ -210,7 +210,7 @@ START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     ck_assert_int_eq(setrlimit(RLIMIT_FSIZE, &limit), 0);
     vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, NULL, &vt_err));
     vt_assert_fails(VOR_E_IO, vor_store_check(store, &vt_err));
-    vt_assert_ok(vor_store_get(store, &row.id, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row.id, NULL, &row, &found, &vt_err));
     ck_assert(found);
     vor_store_close(store);
     store = vt_dir_store(dir); /* only a restart helps, and it does */

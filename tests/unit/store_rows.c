@@ -356,9 +356,9 @@ START_TEST(results_expire_then_are_forgotten)
     ck_assert_str_eq(events, "");
     ck_assert_uint_eq(list(store, (struct vor_job_filter){.limit = 9}, 0).count, 1);
     vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 3000, &evictions, &vt_err));
-    vt_assert_ok(vor_store_get(store, &rows[0].id, &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &rows[0].id, NULL, &back, &found, &vt_err));
     ck_assert(!found);
-    vt_assert_ok(vor_store_get(store, &rows[1].id, &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &rows[1].id, NULL, &back, &found, &vt_err));
     ck_assert(found); /* its second life is two milliseconds longer */
     vor_store_close(store);
 }
@@ -440,7 +440,7 @@ START_TEST(what_was_answered_before_a_kill_is_there_after_it)
     vt_killed(act_until_killed, &killed);
     store = vt_dir_store(killed.dir);
     vt_assert_ok(vor_store_check(store, &vt_err));
-    vt_assert_ok(vor_store_get(store, &killed.row.id, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &killed.row.id, NULL, &row, &found, &vt_err));
     ck_assert_int_eq(found, killed.point != AFTER_REMOVE);
     if (found)
         ck_assert_int_eq(row.status, expected[killed.point]);
@@ -488,7 +488,7 @@ START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
     waitpid(child, NULL, 0);
     store = vt_dir_store(torn.dir);
     do {
-        vt_assert_ok(vor_store_get(store, &id, &row, &found, &vt_err));
+        vt_assert_ok(vor_store_get(store, &id, NULL, &row, &found, &vt_err));
         ck_assert_msg(found, "row %s is lost", id.text);
         count++;
     } while (read(ends[0], id.text, sizeof id.text) == sizeof id.text);

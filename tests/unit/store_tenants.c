@@ -22,7 +22,7 @@ static int is_found(struct vor_store *store, const struct vor_job_view *row, con
     struct vor_job_view back;
     int found;
 
-    vt_assert_ok(vor_store_get_of(store, &row->id, tenant, &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row->id, tenant, &back, &found, &vt_err));
     if (found)
         ck_assert_str_eq(back.key.principal, row->key.principal);
     return found;

@@ -127,7 +127,7 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     ck_assert_int_le(pages(), 150); /* a row of its own, and its way down each index */
     vt_assert_ok(vor_store_find_key(store, &row.key, &back, &found, &vt_err));
     ck_assert(found);
-    vt_assert_ok(vor_store_get_of(store, &row.id, "alice", &back, &found, &vt_err));
+    vt_assert_ok(vor_store_get(store, &row.id, "alice", &back, &found, &vt_err));
     ck_assert(found);
     vt_assert_ok(vor_store_waiting(store, &waiting, &vt_err));
     ck_assert_uint_eq(vt_claim(store, NULL), 0);

@@ -139,7 +139,7 @@ START_TEST(a_document_is_what_the_engine_gives)
     ck_assert_uint_eq(view.inputs, _i == 2 ? 1 : 3);
     ck_assert_uint_eq(view.input[0].points, 400);
     ck_assert_uint_eq(view.input[1].points, _i == 2 ? 0 : 900);
-    vt_assert_ok(vor_worker_report(daemon.worker, &id, &report, &vt_err));
+    vt_assert_ok(vor_store_report(daemon.store, &id, &report, &vt_err));
     ck_assert_ptr_null(report);
     vor_text_free(&wanted);
     pair_free(&pair);

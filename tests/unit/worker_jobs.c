@@ -60,7 +60,7 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     vt_assert_ok(vor_codec_read(&result, NULL, bytes, size, &(struct vor_limits)VOR_LIMITS_DEFAULT,
                                 &vt_err));
     ck_assert_uint_eq(result.n, 300);
-    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
+    vt_assert_ok(vor_store_report(daemon.store, &id, &json, &vt_err));
     vt_assert_ok(vor_json_parse(&report, json, strlen(json), &vt_err));
     ck_assert(vor_json_get_number(vor_json_get(report, "iterations"), &number));
     ck_assert_double_eq(number, 5);
@@ -129,7 +129,7 @@ static vor_status counted_get(struct vor_store *store, const struct vor_uuid *id
                               struct vor_error *err)
 {
     atomic_fetch_add(&counting.rows, 1);
-    return counting.real->get_of(store, id, tenant, out, found, err);
+    return counting.real->get(store, id, tenant, out, found, err);
 }
 
 static vor_status counted_events(struct vor_store *store, const struct vor_uuid *id,
@@ -143,7 +143,7 @@ static void count_reads(struct vt_daemon *daemon)
 {
     counting.real = daemon->store->driver;
     counting.driver = *counting.real;
-    counting.driver.get_of = counted_get;
+    counting.driver.get = counted_get;
     counting.driver.events = counted_events;
     daemon->store->driver = &counting.driver;
 }
@@ -286,7 +286,7 @@ START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     view = vt_daemon_get(&daemon, &id); /* now from its row */
     ck_assert_int_eq(view.problem.status, VOR_E_DEGENERATE);
-    vt_assert_ok(vor_worker_report(daemon.worker, &id, &json, &vt_err));
+    vt_assert_ok(vor_store_report(daemon.store, &id, &json, &vt_err));
     ck_assert_ptr_null(json);
     vor_cloud_free(&line);
     vt_daemon_stop(&daemon);
@@ -330,7 +330,7 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
     ck_assert_int_eq(
-        vor_worker_get(daemon.worker, &refused, &(struct vor_job_view){.seq = 0}, &vt_err),
+        vor_worker_get(daemon.worker, &refused, NULL, &(struct vor_job_view){.seq = 0}, &vt_err),
         VOR_UNKNOWN);
     vor_worker_load(daemon.worker, &load);
     ck_assert_uint_eq(load.running, 1);
@@ -356,7 +356,7 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "left", &vt_err), VOR_CONFLICT);
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     dismiss(&daemon, &id);
-    ck_assert_int_eq(vor_worker_get(daemon.worker, &id, &view, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_worker_get(daemon.worker, &id, NULL, &view, &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "", &view, &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "", &vt_err), VOR_UNKNOWN);
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_UNKNOWN);
@@ -403,7 +403,7 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     ck_assert_int_eq(vt_daemon_kept(&daemon), 1);
     for (int i = 0; i < 3; i++) {
         view.expired = 0;
-        ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], &view, &vt_err), outcomes[i]);
+        ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], NULL, &view, &vt_err), outcomes[i]);
         ck_assert_int_eq(view.expired, i == 1);
     }
     ck_assert_uint_eq(vt_daemon_events(&daemon, &ids[1], &event, 1), 1);

@@ -270,7 +270,7 @@ START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK)
         usleep(10000);
     ck_assert_int_eq(atomic_load(&failing.recoveries), 3);
-    vt_assert_ok(vor_store_get(daemon.store, &runs, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
     ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
@@ -340,7 +340,7 @@ START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     ck_assert_uint_eq(reaped, 1);
     ck_assert_uint_eq(vt_claim(daemon.store, &runs), 2);
     vt_daemon_wait_idle(&daemon);
-    vt_assert_ok(vor_store_get(daemon.store, &runs, &row, &found, &vt_err));
+    vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
     ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 1);
     row.status = VOR_JOB_FAILED;

@@ -76,7 +76,7 @@ bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vo
 
     if (!read_id(app, request, &id))
         return false;
-    outcome = vor_worker_get_of(app->worker, &id, vor_auth_tenant(request), out, &err);
+    outcome = vor_worker_get(app->worker, &id, vor_auth_tenant(request), out, &err);
     if (outcome == VOR_DONE)
         return true;
     vor_outcome_reply(app, request, outcome, &err, &id);

@@ -90,7 +90,7 @@ static bool open_kept(struct vor_app *app, struct vor_request *request,
                       const struct vor_job_view *view, struct output *out)
 {
     struct vor_error err;
-    vor_status status = vor_worker_report(app->worker, &view->id, &out->bytes, &err);
+    vor_status status = vor_store_report(app->store, &view->id, &out->bytes, &err);
 
     if (status == VOR_OK && out->bytes == NULL) {
         vor_result_missing(app, request, view);

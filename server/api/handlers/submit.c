@@ -399,7 +399,7 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
 
     submission->settled = true;
     /* The job as it is now, or as it was accepted when the row cannot be read. */
-    if (vor_worker_get(app->worker, &submission->view.id, &view, &err) != VOR_DONE)
+    if (vor_worker_get(app->worker, &submission->view.id, NULL, &view, &err) != VOR_DONE)
         view = submission->view;
     add_job_headers(app, request, submission, true);
     vor_reply_header(request, "Cache-Control", "no-store");
@@ -424,7 +424,7 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
         struct vor_job_view view;
         struct vor_error err;
         enum vor_job_outcome outcome =
-            vor_worker_get(app->worker, &submission->view.id, &view, &err);
+            vor_worker_get(app->worker, &submission->view.id, NULL, &view, &err);
 
         /* Answers a caller who has waited for the end of the job. */
         submission->settled = true;

@@ -123,7 +123,7 @@ struct vor_blob_writer *vor_submit_options_open(struct vor_app *app, struct vor_
     enum vor_job_outcome outcome;
     struct vor_error err;
 
-    outcome = vor_worker_get_of(app->worker, id, vor_auth_tenant(request), &view, &err);
+    outcome = vor_worker_get(app->worker, id, vor_auth_tenant(request), &view, &err);
     if (outcome == VOR_UNKNOWN)
         return refuse(app, request, "no-such-job", "there is no such job", id);
     if (outcome != VOR_DONE) {
