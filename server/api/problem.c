@@ -73,6 +73,7 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     doc->retryable = row->retryable;
     doc->request_id = vor_request_id(request);
     doc->job_id = problem->job_id;
+    doc->attempt = problem->attempt;
     doc->has_limit = problem->limit > 0;
     doc->limit = problem->limit;
     doc->got = problem->got;
@@ -192,13 +193,24 @@ enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, in
     return VOR_NEXT_REPLY;
 }
 
-void vor_problem_describe(struct vor_app *app, struct vor_request *request,
-                          const struct vor_error *err, const char *job_id,
-                          struct vor_problem_room *room, struct vor_problem_doc *doc)
+enum vor_next vor_problem_failed(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_job_view *row)
 {
     struct vor_problem problem;
 
-    from_error(err, job_id, &problem);
+    from_error(&row->problem, row->id.text, &problem);
+    problem.attempt = row->attempt;
+    return vor_problem_reply(app, request, &problem);
+}
+
+void vor_problem_describe(struct vor_app *app, struct vor_request *request,
+                          const struct vor_job_view *row, struct vor_problem_room *room,
+                          struct vor_problem_doc *doc)
+{
+    struct vor_problem problem;
+
+    from_error(&row->problem, row->id.text, &problem);
+    problem.attempt = row->attempt;
     fill_doc(app, request, &problem, room, doc);
     doc->request_id = NULL;
 }

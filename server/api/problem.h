@@ -50,6 +50,7 @@ struct vor_problem {
     const struct vor_problem_error *errors; /**< instead, if there are several */
     size_t error_count;
     const char *job_id;
+    unsigned attempt; /**< of a job: the one that failed; 0 for none */
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;
     const char *allow;     /**< for the Allow header */
@@ -93,11 +94,15 @@ struct vor_problem_room {
     struct vor_problem_error error;
 };
 
-/** Describes an error as a part of another document (statusInfo's exception). err, room and job_id
- *  must outlive doc. */
+/** Replies with the problem of a job that failed. */
+enum vor_next vor_problem_failed(struct vor_app *app, struct vor_request *request,
+                                 const struct vor_job_view *row);
+
+/** Describes that problem as a part of another document (statusInfo's exception). row and room must
+ *  outlive doc. */
 void vor_problem_describe(struct vor_app *app, struct vor_request *request,
-                          const struct vor_error *err, const char *job_id,
-                          struct vor_problem_room *room, struct vor_problem_doc *doc);
+                          const struct vor_job_view *row, struct vor_problem_room *room,
+                          struct vor_problem_doc *doc);
 
 /** GET /problems/{slug}: what a problem's type leads to. */
 enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step);

@@ -137,7 +137,8 @@ is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';
 my $failed = json($daemon->get("/v1/jobs/$job"));
 is $failed->{status}, 'failed', 'its status says failed';
 is $failed->{exception}{status}, 422, 'with the same problem';
-is $failed->{exception}{type}, json($flat)->{type}, 'of the same type';
+is_deeply [map { @$_{qw(type attempt)} } $failed->{exception}, json($flat)], [(json($flat)->{type}, 1) x 2],
+    'of the same type, of the first attempt';
 is_problem($daemon->get("/v1/jobs/$job/results"), 422, 'degenerate-cloud',
     'its results answer with the problem');
 is_problem($daemon->get("/v1/jobs/$job/results/cloud"), 422, 'degenerate-cloud', 'its cloud too');

@@ -150,8 +150,7 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
         info->origin = view->output[0].origin;
     info->metrics = view->has_record ? &view->record : NULL;
     if (view->status == VOR_JOB_FAILED) {
-        vor_problem_describe(app, request, &view->problem, view->id.text, &room.problem,
-                             &room.exception);
+        vor_problem_describe(app, request, view, &room.problem, &room.exception);
         info->exception = &room.exception;
     }
     add_links(app, request, view, &room);

@@ -47,7 +47,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
                             view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
-        return vor_problem_error(app, request, &view->problem, view->id.text);
+        return vor_problem_failed(app, request, view);
     case VOR_JOB_DISMISSED:
         return say_with_job(app, request, "result-not-available", "the job was dismissed",
                             view->id.text);
