@@ -194,45 +194,28 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
                 VOR_TEXT("error", err.message));
 }
 
-void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
-                            const char *process)
+void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
+                         unsigned what)
 {
+    static const struct vor_artefact_info none = {.name = NULL};
     const struct vor_process_info *info = vor_process_find(process);
+    const struct vor_artefact_info *input = info != NULL ? info->inputs : &none,
+                                   *output = info != NULL ? info->outputs : &none;
     char blob[VOR_BLOB_NAME_MAX + 1];
 
-    for (unsigned i = 0; info != NULL && info->inputs[i].name != NULL; i++)
-        vor_worker_drop(worker, id, vor_blob_of_input(info->inputs[i].name, blob));
-}
-
-void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *id,
-                             const char *process)
-{
-    const struct vor_process_info *info = vor_process_find(process);
-    char blob[VOR_BLOB_NAME_MAX + 1];
-
-    for (unsigned i = 0; info != NULL && info->inputs[i].name != NULL; i++)
-        vor_worker_drop(worker, id, vor_blob_of_upload(info->inputs[i].name, blob));
-}
-
-static void drop_converted(struct vor_worker *worker, const struct vor_uuid *id, const char *output)
-{
-    char blob[VOR_BLOB_NAME_MAX + 1];
-
-    for (unsigned i = 0; vor_format(i) != NULL; i++)
-        vor_worker_drop(worker, id, vor_blob_of_converted(output, vor_format(i)->name, blob));
-}
-
-void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
-                             const char *process)
-{
-    const struct vor_process_info *info = vor_process_find(process);
-
-    for (unsigned i = 0; info != NULL && info->outputs[i].name != NULL; i++) {
-        if (vor_output_in_row(&info->outputs[i]))
+    for (; input->name != NULL; input++) {
+        if ((what & VOR_HAS_INPUTS) != 0)
+            vor_worker_drop(worker, id, vor_blob_of_input(input->name, blob));
+        if ((what & VOR_HAS_UPLOADS) != 0)
+            vor_worker_drop(worker, id, vor_blob_of_upload(input->name, blob));
+    }
+    for (; (what & VOR_HAS_OUTPUTS) != 0 && output->name != NULL; output++) {
+        if (vor_output_in_row(output))
             continue;
-        vor_worker_drop(worker, id, info->outputs[i].name);
-        if (info->outputs[i].kind == VOR_ARTEFACT_CLOUD)
-            drop_converted(worker, id, info->outputs[i].name);
+        vor_worker_drop(worker, id, output->name);
+        for (unsigned i = 0; output->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
+            vor_worker_drop(worker, id,
+                            vor_blob_of_converted(output->name, vor_format(i)->name, blob));
     }
 }
 
@@ -252,11 +235,10 @@ vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struc
 
     do {
         status = vor_store_evict(worker->config.store, why, limit[why], &evictions, err);
-        for (size_t i = 0; i < evictions.count; i++) {
-            if (why != VOR_EVICT_UPLOADS)
-                vor_worker_drop_outputs(worker, &job[i].id, job[i].process);
-            vor_worker_drop_uploads(worker, &job[i].id, job[i].process);
-        }
+        for (size_t i = 0; i < evictions.count; i++)
+            vor_worker_drop_all(worker, &job[i].id, job[i].process,
+                                why == VOR_EVICT_UPLOADS ? VOR_HAS_UPLOADS
+                                                         : VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
         total += evictions.count;
     } while (status == VOR_OK && evictions.count == BATCH);
     if (total > 0)

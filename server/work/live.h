@@ -136,14 +136,17 @@ VOR_NODISCARD vor_status vor_worker_store_events(struct vor_worker *worker, stru
 /** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
 void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
 
-/** The same for the inputs, the uploads that are kept, and the outputs in every format, of a job of
- *  that process; those of a process that this version does not know are left to the next start. */
-void vor_worker_drop_inputs(struct vor_worker *worker, const struct vor_uuid *id,
-                            const char *process);
-void vor_worker_drop_uploads(struct vor_worker *worker, const struct vor_uuid *id,
-                             const char *process);
-void vor_worker_drop_outputs(struct vor_worker *worker, const struct vor_uuid *id,
-                             const char *process);
+/** What a job has among the blobs. */
+enum {
+    VOR_HAS_INPUTS = 1,
+    VOR_HAS_UPLOADS = 2, /**< kept */
+    VOR_HAS_OUTPUTS = 4  /**< in every format */
+};
+
+/** Removes those of a job of that process; those of a process that this version does not know are
+ *  left to the next start. */
+void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
+                         unsigned what);
 
 /** Takes from jobs what they keep as far as the time or a quota of the configuration wants it
  *  (vor_store_evict), with its bytes.

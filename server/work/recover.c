@@ -187,7 +187,7 @@ static void forget_missing(struct vor_worker *worker)
 
             if (vor_store_forget_uploads(worker->config.store, &job->id, &err) != VOR_OK)
                 continue; /* the next start finds it */
-            vor_worker_drop_uploads(worker, &job->id, job->process);
+            vor_worker_drop_all(worker, &job->id, job->process, VOR_HAS_UPLOADS);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
         filter.before_seq = missing.seq;

@@ -313,23 +313,6 @@ static int is_aborting(struct vor_worker *worker)
     return aborting;
 }
 
-/* The run begins now. */
-static void set_limits(struct run *run)
-{
-    double may = run->worker->config.job_seconds;
-
-    run->deadline = may > 0 ? vor_clock_seconds() + may : (double)INFINITY;
-}
-
-/* Why a run that failed did, where the engine cannot know. */
-static void explain(struct run *run, struct vor_error *problem)
-{
-    if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
-        (void)vor_fail(problem, VOR_E_DEADLINE,
-                       "the job ran for %g seconds, the longest that is allowed",
-                       run->worker->config.job_seconds);
-}
-
 /* The daemon goes down: the next one runs the job again. */
 static void give_back(struct run *run)
 {
@@ -407,7 +390,10 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
     } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
         give_back(run);
     } else {
-        explain(run, problem);
+        if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
+            (void)vor_fail(problem, VOR_E_DEADLINE,
+                           "the job ran for %g seconds, the longest that is allowed",
+                           run->worker->config.job_seconds);
         finish(run, problem);
     }
     return 0;
@@ -421,9 +407,9 @@ static void clean_up(struct run *run, double began)
     vor_job_view(run->job, &view);
     if (!vor_job_status_over(view.status))
         return;
-    vor_worker_drop_inputs(run->worker, &view.id, view.process);
-    if (view.status != VOR_JOB_SUCCESSFUL)
-        vor_worker_drop_outputs(run->worker, &view.id, view.process);
+    vor_worker_drop_all(run->worker, &view.id, view.process,
+                        view.status == VOR_JOB_SUCCESSFUL ? VOR_HAS_INPUTS
+                                                          : VOR_HAS_INPUTS | VOR_HAS_OUTPUTS);
     if (view.kept > 0)
         vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);
     if (view.status == VOR_JOB_SUCCESSFUL)
@@ -447,13 +433,14 @@ static vor_status check_row(const struct vor_job_view *row, struct vor_error *wh
 void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
 {
     struct vor_worker *worker = runner->worker;
-    double began = vor_clock_seconds();
+    double began = vor_clock_seconds(), may = worker->config.job_seconds;
     struct run run = {.worker = worker,
                       .runner = runner,
                       .job = runner->job,
                       .view = *row,
                       .lease = {worker->owner.text, row->attempt},
-                      .stored = began};
+                      .stored = began,
+                      .deadline = may > 0 ? began + may : (double)INFINITY};
     struct vor_error problem;
     enum vor_run_end end = VOR_RUN_FAILED;
 
@@ -463,7 +450,6 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", row->attempt));
     vor_job_begin(run.job, vor_clock_wall_ms());
     vor_count_begun(row, row->attempt, worker->config.memory);
-    set_limits(&run);
     if (check_row(row, &problem) == VOR_OK)
         end = execute(&run, &problem);
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
