@@ -23,7 +23,7 @@ my $megabytes = 100;
 my %running;
 END { my $status = $?; kill 'KILL', $_ for keys %running; $? = $status }
 
-my ($trusted) = Vt::slurp('server/cli/help/proxies.txt') =~ /^ +voronoid serve --trusted-proxy (\S+) --no-auth$/m
+my ($trusted) = Vt::slurp('server/cli/help/proxies.txt') =~ /^ +voronoid serve --trusted-proxy (\S+) --api-keys keys$/m
     or die 'the help does not start a daemon behind a proxy';
 
 sub free_port {
