@@ -13,12 +13,6 @@
  * 1e-3 / 1e-2: points on planes on kitti 8 / 78 / 409 of 3,000, its delta 0.24 / 0.24 / 0.22; igea,
  * fandisk and bunny stay within the spread. */
 #define QUADRIC_RANK 1e-3
-/* Times less variance that a fit to fewer neighbours must have to replace the wide one, and times
- * whose variance it may move x, squared. At 1 / 2 /
- * 4: igea 4.8e-4 / 5.0e-4 / 5.3e-4, fandisk 5.6e-4 / 5.7e-4 / 6.0e-4, largest distance on
- * fandisk 5.4e-3 / 4.5e-3 / 4.5e-3; points on fine fits on igea 2609 / 1793 / 1005 of 3,000; with
- * the second alone igea 5.3e-4 / 5.0e-4 / 5.0e-4, fandisk 5.9e-4 / 5.7e-4 / 5.7e-4. */
-#define FINER 2.0
 /* Deviation over reach: a thicker neighbourhood shows no edge. At 0.1 / 0.2 / 0.4: fandisk 6.2e-4
  * / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4. */
 #define THICK 0.2
@@ -343,13 +337,14 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
         return 0;
     take_nearest(few, near, k, VOR_REFINED_TO, x);
     vor_surface_fit(&fine, few, VOR_REFINED_TO);
-    if (fine.kind != VOR_SURFACE_QUADRIC || FINER * residual2(&fine, few, VOR_REFINED_TO) > coarse2)
+    if (fine.kind != VOR_SURFACE_QUADRIC ||
+        VOR_FINER * residual2(&fine, few, VOR_REFINED_TO) > coarse2)
         return 0;
     vor_surface_put(surface, a);
     vor_surface_put(&fine, b);
     for (int c = 0; c < 3; c++)
         a[c] -= b[c];
-    if (vor_dot(a, a) > FINER * coarse2)
+    if (vor_dot(a, a) > VOR_FINER * coarse2)
         return 0;
     *surface = fine;
     return 1;

@@ -40,6 +40,13 @@ struct vor_surface {
     double off2;       /**< mean square of the neighbours' heights over the surface */
 };
 
+/** Times less variance that a fit to fewer neighbours must have to replace the wide one, and times
+ *  whose variance it may move x, squared. At 1 / 2 / 4: igea 4.8e-4 / 5.0e-4 / 5.3e-4, fandisk
+ *  5.6e-4 / 5.7e-4 / 6.0e-4, largest distance on fandisk 5.4e-3 / 4.5e-3 / 4.5e-3; points on fine
+ *  fits on igea 2609 / 1793 / 1005 of 3,000; with the second alone igea 5.3e-4 / 5.0e-4 / 5.0e-4,
+ *  fandisk 5.9e-4 / 5.7e-4 / 5.7e-4. Figures as in surface.c. */
+#define VOR_FINER 2.0
+
 /** Most points that a surface is fitted to: arrays on the stack have that size. The parameter
  *  `neighbors` goes up to 500. */
 #define VOR_NEIGHBORS_MAX 512

@@ -47,9 +47,9 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
 /* A list must lower the variance about the surface to this share. At 0.35 / 0.5 / 0.7: cow 0.066,
  * 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
 #define BETTER 0.5
-/* Times less variance that a surface must have about the points of a short list. At 1 / 2 / 4: cow
- * 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
-#define FINER 2.0
+/* VOR_FINER is the times less variance that a surface must have about the points of a short list.
+ * At 1 / 2 / 4: cow 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
+
 /* Least spacing on the list over that of all points. Two sheets are denser together than one; the
  * steps that depth is rounded to are not, and the lists of one step are denser. At 0 / 0.9: cow
  * 0.063 / 0.063; with one round and a cosine of 0.8, at 0.9 / 1.05: cow 0.074 / 0.076. */
@@ -265,7 +265,7 @@ static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain
     struct vor_surface few;
 
     if (n < SHORT + 3 || !fit_to(&few, domain, index, SHORT) ||
-        FINER * few.off2 * SHORT / (SHORT - QUADRIC) > own->off2 * n / (n - QUADRIC))
+        VOR_FINER * few.off2 * SHORT / (SHORT - QUADRIC) > own->off2 * n / (n - QUADRIC))
         return n;
     *own = few;
     return SHORT;

@@ -17,9 +17,7 @@ enum {
     STEPS = 3,
     MOST = 150,
     /* Points that are left at least: a fit to more than an eighth of them shows no detail. */
-    LEAST = 8 * MOST,
-    /* Points of the input of which one is left each time. */
-    EACH = 2
+    LEAST = 8 * MOST
 };
 
 /* Variance across a plane over that in all, above which its points show no surface; a ball of them
@@ -58,12 +56,12 @@ static int is_thick(const struct vor_domain *domain)
     return 1;
 }
 
-/* Takes one point in EACH. */
+/* Takes every second point. */
 static vor_status take(struct vor_domain *out, const struct vor_domain *in,
                        const struct vor_run *run, struct vor_error *err)
 {
     struct vor_domain domain = {
-        .memory = run->memory, .n = in->n / EACH, .unit = in->unit, .known = in->known};
+        .memory = run->memory, .n = in->n / 2, .unit = in->unit, .known = in->known};
     vor_status status;
 
     memcpy(domain.shift, in->shift, sizeof domain.shift);
@@ -74,8 +72,8 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
         return vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     }
     for (size_t i = 0; i < domain.n; i++) {
-        memcpy(&domain.xyz[3 * i], &in->xyz[3 * EACH * i], 3 * sizeof *domain.xyz);
-        domain.source[i] = in->source[EACH * i];
+        memcpy(&domain.xyz[3 * i], &in->xyz[6 * i], 3 * sizeof *domain.xyz);
+        domain.source[i] = in->source[2 * i];
     }
     status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {
@@ -107,7 +105,7 @@ vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *i
     const struct vor_domain *now = in;
     vor_status status = VOR_OK;
 
-    while (status == VOR_OK && now->n >= (size_t)EACH * LEAST && is_thick(now)) {
+    while (status == VOR_OK && now->n / 2 >= LEAST && is_thick(now)) {
         status = take(&fewer, now, run, err);
         if (status != VOR_OK)
             break;

@@ -31,9 +31,8 @@ enum {
  * their squares over their mean on a uniform disc, 6 (1 / 7) / (1 / 4). */
 #define TAKEN (24.0 / 7)
 
-/* Times less variance that half of the neighbours must have about their surface to replace the
- * wider fit. At 1.4 / 2 / 4: 0.348, 0.346, 0.028 / 0.344, 0.342, 0.031 / 0.339, 0.338, 0.037. */
-#define FINER 2.0
+/* VOR_FINER decides when half of the neighbours replace the wider fit. At 1.4 / 2 / 4: 0.348,
+ * 0.346, 0.028 / 0.344, 0.342, 0.031 / 0.339, 0.338, 0.037. */
 
 /* One pass over all points. */
 struct pass {
@@ -119,7 +118,7 @@ static void fit_best(struct hood *hood)
     for (unsigned k = hood->k / 2; k >= LEAST; k /= 2) {
         double finer = fit(hood, k);
 
-        if (!(FINER * finer < variance) || isinf(variance))
+        if (!(VOR_FINER * finer < variance) || isinf(variance))
             break;
         variance = finer;
         best = hood->surface;
