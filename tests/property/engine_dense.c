@@ -142,7 +142,7 @@ START_TEST(stopped_at_any_record_it_hands_back_points_of_the_whole)
     waves.make(&in, (uint64_t)_i, 4 * DENSE);
     for (int polish = 0; polish < 2; polish++) {
         report.stopped = VOR_STOPPED_CALLER;
-        for (at = 0; report.stopped == VOR_STOPPED_CALLER && at < RECORDS; at += 3) {
+        for (at = 0; report.stopped == VOR_STOPPED_CALLER && at < RECORDS; at += 5) {
             struct stopper stopper = {at, 0};
             struct vor_watch watch = {.ctx = &stopper, .progress = stop_at};
             struct vt_engine engine;
