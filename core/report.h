@@ -72,9 +72,9 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Iteration of the best result so far, which the run would return now")                       \
     X(U32, best_polish, "best.polish", "", "Polish step of the best result so far")                \
     X(REAL, best_delta, "best.delta", "",                                                          \
-      "Its delta, the lowest so far; in the last record of a run, that of the report")             \
-    X(REAL, best_sigma, "best.sigma", "unit of the cloud", "Its sigma")                            \
-    X(REAL, best_epsilon, "best.epsilon", "", "Its epsilon")
+      "delta of the best result so far; in the last record of a run, that of the report")          \
+    X(REAL, best_sigma, "best.sigma", "unit of the cloud", "sigma of the best result so far")      \
+    X(REAL, best_epsilon, "best.epsilon", "", "epsilon of the best result so far")
 
 struct vor_record {
     VOR_RECORD_TABLE(VOR_FIELD)
@@ -109,9 +109,9 @@ const char *vor_stopped_word(enum vor_stopped stopped);
 
 /** A stage that a run went through. */
 #define VOR_STAGE_DONE_TABLE(X)                                                                    \
-    X(RUN_STAGE, stage, "stage", "", "Its name")                                                   \
+    X(RUN_STAGE, stage, "stage", "", "Name of the stage")                                          \
     X(U32, steps, "steps", "", "Steps done")                                                       \
-    X(REAL, seconds, "seconds", "s", "Time it took")
+    X(REAL, seconds, "seconds", "s", "Time that the stage took")
 
 struct vor_stage_done {
     VOR_STAGE_DONE_TABLE(VOR_FIELD)
@@ -200,16 +200,18 @@ struct vor_stage_done {
       "How well the result follows the metric; only if the request has one")                       \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
       "Ratio of length to width of cells in the metric: median over places of the surface")        \
-    X(REAL, metric_high, "metric.aspect_p95", "", "The same: 95th percentile")                     \
+    X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
+      "Ratio of length to width of cells in the metric: 95th percentile")                          \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
       "Ratio of length to width of the cells of the result, as the root of the ratio of "          \
       "their principal second moments: median")                                                    \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
       "Relative difference between the ratio of length to width of a cell and that of the "        \
       "metric: median")                                                                            \
-    X(REAL, metric_off_high, "metric.off_p90", "", "The same: 90th percentile")                    \
+    X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
+      "Relative difference between these two ratios of a cell: 90th percentile")                   \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
-      "How the energy was minimised; only if metric or cells require that")                        \
+      "How the energy was minimised; only with metric=lp or cells=euclid")                         \
     X(U64, descent_steps, "descent.steps", "", "Steps of L-BFGS, at most five per iteration")      \
     X(U64, descent_evaluations, "descent.evaluations", "", "Evaluations of the energy")            \
     X(REAL, descent_worst, "descent.worst", "",                                                    \
@@ -293,7 +295,7 @@ struct vor_stage_done {
       "Mean quality of the triangles, 6 S / (sqrt(3) p h) of area S, half the perimeter p and "    \
       "longest edge h: 1 where all edges are equal")                                               \
     X(REAL, mesh_quality_p001, "mesh.quality_p001", "",                                            \
-      "Quality below which one triangle in a thousand lies")                                       \
+      "Quality that one triangle in a thousand does not reach")                                    \
     X(REAL, mesh_quality_min, "mesh.quality_min", "", "Lowest quality of a triangle")              \
     X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
     X(U64, mesh_loops, "mesh.loops", "", "Border loops of the mesh: rims and holes of the input")  \

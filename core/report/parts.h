@@ -9,9 +9,9 @@
 
 /** Distances from points to the nearest of others. */
 #define VOR_APART_TABLE(X)                                                                         \
-    X(REAL, mean, "mean", "unit of the cloud", "Their mean")                                       \
-    X(REAL, rms, "rms", "unit of the cloud", "Their root mean square")                             \
-    X(REAL, max, "max", "unit of the cloud", "The largest")                                        \
+    X(REAL, mean, "mean", "unit of the cloud", "Mean distance")                                    \
+    X(REAL, rms, "rms", "unit of the cloud", "Root mean square distance")                          \
+    X(REAL, max, "max", "unit of the cloud", "Largest distance")                                   \
     X(U64, points, "points", "points", "Points that were measured")
 
 struct vor_apart {
@@ -81,7 +81,7 @@ enum vor_warning_kind {
 #define VOR_WARNING_TABLE(X)                                                                       \
     X(WARNING_ABOUT, about, "about", "",                                                           \
       "Parameter or member of the report that the warning is about")                               \
-    X(REAL, value, "value", "", "Its value, in its unit, or a count")                              \
+    X(REAL, value, "value", "", "Value of that parameter or member, in its unit, or a count")      \
     X(REAL, limit, "limit", "", "Limit; from this value on there is no warning")                   \
     X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
 
@@ -96,9 +96,9 @@ struct vor_warning {
 
 /** A loop of edges that have one triangle: where a mesh ends. */
 #define VOR_MESH_LOOP_TABLE(X)                                                                     \
-    X(U64, edges, "edges", "", "Its edges")                                                        \
+    X(U64, edges, "edges", "", "Number of edges of the loop")                                      \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
-    X(VECTOR, middle, "middle", "unit of the cloud", "Mean of its points")
+    X(VECTOR, middle, "middle", "unit of the cloud", "Mean position of its points")
 
 struct vor_mesh_loop {
     VOR_MESH_LOOP_TABLE(VOR_FIELD)

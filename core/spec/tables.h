@@ -224,7 +224,7 @@ enum vor_method_choice {
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Input points off the surface: isolated points and scattered noise. drop: they are "         \
       "ignored; pull: they are moved onto the surface. Default: drop for method ear, because "     \
-      "they hide edges, else keep")                                                                \
+      "outliers hide edges, else keep")                                                            \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
       "Which part of a mesh is resampled. vertices: its vertices; faces: points drawn evenly "     \
       "from its faces, at least eight per point of the result; an error if the input has no "      \

@@ -123,8 +123,8 @@ enum vor_setting_kind {
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
       "Lowest average speed allowed for an upload, checked once it takes longer than --body-idle") \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Lowest average speed at which a client reads a reply, measured after --body-idle, except "  \
-      "for event streams")                                                                         \
+      "Lowest average speed allowed for a client that reads a reply, checked once it takes "       \
+      "longer than --body-idle, except for event streams")                                         \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Time without events after which an event stream sends a keep-alive")                        \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \

@@ -52,7 +52,8 @@
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \
-      "Unevenness of results: deviation of nearest-neighbour distances over their mean (delta)")   \
+      "delta of results: standard deviation of the distances to the nearest neighbour, divided "   \
+      "by their mean")                                                                             \
     X(JOB_MEMORY, "job_memory_peak_bytes", BYTES, "bytes", "", "Peak memory of a successful run")  \
     X(POINTS, "engine_points_processed_total", COUNTER, "", "",                                    \
       "Points of the inputs of successful runs")                                                   \
