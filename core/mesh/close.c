@@ -12,9 +12,6 @@
  * as long as it is one sheet of the input. */
 enum { SMALL = 5 };
 
-/* Longest edge inside of a loop, in mean edges around it. The diagonal of a square has 1.4. */
-#define LONGEST 1.9
-
 /* Quality that a triangle without area counts as, and how much more one costs that stands upright
  * on the tangent planes of its corners. */
 #define LEAST 0.02
@@ -28,7 +25,6 @@ struct closing {
     const struct vor_balls *balls;
     const uint32_t *loop;
     unsigned count;
-    double longest2; /* square of the longest edge that may be inside */
     double cost[VOR_CLOSE_MOST][VOR_CLOSE_MOST];
     unsigned char by[VOR_CLOSE_MOST][VOR_CLOSE_MOST];
     unsigned taken;
@@ -36,19 +32,17 @@ struct closing {
     struct vor_twosided sides; /* of the triangles there are */
 };
 
-/* Whether a and b may be joined by an edge inside of the loop. */
+/* Whether a and b may be joined by an edge inside of the loop. Lists are asked where the front asks
+ * them to the end. */
 static int may_join(const struct closing *closing, unsigned a, unsigned b)
 {
-    const float *xyz = closing->sheet->seeds->xyz;
     uint32_t i = closing->loop[a], j = closing->loop[b], third[2];
 
     if (b == a + 1 || (a == 0 && b == closing->count - 1))
         return 1;
-    return i != j &&
-           vor_distance2f(&xyz[3 * (size_t)i], &xyz[3 * (size_t)j]) <= closing->longest2 &&
-           vor_complex_edge(closing->complex, i, j, third) == 0 &&
-           (closing->count <= SMALL ? vor_sheet_leads(closing->sheet, i, j)
-                                    : vor_sheet_joins(closing->sheet, i, j));
+    return i != j && vor_complex_edge(closing->complex, i, j, third) == 0 &&
+           (closing->count <= SMALL || vor_sheet_is_beside(closing->sheet, i, j)) &&
+           (!closing->balls->parts || vor_sheet_leads(closing->sheet, i, j));
 }
 
 /* What a triangle costs: the worse and the more upright, the more. */
@@ -118,26 +112,11 @@ static void collect(struct closing *closing, unsigned a, unsigned b)
     }
 }
 
-/* Square of the longest edge that may be inside of the loop. */
-static double longest2_of(const struct closing *closing)
-{
-    const float *xyz = closing->sheet->seeds->xyz;
-    unsigned count = closing->count;
-    double mean = 0;
-
-    for (unsigned a = 0; a < count; a++)
-        mean += sqrt(vor_distance2f(&xyz[3 * (size_t)closing->loop[a]],
-                                    &xyz[3 * (size_t)closing->loop[(a + 1) % count]])) /
-                count;
-    return LONGEST * LONGEST * mean * mean;
-}
-
 /* Finds triangles for a loop; returns whether they close it. */
 static int find_triangles(struct closing *closing)
 {
     unsigned count = closing->count;
 
-    closing->longest2 = longest2_of(closing);
     for (unsigned a = 0; a + 1 < count; a++)
         closing->cost[a][a + 1] = 0;
     for (unsigned width = 2; width < count; width++)

@@ -6,6 +6,8 @@
 
 #include <stdatomic.h>
 
+#define PI 3.14159265358979
+
 struct attach {
     struct vor_seeds *seeds;
     int onto_whole;       /* the seeds change to the surface of the whole input */
@@ -145,6 +147,67 @@ vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
         return VOR_OK;
     return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, end_block, &attach,
                        err);
+}
+
+/* Whether points within 1.6 times the distance from x to the nearest lie more to one side of it
+ * than those of a half plane do from its straight end. */
+static int is_beside_all(const struct vor_place *here, const double x[3], double distance)
+{
+    double sum[3] = {0};
+    unsigned count = 0;
+
+    for (size_t j = 0; j < here->k; j++) {
+        double to[3], length;
+
+        for (size_t c = 0; c < 3; c++)
+            to[c] = (double)here->near[3 * j + c] - x[c];
+        length = sqrt(vor_dot(to, to));
+        if (length > VOR_RIM_RING * distance)
+            continue;
+        count++;
+        for (int c = 0; c < 3; c++)
+            sum[c] += to[c] / length;
+    }
+    return sqrt(vor_dot(sum, sum)) > 2 / PI * count;
+}
+
+/* Moves the seeds of a block that hang in the air. */
+static void hanging_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct attach *attach = ctx;
+    struct vor_seeds *seeds = attach->seeds;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+    double spacing = sqrt(seeds->area / (double)seeds->n);
+
+    for (size_t i = begin; i < end; i++) {
+        const struct vor_place *here = &scratch->here;
+        size_t first = vor_input_lists_first(&seeds->input_lists, i);
+        double x[3], foot[3], way[3], distance, most = spacing;
+
+        /* Spares the search, as above. */
+        if (vor_distance2f(&seeds->domain->xyz[3 * first], &seeds->xyz[3 * i]) <=
+                VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most ||
+            vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+            continue;
+        vor_seeds_position(seeds, i, x);
+        most = fmax(most, here->surface.spacing);
+        distance = vor_boundary_foot(here->near, here->k, x, foot, way);
+        if (distance <= VOR_HOLE_INSIDE * most || !is_beside_all(here, x, distance))
+            continue;
+        for (int c = 0; c < 3; c++)
+            x[c] = foot[c] + VOR_HOLE_MARGIN * most * way[c];
+        vor_to_floats(&seeds->xyz[3 * i], x);
+    }
+}
+
+vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct attach attach = {.seeds = seeds};
+
+    if (!seeds->policy.keep_border)
+        return VOR_OK;
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, hanging_block,
+                       &attach, err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
