@@ -62,7 +62,9 @@ enum {
 
 /* Share of the variance about a thick fit that the nearest EXACT points have about theirs, below
  * which that is no noise, but another sheet or an edge: of noise one in 300 has less. The steps of
- * a lattice are flat, too, but not thick. */
+ * a lattice are flat, too, but not thick. And share of THICK below which a neighbourhood has no
+ * noise that more neighbours could lessen: a flat one always has what coordinates are rounded to,
+ * and near its edge they reach beyond. */
 #define NO_NOISE 0.04
 
 /* The numbers that are tried, each about half as large again as the one before. */
@@ -197,6 +199,8 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
     double noise = mean_of(survey->noise[from], pool), least = INFINITY;
     unsigned best = from;
 
+    if (thickness_of(survey, pool, from) < NO_NOISE * THICK)
+        return from;
     for (unsigned s = from; s < survey->steps; s++) {
         double error = error_of(residual_of(survey, pool, s), s, noise);
 

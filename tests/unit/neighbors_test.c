@@ -99,10 +99,10 @@ START_TEST(a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number)
 }
 END_TEST
 
-/* A disc of radius 1, two spacings thick, its rim round. */
-static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n)
+/* A disc of radius 1, so many spacings thick, its rim round. */
+static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n, double thick)
 {
-    double gap = 2 * sqrt(2 * M_PI / (double)n);
+    double gap = thick * sqrt(2 * M_PI / (double)n);
 
     vt_cloud_make(cloud, n);
     for (size_t i = 0; i < n; i++) {
@@ -113,22 +113,22 @@ static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n)
 
         cloud->xyz[3 * i] = (float)(r * cos(turn));
         cloud->xyz[3 * i + 1] = (float)(r * sin(turn));
-        cloud->xyz[3 * i + 2] = (float)(gap / 2 * sin(up));
+        cloud->xyz[3 * i + 2] = (float)(gap / 2 * sin(up)) + cloud->xyz[3 * i] / 3; /* rounded */
     }
 }
 
-START_TEST(a_thin_plate_is_not_noisy)
+START_TEST(a_plate_is_not_noisy)
 {
     struct vt_engine engine;
-    struct vor_report report;
     struct vor_cloud cloud, out;
+    struct vor_report report;
 
-    make_plate(&cloud, (uint64_t)_i, 4000);
+    make_plate(&cloud, (uint64_t)_i, 4000, 2 + 6 * _i);
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, "points", "400");
     vt_engine_set(&engine, "polish", "0");
     vt_engine_resample(&engine, &out, &report, &cloud);
-    ck_assert_msg(neighbors(&report) == 20, "%g neighbors", neighbors(&report));
+    ck_assert(neighbors(&report) == 20 && (_i == 0 || report.fitted_count == 1));
     vor_cloud_free(&out);
     vt_engine_close(&engine);
     vor_cloud_free(&cloud);
@@ -140,7 +140,7 @@ int main(void)
 {
     Suite *suite = suite_create("neighbors");
 
-    vt_add_loop(suite, a_thin_plate_is_not_noisy, VT_SOAK_LOOPS(1, SEEDS));
+    vt_add_loop(suite, a_plate_is_not_noisy, VT_SOAK_LOOPS(2, SEEDS));
     vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
