@@ -49,16 +49,6 @@ static void number_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     }
 }
 
-/* The slot of a cell, taken or free. */
-static struct cell *find(struct voxels *voxels, uint64_t number)
-{
-    size_t slot = (size_t)vor_rng_mix(number) & (voxels->slots - 1);
-
-    while (voxels->cell[slot].number != number && voxels->cell[slot].number != NONE)
-        slot = (slot + 1) & (voxels->slots - 1);
-    return &voxels->cell[slot];
-}
-
 /* Sorts the points into cells of that edge. *cells is how many there are, or limit + 1 for more. */
 static vor_status fill(struct voxels *voxels, size_t *cells, double edge, const struct vor_run *run,
                        struct vor_error *err)
@@ -74,10 +64,16 @@ static vor_status fill(struct voxels *voxels, size_t *cells, double edge, const 
         voxels->cell[slot] = (struct cell){.number = NONE};
     *cells = 0;
     for (size_t i = 0; i < voxels->n && *cells <= voxels->limit; i++) {
-        if (cell == NULL || cell->number != voxels->number[i])
-            cell = find(voxels, voxels->number[i]);
+        uint64_t number = voxels->number[i];
+        size_t slot = (size_t)vor_rng_mix(number) & (voxels->slots - 1);
+
+        if (cell == NULL || cell->number != number) {
+            while (voxels->cell[slot].number != number && voxels->cell[slot].number != NONE)
+                slot = (slot + 1) & (voxels->slots - 1);
+            cell = &voxels->cell[slot];
+        }
         if (cell->number == NONE) {
-            cell->number = voxels->number[i];
+            cell->number = number;
             cell->index = (uint32_t)(*cells)++;
         }
         cell->points++;

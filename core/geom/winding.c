@@ -199,16 +199,6 @@ static struct vor_winding_found found_with(const struct winding *winding, uint64
     return (struct vor_winding_found){mean, square - mean * mean + miss * miss};
 }
 
-/* What turning the pieces of a set has to gain, for it to be done against the edges. */
-static double wanted(const struct winding *winding, uint64_t pieces, double support)
-{
-    double share = 0;
-
-    for (unsigned p = 0; p < PIECES; p++)
-        share += pieces >> p & 1 ? winding->area[p] : 0;
-    return share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
-}
-
 /* Adds to the pieces that are turned those whose turning gains most. Returns whether there are any.
  */
 static int turn_best(uint64_t *turned, struct vor_winding_found *found,
@@ -220,9 +210,13 @@ static int turn_best(uint64_t *turned, struct vor_winding_found *found,
     for (unsigned m = 0; m < winding->span->joins + PIECES; m++) {
         int patch = m < winding->span->joins; /* or a single piece */
         uint64_t pieces = patch ? winding->inside[m] : 1ULL << (m - winding->span->joins);
-        double least = wanted(winding, pieces, patch ? winding->span->join[m].support : 1);
+        double support = patch ? winding->span->join[m].support : 1, share = 0, least;
         struct vor_winding_found now;
 
+        for (unsigned p = 0; p < PIECES; p++)
+            share += pieces >> p & 1 ? winding->area[p] : 0;
+        /* What turning them has to gain, for it to be done against the edges. */
+        least = share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
         if (pieces == 0 || least <= 0)
             continue;
         now = found_with(winding, *turned ^ pieces);

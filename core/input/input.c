@@ -152,13 +152,6 @@ static vor_status filter(struct vor_domain *domain, const struct vor_spec *spec,
 }
 
 /* Takes islands out where a method is to spread points beside them. */
-static vor_status look_for_islands(struct vor_domain *domain, const struct vor_spec *spec,
-                                   const struct vor_run *run, struct vor_error *err)
-{
-    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) && !vor_spec_only_filters(spec);
-
-    return spread ? vor_islands_take(domain, run, err) : vor_islands_count(domain, run, err);
-}
 
 /* Finds out what there is to know of a domain before its points are filtered. */
 static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
@@ -224,6 +217,7 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
                             const struct vor_cloud *in, const struct vor_spec *spec,
                             const struct vor_run *run, struct vor_error *err)
 {
+    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) && !vor_spec_only_filters(spec);
     vor_status status = know(domain, outliers, spec, run, err);
 
     if (status == VOR_OK)
@@ -233,7 +227,7 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
     if (status == VOR_OK)
         status = filter(domain, spec, run, err);
     if (status == VOR_OK)
-        status = look_for_islands(domain, spec, run, err);
+        status = spread ? vor_islands_take(domain, run, err) : vor_islands_count(domain, run, err);
     return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
 }
 

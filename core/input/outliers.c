@@ -164,15 +164,6 @@ static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED un
     }
 }
 
-static size_t count_out(const struct look *look)
-{
-    size_t out = 0;
-
-    for (size_t i = 0; i < look->domain->n; i++)
-        out += look->is_out[i];
-    return out;
-}
-
 /* Adds `count` points of the domain to those aside. */
 static vor_status put_aside(struct vor_outliers *aside, size_t count, const struct look *look,
                             struct vor_error *err)
@@ -234,7 +225,8 @@ static vor_status take(struct vor_domain *domain, size_t *taken, struct vor_outl
         return VOR_OK;
     status = search(&look, closer, run, err);
     if (status == VOR_OK)
-        *taken = count_out(&look);
+        for (size_t i = 0; i < domain->n; i++)
+            *taken += look.is_out[i];
     if (*taken > domain->n / VOR_REMOTE_FEW)
         *taken = 0;
     if (*taken > 0)

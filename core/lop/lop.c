@@ -487,26 +487,18 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     return status == VOR_OK && n > samples ? sort_samples(lop, err) : status;
 }
 
-/* Takes fewer points of an input whose noise is as wide as the fits. */
-static vor_status choose_scale(struct lop *lop, struct vor_error *err)
-{
-    const struct vor_run whole = vor_run_unstoppable(lop->run);
-    vor_status status = VOR_OK;
-
-    if (!only_inserts(lop))
-        status = vor_domain_coarsen(&lop->coarse, lop->input, &whole, err);
-    lop->whole = lop->domain = lop->coarse.n > 0 ? &lop->coarse : lop->input;
-    return status;
-}
-
 vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
     struct lop lop = {.input = domain, .spec = spec, .run = run, .told = told, .ear = 1};
+    const struct vor_run whole = vor_run_unstoppable(run);
     struct vor_seeds seeds = {.n = 0};
-    vor_status status = choose_scale(&lop, err);
+    vor_status status = VOR_OK;
 
+    if (!only_inserts(&lop)) /* fewer points of an input whose noise is as wide as the fits */
+        status = vor_domain_coarsen(&lop.coarse, domain, &whole, err);
+    lop.whole = lop.domain = lop.coarse.n > 0 ? &lop.coarse : domain;
     if (status == VOR_OK)
         status = make_points(&lop, n, err);
     if (status == VOR_OK)

@@ -392,25 +392,17 @@ static vor_status alloc_normals(struct normals *normals, struct vor_memory *memo
     return VOR_OK;
 }
 
-/* Neighbours that a list has room for. */
-static unsigned most_of(const struct normals *normals)
-{
-    const struct vor_domain *domain = normals->domain;
-    unsigned most = domain->known.neighbors.most;
-
-    most = most < LEAST ? LEAST : most;
-    most = most < VOR_LOP_NORMALS_MOST ? most : VOR_LOP_NORMALS_MOST;
-    return most < domain->n ? most : (unsigned)domain->n;
-}
-
 vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain *domain,
                            const struct vor_lop_normals_how *how, const struct vor_run *run,
                            struct vor_error *err)
 {
     struct normals normals = {.domain = domain, .how = how, .scale = vor_lop_scale(how->sigma_n)};
+    unsigned most = domain->known.neighbors.most; /* neighbours that a list has room for */
     vor_status status;
 
-    normals.most = most_of(&normals);
+    most = most < LEAST ? LEAST : most;
+    most = most < VOR_LOP_NORMALS_MOST ? most : VOR_LOP_NORMALS_MOST;
+    normals.most = most < domain->n ? most : (unsigned)domain->n;
     status = alloc_normals(&normals, run->memory, err);
     if (status == VOR_OK)
         status = find(&normals, run, err);

@@ -356,7 +356,6 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
                               .share = VOR_STAGE_SHARE};
     const struct vor_run whole = vor_run_unstoppable(run);
     vor_status status;
-    struct vor_memory *memory = project.run->memory;
 
     project.k = data_of(&project, how->spacing);
     status = alloc_project(&project, err);
@@ -368,7 +367,7 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
         status = vor_stage_run(&stage, err);
     vor_point_lists_free(&project.others);
     vor_input_lists_free(&project.near_data);
-    VOR_FREE_ALL(memory, project.turned, project.next, project.nearest, project.crowding,
+    VOR_FREE_ALL(run->memory, project.turned, project.next, project.nearest, project.crowding,
                  project.own_area);
     return status;
 }

@@ -17,13 +17,6 @@ static struct vor_stat summarise(const float *d, size_t n)
     return vor_sums_stat(&sums, n);
 }
 
-/* Quantile of n distances; sorts d. */
-static double percentile(float *d, size_t n, double share)
-{
-    vor_sort_floats(d, n);
-    return vor_quantile(d, n, share);
-}
-
 static double diagonal(const float *xyz, size_t n)
 {
     double low[3], high[3], sum = 0;
@@ -79,7 +72,8 @@ static vor_status measure(struct vor_distances *out, float *d, const struct inde
         return status;
     mean = summarise(d, m).mean;
     out->far_over_knn6_mean = mean > 0 ? forth.max / mean : 0;
-    mean = percentile(d, m, 0.999);
+    vor_sort_floats(d, m);
+    mean = vor_quantile(d, m, 0.999);
     out->far_over_knn6_p999 = mean > 0 ? forth.max / mean : 0;
     return VOR_OK;
 }

@@ -236,7 +236,7 @@ static void rate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     struct order *order = ctx;
 
     if (vor_run_is_late(order->run))
-        return; /* no rating is read any more: choose_round */
+        return; /* no rating is read any more: choose_all */
     for (size_t k = begin; k < end; k++) {
         uint32_t i = order->heap[k];
         double sum = -misfit(order, (double)order->reach[i]);
@@ -361,17 +361,6 @@ static vor_status on_one(struct order *order, vor_task task, struct vor_error *e
     return vor_run_for(order->run, 1, 1, task, order, err);
 }
 
-static vor_status choose_round(struct order *order, struct vor_error *err)
-{
-    vor_status status = vor_run_for(order->run, order->heaped, BLOCK, rate_block, order, err);
-
-    if (status == VOR_OK && !vor_run_is_late(order->run))
-        status = on_one(order, build_heap, err);
-    while (status == VOR_OK && order->heaped > 0 && !vor_run_is_late(order->run))
-        status = on_one(order, choose_some, err);
-    return status;
-}
-
 static void look_up_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
@@ -446,7 +435,11 @@ static vor_status choose_all(struct order *order, struct vor_error *err)
         } else if (order->heaped == 0) {
             break;
         } else {
-            status = choose_round(order, err);
+            status = vor_run_for(order->run, order->heaped, BLOCK, rate_block, order, err);
+            if (status == VOR_OK && !vor_run_is_late(order->run))
+                status = on_one(order, build_heap, err);
+            while (status == VOR_OK && order->heaped > 0 && !vor_run_is_late(order->run))
+                status = on_one(order, choose_some, err);
         }
     }
     if (status == VOR_OK && vor_run_is_late(order->run))
