@@ -39,19 +39,6 @@ static vor_status alloc_descend(struct descend *descend, struct vor_error *err)
     return status == VOR_OK ? vor_lbfgs_init(&descend->lbfgs, 2 * n, INNER, memory, err) : status;
 }
 
-/* The power of the next iteration: doubled after each stage, until it is the last one. */
-static unsigned next_power(const struct descend *descend)
-{
-    unsigned power = 2, stage = (unsigned)(STAGE * descend->stage.record.of);
-
-    if (stage == 0)
-        return descend->last_power;
-    for (uint32_t done = descend->stage.record.step; done >= stage && power < descend->last_power;
-         done -= stage)
-        power *= 2;
-    return power < descend->last_power ? power : descend->last_power;
-}
-
 static void note(struct descend *descend, const struct vor_frozen_sums *sums)
 {
     struct vor_stage *stage = &descend->stage;
@@ -98,9 +85,16 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     struct vor_outcome *told = stage->told;
     struct vor_lbfgs_told inner;
     struct vor_frozen_sums sums;
+    unsigned share = (unsigned)(STAGE * stage->record.of); /* of the iterations, at each power */
     vor_status status;
 
-    descend->power = next_power(descend);
+    /* Doubled after each share of the iterations, until it is the last one. */
+    descend->power = share > 0 ? 2 : descend->last_power;
+    for (uint32_t done = stage->record.step; done >= share && descend->power < descend->last_power;
+         done -= share)
+        descend->power *= 2;
+    if (descend->power > descend->last_power)
+        descend->power = descend->last_power;
     status = vor_frozen_set(frozen, descend->power, descend->y, stage->run, err);
     if (status == VOR_OK)
         status = vor_lbfgs_run(&descend->lbfgs, descend->y, &function, INNER, &inner, err);

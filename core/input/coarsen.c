@@ -84,25 +84,12 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
     return VOR_OK;
 }
 
-/* Drops outliers, and finds out what fits take. Noise as wide hides sheets from one another. */
-static vor_status know(struct vor_domain *domain, const struct vor_run *run, struct vor_error *err)
-{
-    size_t dropped;
-    vor_status status;
-
-    domain->known.sheets = domain->known.seek_sheets = domain->known.grown = 0;
-    domain->known.lists = VOR_LISTS_NONE;
-    status = vor_outliers_drop(domain, &dropped, run, err);
-    if (status == VOR_OK)
-        status = vor_neighbors_choose(&domain->known.neighbors, domain, run, err);
-    return status;
-}
-
 vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *in,
                               const struct vor_run *run, struct vor_error *err)
 {
     struct vor_domain domain = {.n = 0}, fewer;
     const struct vor_domain *now = in;
+    size_t dropped;
     vor_status status = VOR_OK;
 
     while (status == VOR_OK && now->n / 2 >= LEAST && is_thick(now)) {
@@ -113,10 +100,16 @@ vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *i
         domain = fewer;
         now = &domain;
     }
-    if (status == VOR_OK && domain.n > 0 && !is_thick(&domain))
-        status = know(&domain, run, err);
-    else
+    if (status == VOR_OK && domain.n > 0 && !is_thick(&domain)) {
+        /* Noise as wide hides sheets from one another. */
+        domain.known.sheets = domain.known.seek_sheets = domain.known.grown = 0;
+        domain.known.lists = VOR_LISTS_NONE;
+        status = vor_outliers_drop(&domain, &dropped, run, err);
+        if (status == VOR_OK)
+            status = vor_neighbors_choose(&domain.known.neighbors, &domain, run, err);
+    } else {
         vor_domain_free(&domain); /* of a ball of points */
+    }
     if (status != VOR_OK) {
         vor_domain_free(&domain);
         return status;

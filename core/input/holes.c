@@ -70,16 +70,6 @@ static vor_status decide(unsigned char *outcome, const struct vor_loops *loops,
 }
 
 /* What is told of a loop. */
-static struct vor_hole_told describe(const struct vor_loop *loop, const struct vor_domain *seen,
-                                     const double origin[3])
-{
-    struct vor_hole_told told = {.length = loop->length * seen->unit};
-
-    told.kind = loop->turns >= VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_HOLE : VOR_LOOP_RIM;
-    for (int c = 0; c < 3; c++)
-        told.centre[c] = origin[c] + (loop->centre[c] * seen->unit + seen->shift[c]);
-    return told;
-}
 
 /* Adds a loop to those that are told; of very many, those that were not closed, and the first. */
 static void tell(struct vor_holes *holes, const struct vor_hole_told *told)
@@ -106,8 +96,14 @@ static vor_status fill_all(struct vor_holes *holes, struct vor_filling *filling,
                            const struct vor_run *run, struct vor_error *err)
 {
     for (size_t i = 0; i < filling->loops->count; i++) {
-        struct vor_hole_told told = describe(&filling->loops->loop[i], filling->domain, origin);
+        const struct vor_loop *loop = &filling->loops->loop[i];
+        const struct vor_domain *seen = filling->domain;
+        struct vor_hole_told told = {.length = loop->length * seen->unit};
         size_t before = filling->n;
+
+        told.kind = loop->turns >= VOR_LOOPS_HOLE_TURNS ? VOR_LOOP_HOLE : VOR_LOOP_RIM;
+        for (int c = 0; c < 3; c++)
+            told.centre[c] = origin[c] + (loop->centre[c] * seen->unit + seen->shift[c]);
 
         told.id = (uint32_t)i + 1;
         told.outcome = (enum vor_hole_outcome)outcome[i];

@@ -105,22 +105,6 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Puts the seeds onto the surface around them, inside the input. */
-static vor_status onto_surface(struct vor_seeds *seeds, struct vor_outcome *told,
-                               struct vor_error *err)
-{
-    int keep_holes;
-    vor_status status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err);
-
-    for (size_t i = 0; status == VOR_OK && i < seeds->n; i++) {
-        enum vor_surface_kind kind = seeds->last_fit[i].surface.kind;
-
-        told->fallback_left += kind == VOR_SURFACE_NONE;
-        told->fallback_plane += kind == VOR_SURFACE_PLANE && !seeds->policy.planes;
-    }
-    return status == VOR_OK ? vor_attach(seeds, &keep_holes, err) : status;
-}
-
 /* Moves the started seeds. */
 static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
                           const struct vor_spec *spec, const struct vor_run *run,
@@ -129,6 +113,7 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     struct vor_memory *memory = seeds->run.memory;
     struct kmeans kmeans = {.seeds = seeds};
     double before = vor_run_clock(run);
+    int keep_holes;
     struct vor_stage stage = {.spec = spec,
                               .run = run,
                               .told = told,
@@ -152,7 +137,15 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     if (status == VOR_OK)
         status = vor_stage_run(&stage, err);
     if (status == VOR_OK)
-        status = onto_surface(seeds, told, err);
+        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err);
+    for (size_t i = 0; status == VOR_OK && i < seeds->n; i++) {
+        enum vor_surface_kind kind = seeds->last_fit[i].surface.kind;
+
+        told->fallback_left += kind == VOR_SURFACE_NONE;
+        told->fallback_plane += kind == VOR_SURFACE_PLANE && !seeds->policy.planes;
+    }
+    if (status == VOR_OK)
+        status = vor_attach(seeds, &keep_holes, err);
     told->seconds[VOR_RUN_STAGE_ITERATE] = vor_run_clock(run) - before;
     VOR_FREE_ALL(memory, kmeans.mean, kmeans.nearest);
     vor_stage_free(&stage);

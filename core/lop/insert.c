@@ -214,19 +214,6 @@ static void queue(struct insertion *insertion, uint32_t i)
 }
 
 /* Indexes the samples and queues their pairs. */
-static vor_status start(struct insertion *insertion, struct vor_error *err)
-{
-    const struct vor_run *run = insertion->run;
-    vor_status status = vor_lop_tree_build(&insertion->tree, insertion->samples, run, err);
-
-    if (status == VOR_OK)
-        status = find_reach(insertion, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, insertion->begun, BLOCK, find_block, insertion, err);
-    for (size_t i = 0; i < insertion->begun && status == VOR_OK; i++)
-        queue(insertion, (uint32_t)i);
-    return status;
-}
 
 /* Gives pair `at` of the first point of the queue a smaller priority. */
 static void lower(struct insertion *insertion, unsigned at, float key)
@@ -353,15 +340,21 @@ static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct 
 static vor_status insert_all(struct insertion *insertion, struct vor_stage *stage,
                              struct vor_error *err)
 {
-    size_t more = stage->record.of;
-    vor_status status = alloc_insertion(insertion, insertion->begun + more, err);
-    struct vor_memory *memory = insertion->samples->memory;
+    const struct vor_run *run = insertion->run;
+    size_t begun = insertion->begun;
+    vor_status status = alloc_insertion(insertion, begun + stage->record.of, err);
 
     if (status == VOR_OK)
-        status = start(insertion, err);
+        status = vor_lop_tree_build(&insertion->tree, insertion->samples, run, err);
+    if (status == VOR_OK)
+        status = find_reach(insertion, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, begun, BLOCK, find_block, insertion, err);
+    for (size_t i = 0; i < begun && status == VOR_OK; i++)
+        queue(insertion, (uint32_t)i);
     if (status == VOR_OK)
         status = vor_stage_run(stage, err);
-    VOR_FREE_ALL(memory, insertion->heap, insertion->reach, insertion->pairs);
+    VOR_FREE_ALL(insertion->samples->memory, insertion->heap, insertion->reach, insertion->pairs);
     vor_lop_tree_free(&insertion->tree);
     return status;
 }

@@ -118,14 +118,6 @@ static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 }
 
 /* Mean square of the distances of points to a place. */
-static double spread2(const struct vor_domain *domain, size_t i, const uint32_t *index, unsigned k)
-{
-    double sum = 0;
-
-    for (unsigned j = 0; j < k; j++)
-        sum += vor_distance2f(&domain->xyz[3 * i], &domain->xyz[3 * (size_t)index[j]]);
-    return sum / k;
-}
 
 /* How badly a plane stands for the surface at x: its flatness, and how far it passes beyond TRUSTED
  * times what its own points are off, squared over r2. */
@@ -149,8 +141,12 @@ static void choose_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         const float *x = &domain->xyz[3 * i];
         const uint32_t *index = &normals->list[i * normals->most];
         unsigned k = for_planes(normals->count[i]);
-        double r2 = spread2(domain, i, index, k), best = INFINITY;
+        double r2 = 0, best = INFINITY; /* r2: mean square of the distances */
         uint32_t taken = (uint32_t)i;
+
+        for (unsigned j = 0; j < k; j++)
+            r2 += vor_distance2f(x, &domain->xyz[3 * (size_t)index[j]]);
+        r2 /= k;
 
         for (unsigned j = 0; j < k; j++) {
             double cost = cost_of(&normals->plane[index[j]], x, r2);

@@ -68,19 +68,6 @@ static size_t samples_until(const struct areas *areas, double end)
     return end >= total || t >= (double)areas->to->n ? areas->to->n : (size_t)t;
 }
 
-/* The patch may extend beyond the input: puts x onto the surface around it, at most
- * VOR_OUTSIDE_MOVING spacings from the input. */
-static void pull_in(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
-{
-    struct vor_border border;
-
-    if (vor_seeds_fit_at(seeds, scratch, &scratch->there, x) == VOR_SURFACE_NONE)
-        return;
-    vor_surface_put(&scratch->there.surface, x);
-    vor_seeds_border(seeds, scratch, &scratch->there, &border, x);
-    (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
-}
-
 /* Squared distance along the surface. */
 static double apart2(const double a[3], const double b[3])
 {
@@ -140,6 +127,7 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
 {
     const struct vor_seeds *from = areas->from;
     float *at = &areas->to->xyz[3 * sample];
+    struct vor_border border;
     double x[3];
 
     vor_surface_project(&scratch->here.surface, local);
@@ -152,7 +140,13 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
         (void)vor_hurried_hold(at, from->domain, VOR_OUTSIDE_MOVING * from->domain->sparse);
         return;
     }
-    pull_in(from, scratch, x);
+    /* The patch may extend beyond the input: x is put onto the surface around it, at most
+     * VOR_OUTSIDE_MOVING spacings from the input. */
+    if (vor_seeds_fit_at(from, scratch, &scratch->there, x) == VOR_SURFACE_NONE)
+        return;
+    vor_surface_put(&scratch->there.surface, x);
+    vor_seeds_border(from, scratch, &scratch->there, &border, x);
+    (void)vor_boundary_restrict(&border, VOR_OUTSIDE_MOVING, x);
     vor_to_floats(at, x);
 }
 
