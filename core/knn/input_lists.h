@@ -82,7 +82,8 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
 unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
                                 unsigned k, uint32_t *index);
 
-/** The reference point that was nearest to query i in its last search. */
+/** The reference point that was nearest to query i in its last search; there has been one:
+ *  lists->reach[i] >= 0. */
 static inline uint32_t vor_input_lists_first(const struct vor_input_lists *lists, size_t i)
 {
     return lists->list[i * lists->wide];

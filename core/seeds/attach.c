@@ -106,6 +106,18 @@ vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
                        attach_block, &attach, err);
 }
 
+/* Whether the input point that was nearest to seed i in its last search, if there was one, is near
+ * enough: spares another. */
+static int lies_near(const struct vor_seeds *seeds, size_t i, double near2)
+{
+    size_t first;
+
+    if (seeds->input_lists.reach[i] < 0)
+        return 0;
+    first = vor_input_lists_first(&seeds->input_lists, i);
+    return vor_distance2f(&seeds->domain->xyz[3 * first], &seeds->xyz[3 * i]) <= near2;
+}
+
 /* Moves the seeds of a block that are too far from all of the input. */
 static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -117,7 +129,6 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
     for (size_t i = begin; i < end; i++) {
         struct vor_place *here = &scratch->here;
-        const float *foot;
         struct vor_border border;
         double x[3];
 
@@ -125,9 +136,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
             attach_hurried(seeds, i);
             continue;
         }
-        foot = &seeds->domain->xyz[3 * (size_t)vor_input_lists_first(&seeds->input_lists, i)];
-        /* Spares the search: the input point that was nearest last time is near enough. */
-        if (vor_distance2f(foot, &seeds->xyz[3 * i]) <= near2)
+        if (lies_near(seeds, i, near2))
             continue;
         vor_seeds_position(seeds, i, x);
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
@@ -179,14 +188,11 @@ static void hanging_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_scratch *scratch = &seeds->scratch[worker];
     double spacing = sqrt(seeds->area / (double)seeds->n);
 
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
         const struct vor_place *here = &scratch->here;
-        size_t first = vor_input_lists_first(&seeds->input_lists, i);
         double x[3], foot[3], way[3], distance, most = spacing;
 
-        /* Spares the search, as above. */
-        if (vor_distance2f(&seeds->domain->xyz[3 * first], &seeds->xyz[3 * i]) <=
-                VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most ||
+        if (lies_near(seeds, i, VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most) ||
             vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
         vor_seeds_position(seeds, i, x);
