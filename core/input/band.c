@@ -126,7 +126,7 @@ static int is_steep(const struct vor_domain *domain, uint32_t point, const doubl
 {
     double own[3];
 
-    vor_to_doubles(own, &domain->graph.normal[3 * (size_t)point]);
+    vor_to_doubles(own, domain->graph.normal + 3 * (size_t)point);
     return vor_dot(own, own) > 0 && fabs(vor_dot(own, up)) < FOLD_COSINE;
 }
 

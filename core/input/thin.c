@@ -147,7 +147,7 @@ static vor_status take_means(struct vor_domain *domain, const struct vor_domain 
         if (status == VOR_OK) {
             /* Moves each kept point to the mean of the points nearest to it. */
             for (size_t i = 0; i < means.in->n; i++) {
-                double *sum = &means.sum[4 * (size_t)means.nearest[i]];
+                double *sum = means.sum + 4 * (size_t)means.nearest[i];
 
                 for (size_t c = 0; c < 3; c++)
                     sum[c] += (double)means.in->xyz[3 * i + c];

@@ -142,7 +142,7 @@ int vor_point_lists_look(struct vor_point_lists_view *out, const struct vor_poin
                          const float *xyz, double far)
 {
     double limit2 = far * lists->spacing * far * lists->spacing, drift2 = 0;
-    unsigned allowed = (unsigned)fmin(fmax((double)(lists->n / SHARE), VOR_POINT_LISTS_JUMPERS_MIN),
+    unsigned allowed = (unsigned)fmin(fmax((double)lists->n / SHARE, VOR_POINT_LISTS_JUMPERS_MIN),
                                       VOR_POINT_LISTS_JUMPERS_MAX);
 
     out->xyz = xyz;

@@ -97,7 +97,7 @@ static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const
         first[e] = end[e].to;
     for (unsigned e = 1; e < count; e++)
         from = end[e].opens == end[e - 1].opens ? count : from;
-    if (from == 0 && !end[0].opens)
+    if (count > 0 && from == 0 && !end[0].opens)
         from = 1;
     from = from == count ? 0 : from;
     for (unsigned e = 0; e < count; e += 2) {

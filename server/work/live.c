@@ -43,19 +43,22 @@ struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_j
 
     waits.status = VOR_JOB_ACCEPTED;
     waits.stage = VOR_STAGE_QUEUED;
-    if (live != NULL)
-        *live = (struct live){row->id, vor_job_create(&waits)};
-    if (live != NULL && live->job != NULL) {
-        pthread_mutex_lock(&worker->mutex);
+    if (live == NULL)
+        return NULL;
+    *live = (struct live){row->id, vor_job_create(&waits)};
+    pthread_mutex_lock(&worker->mutex);
+    if (live->job != NULL)
         found = tsearch(live, &worker->live, compare_ids);
-        if (found != NULL)
-            job = vor_job_retain((*found)->job);
-        pthread_mutex_unlock(&worker->mutex);
+    if (found != NULL)
+        job = vor_job_retain((*found)->job);
+    if (found != NULL && *found == live) {
+        *found = live; /* gcc's analyzer cannot see that tsearch keeps it */
+        live = NULL;
     }
-    if (live != NULL && (found == NULL || *found != live)) {
+    pthread_mutex_unlock(&worker->mutex);
+    if (live != NULL)
         vor_job_release(live->job);
-        free(live);
-    }
+    free(live);
     return job;
 }
 
