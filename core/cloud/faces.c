@@ -54,7 +54,7 @@ vor_status vor_faces_check(const struct vor_cloud *cloud, struct vor_error *err)
     if (cloud->triangle_count == 0)
         return vor_fail_param(err, VOR_E_FACES, "sample",
                               "sample is faces, but the input has %zu points and no faces, want "
-                              "faces with three corners, or sample=vertices",
+                              "faces with three or more corners, or sample=vertices",
                               cloud->n);
     if (vor_faces_area(cloud) > 0)
         return VOR_OK;

@@ -159,7 +159,8 @@ enum vor_method_choice {
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
       "Distance by which the surface is divided into cells. metric: the distance of the "          \
       "parameter metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the " \
-      "energy is still that of the metric, and there is no polish")                                \
+      "energy is still that of the metric, and there is no polish. euclid works only with method " \
+      "cvt and without a density")                                                                 \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
       "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
@@ -201,7 +202,7 @@ enum vor_method_choice {
       "Phases of method ear. resample: only projects points; insert: only inserts points between " \
       "the input points; both: first projects, then inserts")                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points before the insertion of method ear: projected ones or, with "              \
+      "Number of points that method ear starts to insert from: projected points or, with "         \
       "phases=insert, input points. Nothing is inserted if the result needs no more points than "  \
       "that. auto: half of the input's points (with phases=insert all of them), or as many as "    \
       "the result has if that is less")                                                            \

@@ -131,8 +131,8 @@ enum vor_setting_kind {
       "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
       "balancers can stop sending new ones")                                                       \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time for running jobs to finish after SIGTERM and --drain-delay; the others wait for the "  \
-      "next start")                                                                                \
+      "Time for running jobs to finish after SIGTERM and --drain-delay; jobs that have not "       \
+      "finished by then run again after the next start")                                           \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
       "Draco files to accept. any: all that the library reads; strict: only point clouds of "      \
       "bitstream 2.3 without metadata, which use less of its code")                                \

@@ -58,9 +58,9 @@ static void say_missing(struct vor_error *err, const char *path, const char *abo
     unsigned user = (unsigned)geteuid();
 
     (void)vor_fail(err, VOR_E_IO,
-                   "there is no %s, and %s belongs to user %u (mode %04o), where this process's "
-                   "user %u may not create it: install -d -o %u -g %u %s",
-                   path, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user, user,
+                   "there is no %s, and this process's user %u may not create it in %s, which "
+                   "belongs to user %u (mode %04o): install -d -o %u -g %u %s",
+                   path, user, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user,
                    (unsigned)getegid(), path);
 }
 

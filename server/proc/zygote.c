@@ -290,7 +290,7 @@ vor_status vor_zygote_start(struct vor_zygote *out, const struct vor_child_kind 
         return status;
     pid = fork();
     if (pid < 0) {
-        status = vor_fail_errno(err, errno, "starting the process that others are forked from");
+        status = vor_fail_errno(err, errno, "starting the process that forks others");
         (void)close(ends[0]);
         (void)close(ends[1]);
         return status;
@@ -354,7 +354,7 @@ static vor_status wait_started(struct vor_child *child, struct vor_error *err)
     if (vor_channel_receive(child->watch, &message, -1) != VOR_CHANNEL_MESSAGE ||
         message.size != sizeof started) {
         vor_message_close(&message);
-        return vor_fail_errno(err, EPIPE, "the process that others are forked from");
+        return vor_fail_errno(err, EPIPE, "starting a process: the one that forks others is gone");
     }
     if (started.error != 0)
         return vor_fail_errno(err, started.error, "starting a process");

@@ -114,10 +114,10 @@ vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *e
     int file = memfd_create("voronoid-board", MFD_CLOEXEC);
 
     if (file < 0)
-        return vor_fail_errno(err, errno, "memory for two processes");
+        return vor_fail_errno(err, errno, "creating memory that two processes share");
     board = ftruncate(file, sizeof *board) == 0 ? vor_board_map(file) : NULL;
     if (board == NULL) {
-        vor_status status = vor_fail_errno(err, errno, "memory for two processes");
+        vor_status status = vor_fail_errno(err, errno, "creating memory that two processes share");
 
         (void)close(file);
         return status;

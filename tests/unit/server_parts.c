@@ -303,9 +303,8 @@ START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
                    user, user, group);
     ck_assert_str_eq(unprivileged(lock_in, "/usr"), want);
     (void)snprintf(want, sizeof want,
-                   "there is no /usr/none/at/all, and /usr belongs to user 0 (mode 0755), where "
-                   "this process's user "
-                   "%u may not create it: install -d -o %u -g %u "
+                   "there is no /usr/none/at/all, and this process's user %u may not create it in "
+                   "/usr, which belongs to user 0 (mode 0755): install -d -o %u -g %u "
                    "/usr/none/at/all",
                    user, user, group);
     ck_assert_str_eq(unprivileged(make_folder, "/usr/none/at/all"), want);
