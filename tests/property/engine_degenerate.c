@@ -121,8 +121,8 @@ static void run_shape(int shape, size_t points, size_t n, const char *boundary)
     vt_assert_ok(vor_cloud_check(&in, &vt_err));
     vt_engine_open(&engine, 2);
     vt_engine_count(&engine, "points", n);
-    vt_engine_set(&engine, "iterations", "8");
-    vt_engine_set(&engine, "polish", "12");
+    vt_engine_set(&engine, "iterations", "4");
+    vt_engine_set(&engine, "polish", "6");
     vt_engine_set(&engine, "normals", "fit");
     vt_engine_set(&engine, "boundary", boundary);
     vor_cloud_init(&out, &vt_memory);

@@ -324,7 +324,7 @@ void vt_suite(Suite *suite)
 {
     vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
     vt_add_loop(suite, a_polish_between_edges_ends_in_time, 1);
-    vt_add_loop(suite, a_surface_that_bends_gets_even_points, 3);
+    vt_add_loop(suite, a_surface_that_bends_gets_even_points, VT_SOAK_LOOPS(1, 3));
     vt_add_loop(suite, points_inserted_follow_near_ones, 1);
     vt_add_loop(suite, a_given_sigma_p_makes_no_facets, 1);
     vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);

@@ -192,7 +192,7 @@ void vt_suite(Suite *suite)
     vt_add_figures(suite,
                    a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(SEEDS));
+    vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
 }

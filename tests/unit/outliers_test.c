@@ -233,11 +233,14 @@ int main(void)
 {
     Suite *suite = suite_create("outliers");
 
-    vt_add_figures(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(SEEDS));
-    vt_add_figures(suite, points_that_fill_space_are_outliers_however_many, VT_FEWER(SEEDS));
-    vt_add_figures(suite, thin_and_sharp_parts_of_a_surface_are_none, VT_FEWER(SEEDS));
-    vt_add_figures(suite, few_points_have_none, VT_FEWER(SEEDS));
-    vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay, VT_FEWER(SEEDS));
+    vt_add_figures(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
+    vt_add_figures(suite, points_that_fill_space_are_outliers_however_many,
+                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
+    vt_add_figures(suite, thin_and_sharp_parts_of_a_surface_are_none,
+                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
+    vt_add_figures(suite, few_points_have_none, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
+    vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay,
+                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
     vt_add_figures(suite, a_result_without_them_lies_on_the_surface,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add(suite, ear_drops_them_and_others_keep_them_unless_told);
