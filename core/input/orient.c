@@ -82,11 +82,6 @@ struct component {
     double beside;         /* votes of larger components */
 };
 
-static void read3(double out[3], const float *x)
-{
-    vor_to_doubles(out, x);
-}
-
 /* The points that the normal of point i is fitted to: those of its list where a fit takes as few,
  * else the nearest of all. */
 static unsigned gather(float *near, const struct orient *orient, size_t i,
@@ -124,11 +119,11 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         double x[3], local[3], normal[3];
 
         vor_surface_fit(&surface, near, gather(near, orient, i, &last));
-        read3(normal, &orient->graph->normal[3 * i]);
+        vor_to_doubles(normal, &orient->graph->normal[3 * i]);
         orient->rough[i] =
             surface.spacing > 0 ? (float)(sqrt(surface.off2) / surface.spacing) : 1.f;
         if (surface.kind != VOR_SURFACE_NONE) {
-            read3(x, &orient->on->xyz[3 * i]);
+            vor_to_doubles(x, &orient->on->xyz[3 * i]);
             vor_surface_to_local(&surface, x, local);
             vor_surface_normal(&surface, local, normal);
         }
@@ -141,10 +136,10 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
 {
     double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, steep, rough, weight;
 
-    read3(x, &orient->on->xyz[3 * i]);
-    read3(y, &orient->on->xyz[3 * j]);
-    read3(m, &orient->normal[3 * i]);
-    read3(n, &orient->normal[3 * j]);
+    vor_to_doubles(x, &orient->on->xyz[3 * i]);
+    vor_to_doubles(y, &orient->on->xyz[3 * j]);
+    vor_to_doubles(m, &orient->normal[3 * i]);
+    vor_to_doubles(n, &orient->normal[3 * j]);
     for (int c = 0; c < 3; c++)
         along[c] = y[c] - x[c];
     length2 = fmax(vor_dot(along, along), 1e-300);
@@ -215,7 +210,7 @@ static void compare_carried(struct component *of, const struct orient *orient, s
     const struct vor_attribute *carried = orient->carried;
     double normal[3], own[3], along;
 
-    read3(own, &orient->normal[3 * i]);
+    vor_to_doubles(own, &orient->normal[3 * i]);
     for (size_t c = 0; c < 3; c++)
         normal[c] =
             vor_attribute_scalar(carried, orient->on->source[i] * (size_t)carried->components + c);
@@ -300,8 +295,8 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
         struct component *of = &components[orient->span.component[i]];
         double area = area_of(orient, i), from[3], normal[3];
 
-        read3(from, &orient->on->xyz[3 * i]);
-        read3(normal, &orient->normal[3 * i]);
+        vor_to_doubles(from, &orient->on->xyz[3 * i]);
+        vor_to_doubles(normal, &orient->normal[3 * i]);
         for (int c = 0; c < 3 && of->area > 0; c++)
             from[c] -= of->middle[c] / of->area;
         of->flux += area * vor_dot(from, normal);
@@ -563,7 +558,7 @@ double vor_orientation_side(const struct vor_orientation *orientation,
 
     vor_knn_search_next(on->knn, last, x, k, index, distance2);
     for (unsigned j = 0; j < k; j++) {
-        read3(own, &orientation->normal[3 * (size_t)index[j]]);
+        vor_to_doubles(own, &orientation->normal[3 * (size_t)index[j]]);
         sum += vor_dot(own, normal);
     }
     return sum;

@@ -7,7 +7,8 @@
  *  its normal. The point is put onto the latent surface from there (lop/latent.h). One queue holds
  *  all pairs. While normals stand, priorities only fall, so that the first pair of the queue whose
  *  priority still holds is the one: nothing else is computed anew. Of equal priorities comes the
- *  pair whose later point came first, then that with the smaller partner.
+ *  pair whose later point came first, then that with the smaller partner. A pair whose base no side
+ *  of the latent surface holds (lop/latent.h) comes after all others.
  *
  *  Departure: a pair belongs to its later point. Points inserted look for partners within
  *  VOR_LOP_PARTNERS clearances, not sigma_p, and each keeps its VOR_LOP_PAIRS best: what is near

@@ -20,8 +20,8 @@ enum { VOR_CLOSE_MOST = 48 };
  *  @param[in]  balls   of the points, where they are
  *
  *  @retval VOR_E_NOMEM
- *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for, between two loops; those before are
- * closed
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for, between two loops; the loops before
+ *          are closed
  *
  *  O(n + loops x edges^3), one thread. */
 VOR_NODISCARD vor_status vor_close(struct vor_complex *complex, size_t *closed,

@@ -65,6 +65,21 @@ static void look(double out[2], const struct vor_sheet *sheet, const struct vor_
     out[1] = vor_dot(frame->axis[1], d);
 }
 
+/* Sorts the ends at a point around it. */
+static void sort_ends(struct end *end, unsigned count)
+{
+    for (unsigned a = 1; a < count; a++) {
+        struct end moved = end[a];
+        unsigned b = a;
+
+        for (; b > 0 && (end[b - 1].angle > moved.angle ||
+                         (end[b - 1].angle == moved.angle && end[b - 1].to > moved.to));
+             b--)
+            end[b] = end[b - 1];
+        end[b] = moved;
+    }
+}
+
 /* Pairs the ends at point i: each that opens a gap with the next, which closes it, where they take
  * turns. Where they do not, as at the tip of a cone, in their order. */
 static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const uint32_t *third,
@@ -83,21 +98,12 @@ static void pair_ends(struct trace *trace, uint32_t i, const uint32_t *to, const
         look(b, trace->sheet, &frame, i, third[e]);
         end[e] = (struct end){to[e], a[0] * b[1] - a[1] * b[0] < 0, angle(a)};
     }
-    for (unsigned a = 1; a < count; a++) {
-        struct end moved = end[a];
-        unsigned b = a;
-
-        for (; b > 0 && (end[b - 1].angle > moved.angle ||
-                         (end[b - 1].angle == moved.angle && end[b - 1].to > moved.to));
-             b--)
-            end[b] = end[b - 1];
-        end[b] = moved;
-    }
+    sort_ends(end, count);
     for (unsigned e = 0; e < count; e++)
         first[e] = end[e].to;
     for (unsigned e = 1; e < count; e++)
         from = end[e].opens == end[e - 1].opens ? count : from;
-    if (count > 0 && from == 0 && !end[0].opens)
+    if (from == 0 && !end[0].opens)
         from = 1;
     from = from == count ? 0 : from;
     for (unsigned e = 0; e < count; e += 2) {

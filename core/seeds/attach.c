@@ -158,8 +158,8 @@ vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
                        err);
 }
 
-/* Whether points within 1.6 times the distance from x to the nearest lie more to one side of it
- * than those of a half plane do from its straight end. */
+/* Whether points within VOR_RIM_RING times the distance from x to the nearest lie more to one side
+ * of it than those of a half plane do from its straight end. */
 static int is_beside_all(const struct vor_place *here, const double x[3], double distance)
 {
     double sum[3] = {0};

@@ -60,7 +60,7 @@ enum vor_read {
 };
 
 /** The next events of an attempt, as a reader takes them: what follows its position, as far as
- *  there is room. Whoever reads fills in all but count, which is 0 at first. */
+ *  there is room. The caller sets all but count, which begins at 0. */
 struct vor_event_batch {
     struct vor_position position; /**< of the event read last */
     enum vor_read how;

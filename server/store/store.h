@@ -122,8 +122,8 @@ VOR_NODISCARD vor_status vor_store_hand_back(struct vor_store *store, const stru
 /** accepted or running -> row->status (a final one), with progress, record, outputs, problem,
  *  message, finished and expires of the row; what it keeps only becomes less.
  *
- *  @param[in]  lease    whose attempt must still run; NULL ends the job whoever runs it, or while
- * it waits
+ *  @param[in]  lease    its owner's attempt must still run; NULL ends the job in any state that
+ *                       is not final
  *  @param[in]  ending   may be NULL
  *  @param[out] changed  0 when the job is unknown or has ended, or the lease does not hold */
 VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
