@@ -89,6 +89,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
 {
     struct vor_uniformity even = {0}, apart;
     struct vor_compare_apart far = {0};
+    struct vor_cells cells = {0};
     double unit = seeds->domain->unit;
     float *nearest = vor_malloc(seeds->run.memory, seeds->n, sizeof *nearest);
     vor_status status;
@@ -97,7 +98,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
     if (status == VOR_OK)
-        status = vor_seeds_six_share(&out->six_share, seeds, err);
+        status = vor_seeds_cells(&cells, seeds, err);
     if (status == VOR_OK)
         status = vor_compare_ref_to_out(&far, seeds, err);
     if (status == VOR_OK) {
@@ -107,6 +108,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
         out->sigma = even.sigma * unit;
         out->epsilon = even.epsilon;
         out->spacing = apart.mean * unit;
+        out->six_share = cells.six;
         out->ref_to_out =
             (struct vor_apart){far.mean * unit, far.rms * unit, far.max * unit, far.points};
     }

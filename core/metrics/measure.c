@@ -1,6 +1,8 @@
 #include "core/metrics/measure.h"
 
 #include "core/cloud/frame.h"
+#include "core/knn/knn.h"
+#include "core/metrics/cells.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/distortion.h"
 #include "core/metrics/uniformity.h"
@@ -11,9 +13,23 @@
 static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t n, double unit,
                                const struct vor_run *run, struct vor_error *err)
 {
-    struct vor_uniformity even;
-    vor_status status = vor_uniformity_measure(&even, xyz, n, run, err);
+    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
+    struct vor_uniformity even = {0};
+    struct vor_cells cells = {0};
+    struct vor_knn *knn = NULL;
+    vor_status status;
 
+    if (nearest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = vor_knn_build(&knn, xyz, n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    if (status == VOR_OK)
+        vor_uniformity_from(&even, nearest, n);
+    if (status == VOR_OK)
+        status = vor_cells_measure(&cells, xyz, n, knn, run, err);
+    vor_knn_free(knn);
+    vor_free(run->memory, nearest);
     if (status != VOR_OK)
         return status;
     if (!(even.mean > 0))
@@ -26,7 +42,13 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
                                 .mean_nn = even.mean * unit,
                                 .min_over_mean = even.min / even.mean,
                                 .max_over_mean = even.max / even.mean,
-                                .coincident = even.coincident};
+                                .coincident = even.coincident,
+                                .six_share = cells.six,
+                                .has_cells = cells.open < n,
+                                .eta = cells.eta,
+                                .gap = cells.gap,
+                                .wide = cells.wide,
+                                .open = cells.open};
     return VOR_OK;
 }
 

@@ -193,10 +193,11 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     struct vor_uniformity even = {0}; /* clang-analyzer cannot see that VOR_E_NOMEM is not VOR_OK */
     struct vor_comparison found;
     struct vor_counts counts = {0};
+    struct vor_cells cells;
     vor_status status = measure(&even, seeds, err);
 
     if (status == VOR_OK)
-        status = vor_seeds_six_share(&report->six_share, seeds, err);
+        status = vor_seeds_cells(&cells, seeds, err);
     if (status == VOR_OK) {
         counts = vor_seeds_counts(seeds); /* without those of the comparison */
         status = vor_compare(&found, seeds, even.mean, placed->told->refined, err);
@@ -218,6 +219,14 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     }
     report_method(report, placed);
     vor_output_report_uniformity(report, &even, unit);
+    report->six_share = cells.six;
+    if (!vor_field_is(field) && !vor_stretched_are(&seeds->stretched)) {
+        report->has_cells = 1;
+        report->eta = cells.eta;
+        report->gap = cells.gap;
+        report->wide = cells.wide;
+        report->open = cells.open;
+    }
     report->ref_to_out = in_unit(&found.ref_to_out, unit);
     report->out_to_ref = in_unit(&found.out_to_ref, unit);
     report->boundary_points = found.border;

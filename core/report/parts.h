@@ -150,6 +150,18 @@ struct vor_hole_told {
     struct vor_hole_told field[VOR_HOLES_TOLD];                                                    \
     unsigned field##_count;
 
+/** How far the Voronoi cells of points are from regular hexagons (metrics/cells.h). */
+#define VOR_CELLS_TABLE(X, object)                                                                 \
+    X(REAL, eta, object "eta", "",                                                                 \
+      "Energy of the tessellation over that of as many regular hexagons, minus 1; lower is "       \
+      "better")                                                                                    \
+    X(REAL, gap, object "gap", "",                                                                 \
+      "Largest distance from a place of the surface to the nearest point, over the spacing of a "  \
+      "hexagonal lattice with as many points; 0.577 is the least there can be")                    \
+    X(U64, wide, object "wide", "places", "Places farther than 0.64 spacings from every point")    \
+    X(U64, open, object "open", "points",                                                          \
+      "Points without a closed cell, as along a border; the other figures leave them out")
+
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \

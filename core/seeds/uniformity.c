@@ -242,43 +242,24 @@ vor_status vor_seeds_distances(float *nearest, const struct vor_seeds *seeds, st
     return VOR_OK;
 }
 
-struct six {
-    struct vor_seeds *seeds;
-    unsigned char *is; /* LOOKED_AT, and SIX */
-};
-
-enum { LOOKED_AT = 1 << 0, SIX = 1 << 1 };
-
-static void six_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Seeds around seed i and their metric, as of the last index. */
+static unsigned near_seed(void *ctx, size_t i, unsigned worker, float *offset, double metric[6])
 {
-    const struct six *six = ctx;
-    struct vor_scratch *scratch = &six->seeds->scratch[worker];
+    struct vor_seeds *seeds = ctx;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+    const struct vor_crowd *crowd = &scratch->crowd;
+    unsigned k = 0;
 
-    for (size_t i = begin; i < end && !vor_run_is_late(&six->seeds->run); i++) {
-        six->is[i] = LOOKED_AT;
-        if (vor_seeds_fit(six->seeds, scratch, i) == VOR_SURFACE_NONE)
-            continue;
-        vor_seeds_crowd(six->seeds, scratch, i);
-        vor_seeds_clip(six->seeds, scratch, i, 1);
-        if (scratch->cell.count == 1 && scratch->cell.piece[0].count == 6)
-            six->is[i] |= SIX;
-    }
+    vor_seeds_crowd(seeds, scratch, i);
+    for (; k < crowd->count && k < VOR_CELLS_NEAR; k++)
+        for (size_t c = 0; c < 3; c++)
+            offset[3 * k + c] = seeds->xyz[3 * (size_t)crowd->index[k] + c] - seeds->xyz[3 * i + c];
+    for (int c = 0; c < 6 && vor_stretched_are(&seeds->stretched); c++)
+        metric[c] = (double)seeds->stretched.near[i].tensor[c];
+    return k;
 }
 
-vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_seeds_cells(struct vor_cells *out, struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct vor_memory *memory = seeds->run.memory;
-    struct six six = {seeds, vor_calloc(memory, seeds->n, 1)};
-    size_t count = 0, looked_at = 0;
-    vor_status status;
-
-    if (six.is == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
-    status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, six_block, &six, err);
-    for (size_t i = 0; i < seeds->n; i++)
-        count += six.is[i] >= SIX, looked_at += six.is[i] > 0;
-    vor_free(memory, six.is);
-    if (status == VOR_OK)
-        *out = looked_at > 0 ? (double)count / (double)looked_at : 0;
-    return status;
+    return vor_cells_of(out, seeds->n, near_seed, seeds, &seeds->run, err);
 }

@@ -2,6 +2,7 @@
 #ifndef VOR_SEEDS_UNIFORMITY_H
 #define VOR_SEEDS_UNIFORMITY_H
 
+#include "core/metrics/cells.h"
 #include "core/metrics/uniformity.h"
 #include "core/seeds/seeds.h"
 
@@ -29,10 +30,10 @@ VOR_NODISCARD vor_status vor_seeds_uniformity(struct vor_uniformity *out, float 
 VOR_NODISCARD vor_status vor_seeds_distances(float *nearest, const struct vor_seeds *seeds,
                                              struct vor_error *err);
 
-/** Computes the share of the seeds, as of the last index, whose cell in the tangent plane has six
- *  sides. Fails as vor_seeds_uniformity; O(n). */
-VOR_NODISCARD vor_status vor_seeds_six_share(double *out, struct vor_seeds *seeds,
-                                             struct vor_error *err);
+/** Measures the cells of the seeds, as of the last index; with a metric, in that. Fails as
+ *  vor_cells_of; O(n). */
+VOR_NODISCARD vor_status vor_seeds_cells(struct vor_cells *out, struct vor_seeds *seeds,
+                                         struct vor_error *err);
 
 /** Indexes the seeds where they are, then vor_seeds_uniformity of them. A stop does not interrupt
  *  it, so that the run has something to hand back. */

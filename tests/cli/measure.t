@@ -33,6 +33,9 @@ subtest 'a full grid is perfectly even' => sub {
     near $got->{sigma}, 0, 'sigma';
     near $got->{epsilon}, 1, 'epsilon';
     near $got->{$_}, 1, $_ for qw(mean_nn min_over_mean max_over_mean);
+    near $got->{cells}{eta}, 3 * sqrt(3) / 5 - 1, 'eta of squares';
+    near $got->{cells}{gap}, sqrt(sqrt(3)) / 2, 'gap of squares';
+    is "$got->{cells}{open} $got->{six_share}", '16 0', 'cells along the border are left out; the others have four sides';
     ok !exists $got->{input}, 'no reference, no distances';
     my (undef, $piped) = run(['measure', '-'], stdin => "$folder/grid.ply");
     is $piped, $stdout, 'stdin is the same';

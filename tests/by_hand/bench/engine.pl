@@ -94,7 +94,8 @@ sub second_table_row {
     my ($row, $figures) = @_;
     my $report = $figures->{report};
     return [
-        $row->{name}, map({ number($report->{$_}) } qw(six_share min_over_mean max_over_mean bisectors_per_cell triangles_per_cell)),
+        $row->{name}, map({ number($report->{cells}{$_}) } qw(eta gap wide open)),
+        map({ number($report->{$_}) } qw(six_share min_over_mean max_over_mean bisectors_per_cell triangles_per_cell)),
         defined $report->{queries} ? number($report->{queries} / $figures->{n}) : '-', number($report->{list_rebuilds}),
         number($report->{held_ever}), number($report->{fallbacks}{plane}), number($report->{fallbacks}{left}),
         map({ number($report->{seconds}{$_}) } qw(read index init iterate polish write)),
@@ -120,7 +121,7 @@ table([
     . 'start, iterations and polish by its own clock. cpu, wall and rss: the whole process, file to file. CPU µs: µs a point and '
     . 'iteration times cpu over the clock of all stages, lower than by the clock where the machine was shared. One thread unless said.');
 table([
-    'case', 'six_share', 'min/mean', 'max/mean', 'bisectors a cell', 'triangles a cell', 'queries a point', 'lists made anew',
-    'held ever', 'on a plane', 'left', map({ "$_ s" } qw(read index init iterate polish write)), 'allocator MB', 'stopped',
+    'case', 'eta', 'gap', 'wide', 'open', 'six_share', 'min/mean', 'max/mean', 'bisectors a cell', 'triangles a cell',
+    'queries a point', 'lists made anew', 'held ever', 'on a plane', 'left', map({ "$_ s" } qw(read index init iterate polish write)), 'allocator MB', 'stopped',
 ], \@second, 'What the engine counted, and its stages, in the first run: counters are exact on a busy machine.');
 finish('engine');
