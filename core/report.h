@@ -60,13 +60,12 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Mean of those distances divided by their root mean square, 0 to 1; higher is better")       \
     X(REAL, energy, "energy", "unit of the cloud^4",                                               \
       "Energy of the tessellation; during the polish, that of the last iteration")                 \
-    X(REAL, max_move, "max_move", "unit of the cloud", "Longest move of a point")                  \
+    X(REAL, max_move, "max_move", "unit of the cloud", "Longest distance that a point moved")      \
     X(U64, held, "held", "points", "Points held back at the border of the input")                  \
     X(REAL, seconds, "seconds", "s", "Time since the run began")                                   \
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Steps of this stage done")                                           \
-    X(U32, of, "of", "",                                                                           \
-      "Largest number of steps of this stage; 0 after the first step if it is not known")          \
+    X(U32, of, "of", "", "Largest number of steps of this stage; 0 if it is not known")            \
     X(U32, ahead, "ahead", "", "Largest number of steps in all later stages together")             \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Iteration of the best result so far, which the run would return now")                       \
@@ -277,7 +276,7 @@ struct vor_stage_done {
     X(U64, list_rebuilds, "list_rebuilds", "", "Rebuilds of the neighbour lists of all points")    \
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
       "Origin of the positions in the result's file: added to them, it gives the coordinates of "  \
-      "the input. 0 if they are written unchanged, as in PLY")                                     \
+      "the input. 0,0,0 if positions are written unchanged, as in PLY")                            \
     X(OPTIONAL, has_mesh, "mesh", "",                                                              \
       "Properties of the triangle mesh; only for the process mesh")                                \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
@@ -401,10 +400,10 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "their squares)")                                                                            \
     X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
       "Mean squared error point to point, in the worse direction")                                 \
-    X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null where that is 0")   \
+    X(REAL, d1_psnr, "input.d1_psnr", "dB", "10 log10(3 peak^2 / d1_mse); null if the error is 0") \
     X(REAL, d2_mse, "input.d2_mse", "unit of the cloud^2",                                         \
       "Mean squared error point to plane, in the worse direction")                                 \
-    X(REAL, d2_psnr, "input.d2_psnr", "dB", "10 log10(3 peak^2 / d2_mse); null where that is 0")   \
+    X(REAL, d2_psnr, "input.d2_psnr", "dB", "10 log10(3 peak^2 / d2_mse); null if the error is 0") \
     X(REAL, peak, "input.peak", "unit of the cloud", "Peak value used for both PSNR")
 
 struct vor_measure {

@@ -68,7 +68,8 @@ static vor_status put(const struct vor_sink *sink, const void *bytes, size_t siz
         size_t now = size < CHUNK ? size : CHUNK;
 
         if (sink->write(sink->ctx, at, now) < 0)
-            return vor_fail(err, VOR_E_IO, "%zu bytes of a dump could not be written", now);
+            return vor_fail(err, VOR_E_IO, "%zu bytes of the decoded cloud could not be written",
+                            now);
         at += now;
         size -= now;
     }

@@ -155,7 +155,8 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
     assert(at != NULL);
     found = find_boundary(at, &boundary);
     if (found != 1)
-        return vor_fail(err, VOR_E_REQUEST, "Content-Type has %s, want one of 1 to %d characters",
+        return vor_fail(err, VOR_E_REQUEST,
+                        "Content-Type has %s, want a boundary of 1 to %d characters",
                         found < 0    ? "parameters that cannot be read"
                         : found == 0 ? "no boundary"
                                      : "more than one boundary",

@@ -177,7 +177,7 @@ static vor_status dispatch(struct vor_sse_parser *parser, struct vor_error *err)
         event.data = parser->data.data;
         event.size = parser->data.size;
         if (parser->handler(parser->ctx, &event) != 0)
-            status = vor_fail(err, VOR_E_CANCELLED, "the reader of the event stream stopped it");
+            status = vor_fail(err, VOR_E_CANCELLED, "the caller ended the event stream");
     }
     vor_text_clear(&parser->name);
     vor_text_clear(&parser->data);

@@ -179,8 +179,8 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
             "method kmeans does not support edges=sites, want ignore, or method cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
-                              "%zu points are requested, want 1 to %zu: kmeans needs at least as "
-                              "many input points at different positions",
+                              "%zu points are requested, want 1 to %zu: kmeans cannot give more "
+                              "points than the input has at different positions",
                               n, domain->n);
     status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
     if (status != VOR_OK)

@@ -91,7 +91,7 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
     if (m < SEVENTH || !(length > 0))
         return vor_fail(err, VOR_E_DEGENERATE,
                         "the reference has %zu points and a diagonal of %g, want at least 7 points "
-                        "and more than 0",
+                        "and a diagonal above 0",
                         m, length);
     d = vor_malloc(run->memory, n > m ? n : m, sizeof *d);
     if (d == NULL)

@@ -74,16 +74,16 @@ enum vor_kind {
 /** Groups: a process takes whole groups of parameters. Identifier, title in the help. */
 #define VOR_GROUP_TABLE(X)                                                                         \
     X(TARGET, "How many points")                                                                   \
-    X(SPREAD, "How they are spread")                                                               \
+    X(SPREAD, "How points are spread")                                                             \
     X(CVT, "Iterations and polish")                                                                \
     X(LOP, "Edge-aware projection")                                                                \
     X(READ, "Reading the input")                                                                   \
     X(INPUT, "The input")                                                                          \
     X(FILTER, "Filters")                                                                           \
     X(OUTPUT, "The result")                                                                        \
-    X(MESH, "Its faces")                                                                           \
-    X(FORMAT, "Its format")                                                                        \
-    X(MEASURE, "The measure")                                                                      \
+    X(MESH, "Faces of the result")                                                                 \
+    X(FORMAT, "File format")                                                                       \
+    X(MEASURE, "Measurement")                                                                      \
     VOR_EXTRA_GROUPS(X)
 
 enum vor_group {
@@ -130,11 +130,11 @@ enum vor_method_choice {
       "points attract them), then the polish; ear: edge-aware resampling (Huang 2013), which "     \
       "projects points with normals away from edges, then inserts points towards the edges, so "   \
       "that these stay sharp; kmeans: a baseline that moves each point to the mean of the input "  \
-      "points nearest to it. It has no polish, follows the density of the input and needs at "     \
+      "points nearest to it. kmeans has no polish, follows the density of the input and needs at " \
       "least as many input points as the result has")                                              \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Local surface fitted to the input. quadric: follows its curvature; plane: flat, as in "     \
-      "Chen et al. 2018; does not keep edges")                                                     \
+      "Chen et al. 2018, which does not keep edges")                                               \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
       "Where points are denser; the spacing is proportional to density^(-1/4). uniform: equally "  \
@@ -157,17 +157,17 @@ enum vor_method_choice {
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
       "Power of metric lp, an even number: 2 gives hexagons, 8 gives squares")                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
-      "Distance by which the surface is divided into cells. metric: the distance of the "          \
-      "parameter metric; euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the " \
-      "energy is still that of the metric, and there is no polish. euclid works only with method " \
-      "cvt and without a density")                                                                 \
+      "Distance that cells are computed with. metric: the distance in the parameter metric; "      \
+      "euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the energy is still "   \
+      "that of the metric, and there is no polish. euclid works only with method cvt and without " \
+      "a density")                                                                                 \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
       "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
-      "of evenly spread points")                                                                   \
+      "that evenly spread points have")                                                            \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
       "Number of input points that a local surface is fitted to. auto: chosen per region from "    \
@@ -202,7 +202,7 @@ enum vor_method_choice {
       "Phases of method ear. resample: only projects points; insert: only inserts points between " \
       "the input points; both: first projects, then inserts")                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points that method ear starts to insert from: projected points or, with "         \
+      "Number of points that method ear has before it inserts any: projected points or, with "     \
       "phases=insert, input points. Nothing is inserted if the result needs no more points than "  \
       "that. auto: half of the input's points (with phases=insert all of them), or as many as "    \
       "the result has if that is less")                                                            \
@@ -233,26 +233,26 @@ enum vor_method_choice {
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
       "Filters applied to the input, always in this order. outliers: drops outliers, or pulls "    \
       "them with outliers=pull; mls: moves each point onto the smooth surface around it; thin: "   \
-      "thins the points to the mean distance to the three nearest. With mls or outliers, and "     \
-      "without points, ratio and spacing, the result is the filtered input in its order, with "    \
-      "its attributes; upsample keeps its ratio. denoise with method cvt or kmeans applies "       \
-      "outliers and mls by default")                                                               \
+      "leaves out points that are closer to others than the mean distance to the three nearest. "  \
+      "With mls or outliers, and without points, ratio and spacing, the result is the filtered "   \
+      "input in its order, with its attributes; upsample keeps its ratio. denoise with method "    \
+      "cvt or kmeans applies outliers and mls by default")                                         \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How to use the normals of the input. use: orient fitted normals like them; estimate: "      \
       "ignore them; auto: as use if all are finite and non-zero, else orient each connected part " \
       "by its valid ones")                                                                         \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "How to decide which points lie on one sheet. local: a short path over points in between "   \
-      "connects them; satellites: they have similar distances along the surface from three "       \
-      "points; none: they are near")                                                               \
+      "How to decide which points lie on the same sheet. local: a short path over points in "      \
+      "between connects them; satellites: they have similar distances along the surface from "     \
+      "three points; none: they are near")                                                         \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
       "Input points with a coordinate that is not finite. refuse: an error; drop: they are left "  \
       "out and counted")                                                                           \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of the random numbers")     \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Order of the points of the result. spatial: neighbours mostly follow each other; "          \
-      "progressive: the first points, however many, are spread evenly over the whole")             \
+      "progressive: the first N points are spread evenly, for every N")                            \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
       "Format of the result. Default: by file suffix or Accept, else that of the input")           \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
@@ -268,9 +268,9 @@ enum vor_method_choice {
       "Attributes of the result. nearest: from the nearest input point; drop: positions only")     \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
       "nearest oriented fit drop",                                                                 \
-      "Normals of the result. nearest: from the nearest input point; oriented: the same, "         \
-      "oriented consistently, or as fit if the input has none; fit: of the local surface, on the " \
-      "side of the input's normals, or outward without them; drop: none")                          \
+      "Normals of the result. nearest: from the nearest input point; oriented: likewise, but "     \
+      "oriented consistently, or as fit if the input has none; fit: those of the local surface, "  \
+      "on the side of the input's normals, or outward if the input has none; drop: none")          \
     X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
       "Faces are the cells around the points, polygons that share no vertices, instead of "        \
       "triangles between the points. Draco has no polygons, so they are cut into triangles there") \
@@ -360,7 +360,7 @@ struct vor_artefact_info {
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
 #define VOR_MEASURE_OUT                                                                            \
     ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
-      "How even the cloud is and, with a reference, how far apart the two are"})
+      "How evenly the cloud is spread and, with a reference, how far the two clouds are apart"})
 
 #define VOR_INSPECT_OUT                                                                            \
     ({"inspect", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
@@ -396,7 +396,8 @@ struct vor_artefact_info {
       "over its surface")                                                                          \
     X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
       VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
-      "Measures how evenly a cloud is spread and, with a reference, how far apart the two are")    \
+      "Measures how evenly a cloud is spread and, with a reference, how far the two clouds are "   \
+      "apart")                                                                                     \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
       "Describes a cloud: its parts, spacing, noise, sheets, sharp edges, borders and holes")      \

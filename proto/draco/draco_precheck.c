@@ -315,9 +315,10 @@ static void walk_kd_coders(struct walk *walk, unsigned level, uint32_t scalars)
     if (walk->status == VOR_OK && walk->size > most + VOR_DRACO_PADDING_MAX)
         fail_at(
             walk, (size_t)most,
-            vor_fail(walk->err, VOR_E_FORMAT,
-                     "the Draco stream ends before byte %zu of %zu; want at most %d more, all 0",
-                     (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
+            vor_fail(
+                walk->err, VOR_E_FORMAT,
+                "the Draco stream ends before byte %zu of %zu, want at most %d more bytes, all 0",
+                (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
 }
 
 static void walk_point_cloud(struct walk *walk)

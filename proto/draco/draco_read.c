@@ -36,9 +36,10 @@ static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, st
         zeros++;
     if (used + zeros == size)
         return VOR_OK;
-    (void)vor_fail(err, VOR_E_FORMAT,
-                   "the Draco stream ends after %zu bytes of %zu; want at most %d more, all 0",
-                   used, size, VOR_DRACO_PADDING_MAX);
+    (void)vor_fail(
+        err, VOR_E_FORMAT,
+        "the Draco stream ends after %zu bytes of %zu, want at most %d more bytes, all 0", used,
+        size, VOR_DRACO_PADDING_MAX);
     if (err != NULL)
         err->byte_offset = (int64_t)used;
     return VOR_E_FORMAT;

@@ -66,7 +66,8 @@ void vor_json_problem(struct vor_text *text, const struct vor_problem_doc *probl
                 vor_json_put_string(text, "pointer", problem->errors[i].pointer);
             else
                 vor_json_put_string(text, "parameter", problem->errors[i].parameter);
-            vor_json_put_string(text, "detail", problem->errors[i].detail);
+            if (problem->errors[i].detail != NULL)
+                vor_json_put_string(text, "detail", problem->errors[i].detail);
             vor_json_end_object(text);
         }
         vor_json_end_array(text);

@@ -86,7 +86,7 @@ static vor_status bad_number(const struct vor_ply_body *body, const struct vor_p
         vor_fail(err, VOR_E_FORMAT, "%s of row %zu is \"%s\", want a number of type %s%s", name,
                  row, shown, type,
                  memchr(token.at, ',', token.length) != NULL
-                     ? ": blanks separate numbers, and a point stands before decimals"
+                     ? ": separate numbers by blanks, and use a point for decimals"
                      : "");
     return vor_ply_at(err, offset_of(body, token), VOR_E_FORMAT);
 }

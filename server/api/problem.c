@@ -82,7 +82,7 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     doc->errors = problem->errors;
     doc->error_count = problem->error_count;
     if (problem->parameter != NULL && problem->parameter[0] != '\0') {
-        room->error = (struct vor_problem_error){NULL, problem->parameter, problem->detail};
+        room->error = (struct vor_problem_error){NULL, problem->parameter, NULL};
         doc->errors = &room->error;
         doc->error_count = 1;
     }

@@ -124,7 +124,7 @@ static vor_status read_variable(struct vor_config *config, int setting, char *(*
         path = get(file);
     if (value != NULL && path != NULL)
         return vor_fail_param(err, VOR_E_PARAM, vor_setting_infos[setting].flag,
-                              "%s and %s are both given, want one", name, file);
+                              "%s and %s are both given, want only one", name, file);
     if (path != NULL)
         status = vor_config_file_value(held, sizeof held, file, path, err);
     if (path != NULL && status == VOR_OK)

@@ -53,7 +53,7 @@ enum vor_setting_kind {
       "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
       "Number of threads of the engine, shared by all jobs. 0: one per core")                      \
-    X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Jobs that run at the same time")                \
+    X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Number of jobs that may run at the same time")  \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Largest number of waiting jobs")        \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
       "Memory that all running jobs together may use, as estimated; further jobs wait. 0: 70 % "   \
@@ -106,8 +106,8 @@ enum vor_setting_kind {
       "through a proxy (--trusted-proxy, --public-url)")                                           \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "HTTP threads")               \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Largest number of open connections, not counting streams. Beyond it the daemon closes "     \
-      "those that have been idle longest; 32 are reserved for health checks")                      \
+      "Largest number of open connections, not counting streams. Above it the daemon closes the "  \
+      "connections that have been idle longest; 32 are reserved for health checks")                \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
       "Largest number of open connections per client (an IPv4 address, an IPv6 /64), except this " \
       "machine and --trusted-proxy; 0: no limit")                                                  \

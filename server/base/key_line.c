@@ -78,7 +78,7 @@ static vor_status read_digest(uint8_t out[VOR_DIGEST_BYTES], const char *text, s
         return vor_fail_param(
             err, VOR_E_PARAM, "sha256",
             "the digest has %zu characters, and the first %zu are lower-case hexadecimal digits, "
-            "want %d such digits and no more: the SHA-256 of the key",
+            "want exactly %d such digits: the SHA-256 of the key",
             length, good, VOR_DIGEST_SIZE - 1);
     for (size_t i = 0; i < VOR_DIGEST_BYTES; i++)
         out[i] = (uint8_t)(nibble(text[2 * i]) << 4 | nibble(text[2 * i + 1]));

@@ -21,7 +21,8 @@
       "Time from the request line to the end of the response; streams count until they close")     \
     X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests in progress")            \
     X(HTTP_STUCK, "http_thread_busy_seconds", GAUGE, "seconds", "",                                \
-      "Longest time that an HTTP thread has spent on its current step of a request; alert at 10")  \
+      "Longest time that an HTTP thread has spent on its current step of a request; alert above "  \
+      "10")                                                                                        \
     X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "",                             \
       "Bytes of request bodies received")                                                          \
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
@@ -47,8 +48,8 @@
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
       "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
-      "Time of the stages of successful runs; stage all: whole runs, from their start to their "   \
-      "last write, including those that failed")                                                   \
+      "Time of each stage of successful runs; stage all: time of whole runs, including failed "    \
+      "ones, from start to last write")                                                            \
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \
@@ -78,7 +79,7 @@
       "Time of the store's statements, including waiting for the lock and the disk")               \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "", "Statements of the store that failed")  \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
-      "Log lines lost because their reader was too slow")
+      "Log lines dropped because their reader was too slow")
 
 enum vor_metric {
 #define VOR_METRIC_ENUM(id, name, kind, unit, labels, sentence) VOR_METRIC_##id,

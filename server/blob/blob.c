@@ -135,8 +135,8 @@ static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t o
     if (status != VOR_OK || (available >= taken && available - taken >= bytes))
         return status;
     (void)vor_fail(err, VOR_E_IO,
-                   "there is no room for %llu bytes: %llu are free, %llu of them are reserved and "
-                   "%llu promised to others",
+                   "there is no room for %llu bytes: %llu are free; of these, %llu are reserved "
+                   "and %llu are promised to others",
                    (unsigned long long)bytes, (unsigned long long)available,
                    (unsigned long long)blobs->reserve, (unsigned long long)others);
     if (err != NULL)

@@ -112,7 +112,7 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
         const char *input = cli->operands[i], *base = base_of(input);
 
         if (strcmp(input, "-") == 0 || base[0] == '\0')
-            return vor_fail(err, VOR_E_PARAM, "%s has no name for a result in %s",
+            return vor_fail(err, VOR_E_PARAM, "%s gives no file name for a result in %s",
                             input[0] != '\0' ? input : "an empty input",
                             cli->option[VOR_OPTION_OUTPUT]);
         results[i].input = input;

@@ -23,8 +23,8 @@ enum {
  *  wins over its variable. No command takes two of the same name or letter. */
 #define VOR_OPTION_TABLE(X)                                                                        \
     X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "File for the result. With DIR/, a folder, each result has the name of its input. - is "     \
-      "stdout, the default for inspect and measure")                                               \
+      "File for the result, or - for stdout, the default for inspect and measure. With DIR/, a "   \
+      "folder, each result is written there under the name of its input")                          \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
       "File for one result, or - for stdout. With DIR/ (a folder), all results are written "       \
       "there: those of a job named bunny.ply as bunny.resample.ply and bunny.report.json. "        \
@@ -57,8 +57,8 @@ enum {
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
       "Number of threads for work on this machine, 0 to 256. Default: 0, which is one per core")   \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "Print one JSON object per line on stdout, or on stderr if the result goes to stdout: a "    \
-      "job or a file each, or the progress records and then the report. inspect prints one "       \
+      "Print one JSON object per line on stdout, or on stderr if the result goes to stdout: one "  \
+      "for each job or file, or the progress records and then the report. inspect prints one "     \
       "document")                                                                                  \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
       "Print no progress and no summary; jobs and submit print only IDs")                          \

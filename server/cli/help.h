@@ -9,7 +9,7 @@
 
 /** Sentences of the help and of the manual. */
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
-#define VOR_HELP_JOBS "JOB is the ID of a job or the beginning of it, if no other job has the same."
+#define VOR_HELP_JOBS "JOB is the ID of a job, or the beginning of an ID that no other job shares."
 #define VOR_HELP_WORDS                                                                             \
     "Write options as --name VALUE or --name=VALUE. A name may be shortened if it stays "          \
     "unambiguous. Arguments after -- are not options."

@@ -187,9 +187,9 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
         vor_text_printf(&served, "%s%s", i > 0 ? ", " : "", vor_format(i)->suffix);
     status = vor_text_status(&served, err);
     if (status == VOR_OK)
-        status =
-            vor_fail(err, VOR_E_PARAM, "the output's suffix is %s, want one of %s; or say --format",
-                     vor_quote(quoted, sizeof quoted, suffix, strlen(suffix)), served.data);
+        status = vor_fail(err, VOR_E_PARAM,
+                          "the output's suffix is %s, want one of %s; or give --format",
+                          vor_quote(quoted, sizeof quoted, suffix, strlen(suffix)), served.data);
     vor_text_free(&served);
     return status;
 }

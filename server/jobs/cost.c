@@ -72,7 +72,7 @@ static vor_status check_own_time(const struct vor_spec *spec, double points, uns
     if (!vor_spec_given(spec, VOR_PARAM_SECONDS) || !(least > VOR_COST_FAR * own + VOR_COST_SPARE))
         return VOR_OK;
     (void)vor_fail(err, VOR_E_WORK,
-                   "seconds is %g, and placing %.0f points alone takes about %.0f: want %.0f or "
+                   "seconds is %g, but placing %.0f points alone takes about %.0f s: want %.0f or "
                    "more, or fewer points",
                    own, points, least, ceil((least - VOR_COST_SPARE) / VOR_COST_FAR));
     if (err != NULL) {

@@ -354,7 +354,8 @@ static vor_status wait_started(struct vor_child *child, struct vor_error *err)
     if (vor_channel_receive(child->watch, &message, -1) != VOR_CHANNEL_MESSAGE ||
         message.size != sizeof started) {
         vor_message_close(&message);
-        return vor_fail_errno(err, EPIPE, "starting a process: the one that forks others is gone");
+        return vor_fail_errno(err, EPIPE,
+                              "starting a process: the process that forks others has ended");
     }
     if (started.error != 0)
         return vor_fail_errno(err, started.error, "starting a process");

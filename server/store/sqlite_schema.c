@@ -156,8 +156,8 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
-                        "the job store has schema %lld, this program takes 6, 8 and %d: start the "
-                        "version that wrote it, or move the folder of --data away",
+                        "the job store has schema %lld, this version reads 6, 8 and %d: start the "
+                        "version that wrote it, or choose another --data",
                         (long long)version, SCHEMA_VERSION);
     return status;
 }

@@ -15,7 +15,7 @@ export const onRefused = (then) => { refused = then; };
 export class Problem extends Error {
     constructor(body, status) {
         super(body.detail || body.title || `The daemon answered ${status}.`);
-        Object.assign(this, { title: body.title, status, errors: body.errors || [] });
+        Object.assign(this, { title: body.title, status, errors: (body.errors || []).map((one) => ({ detail: body.detail, ...one })) });
         if (status === 401) refused();
     }
 }

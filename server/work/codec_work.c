@@ -154,7 +154,7 @@ static vor_status load_result(struct result *result, const struct vor_codec_orde
     vor_status status;
 
     if (order->triangles > size / triangle || vor_format(order->format) == NULL)
-        return vor_fail(err, VOR_E_INTERNAL, "the order is invalid");
+        return vor_fail(err, VOR_E_INTERNAL, "the codec process received an invalid request");
     result->mesh = (struct vor_mesh){.triangle = (uint32_t *)(uintptr_t)bytes,
                                      .count = order->triangles,
                                      .polygons = order->polygons};

@@ -69,7 +69,7 @@ static void untake_job(struct vor_worker *worker, const struct vor_job_view *row
 
     vor_log(VOR_LOG_ERROR, "no memory for a job; it keeps waiting", VOR_OF_JOB(row));
     while (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_OF_JOB(row),
+        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(row),
                 VOR_TEXT("error", err.message));
         if (vor_worker_pause(worker, look_seconds))
             return; /* the next start finds it */

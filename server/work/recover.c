@@ -181,7 +181,8 @@ static void forget_missing(struct vor_worker *worker)
     do {
         missing.count = missing.seen = 0;
         if (vor_store_list(worker->config.store, &filter, note_missing, &missing, &err) != VOR_OK)
-            vor_log(VOR_LOG_WARN, "kept uploads not looked for", VOR_TEXT("error", err.message));
+            vor_log(VOR_LOG_WARN, "the kept uploads cannot be listed",
+                    VOR_TEXT("error", err.message));
         for (size_t i = 0; i < missing.count; i++) {
             const struct vor_evicted *job = &missing.job[i];
 

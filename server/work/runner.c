@@ -279,8 +279,8 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
         describe_success(run, &row);
     status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
     if (status == VOR_OK && !changed) {
-        vor_log(VOR_LOG_WARN, "job lost: another owner has it, or its row is gone",
-                VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
+        vor_log(VOR_LOG_WARN, "job lost: another owner has it, or it was deleted", VOR_OF_JOB(&row),
+                VOR_COUNT("attempt", run->lease.attempt));
         run->is_lost = 1;
         row.status = VOR_JOB_DISMISSED; /* here, as readers must not wait for ever */
         vor_job_end(run->job, &row);
@@ -362,7 +362,7 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
         (void)vor_worker_pause(run->worker, retry_seconds);
     while (put_back(run, &back, &again, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be put back", VOR_OF_JOB(&run->view),
+        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
         if (vor_worker_pause(run->worker, retry_seconds))
             return 0;

@@ -206,7 +206,7 @@ vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
 
     forget_files(out);
     if (!receive_files(channel, &first, sizeof packed, seconds))
-        return vor_fail(err, VOR_E_IO, "no order was received");
+        return vor_fail(err, VOR_E_IO, "no request was received");
     is_whole = scatter(packed.order.input, VOR_INPUTS_MAX, &first);
     if (is_whole && receive_files(channel, &second, sizeof nothing, seconds))
         is_whole = scatter(packed.order.output, VOR_OUTPUTS_MAX, &second);
@@ -215,7 +215,7 @@ vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
     if (!is_whole || packed.order.spec.process == NULL) {
         vor_message_close(&first);
         vor_message_close(&second);
-        return vor_fail(err, VOR_E_IO, "the order is invalid");
+        return vor_fail(err, VOR_E_IO, "the request is invalid");
     }
     *out = packed.order;
     return VOR_OK;

@@ -86,11 +86,11 @@ refused 'equal names', ['resample', $a, $b, $twin, @request, '-fo', "$out/"], 2,
 my $drc = spew("$folder/b.drc", 'x');
 refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-fo', "$out/"], 2,
     "the results of $b and $drc would both be $out/b.ply";
-refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- has no name for a result in $out/";
+refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- gives no file name for a result in $out/";
 refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-fo', "$out/"], 2,
-    "the result of $odd: the output's suffix is .1, want one of .ply, .drc; or say --format";
+    "the result of $odd: the output's suffix is .1, want one of .ply, .drc; or give --format";
 refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-fo', "$out/"], 2,
-    "$folder/sub/ has no name for a result in $out/";
+    "$folder/sub/ gives no file name for a result in $out/";
 refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-fo', "$out/x/"], 1,
     "$out/x/ cannot be made: No such file or directory";
 

@@ -141,7 +141,7 @@ for my $case (
     ['a body that is none', [], { body => $cloud }, qr/^the form is malformed: it does not begin with -- and the boundary, got "p"$/],
     ['an empty body', [], { body => '' }, qr/^the form is malformed: it ends without a last boundary/],
     ['a form cut short', [], { body => "--bnd\r\nContent-Disposition: form-data; name=cloud\r\n\r\n$cloud" }, qr/it ends without a last boundary/],
-    ['no boundary', [[@cloud]], { type => 'multipart/form-data' }, qr/^Content-Type has no boundary, want one of 1 to 70/],
+    ['no boundary', [[@cloud]], { type => 'multipart/form-data' }, qr/^Content-Type has no boundary, want a boundary of 1 to 70/],
     ['a boundary of 71', [[@cloud]], { type => 'multipart/form-data; boundary=' . 'b' x 71 }, qr/of 71 characters is invalid/],
 ) {
     my ($name, $parts, $more, $detail, $slug) = @$case;

@@ -36,7 +36,7 @@ for my $case (
     my ($query, $detail, $parameter) = @$case;
     my $answer = $daemon->post("/v1/resample?$query", $cloud);
     refused($answer, 400, 'invalid-parameter', $detail, "?$query");
-    is json($answer)->{errors}[0]{parameter}, $parameter, "?$query: errors[] names the parameter";
+    is_deeply json($answer)->{errors}, [{ parameter => $parameter }], "?$query: errors[] names the parameter, and detail alone says the rest";
 }
 # A list that can be read, with a word that is none of its own.
 for my $query ('filters=blur', 'filters=mls,blur', 'points=10&filters=mls,none') {

@@ -59,9 +59,8 @@ START_TEST(more_points_than_the_input_has_are_refused)
     memcpy(&in.xyz[3], in.xyz, 3 * sizeof *in.xyz); /* in one place with another */
     open_engine(&engine, 2, 200);
     vt_assert_fails(VOR_E_TARGET, vt_engine_try(&engine, &out, &report, &in));
-    ck_assert_str_eq(vt_err.message,
-                     "200 points are requested, want 1 to 199: kmeans needs at least as many "
-                     "input points at different positions");
+    ck_assert_str_eq(vt_err.message, "200 points are requested, want 1 to 199: kmeans cannot give "
+                                     "more points than the input has at different positions");
     ck_assert_uint_eq(out.n, 0);
     vt_engine_set(&engine, "points", "100");
     vt_engine_set(&engine, "density", "curvature");

@@ -151,7 +151,7 @@ START_TEST(a_result_that_is_none_is_told_as_our_fault)
     order.triangles = 3;
     vt_assert_fails(VOR_E_INTERNAL,
                     vor_codec_do(&facts, &sink, &order, (const uint8_t *)nonsense, &vt_err));
-    ck_assert_str_eq(vt_err.message, "the order is invalid");
+    ck_assert_str_eq(vt_err.message, "the codec process received an invalid request");
     ck_assert_uint_eq(bytes.size, 0);
 }
 END_TEST
