@@ -159,7 +159,7 @@ subtest 'the format' => sub {
     for my $case (['a.las', '.las'], ['a.ply.gz', '.gz'], ['a.PLYX', '.PLYX']) {
         my ($name, $suffix) = @$case;
         my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-fo', "$folder/$name"]);
-        is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or say "
+        is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or give "
             . "--format\n", "$name is refused";
         ok !-e "$folder/$name", 'and nothing is written';
     }

@@ -46,7 +46,7 @@ subtest 'the topics' => sub {
     # What stands in words as well is what the tables say.
     my ($serve, $resample, $upsample) = map { printed($_, '--help') } qw(serve resample upsample);
     my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\), results 10 million points\./, choosing => qr/default four times as many points [^.]*\. It is fast: one\s+iteration/,
-        keys => qr/at most 16 jobs that wait or run and may\s+send\s+10\s+requests\s+per\s+second/);
+        keys => qr/at most 16 jobs that wait or run, and\s+may\s+send\s+10\s+requests\s+per\s+second/);
     like printed('help', $_), $says{$_}, "help $_ says what the tables have" for sort keys %says;
     like slurp('README.md'), qr/^- An upload may have up to 1 GiB and 50 million points .* at most 10 million\.$/m, 'and so does README.md';
     like $serve, qr/--$_->[0] \w+\n(?: {6}.*\n)*? {6}.*default $_->[1] /, "the tables: $_->[0] is $_->[1]"
