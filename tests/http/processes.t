@@ -136,7 +136,7 @@ like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^me
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
-like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: kmeans needs at least/, 'as it says';
+like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: kmeans cannot give more/, 'as it says';
 
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
