@@ -129,6 +129,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     if (report->on_islands == 0)
         report->delta_beside = report->delta;
     report->parameters = engine->spec;
+    vor_warn_unused(report, &engine->spec);
     if (engine->seeds.n > 0)
         report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_OUTLIERS] = vor_spec_outliers(&report->parameters);

@@ -60,12 +60,18 @@ static const char *const warning_abouts[VOR_WARNING_COUNT] = {
 #define WARNING_ABOUT(id, about, sentence) (about),
     VOR_WARNING_KIND_TABLE(WARNING_ABOUT)
 #undef WARNING_ABOUT
+#define UNUSED_ABOUT(parameter, name, other, words, when) #name,
+        VOR_WHEN_TABLE(UNUSED_ABOUT)
+#undef UNUSED_ABOUT
 };
 
 static const char *const warning_sentences[VOR_WARNING_COUNT] = {
 #define WARNING_SENTENCE(id, about, sentence) (sentence),
     VOR_WARNING_KIND_TABLE(WARNING_SENTENCE)
 #undef WARNING_SENTENCE
+#define UNUSED_SENTENCE(parameter, name, other, words, when) #name " has an effect only " when,
+        VOR_WHEN_TABLE(UNUSED_SENTENCE)
+#undef UNUSED_SENTENCE
 };
 
 static const char *const answered_words[] = {"no", "yes"};
@@ -85,7 +91,6 @@ static const char *const loop_why_words[] = {
 #define VOR_KIND_OF_RUN_STAGE(type, field) WORD_OF(stage_words, VOR_RUN_STAGE_COUNT)
 #define VOR_KIND_OF_STOPPED(type, field) WORD_OF(stopped_words, VOR_STOPPED_COUNT)
 #define VOR_KIND_OF_ORIENTED(type, field) WORD_OF(oriented_words, VOR_ORIENTED_COUNT)
-#define VOR_KIND_OF_WARNING_ABOUT(type, field) WORD_OF(warning_abouts, VOR_WARNING_COUNT)
 #define VOR_KIND_OF_WARNING_SAYS(type, field) WORD_OF(warning_sentences, VOR_WARNING_COUNT)
 #define VOR_KIND_OF_ANSWERED(type, field) WORD_OF(answered_words, 2)
 #define VOR_KIND_OF_LOOP_KIND(type, field) WORD_OF(loop_kind_words, 2)
@@ -169,9 +174,24 @@ void vor_warn(struct vor_warning list[VOR_WARNING_COUNT], unsigned *list_count,
               enum vor_warning_kind kind, double value, double limit)
 {
     for (unsigned i = 0; i < *list_count; i++)
-        if (list[i].about == kind)
+        if (list[i].says == kind)
             return;
-    list[(*list_count)++] = (struct vor_warning){kind, value, limit, kind};
+    list[*list_count] = (struct vor_warning){"", value, limit, kind};
+    (void)snprintf(list[*list_count].about, sizeof list->about, "%s", warning_abouts[kind]);
+    (*list_count)++;
+}
+
+void vor_warn_unused(struct vor_report *report, const struct vor_spec *spec)
+{
+#define UNUSED_PARAMETER(parameter, name, other, words, when) VOR_PARAM_##parameter,
+    static const enum vor_parameter parameters[] = {VOR_WHEN_TABLE(UNUSED_PARAMETER)};
+#undef UNUSED_PARAMETER
+    enum { COUNT = sizeof parameters / sizeof parameters[0], FIRST = VOR_WARNING_COUNT - COUNT };
+
+    for (int i = 0; i < COUNT; i++)
+        if (!vor_spec_is_default(spec, parameters[i]) && !vor_spec_counts(spec, parameters[i]))
+            vor_warn(report->warnings, &report->warnings_count, (enum vor_warning_kind)(FIRST + i),
+                     (double)NAN, (double)NAN);
 }
 
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,

@@ -233,7 +233,7 @@ struct vor_stage_done {
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from the input's points to the nearest point of the result. Points at the same "  \
       "position count once, ignored outliers do not count, and points moved off a lattice count "  \
-      "from their new position. If there are more than 200000, only so many count, at equal "      \
+      "from their new position. If there are more than 200000, only 200000 count, at equal "       \
       "steps along a curve through the input: mean and rms are then estimates, and max is a "      \
       "lower bound")                                                                               \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
@@ -242,9 +242,9 @@ struct vor_stage_done {
       "Points of the result at borders of the input, for any value of boundary: 0 on a closed "    \
       "smooth surface, else about the length of the border divided by the spacing")                \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
-      "Histogram of how many input points each local surface was fitted to in the last step: "     \
-      "neighbors is that number, ascending, and points is how many points of the result have "     \
-      "it; these sum to points.out")                                                               \
+      "Histogram of the numbers of input points that local surfaces were fitted to in the last "   \
+      "step, in ascending order. neighbors is such a number; points is the number of points of "   \
+      "the result with such a fit. Together they are points.out")                                  \
     X(U64, held, "held", "points", "Points held back at the border in the last iteration")         \
     X(U64, held_ever, "held_ever", "points", "Points held back at the border in any iteration")    \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
@@ -339,6 +339,10 @@ extern const struct vor_members vor_report_members;
  *  @param[in] value, limit  as the table of warnings has them */
 void vor_warn(struct vor_warning list[VOR_WARNING_COUNT], unsigned *list_count,
               enum vor_warning_kind kind, double value, double limit);
+
+/** Adds a warning for each parameter with a value other than its default that has no effect beside
+ *  the other parameters. */
+void vor_warn_unused(struct vor_report *report, const struct vor_spec *spec);
 
 /** Adds steps and seconds to a stage of the report. stage must be a row of the table. */
 void vor_report_stage(struct vor_report *report, enum vor_run_stage stage, uint32_t steps,

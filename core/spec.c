@@ -81,6 +81,26 @@ int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter paramete
             spec->value[parameter] == vor_process_parameter(spec->process, parameter).fallback);
 }
 
+int vor_spec_counts(const struct vor_spec *spec, enum vor_parameter parameter)
+{
+    const struct vor_when *when = vor_parameter_when(parameter);
+    const char *word, *at;
+    size_t length;
+
+    if (when == NULL)
+        return 1;
+    length = vor_parameter_choice(vor_parameter_info(when->other),
+                                  (unsigned)spec->value[when->other], &word);
+    for (at = when->words; *at != '\0'; at += strspn(at, " ")) {
+        size_t size = strcspn(at, " ");
+
+        if (size == length && strncmp(at, word, size) == 0)
+            return 1;
+        at += size;
+    }
+    return 0;
+}
+
 const char *vor_spec_name(const struct vor_spec *spec, enum vor_parameter parameter)
 {
     const char *text = spec->texts;

@@ -34,6 +34,10 @@ void vor_spec_init(struct vor_spec *spec);
 /** True when a parameter has the value that the process gives it, or none. */
 int vor_spec_is_default(const struct vor_spec *spec, enum vor_parameter parameter);
 
+/** True when a parameter has an effect: the one that it hangs on has one of the words of
+ *  VOR_WHEN_TABLE, or it hangs on none. */
+int vor_spec_counts(const struct vor_spec *spec, enum vor_parameter parameter);
+
 /** Sets one parameter from text, as the command line and the query string carry it. The locale does
  *  not matter. A whole number may end in k or M, which stand for 1000 and 1,000,000: 1.5M. A flag
  * is written true or false, a list as words with commas between, or none. name and text may hold

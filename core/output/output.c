@@ -123,7 +123,7 @@ static void report_method(struct vor_report *report, const struct vor_placed *pl
     report_stage(report, told, VOR_RUN_STAGE_POLISH);
     report->seconds_polish += told->seconds[VOR_RUN_STAGE_POLISH];
     for (unsigned i = 0; i < told->warnings_count; i++)
-        vor_warn(report->warnings, &report->warnings_count, told->warnings[i].about,
+        vor_warn(report->warnings, &report->warnings_count, told->warnings[i].says,
                  told->warnings[i].value, told->warnings[i].limit);
     report->held = told->held;
     report->held_ever = told->held_ever;

@@ -4,6 +4,7 @@
 #define VOR_REPORT_PARTS_H
 
 #include "core/base/members.h"
+#include "core/spec.h"
 
 #include <stdint.h>
 
@@ -59,7 +60,8 @@ enum vor_oriented {
 #define VOR_FIELD_ORIENTED(field) enum vor_oriented field;
 
 /** What a run of any method may warn of, as it did what was asked and that came to little:
- *  identifier, what it is about (a parameter, or a member of the report), sentence. */
+ *  identifier, what it is about (a parameter, or a member of the report), sentence. There is
+ * another kind for each row of VOR_WHEN_TABLE. */
 #define VOR_WARNING_KIND_TABLE(X)                                                                  \
     X(SIGMA_P, "sigmaP",                                                                           \
       "sigmaP is smaller than the spacing of the samples, so that no point affects another")       \
@@ -71,17 +73,19 @@ enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
     VOR_WARNING_KIND_TABLE(VOR_WARNING_ENUM)
 #undef VOR_WARNING_ENUM
-        VOR_WARNING_COUNT
+#define VOR_WARNING_UNUSED(parameter, name, other, words, when) VOR_WARNING_UNUSED_##parameter,
+        VOR_WHEN_TABLE(VOR_WARNING_UNUSED)
+#undef VOR_WARNING_UNUSED
+            VOR_WARNING_COUNT
 };
 
-#define VOR_FIELD_WARNING_ABOUT(field) enum vor_warning_kind field;
 #define VOR_FIELD_WARNING_SAYS(field) enum vor_warning_kind field;
 
 /** A warning. */
 #define VOR_WARNING_TABLE(X)                                                                       \
-    X(WARNING_ABOUT, about, "about", "",                                                           \
-      "Parameter or member of the report that the warning is about")                               \
-    X(REAL, value, "value", "", "Value of that parameter or member, in its unit, or a count")      \
+    X(TEXT, about, "about", "", "Parameter or member of the report that the warning is about")     \
+    X(REAL, value, "value", "",                                                                    \
+      "Value of that parameter or member, in its unit, or a count; null if no value would do")     \
     X(REAL, limit, "limit", "", "Limit; from this value on there is no warning")                   \
     X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
 

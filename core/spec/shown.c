@@ -20,7 +20,8 @@ static const char *const level_words[VOR_LEVELS][2] = {
 };
 
 static const struct vor_when whens[] = {
-#define WHEN_ROW(parameter, other, words) {VOR_PARAM_##parameter, VOR_PARAM_##other, words},
+#define WHEN_ROW(parameter, name, other, words, sentence)                                          \
+    {VOR_PARAM_##parameter, VOR_PARAM_##other, words},
     VOR_WHEN_TABLE(WHEN_ROW)
 #undef WHEN_ROW
 };

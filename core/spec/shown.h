@@ -71,25 +71,30 @@ enum vor_level {
     X(BASELINES, ADVANCED, "Baselines")                                                            \
     X(PEAK, BASIC, "Peak of the PSNR")
 
-/** What parameters hang on: parameter, another one, words of it with blanks between. Without one of
- *  these words the parameter changes nothing, and a form need not show it. One without a row always
- *  counts. */
+/** What parameters hang on: parameter, its name, another one, words of it with blanks between, when
+ *  it has an effect. Without one of these words the parameter changes nothing: a form need not show
+ *  it, and a report warns of it. One without a row always counts. */
 #define VOR_WHEN_TABLE(X)                                                                          \
-    X(CONTRAST, DENSITY, "curvature edges attribute:NAME")                                         \
-    X(GRADING, DENSITY, "curvature edges attribute:NAME")                                          \
-    X(MAX_ASPECT, METRIC, "anisotropic lp attribute:NAME")                                         \
-    X(P, METRIC, "lp")                                                                             \
-    X(SIGMA_N, METHOD, "wlop ear")                                                                 \
-    X(SIGMA_P, METHOD, "wlop ear")                                                                 \
-    X(MU, METHOD, "wlop ear")                                                                      \
-    X(ROUNDS, METHOD, "wlop ear")                                                                  \
-    X(STEPS, METHOD, "wlop ear")                                                                   \
-    X(RHO, METHOD, "ear")                                                                          \
-    X(PHASES, METHOD, "ear")                                                                       \
-    X(SAMPLES, METHOD, "ear")                                                                      \
-    X(GAPS, METHOD, "ear")                                                                         \
-    X(HOLES, BOUNDARY, "fill")                                                                     \
-    X(HOLE_MAX, BOUNDARY, "fill")
+    X(CONTRAST, contrast, DENSITY, "curvature edges attribute:NAME", "if density is not uniform")  \
+    X(GRADING, grading, DENSITY, "curvature edges attribute:NAME", "if density is not uniform")    \
+    X(MAX_ASPECT, maxAspect, METRIC, "anisotropic lp attribute:NAME",                              \
+      "if metric is not isotropic")                                                                \
+    X(P, p, METRIC, "lp", "with metric=lp")                                                        \
+    X(ITERATIONS, iterations, METHOD, "cvt kmeans", "with method=cvt or kmeans")                   \
+    X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
+    X(ANDERSON, anderson, METHOD, "cvt", "with method=cvt")                                        \
+    X(POLISH, polish, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                      \
+    X(SIGMA_N, sigmaN, METHOD, "ear", "with method=ear")                                           \
+    X(SIGMA_P, sigmaP, METHOD, "wlop ear", "with method=wlop or ear")                              \
+    X(MU, mu, METHOD, "wlop ear", "with method=wlop or ear")                                       \
+    X(ROUNDS, rounds, METHOD, "wlop ear", "with method=wlop or ear")                               \
+    X(STEPS, steps, METHOD, "wlop ear", "with method=wlop or ear")                                 \
+    X(RHO, rho, METHOD, "ear", "with method=ear")                                                  \
+    X(PHASES, phases, METHOD, "ear", "with method=ear")                                            \
+    X(SAMPLES, samples, METHOD, "ear", "with method=ear")                                          \
+    X(GAPS, gaps, METHOD, "ear", "with method=ear")                                                \
+    X(HOLES, holes, BOUNDARY, "fill", "with boundary=fill")                                        \
+    X(HOLE_MAX, holeMax, BOUNDARY, "fill", "with boundary=fill")
 
 /** One row of the table. */
 struct vor_when {

@@ -190,10 +190,13 @@ static void say_warnings(const struct vor_progress *progress, const struct vor_j
 
     for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
         const char *says = vor_json_get_string(vor_json_get(s, "says"));
-        char line[256];
+        char figures[64] = "", line[256];
+        double value = (double)NAN;
 
-        (void)snprintf(line, sizeof line, "warning: %s (%g beside %g)", says != NULL ? says : "?",
-                       number_at(s, "value"), number_at(s, "limit"));
+        if (vor_json_get_number(vor_json_get(s, "value"), &value) && !isnan(value))
+            (void)snprintf(figures, sizeof figures, " (%g beside %g)", value,
+                           number_at(s, "limit"));
+        (void)snprintf(line, sizeof line, "warning: %s%s", says != NULL ? says : "?", figures);
         vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);
     }
 }

@@ -71,7 +71,8 @@ const fold = (title, ...content) => make('details', {}, make('summary', {}, titl
 export async function showReport(process, output, report) {
     const { inputs, outputs } = await describe(process).catch(() => ({ inputs: {}, outputs: {} })), { parameters, ...figures } = report;
     const first = output === 'report' ? headline(figures) : [], list = make('dl', {}, ...rows(figures, outputs[output]?.schema));
-    $('report').replaceChildren(...(first.length ? [make('dl', {}, ...first), fold('All figures', list)] : [list]));
+    const warnings = (figures.warnings || []).map(({ says }) => make('p', {}, `Warning: ${says}.`));
+    $('report').replaceChildren(...warnings, ...(first.length ? [make('dl', {}, ...first), fold('All figures', list)] : [list]));
     if (parameters) $('report').append(fold('Parameters used', make('dl', {}, ...rows(parameters, meanings(inputs)))));
 }
 

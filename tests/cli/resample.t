@@ -28,6 +28,8 @@ my $wanted = slurp($out);
 
 ($code, $stdout, $stderr) = run(['resample', $in, @request, '-fo', $out, '--quiet']);
 is "$code|$stdout|$stderr", '0||', '--quiet is quiet';
+(undef, undef, $stderr) = run(['resample', $in, @request, '--rho', 2, '-fo', $out]);
+like $stderr, qr/^voronoid: \Q$out\E: warning: rho has an effect only with method=ear$/m, 'a parameter that changes nothing is warned of';
 
 subtest 'stdin and stdout' => sub {
     my ($code, $stdout, $stderr) = run(['resample', '-', @request, '-fo', '-'], stdin => $in);

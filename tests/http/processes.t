@@ -93,7 +93,7 @@ for my $process (@listed) {
 }
 is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', decoded => 'denoise', fourfold => 'upsample', quarter => 'simplify',
     mesh => 'mesh' }, 'the presets that there are';
-is_deeply json($daemon->get('/v1/processes/resample'))->{inputs}{sigmaN}{'x-when'}, { method => ['wlop', 'ear'] }, 'a parameter of two methods says so';
+is_deeply json($daemon->get('/v1/processes/resample'))->{inputs}{sigmaP}{'x-when'}, { method => ['wlop', 'ear'] }, 'a parameter of two methods says so';
 my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };
 is_deeply $first->{values}, { points => 10000 }, 'numbers are numbers';
 is json($daemon->get('/v1/processes/upsample'))->{'x-presets'}[0]{title}, "\x{d7}4 points", 'titles are UTF-8';

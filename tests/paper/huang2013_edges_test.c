@@ -215,7 +215,7 @@ START_TEST(a_surface_with_one_side_finishes_and_says_so)
     ck_assert_uint_eq(report.one_sided, 1);
     ck_assert_int_eq(report.orientation, VOR_ORIENTED_ONE_SIDED);
     ck_assert_uint_eq(report.warnings_count, 1);
-    ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_ONE_SIDED);
+    ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_ONE_SIDED);
     vt_free_last(&out, &in);
 }
 END_TEST

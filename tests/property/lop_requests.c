@@ -293,7 +293,7 @@ START_TEST(a_sigma_below_the_spacing_is_warned_of)
     vt_ask(&out, &report, &(struct vt_ask){&in, of(_i / 3, options), 1});
     ck_assert_uint_eq(report.warnings_count, _i % 3 == 0);
     if (_i % 3 == 0) {
-        ck_assert_int_eq(report.warnings[0].about, VOR_WARNING_SIGMA_P);
+        ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_SIGMA_P);
         ck_assert_double_eq_tol(report.warnings[0].value, 0.01, 1e-9);
         ck_assert_double_eq_tol(report.warnings[0].limit, vt_wedge_spacing(_i < 3 ? 150 : 280),
                                 0.02);

@@ -109,7 +109,7 @@ START_TEST(a_report_tells_of_its_stages_warnings_and_request)
         .lattice = {0.5, 0.25, 0},
         .off_lattice = 12,
         .orientation = VOR_ORIENTED_ONE_SIDED,
-        .warnings = {{VOR_WARNING_ONE_SIDED, 3, 0, VOR_WARNING_ONE_SIDED}},
+        .warnings = {{"orientation", 3, 0, VOR_WARNING_ONE_SIDED}},
         .warnings_count = 1,
         .ref_to_out = {0.125, 0.25, 0.375, 35000},
         .fitted = {{12, 700}, {20, 4300}},

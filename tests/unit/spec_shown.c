@@ -106,22 +106,21 @@ START_TEST(a_parameter_hangs_on_words_of_another)
     const struct vor_when *when = vor_parameter_when((enum vor_parameter)_i);
     const struct vor_parameter_info *other;
     char words[128], *rest = words, *word;
-    const char *usual;
-    int count = 0;
+    const char *choice;
+    unsigned count = 0;
 
     if (when == NULL)
         return;
     other = vor_parameter_info(when->other);
     ck_assert_int_eq(when->parameter, _i);
     ck_assert_int_ne(when->other, _i);
-    ck_assert_uint_gt(vor_parameter_choice(other, (unsigned)other->fallback, &usual), 0);
     (void)snprintf(words, sizeof words, "%s", when->words);
     while ((word = strtok_r(NULL, " ", &rest)) != NULL) {
         ck_assert_msg(has_choice(other, word), "%s", word);
-        ck_assert_msg(strncmp(usual, word, strlen(word)) != 0, "%s is the default", word);
         count++;
     }
-    ck_assert_int_ge(count, 1);
+    ck_assert_uint_ge(count, 1);
+    ck_assert_uint_gt(vor_parameter_choice(other, count, &choice), 0); /* not all of its words */
 }
 END_TEST
 
