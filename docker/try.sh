@@ -8,7 +8,7 @@ if [ "$(id -u)" != 0 ]; then
     exit 0
 fi
 megabytes=$(($(du -sb "$root" | cut -f1) / 1000000)) # before the daemon keeps its reserve of the disk there
-stated=$(sed -n 's/.* \([0-9]*\) MB.*/\1/p' server/cli/help/container.txt)
+stated=$(sed -n 's/^[^0-9]* \([0-9]*\) MB.*/\1/p' server/cli/help/container.txt)
 if [ $((megabytes - stated)) -gt 2 ] || [ $((stated - megabytes)) -gt 2 ]; then
     echo "try.sh: the image has $megabytes MB, and help container says $stated" >&2
     exit 1
