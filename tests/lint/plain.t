@@ -81,7 +81,7 @@ is_deeply [grep { !$problem{$_} } slurp('openapi.yaml') =~ /\(([a-wyz]\w+-[a-z-]
 sub figure {
     my ($path, $pattern) = @_;
     my @found = slurp($path) =~ /$pattern/;
-    my %factor = (million => 1e6, M => 1e6, K => 1024, minutes => 60);
+    my %factor = (million => 1e6, M => 1e6, K => 1024, KiB => 1024, minutes => 60);
     my %word = (four => 4, ten => 10);
     my ($number, $unit) = @found == 1 ? $found[0] =~ /^([\d.,:]+|[a-z]+)\s*(\w*)$/i : ();
     return "$path has not one $pattern" if !defined $number;
@@ -106,6 +106,11 @@ for (
     ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
     ["$help/container.txt", qr/with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
     ["$help/metrics.txt", qr/127\.0\.0\.1:(\d+)/, $checks], ['docker/compose.yaml', qr/127\.0\.0\.1:(\d+):/, $listen], ['docker/Dockerfile', qr/^EXPOSE (\d+)/m, $listen],
+    ["$help/choosing.txt", qr/is ([\d.]+)\s+for\s+random/, ['README.md', qr/([\d.]+) for random/]], ["$help/reports.txt", qr/([\d.]+)\s+for\s+random/, ['README.md', qr/([\d.]+) for random/]],
+    ["$help/proxies.txt", qr/every\s+(\d+)\s+seconds/, [$config, qr/"heartbeat", .*?"(\d+)"/s]], ["$help/limits.txt", qr/over\s+(\d+ KiB)/, ['server/http/state.h', qr/CONNECTION_BYTES = (\d+)/]],
+    ['openapi.yaml', qr/at most\s+(\d+) parts/, ['proto/multipart.h', qr/PARTS_MAX = (\d+)/]], ['openapi.yaml', qr/boundary\s+of\s+at\s+most\s+(\d+)/, ['proto/multipart.h', qr/BOUNDARY_MAX = (\d+)/]],
+    ['openapi.yaml', qr/texts\s+of\s+at\s+most\s+(\d+\s+KiB)/, ['server/api/handlers/submit_form.c', qr/TEXT_MAX = (\d+)/]], ['openapi.yaml', qr/at\s+most\s+(\d+)\s+times\s+its/, ['proto/gzip.h', qr/RATIO_MAX = (\d+)/]],
+    ['openapi.yaml', qr/at\s+most\s+([\d,]+)\s+points,\s+at\s+most\s+one/, ['server/jobs/preview.h', qr/PREVIEW_POINTS_MAX = (\d+)/]],
     ['server/cli/server.c', qr/LISTEN_DEFAULT "127\.0\.0\.1:(\d+)"/, $listen], ['openapi.yaml', qr{url: http://127\.0\.0\.1:(\d+)}, $listen],
 ) {
     my ($path, $pattern, $source) = @$_;
