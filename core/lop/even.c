@@ -42,7 +42,7 @@ struct even {
     float *spacing;            /* n */
     float *next, *step;        /* n x 3 */
     float *nearest;            /* n: distance to the nearest neighbour */
-    unsigned power;
+    struct vor_repel_pace pace;
     const struct vor_lop_even_how *how;
 };
 
@@ -238,7 +238,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
 {
     const float *x = &even->samples->xyz[3 * i], *n = &even->samples->normal[3 * i];
     double h2 = (double)even->spacing[i] * (double)even->spacing[i], count = 0;
-    double scale = VOR_REPEL_GAIN / (2 * even->power);
+    double scale = even->pace.gain / (2 * even->pace.power);
 
     memset(push, 0, sizeof *push);
     push->nearest2 = LIST_REACH * LIST_REACH * h2; /* of a point alone: what is known of it */
@@ -260,7 +260,7 @@ static void push_from(struct push *push, const struct even *even, size_t i)
          * are nearly one, and they stayed so. */
         weight = VOR_REPEL_FORCE_MAX * sqrt(h2 / d2);
         if (VOR_REPEL_FORCE_MAX * d2 > h2)
-            weight = fmin(vor_power(h2 / d2, even->power), weight);
+            weight = fmin(vor_power(h2 / d2, even->pace.power), weight);
         count++;
         for (int c = 0; c < 3; c++) {
             push->force[c] += scale * weight * d[c];
@@ -328,7 +328,7 @@ static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         if (even->listed[i] > 0) /* else it is as far as it was measured */
             even->nearest[i] = (float)sqrt(push.nearest2);
         for (int c = 0; c < 3; c++)
-            v[c] = push.force[c] + VOR_REPEL_MOMENTUM * (double)step[c];
+            v[c] = push.force[c] + even->pace.momentum * (double)step[c];
         keep(even, i, &push, v);
         length = sqrt(vor_dot(v, v));
         part = length > limit ? limit / length : 1;
@@ -362,8 +362,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     unsigned done = stage->record.step, steps = stage->record.of;
     vor_status status = VOR_OK;
 
-    even->power =
-        VOR_REPEL_SOFT + (VOR_REPEL_HARD - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    even->pace = vor_repel_pace_at(VOR_REPEL_FIRST, VOR_REPEL_LAST, done, steps);
     if (done % LIST_EVERY == 0 && done > 0)
         status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
     if (status == VOR_OK && done % LIST_EVERY == 0)

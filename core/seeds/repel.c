@@ -16,7 +16,7 @@
 enum {
     /* From this S on the force extends to VOR_HARD_REACH. At 5 / 7 / 14 only searches change: on
      * autzen 191 / 198 / 214 thousand. */
-    HARDER = VOR_REPEL_HARD / 2,
+    HARDER = 7,
     /* Steps from one look for holes to the next around a point with no hole near. At 3 / 6 / 12
      * only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an aim. */
     QUIET_EVERY = 6,
@@ -50,9 +50,6 @@ enum {
 /* Pitches: with no hole wider than this, a point is looked at less often (QUIET_EVERY). 0.58 and
  * 0.65 move no figure beyond the spread. */
 #define HOLE_NEAR 0.62
-/* Share of the excess that one step goes. At 0.075 / 0.15 / 0.3: igea 0.0172 / 0.0176 / 0.0185,
- * fandisk 0.0188 / 0.0197 / 0.0218, largest gap on igea 0.728 / 0.706 / 0.713 spacings. */
-#define HOLE_PULL 0.15
 /* Input spacings that a point may move before its surface is fitted again. 0.25 and 1 move no
  * figure beyond the spread. */
 #define SLACK 0.5
@@ -60,18 +57,22 @@ enum {
 #define SLACK_FRESH 0.1
 
 struct aim {
-    unsigned hard;     /* S at the last step */
+    struct vor_repel_pace first, last;
     unsigned cells;    /* steps from one look for holes to the next */
-    double gain;       /* step over the sum of forces, times 2 S */
-    double momentum;   /* share of the last step that is added to the next */
+    double pull;       /* share of a hole's excess that points go, were they to go on for ever */
     double soft_reach; /* spacings that soft repulsion extends to */
 };
 
 /* Even distances to the nearest point. cells at 1 / 3 / 6: CPU of autzen 2.0 / 1.7 / 1.3 s,
  * searches 245 / 198 / 185 thousand, delta the same. soft_reach at 1.5 / 2 / 2.5: only the largest
- * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. */
-static const struct aim even_distances = {VOR_REPEL_HARD, 3, VOR_REPEL_GAIN, VOR_REPEL_MOMENTUM,
-                                          2.0};
+ * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. pull at 0.75 / 1 / 1.5: delta of fandisk
+ * 0.0209 / 0.0218 / 0.0258, largest gap on a sphere and a torus 0.72 and 0.74 / 0.71 and 0.72 /
+ * 0.70 and 0.69. */
+static const struct aim even_distances = {VOR_REPEL_FIRST, VOR_REPEL_LAST, 3, 1, 2.0};
+
+/* Where nothing holds points at the border, long steps carry them out: a square sheet to 400
+ * points, rms distance to it over its diagonal 4.4e-4 by these and 1.4e-2 by even_distances. */
+static const struct aim no_border = {{4, 0.2, 0.7}, {14, 0.2, 0.7}, 3, 0.5, 2.0};
 
 /* Six neighbours around each point, for triangles; meshes move the points once more, so that even
  * distances are lost anyway. Mean quality of triangles on igea, 20,000 points, and fandisk, 10,000,
@@ -83,19 +84,19 @@ static const struct aim even_distances = {VOR_REPEL_HARD, 3, VOR_REPEL_GAIN, VOR
  * Not where the input has sheets: longer steps lead more points onto the other one (two wavy
  * sheets, triangles that join them: 10 / 23). Nor with a metric: mean distance of fandisk from its
  * anisotropic mesh of 5,000 points 1.70e-4 / 1.95e-4 of the diagonal. */
-static const struct aim six_around = {8, 6, 0.4, 0.9, 1.5};
+static const struct aim six_around = {{4, 0.4, 0.9}, {8, 0.4, 0.9}, 6, 1.5, 1.5};
 
 struct polish {
     struct vor_seeds *seeds;
     const struct aim *aim;
     struct vor_stage stage;
-    float *next;              /* n x 3 */
-    float *step;              /* n x 3: the last one of each point */
-    float *pull;              /* n x 3: towards the hole next to each point */
-    unsigned char *quiet;     /* n: no hole was near */
-    double h;                 /* mean spacing */
-    double pitch;             /* of the hexagonal lattice of as many points on the same area */
-    unsigned power;           /* S */
+    float *next;          /* n x 3 */
+    float *step;          /* n x 3: the last one of each point */
+    float *pull;          /* n x 3: towards the hole next to each point */
+    unsigned char *quiet; /* n: no hole was near */
+    double h;             /* mean spacing */
+    double pitch;         /* of the hexagonal lattice of as many points on the same area */
+    struct vor_repel_pace pace;
     struct vor_recall recall; /* of last fits */
     int cells;                /* holes are looked for in this step */
 };
@@ -116,7 +117,7 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
     double far2;
     const double *corner = vor_stretch_farthest(&scratch->cell, stretch, &far2);
     double pitch = polish->pitch * vor_wanted_at(&polish->seeds->wanted, i);
-    double far, excess;
+    double pull = polish->aim->pull * (1 - polish->pace.momentum), far, excess;
 
     memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
     if (corner == NULL)
@@ -128,7 +129,7 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
         return;
     for (int c = 0; c < 3; c++)
         polish->pull[3 * i + (size_t)c] =
-            (float)(HOLE_PULL * excess / far *
+            (float)(pull * excess / far *
                     (corner[0] * surface->axis[0][c] + corner[1] * surface->axis[1][c] +
                      corner[2] * surface->axis[2][c]));
 }
@@ -162,7 +163,7 @@ static void away(const struct polish *polish, const struct vor_scratch *scratch,
  * (seeds/stretched.c). */
 static double force_reach(const struct polish *polish)
 {
-    return polish->power < HARDER && !vor_stretched_are(&polish->seeds->stretched)
+    return polish->pace.power < HARDER && !vor_stretched_are(&polish->seeds->stretched)
                ? polish->aim->soft_reach
                : VOR_HARD_REACH;
 }
@@ -175,7 +176,7 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
                       double force[3])
 {
     const struct vor_crowd *crowd = &scratch->crowd;
-    double h2 = polish->h * polish->h, scale = polish->aim->gain / (2 * polish->power);
+    double h2 = polish->h * polish->h, scale = polish->pace.gain / (2 * polish->pace.power);
     double reach = force_reach(polish), own = vor_wanted_at(&polish->seeds->wanted, i);
     const float *wanted = polish->seeds->wanted.value;
 
@@ -193,7 +194,7 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
         away(polish, scratch, i, crowd->index[j], sqrt(d2), d);
         weight = VOR_REPEL_FORCE_MAX;
         if (VOR_REPEL_FORCE_MAX * d2 > h2)
-            weight = fmin(vor_power(h2 / d2, polish->power), VOR_REPEL_FORCE_MAX);
+            weight = fmin(vor_power(h2 / d2, polish->pace.power), VOR_REPEL_FORCE_MAX);
         for (int c = 0; c < 3; c++)
             force[c] += scale * weight * d[c];
     }
@@ -245,7 +246,7 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     repulsion(polish, scratch, i, v);
     for (size_t c = 0; c < 3; c++)
         v[c] += (double)polish->pull[3 * i + c] +
-                polish->aim->momentum * (double)polish->step[3 * i + c];
+                polish->pace.momentum * (double)polish->step[3 * i + c];
     keep_on_surface(polish, scratch, h, x, v);
     length = sqrt(vor_stretched_length2(&seeds->stretched, i, i, v));
     for (int c = 0; c < 3; c++) {
@@ -340,8 +341,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
             status = vor_stage_restart(stage, err);
     }
     polish->h = polish->stage.spacing;
-    polish->power =
-        VOR_REPEL_SOFT + (polish->aim->hard - VOR_REPEL_SOFT) * done / (steps > 1 ? steps - 1 : 1);
+    polish->pace = vor_repel_pace_at(polish->aim->first, polish->aim->last, done, steps);
     polish->cells = done % polish->aim->cells == 0;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
@@ -368,7 +368,9 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     double cells = (double)seeds->n - (double)seeds->half / 2;
     size_t row = 3 * sizeof(float);
     struct polish polish = {.seeds = seeds,
-                            .aim = for_triangles ? &six_around : &even_distances,
+                            .aim = for_triangles               ? &six_around
+                                   : seeds->policy.keep_border ? &even_distances
+                                                               : &no_border,
                             .recall = {.keep_holes = keep_holes},
                             .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
     struct vor_memory *memory = seeds->run.memory;
