@@ -1,6 +1,7 @@
 #include "core/geom/layers.h"
 
 #include "core/base/linalg.h"
+#include "core/base/vector.h"
 
 #include <string.h>
 
@@ -37,9 +38,9 @@ struct stack {
     unsigned k;
     double x[VOR_NEIGHBORS_MAX][TERMS]; /* u, v, uu, uv, vv; lengths over the reach */
     double w[VOR_NEIGHBORS_MAX];
-    double height[VOR_NEIGHBORS_MAX];  /* of each point over the shared quadric */
-    uint16_t order[VOR_NEIGHBORS_MAX]; /* of the points by height, as of the last sort */
-    double sorted[VOR_NEIGHBORS_MAX];
+    double square[TERMS * TERMS], xw[TERMS]; /* sums of x x^T, below the diagonal, and of x w */
+    double height[VOR_NEIGHBORS_MAX];        /* of each point over the shared quadric */
+    double sorted[VOR_NEIGHBORS_MAX];        /* the heights, ascending */
 };
 
 static void terms(double x[TERMS], double u, double v)
@@ -59,43 +60,43 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
     double scale = 1 / surface->reach;
 
     out->k = k;
+    memset(out->square, 0, sizeof out->square);
+    memset(out->xw, 0, sizeof out->xw);
     for (unsigned i = 0; i < k; i++) {
         double x[3] = {(double)near[3 * i], (double)near[3 * i + 1], (double)near[3 * i + 2]};
         double local[3];
 
         vor_surface_to_local(surface, x, local);
-        out->order[i] = (uint16_t)i;
         out->w[i] = scale * local[2];
         out->height[i] = out->w[i];
         if (!plane)
             out->height[i] -= scale * vor_surface_height(surface, local[0], local[1], NULL);
         terms(out->x[i], scale * (local[0] - surface->center[0]),
               scale * (local[1] - surface->center[1]));
+        for (int t = 0; t < TERMS; t++) {
+            for (int s = 0; s <= t; s++)
+                out->square[TERMS * t + s] += out->x[i][t] * out->x[i][s];
+            out->xw[t] += out->x[i][t] * out->w[i];
+        }
     }
 }
 
-/* Shell's sort with Knuth's gaps, from the order of the last sort: heights that a round changes a
- * little are nearly sorted, and then the last gap alone does it. */
-static void sort(struct stack *stack, unsigned gap)
+/* Sorts the heights: each goes to as many places from the start as there are lower ones. Quicker
+ * for so few, in lanes and without branches, than what moves them. */
+VOR_CLONES static void sort(struct stack *stack)
 {
-    double *h = stack->sorted;
-    uint16_t *order = stack->order;
+    const double *h = stack->height;
+    unsigned k = stack->k;
 
-    for (unsigned i = 0; i < stack->k; i++)
-        h[i] = stack->height[order[i]];
-    for (; gap > 0; gap /= 3)
-        for (unsigned i = gap; i < stack->k; i++) {
-            double at = h[i];
-            uint16_t of = order[i];
-            unsigned j = i;
+    for (unsigned i = 0; i < k; i++) {
+        uint64_t lower = 0;
 
-            for (; j >= gap && h[j - gap] > at; j -= gap) {
-                h[j] = h[j - gap];
-                order[j] = order[j - gap];
-            }
-            h[j] = at;
-            order[j] = of;
-        }
+        for (unsigned j = 0; j < i; j++)
+            lower += h[j] <= h[i];
+        for (unsigned j = i + 1; j < k; j++)
+            lower += h[j] < h[i];
+        stack->sorted[lower] = h[i];
+    }
 }
 
 /* The height that splits the sorted heights in two with the least variance within the parts (Otsu
@@ -143,9 +144,8 @@ static void split_all(struct vor_layers *layers, struct stack *stack)
     const double *h = stack->sorted;
     unsigned cuts = 0;
 
-    sort(stack, 1);
     for (unsigned i = 0; i + 1 < stack->k; i++)
-        widest = fmax(widest, h[i + 1] - h[i]);
+        widest = h[i + 1] - h[i] > widest ? h[i + 1] - h[i] : widest;
     for (unsigned i = 0; i + 1 < stack->k; i++) {
         if (h[i + 1] - h[i] < SAME * widest)
             continue;
@@ -163,43 +163,34 @@ static void split_all(struct vor_layers *layers, struct stack *stack)
     }
 }
 
-/* Means of the terms and of w in each layer, and the number of its points. */
-struct means {
-    double n[VOR_LAYERS_MAX], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX];
-};
-
 /* Fits the quadric that the layers share, and computes their heights and the points' heights over
  * it. Returns false when the points do not determine it. */
 static int share(struct vor_layers *layers, struct stack *stack)
 {
-    double a[TERMS * TERMS] = {0};
-    struct means means;
+    double a[TERMS * TERMS], x[VOR_LAYERS_MAX][TERMS], w[VOR_LAYERS_MAX], n[VOR_LAYERS_MAX];
 
-    memset(&means, 0, sizeof means);
-    for (unsigned i = 0; i < stack->k; i++) {
-        unsigned l = layers->of[i];
-
-        means.n[l]++;
-        means.w[l] += stack->w[i];
-        for (int t = 0; t < TERMS; t++)
-            means.x[l][t] += stack->x[i][t];
-    }
     for (unsigned l = 0; l < layers->count; l++) {
-        means.w[l] /= means.n[l];
-        for (int t = 0; t < TERMS; t++)
-            means.x[l][t] /= means.n[l];
+        memset(x[l], 0, sizeof x[l]);
+        w[l] = n[l] = 0;
     }
-    memset(layers->shape, 0, sizeof layers->shape);
     for (unsigned i = 0; i < stack->k; i++) {
         unsigned l = layers->of[i];
-        double d[TERMS];
 
+        n[l]++;
+        w[l] += stack->w[i];
         for (int t = 0; t < TERMS; t++)
-            d[t] = stack->x[i][t] - means.x[l][t];
+            x[l][t] += stack->x[i][t];
+    }
+    memcpy(a, stack->square, sizeof a);
+    memcpy(layers->shape, stack->xw, sizeof layers->shape);
+    for (unsigned l = 0; l < layers->count; l++) {
+        w[l] /= n[l];
         for (int t = 0; t < TERMS; t++) {
-            for (int s = 0; s <= t; s++)
-                a[TERMS * t + s] += d[t] * d[s];
-            layers->shape[t] += d[t] * (stack->w[i] - means.w[l]);
+            for (int s = 0; s < t; s++)
+                a[TERMS * t + s] -= x[l][t] * x[l][s];
+            a[TERMS * t + t] -= x[l][t] * x[l][t] / n[l];
+            layers->shape[t] -= x[l][t] * w[l];
+            x[l][t] /= n[l];
         }
     }
     if (!(vor_solve_spd(a, layers->shape, TERMS, VOR_RANK) > 0))
@@ -210,9 +201,9 @@ static int share(struct vor_layers *layers, struct stack *stack)
             stack->height[i] -= layers->shape[t] * stack->x[i][t];
     }
     for (unsigned l = 0; l < layers->count; l++) {
-        layers->height[l] = means.w[l];
+        layers->height[l] = w[l];
         for (int t = 0; t < TERMS; t++)
-            layers->height[l] -= layers->shape[t] * means.x[l][t];
+            layers->height[l] -= layers->shape[t] * x[l][t];
     }
     return 1;
 }
@@ -233,8 +224,8 @@ static int clear_between(const struct vor_layers *layers, const struct stack *st
 
         count[l]++;
         sum += off * off;
-        low[l] = fmin(low[l], stack->height[i]);
-        high[l] = fmax(high[l], stack->height[i]);
+        low[l] = stack->height[i] < low[l] ? stack->height[i] : low[l];
+        high[l] = stack->height[i] > high[l] ? stack->height[i] : high[l];
     }
     sum = sqrt(sum / (stack->k - TERMS - layers->count));
     for (unsigned l = 0; l < layers->count; l++)
@@ -269,10 +260,11 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
 {
     double sum[VOR_LAYERS_MAX] = {0}, n[VOR_LAYERS_MAX] = {0}, most = 0;
 
-    for (unsigned i = 0; i < stack->k; i++) {
-        sum[layers->of[i]] += sqrt(other2(layers, stack, i));
+    for (unsigned i = 0; i < stack->k; i++)
         most = fmax(most, ++n[layers->of[i]]);
-    }
+    for (unsigned i = 0; i < stack->k; i++)
+        if (n[layers->of[i]] < most)
+            sum[layers->of[i]] += sqrt(other2(layers, stack, i));
     for (unsigned l = 0; l < layers->count; l++) {
         double expected = 0.5 * spacing * sqrt(stack->k / (stack->k - n[l]));
 
@@ -286,12 +278,11 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
  * are layers. */
 static int settle(struct vor_layers *out, struct stack *stack, double spacing)
 {
-    for (int round = 0; round < ROUNDS; round++) {
-        sort(stack, round == 0 ? (stack->k > 121 ? 121 : 40) : 1);
-        if (!split(out, stack))
-            break;
+    sort(stack);
+    for (int round = 0; round < ROUNDS && split(out, stack); round++) {
         if (!share(out, stack))
             return 0;
+        sort(stack);
     }
     split_all(out, stack);
     return out->count > 1 && share(out, stack) && clear_between(out, stack, spacing) &&

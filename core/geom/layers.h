@@ -56,7 +56,7 @@ static inline int vor_layers_possible(const struct vor_surface *surface)
  *  @param[in]  near  k x 3 floats, nearest first
  *  @param[in]  k     at most VOR_NEIGHBORS_MAX; fewer than 8 have no layers
  *
- *  Cannot fail. O(k log k), O(k^2) where there are layers. Depends on nothing but its arguments. */
+ *  Cannot fail. O(k^2). Depends on nothing but its arguments. */
 void vor_layers_find(struct vor_layers *out, const float *near, unsigned k);
 
 /** Looks for layers among points as vor_layers_find does, but starts from the shape of layers that

@@ -33,7 +33,7 @@ VOR_NODISCARD vor_status vor_sheets_find(int *out, const struct vor_domain *doma
  *
  *  @return whether there are layers
  *
- *  One search; O(k log n + k log k), O(k^2) with layers. Cannot fail. Thread-safe. */
+ *  One search; O(k log n + k^2). Cannot fail. Thread-safe. */
 int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k);
 
 enum { VOR_SHEETS_RECENT = 4 };

@@ -8,6 +8,7 @@
 #include "core/input/sheets.h"
 
 #include <assert.h>
+#include <stdatomic.h>
 #include <string.h>
 
 /* The patch of a nearly flat surface is one hexagon in its tangent plane, which saves most of the
@@ -68,7 +69,10 @@ vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_domain *domain
     seeds.xyz = vor_malloc(run->memory, n, 3 * sizeof *seeds.xyz);
     seeds.last_fit = vor_calloc(run->memory, n, sizeof *seeds.last_fit);
     seeds.scratch = vor_calloc(run->memory, threads, sizeof *seeds.scratch);
-    if (seeds.xyz == NULL || seeds.last_fit == NULL || seeds.scratch == NULL ||
+    if (policy.keep_border)
+        seeds.foot = vor_calloc(run->memory, domain->n, sizeof *seeds.foot);
+    if (seeds.xyz == NULL || (policy.keep_border && seeds.foot == NULL) || seeds.last_fit == NULL ||
+        seeds.scratch == NULL ||
         vor_input_lists_init(&seeds.input_lists, n, &input, run->memory, err) != VOR_OK ||
         vor_point_lists_init(&seeds.point_lists, n, n > listed ? listed : (unsigned)n - 1,
                              run->memory, err) != VOR_OK ||
@@ -92,6 +96,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_free(memory, seeds->scratch);
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
+    vor_free(memory, seeds->foot);
     VOR_FREE_ALL(memory, seeds->last_fit, seeds->normal, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
@@ -102,6 +107,8 @@ void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
     seeds->domain = domain;
     seeds->sheets |= domain->known.sheets;
     memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
+    for (size_t i = 0; seeds->foot != NULL && i < domain->n; i++)
+        atomic_init(&seeds->foot[i], 0);
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
@@ -304,19 +311,47 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     return place->surface.kind;
 }
 
+/* Spacing of the surface at an input point, negative where the points around it are irregular;
+ * -INFINITY: there is no surface. It depends on the point alone, so that whichever thread finds it
+ * first may keep it for all. To ask counts as one search whether it is known or not, so that their
+ * number does not depend on the threads. */
+static double spacing_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
+                         const double foot[3])
+{
+    const struct vor_place *place = &scratch->foot;
+    float query[3] = {(float)foot[0], (float)foot[1], (float)foot[2]}, distance2;
+    double spacing;
+    uint32_t point;
+
+    vor_knn_search(seeds->domain->knn, query, 1, 1, &point, &distance2);
+    spacing = atomic_load_explicit(&seeds->foot[point], memory_order_relaxed);
+    if (spacing < 0 || spacing > 0) {
+        scratch->queries++;
+        return spacing;
+    }
+    spacing = -INFINITY;
+    if (vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) != VOR_SURFACE_NONE) {
+        spacing = place->surface.spacing;
+        if (vor_boundary_regularity(place->near, place->k, spacing) < VOR_HOLE_REGULAR)
+            spacing = -spacing;
+    }
+    atomic_store_explicit(&seeds->foot[point], spacing, memory_order_relaxed);
+    return spacing;
+}
+
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3])
 {
     double foot[3] = {(double)place->near[0], (double)place->near[1], (double)place->near[2]};
-
-    double sparse = seeds->domain->sparse;
+    double sparse = seeds->domain->sparse, spacing;
 
     *border = (struct vor_border){&place->surface, place->near, place->k,
                                   fmin(place->surface.spacing, sparse)};
     if (vor_boundary_within(place->near, place->k, x, border->spacing))
         return;
-    if (vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) != VOR_SURFACE_NONE)
-        border->spacing = fmin(scratch->foot.surface.spacing, sparse);
+    spacing = fabs(spacing_at(seeds, scratch, foot));
+    if (!isinf(spacing))
+        border->spacing = fmin(spacing, sparse);
 }
 
 /* Whether the input goes on from its point at `foot` along `way`, judged by those points around it
@@ -350,9 +385,9 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     if (length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_goes_on(near, k, foot, way, vor_boundary_reach(near, k, x) - length) ||
         (!seeds->sheets && goes_on(seeds, i, foot, way, k)) ||
+        spacing_at(seeds, scratch, foot) < 0 ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
-        vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY) ||
-        vor_boundary_regularity(other->near, other->k, other->surface.spacing) < VOR_HOLE_REGULAR)
+        vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
     for (int c = 0; c < 3; c++)
         x[c] = foot[c] + (x[c] - foot[c]) * (VOR_HOLE_MARGIN * spacing / length);

@@ -77,6 +77,9 @@ struct vor_seeds {
                         normals; else NULL */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
+    _Atomic double *foot; /**< of each point of the domain, room for those of the whole: spacing of
+                             the surface there, negative where its points are irregular; 0: not
+                             known yet. NULL if points may leave the input */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
     struct vor_wanted wanted;           /**< spacing of each seed, where there is a density */
