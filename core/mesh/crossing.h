@@ -2,10 +2,11 @@
  *
  *  Where two sheets are nearer to each other than the spacing of the input, some points of the one
  *  are taken for points of the other: triangles lead there from sheet to sheet, and mostly through
- *  those of the other sheet that lead back. A mesh must not pass through itself, and no other rule
- *  finds triangles on two sheets as surely: of shell60k to 20,000, 250 of 39,572 pass through
- *  others, 139 of which are among the 264 on two sheets. The price is an opening at each such
- *  place, and along lines where the surfaces of the input do cross.
+ *  those of the other sheet that lead back. No other rule finds triangles on two sheets as surely:
+ *  of shell60k to 20,000, 250 of 39,572 pass through others, 139 of which are among the 264 on two
+ *  sheets. The price is an opening at each such place, and along lines where the surfaces of the
+ *  input do cross. Where there are no sheets, triangles are compared with those near them as they
+ *  are added, but not again when edges are flipped and points move (mesh/flip.h, mesh/relax.h).
  *
  *  Source: none of the papers; edges against triangles as in Moller 1997, "A fast triangle-triangle
  *  intersection test", without its intervals. */
@@ -15,9 +16,9 @@
 #include "core/mesh/balls.h"
 #include "core/mesh/complex.h"
 
-/** Drops triangles of which an edge passes through another triangle, or that an edge of another
- *  passes through; touching is none. Does nothing where the input was not found to have sheets on
- *  most of it (input/regions.h).
+/** Drops triangles of which an edge passes through another one near them that they share no corner
+ *  with, or that an edge of such a one passes through; touching is none. Does nothing where the
+ * input was not found to have sheets on most of it (input/regions.h).
  *
  *  @param[in,out] complex  no point has several fans; stays so
  *  @param[in]     sheet    of its points, which may have moved since they were listed
