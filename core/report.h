@@ -264,8 +264,8 @@ struct vor_stage_done {
     X(REAL, six_share, "six_share", "",                                                            \
       "Share of the points of the result with six Voronoi neighbours, borders left out")           \
     X(OPTIONAL, has_cells, "cells", "",                                                            \
-      "How far the Voronoi cells are from regular hexagons; not if the request has a density or "  \
-      "metric, or filters alone make the result")                                                  \
+      "How far the Voronoi cells are from regular hexagons; absent if the request has a density "  \
+      "or metric, or if filters alone make the result")                                            \
     VOR_CELLS_TABLE(X, "cells.")                                                                   \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
       "Planes that cut a cell: mean over all cells computed")                                      \
@@ -374,7 +374,7 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(U64, coincident, "coincident", "points", "Points at the same position as another one")       \
     X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
     X(OPTIONAL, has_cells, "cells", "",                                                            \
-      "How far the Voronoi cells are from regular hexagons; not if no cell closes")                \
+      "How far the Voronoi cells are from regular hexagons; absent if no cell is closed")          \
     VOR_CELLS_TABLE(X, "cells.")                                                                   \
     X(OPTIONAL, has_reference, "input", "",                                                        \
       "The cloud compared with the reference; only if there is one")                               \

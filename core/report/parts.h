@@ -85,7 +85,8 @@ enum vor_warning_kind {
 #define VOR_WARNING_TABLE(X)                                                                       \
     X(TEXT, about, "about", "", "Parameter or member of the report that the warning is about")     \
     X(REAL, value, "value", "",                                                                    \
-      "Value of that parameter or member, in its unit, or a count; null if no value would do")     \
+      "Value of that parameter or member, in its unit, or a count; null for a parameter without "  \
+      "effect")                                                                                    \
     X(REAL, limit, "limit", "", "Limit; from this value on there is no warning")                   \
     X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
 
@@ -157,11 +158,11 @@ struct vor_hole_told {
 /** How far the Voronoi cells of points are from regular hexagons (metrics/cells.h). */
 #define VOR_CELLS_TABLE(X, object)                                                                 \
     X(REAL, eta, object "eta", "",                                                                 \
-      "Energy of the tessellation over that of as many regular hexagons, minus 1; lower is "       \
+      "Energy of the tessellation divided by that of as many regular hexagons, minus 1; lower is " \
       "better")                                                                                    \
     X(REAL, gap, object "gap", "",                                                                 \
-      "Largest distance from a place of the surface to the nearest point, over the spacing of a "  \
-      "hexagonal lattice with as many points; 0.577 is the least there can be")                    \
+      "Largest distance from a place of the surface to the nearest point, divided by the spacing " \
+      "of a hexagonal lattice with as many points; at least 0.577")                                \
     X(U64, wide, object "wide", "places", "Places farther than 0.64 spacings from every point")    \
     X(U64, open, object "open", "points",                                                          \
       "Points without a closed cell, as along a border; the other figures leave them out")
