@@ -60,6 +60,7 @@ static void gather(struct stack *out, const struct vor_surface *surface, const f
     double scale = 1 / surface->reach;
 
     out->k = k;
+    memset(out->sorted, 0, k * sizeof *out->sorted); /* gcc-analyzer cannot see that sort sets it */
     memset(out->square, 0, sizeof out->square);
     memset(out->xw, 0, sizeof out->xw);
     for (unsigned i = 0; i < k; i++) {
