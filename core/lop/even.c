@@ -362,7 +362,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     unsigned done = stage->record.step, steps = stage->record.of;
     vor_status status = VOR_OK;
 
-    even->pace = vor_repel_pace_at(VOR_REPEL_FIRST, VOR_REPEL_LAST, done, steps);
+    even->pace = vor_repel_pace_at(VOR_REPEL_HARD, done, steps);
     if (done % LIST_EVERY == 0 && done > 0)
         status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
     if (status == VOR_OK && done % LIST_EVERY == 0)

@@ -8,15 +8,15 @@
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 256, CORNERS = 8 };
+enum { BLOCK = 256, CORNERS = 7 };
 
 /* Neighbours that the tangent plane is fitted to: two rings of a lattice are 18. */
 enum { PLANE = 12 };
 
-/* A cell. Of more corners the first are kept. */
+/* A cell. Of more corners the first are kept, and the farthest. */
 struct record {
-    double area, moment, far2;
-    float corner2[CORNERS]; /* squared distances to the point */
+    double area, moment;
+    float corner2[CORNERS]; /* squared distances to the point, the farthest first */
     unsigned sides;         /* 0: the cell is open */
 };
 
@@ -96,6 +96,7 @@ static int cut(struct vor_flat *cell, const float *offset, unsigned k, const dou
 static void fill_record(struct record *out, const struct vor_flat *cell)
 {
     double area = 0, moment = 0, least2;
+    unsigned farthest = 0;
 
     for (unsigned e = 0; e < cell->count; e++) {
         unsigned f = e + 1 < cell->count ? e + 1 : 0;
@@ -106,6 +107,8 @@ static void fill_record(struct record *out, const struct vor_flat *cell)
         moment += cross * (x * x + y * y + x * u + y * v + u * u + v * v) / 12;
         if (e < CORNERS)
             out->corner2[e] = (float)(x * x + y * y);
+        if (x * x + y * y >= cell->far2)
+            farthest = e;
     }
     least2 = 1e-6 * area; /* shorter sides are those of four points on a circle */
     for (unsigned e = 0; e < cell->count; e++) {
@@ -116,7 +119,9 @@ static void fill_record(struct record *out, const struct vor_flat *cell)
     }
     out->area = area;
     out->moment = moment;
-    out->far2 = cell->far2;
+    if (farthest < CORNERS)
+        out->corner2[farthest] = out->corner2[0];
+    out->corner2[0] = (float)cell->far2;
 }
 
 static void cell_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -147,7 +152,7 @@ static void sum_up(struct vor_cells *out, const struct record *record, size_t n)
         six += record[i].sides == 6;
         area += record[i].area;
         moment += record[i].moment;
-        far2 = fmax(far2, record[i].far2);
+        far2 = fmax(far2, (double)record[i].corner2[0]);
     }
     if (closed == 0 || !(area > 0))
         return;

@@ -38,7 +38,7 @@ typedef unsigned (*vor_cells_near)(void *ctx, size_t i, unsigned worker, float *
 
 /** Measures the cells of n points.
  *
- *  @retval VOR_E_NOMEM            64 n bytes do not fit
+ *  @retval VOR_E_NOMEM            48 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n), on the run's pool. The same bits for any number of threads. */

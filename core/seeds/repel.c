@@ -16,7 +16,7 @@
 enum {
     /* From this S on the force extends to VOR_HARD_REACH. At 5 / 7 / 14 only searches change: on
      * autzen 191 / 198 / 214 thousand. */
-    HARDER = 7,
+    HARDER = VOR_REPEL_HARD / 2,
     /* Steps from one look for holes to the next around a point with no hole near. At 3 / 6 / 12
      * only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an aim. */
     QUIET_EVERY = 6,
@@ -47,9 +47,9 @@ enum {
 #define HOLE 0.65
 /* Pitches beyond HOLE that count at most. 0.075 and 0.3 move no figure beyond the spread. */
 #define HOLE_EXCESS 0.15
-/* Pitches: with no hole wider than this, a point is looked at less often (QUIET_EVERY). 0.58 and
- * 0.65 move no figure beyond the spread. */
-#define HOLE_NEAR 0.62
+/* The pull of paces that stay the same: share of the excess that one step goes. At 0.075 / 0.15 /
+ * 0.3: igea 0.0172 / 0.0176 / 0.0185, fandisk 0.0188 / 0.0197 / 0.0218. */
+#define HOLE_PULL 0.15
 /* Input spacings that a point may move before its surface is fitted again. 0.25 and 1 move no
  * figure beyond the spread. */
 #define SLACK 0.5
@@ -57,22 +57,25 @@ enum {
 #define SLACK_FRESH 0.1
 
 struct aim {
-    struct vor_repel_pace first, last;
+    unsigned hard;     /* S at the last step */
     unsigned cells;    /* steps from one look for holes to the next */
-    double pull;       /* share of a hole's excess that points go, were they to go on for ever */
+    double gain;       /* step over the sum of forces, times 2 S; 0: vor_repel_pace_at */
+    double momentum;   /* share of the last step that is added to the next */
     double soft_reach; /* spacings that soft repulsion extends to */
 };
 
 /* Even distances to the nearest point. cells at 1 / 3 / 6: CPU of autzen 2.0 / 1.7 / 1.3 s,
  * searches 245 / 198 / 185 thousand, delta the same. soft_reach at 1.5 / 2 / 2.5: only the largest
- * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. pull at 0.75 / 1 / 1.5: delta of fandisk
- * 0.0209 / 0.0218 / 0.0258, largest gap on a sphere and a torus 0.72 and 0.74 / 0.71 and 0.72 /
- * 0.70 and 0.69. */
-static const struct aim even_distances = {VOR_REPEL_FIRST, VOR_REPEL_LAST, 3, 1, 2.0};
+ * distance on fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. */
+enum { CELLS_EVEN = 3 };
+#define REACH_EVEN 2.0
+static const struct aim even_distances = {VOR_REPEL_HARD, CELLS_EVEN, 0, 0, REACH_EVEN};
 
-/* Where nothing holds points at the border, long steps carry them out: a square sheet to 400
- * points, rms distance to it over its diagonal 4.4e-4 by these and 1.4e-2 by even_distances. */
-static const struct aim no_border = {{4, 0.2, 0.7}, {14, 0.2, 0.7}, 3, 0.5, 2.0};
+/* The same by short steps, where long ones do harm. Where nothing holds points at the border they
+ * carry them out: a square sheet to 400 points, rms distance to it over its diagonal 4.4e-4 by
+ * short and 1.4e-2 by long steps. Where the input has sheets they carry some from one to another:
+ * of two wavy sheets (tests/property/shapes) 0 and 1 points lie between them. */
+static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, VOR_REPEL_GAIN, 0.7, REACH_EVEN};
 
 /* Six neighbours around each point, for triangles; meshes move the points once more, so that even
  * distances are lost anyway. Mean quality of triangles on igea, 20,000 points, and fandisk, 10,000,
@@ -84,7 +87,7 @@ static const struct aim no_border = {{4, 0.2, 0.7}, {14, 0.2, 0.7}, 3, 0.5, 2.0}
  * Not where the input has sheets: longer steps lead more points onto the other one (two wavy
  * sheets, triangles that join them: 10 / 23). Nor with a metric: mean distance of fandisk from its
  * anisotropic mesh of 5,000 points 1.70e-4 / 1.95e-4 of the diagonal. */
-static const struct aim six_around = {{4, 0.4, 0.9}, {8, 0.4, 0.9}, 6, 1.5, 1.5};
+static const struct aim six_around = {8, 6, 0.4, VOR_REPEL_MOMENTUM_FIRST, 1.5};
 
 struct polish {
     struct vor_seeds *seeds;
@@ -117,19 +120,19 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
     double far2;
     const double *corner = vor_stretch_farthest(&scratch->cell, stretch, &far2);
     double pitch = polish->pitch * vor_wanted_at(&polish->seeds->wanted, i);
-    double pull = polish->aim->pull * (1 - polish->pace.momentum), far, excess;
+    double far, excess;
 
     memset(&polish->pull[3 * i], 0, 3 * sizeof *polish->pull);
     if (corner == NULL)
         return;
     far = sqrt(far2);
-    polish->quiet[i] = far < HOLE_NEAR * pitch;
+    polish->quiet[i] = far < HOLE * pitch;
     excess = fmin(far - HOLE * pitch, HOLE_EXCESS * pitch);
     if (!(excess > 0))
         return;
     for (int c = 0; c < 3; c++)
         polish->pull[3 * i + (size_t)c] =
-            (float)(pull * excess / far *
+            (float)(polish->pace.pull * excess / far *
                     (corner[0] * surface->axis[0][c] + corner[1] * surface->axis[1][c] +
                      corner[2] * surface->axis[2][c]));
 }
@@ -328,6 +331,7 @@ static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
 {
     struct polish *polish = stage->of;
+    const struct aim *aim = polish->aim;
     struct vor_seeds *seeds = polish->seeds;
     size_t moving = vor_seeds_moving(seeds);
     vor_status status = VOR_OK;
@@ -341,8 +345,13 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
             status = vor_stage_restart(stage, err);
     }
     polish->h = polish->stage.spacing;
-    polish->pace = vor_repel_pace_at(polish->aim->first, polish->aim->last, done, steps);
-    polish->cells = done % polish->aim->cells == 0;
+    polish->pace = vor_repel_pace_at(aim->hard, done, steps);
+    if (aim->gain > 0) {
+        polish->pace.gain = aim->gain;
+        polish->pace.momentum = aim->momentum;
+        polish->pace.pull = HOLE_PULL;
+    }
+    polish->cells = done % aim->cells == 0;
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     if (status == VOR_OK)
@@ -364,13 +373,14 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     int for_triangles = vor_process_takes(spec->process, VOR_PARAM_SOUP) &&
                         spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC &&
                         !seeds->whole->known.sheets;
+    int by_short = !seeds->policy.keep_border || seeds->whole->known.sheets;
     double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
     double cells = (double)seeds->n - (double)seeds->half / 2;
     size_t row = 3 * sizeof(float);
     struct polish polish = {.seeds = seeds,
-                            .aim = for_triangles               ? &six_around
-                                   : seeds->policy.keep_border ? &even_distances
-                                                               : &no_border,
+                            .aim = for_triangles ? &six_around
+                                   : by_short    ? &short_steps
+                                                 : &even_distances,
                             .recall = {.keep_holes = keep_holes},
                             .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
     struct vor_memory *memory = seeds->run.memory;

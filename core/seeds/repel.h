@@ -33,36 +33,45 @@
 #include "core/seeds/outcome.h"
 #include "core/seeds/seeds.h"
 
+enum {
+    /** The exponent S at the first step. At 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the
+     *  same (repel.c says on what figures are). */
+    VOR_REPEL_SOFT = 4,
+    /** The same at the last one, for even distances. At 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129,
+     *  bunny 0.0244 / 0.0185 / 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. */
+    VOR_REPEL_HARD = 14
+};
+
+/** Step over the sum of forces, times 2 S, at the last step. At 0.1 / 0.2 / 0.3, a sphere of
+ * 200,000 random points to 5,072: delta 0.0166 / 0.0161 / 0.0168, min over mean 0.95 / 0.93 / 0.92.
+ * The first step has 1; at 0.2 / 0.6 / 1 / 1.4: eta of that sphere 1.21 / 0.98 / 0.90 / 0.86 %,
+ * delta 0.0168 / 0.0161 / 0.0161 / 0.0165. */
+#define VOR_REPEL_GAIN 0.2
+/** Share of the last step that is added to the next: at the first step and at the last one. At 0.8
+ * / 0.9 / 0.95 at the first: eta of that sphere 0.96 / 0.90 / 0.93 %. At 0.7 / 0.8 / 0.9 at the
+ * last: 1.10 / 0.93 / 0.90 %, delta of scannet 0.0453 / 0.0458 / 0.0487. */
+#define VOR_REPEL_MOMENTUM_FIRST 0.9
+#define VOR_REPEL_MOMENTUM_LAST 0.8
+
 /** How points repel each other in a step. */
 struct vor_repel_pace {
     unsigned power;  /**< S */
     double gain;     /**< step over the sum of forces, times 2 S */
     double momentum; /**< share of the last step that is added to the next */
+    double pull;     /**< share of a hole's excess that a point is pulled by */
 };
 
-/** Pace of the first step. S at 2 / 4 / 8: six on igea 0.819 / 0.812 / 0.793, delta the same
- * (repel.c says on what figures are). A sphere of 200,000 random points to 5,072, gain at 0.2 / 0.6
- * / 1 / 1.4, eta in %: 1.21 / 0.98 / 0.90 / 0.86, delta 0.0168 / 0.0161 / 0.0161 / 0.0165; momentum
- * at 0.8 / 0.9 / 0.95: eta 0.96 / 0.90 / 0.93. Longer steps let grains of one orientation grow. */
-#define VOR_REPEL_FIRST ((struct vor_repel_pace){4, 1, 0.9})
-/** That of the last step, for even distances. S at 7 / 14 / 28: igea 0.0235 / 0.0176 / 0.0129,
- * bunny 0.0244 / 0.0185 / 0.0138; six 0.825 / 0.812 / 0.765 and 0.810 / 0.783 / 0.734. Gain at 0.1
- * / 0.2 / 0.3, the sphere: delta 0.0166 / 0.0161 / 0.0168, min over mean 0.95 / 0.93 / 0.92.
- * Momentum at 0.7 / 0.8 / 0.9: eta 1.10 / 0.93 / 0.90, delta of scannet 0.0453 / 0.0458 / 0.0487.
- */
-#define VOR_REPEL_LAST ((struct vor_repel_pace){14, 0.2, 0.8})
-
-/** The pace of step `done` of `steps`: goes evenly from the first to the last. */
-static inline struct vor_repel_pace vor_repel_pace_at(struct vor_repel_pace first,
-                                                      struct vor_repel_pace last, unsigned done,
-                                                      unsigned steps)
+/** The pace of step `done` of `steps`: S rises to `hard`; long steps let grains of one orientation
+ *  grow, short ones even distances out. The pull keeps its share of all that moves a point. */
+static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned done, unsigned steps)
 {
     unsigned of = steps > 1 ? steps - 1 : 1;
     double part = (double)done / of;
+    double momentum =
+        VOR_REPEL_MOMENTUM_FIRST + (VOR_REPEL_MOMENTUM_LAST - VOR_REPEL_MOMENTUM_FIRST) * part;
 
-    return (struct vor_repel_pace){first.power + (last.power - first.power) * done / of,
-                                   first.gain + (last.gain - first.gain) * part,
-                                   first.momentum + (last.momentum - first.momentum) * part};
+    return (struct vor_repel_pace){VOR_REPEL_SOFT + (hard - VOR_REPEL_SOFT) * done / of,
+                                   1 + (VOR_REPEL_GAIN - 1) * part, momentum, 1 - momentum};
 }
 
 /** Longest step, in spacings. At 0.025 / 0.05 / 0.1: autzen 0.117 / 0.103 / 0.094 (spread 6 %), its

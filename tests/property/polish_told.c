@@ -161,7 +161,7 @@ END_TEST
 
 START_TEST(a_delta_reached_during_the_polish_ends_it)
 {
-    static const char *const targets[] = {"0.06", "0.035", "0.025"};
+    static const char *const targets[] = {"0.06", "0.03", "0.022"};
     uint32_t last = 0;
 
     for (size_t k = 0; k < 3; k++) {
