@@ -5,6 +5,7 @@
 #include "core/input/followed.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
+#include "core/input/noise.h"
 #include "core/input/sampled.h"
 #include "core/input/splats.h"
 #include "core/kmeans/kmeans.h"
@@ -134,6 +135,10 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_OUTLIERS] = vor_spec_outliers(&report->parameters);
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
+    if (engine->domain.known.hidden > 0)
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOISE,
+                 VOR_NOISE_PLACES - engine->domain.known.hidden,
+                 VOR_NOISE_PLACES - VOR_NOISE_HIDDEN);
     if (engine->target.area > 0)
         report->area = engine->target.area * engine->domain.unit * engine->domain.unit;
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);

@@ -9,10 +9,6 @@
 /* Figures are rms distances to the true surface over its diagonal, inputs and spread as in
  * boundary.h: igea 1 %, fandisk 3 %, bunny 10 %. */
 
-/* Smallest relative pivot of a quadric: below it the points determine a plane at most. At 1e-4 /
- * 1e-3 / 1e-2: points on planes on kitti 8 / 78 / 409 of 3,000, its delta 0.24 / 0.24 / 0.22; igea,
- * fandisk and bunny stay within the spread. */
-#define QUADRIC_RANK 1e-3
 /* Deviation over reach: a thicker neighbourhood shows no edge. At 0.1 / 0.2 / 0.4: fandisk 6.2e-4
  * / 5.7e-4 / 5.8e-4, igea 5.2e-4 / 5.0e-4 / 5.0e-4. */
 #define THICK 0.2
@@ -182,7 +178,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     out->reach = sqrt(reach2);
     scale = 1 / out->reach;
     sum_moments(&moments, &hood, weight, scale);
-    if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, QUADRIC_RANK))
+    if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, VOR_QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
     else if (solve(out->c, &moments, 3, VOR_RANK))
         out->kind = VOR_SURFACE_PLANE;

@@ -10,14 +10,10 @@
 #include <string.h>
 
 enum {
-    /* Places, at equal steps along the order, that say whether there is a surface. */
-    PLACES = 64,
-    /* Numbers of neighbours that planes are put through: from the fewest that fits take to the most
-     * (input/neighbors.c). */
-    STEPS = 3,
-    MOST = 150,
-    /* Points that are left at least: a fit to more than an eighth of them shows no detail. */
-    LEAST = 8 * MOST
+    PLACES = VOR_NEIGHBORS_PLACES, /* at equal steps along the order: is there a surface? */
+    MOST = VOR_LADDER_LAST,        /* neighbours that planes are put through */
+    /* Points that are left at least. */
+    LEAST = VOR_NEIGHBORS_ROOM * MOST
 };
 
 /* Variance across a plane over that in all, above which its points show no surface; a ball of them
@@ -26,7 +22,7 @@ enum {
  * 655,000 points with noise of 1 %, 0.04 of kitti. */
 #define THICK 0.1
 
-static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 45, MOST};
+static const unsigned ladder[VOR_LADDER_STEPS] = VOR_LADDER;
 
 /* The median flatness of planes through k neighbours. */
 static double flatness_of(const struct vor_domain *domain, unsigned k)
@@ -50,7 +46,7 @@ static double flatness_of(const struct vor_domain *domain, unsigned k)
 /* Whether no number of neighbours shows a surface. */
 static int is_thick(const struct vor_domain *domain)
 {
-    for (unsigned step = 0; step < STEPS; step++)
+    for (unsigned step = 0; step < VOR_LADDER_STEPS; step++)
         if (flatness_of(domain, ladder[step]) <= THICK)
             return 0;
     return 1;

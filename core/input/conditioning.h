@@ -73,6 +73,8 @@ struct vor_conditioning {
     int sheets;                     /**< the domain has sheets: fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
     int grown;                      /**< those lists are grown (input/grow.h) */
+    unsigned hidden;                /**< of VOR_NEIGHBORS_PLACES, those where noise hides the
+                                         surface; 0 if they are few (input/noise.h) */
     struct vor_neighbors neighbors; /**< how many points a fit takes */
     struct vor_holes holes;         /**< that were filled */
 };

@@ -10,6 +10,7 @@
 #include "core/input/mls.h"
 #include "core/input/neighbors.h"
 #include "core/input/outliers.h"
+#include "core/input/settle.h"
 #include "core/input/sheets.h"
 #include "core/input/thin.h"
 
@@ -81,21 +82,6 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);
 }
 
-/* Where noise is so wide that no fit shows a surface, moves the points closer to it, unless they
- * are to stay where they are, somebody says how many neighbours a fit takes, or the method copes by
- * itself. */
-static vor_status leave_noise(struct vor_domain *domain, const struct vor_spec *spec,
-                              const struct vor_run *run, struct vor_error *err)
-{
-    int filtered = has_filter(spec, VOR_FILTER_MLS);
-    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) &&
-                 !vor_spec_only_filters(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
-
-    if (!(filtered || spread) || spec->value[VOR_PARAM_NEIGHBORS] != VOR_UNSET)
-        return VOR_OK;
-    return vor_mls_gather(domain, run, err);
-}
-
 /* Finds out whether the input has sheets, the way that the request says. */
 static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *spec,
                               const struct vor_run *run, struct vor_error *err)
@@ -108,6 +94,29 @@ static vor_status find_sheets(struct vor_domain *domain, const struct vor_spec *
         return VOR_OK;
     domain->known.seek_sheets = 1;
     return vor_sheets_find(&domain->known.sheets, domain, run, err);
+}
+
+/* Where noise is so wide that few points show no surface, moves them onto it, and looks again for
+ * sheets and outliers, which it hides; unless they are to stay where they are, somebody says how
+ * many neighbours a fit takes, or the method copes by itself. Sheets that show before are no noise.
+ */
+static vor_status leave_noise(struct vor_domain *domain, struct vor_outliers *outliers,
+                              const struct vor_spec *spec, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    int filtered = has_filter(spec, VOR_FILTER_MLS);
+    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) &&
+                 !vor_spec_only_filters(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
+    vor_status status;
+    int moved = 0;
+
+    if (!(filtered || spread) || spec->value[VOR_PARAM_NEIGHBORS] != VOR_UNSET ||
+        domain->known.sheets)
+        return VOR_OK;
+    status = vor_settle(domain, &moved, run, err);
+    if (status == VOR_OK && moved)
+        status = take_outliers(outliers, domain, spec, run, err);
+    return status == VOR_OK && moved ? find_sheets(domain, spec, run, err) : status;
 }
 
 static vor_status choose_neighbors(struct vor_domain *domain, const struct vor_spec *spec,
@@ -151,8 +160,6 @@ static vor_status filter(struct vor_domain *domain, const struct vor_spec *spec,
     return status;
 }
 
-/* Takes islands out where a method is to spread points beside them. */
-
 /* Finds out what there is to know of a domain before its points are filtered. */
 static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
                        const struct vor_spec *spec, const struct vor_run *run,
@@ -163,9 +170,9 @@ static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
     if (status == VOR_OK)
         status = leave_lattice(domain, spec, run, err);
     if (status == VOR_OK)
-        status = leave_noise(domain, spec, run, err);
-    if (status == VOR_OK)
         status = find_sheets(domain, spec, run, err);
+    if (status == VOR_OK)
+        status = leave_noise(domain, outliers, spec, run, err);
     if (status == VOR_OK)
         status = choose_neighbors(domain, spec, run, err);
     if (status == VOR_OK)

@@ -3,7 +3,6 @@
 #include "core/base/linalg.h"
 #include "core/geom/layers.h"
 #include "core/geom/surface.h"
-#include "core/input/coarsen.h"
 #include "core/input/neighbors.h"
 #include "core/input/sheets.h"
 
@@ -36,8 +35,8 @@ enum {
 
 /* One pass over all points. */
 struct pass {
-    const struct vor_domain *domain, *onto; /* whose surface they move onto */
-    float *xyz;                             /* where they go */
+    const struct vor_domain *domain;
+    float *xyz; /* where they go */
 };
 
 /* The neighbours of one point, itself the first of them, and a surface that weighs them. */
@@ -73,7 +72,7 @@ static void gather_nearest(struct hood *out, const struct vor_domain *domain, co
 
 static void gather(struct hood *out, const struct pass *pass, size_t i)
 {
-    const struct vor_domain *domain = pass->onto;
+    const struct vor_domain *domain = pass->domain;
     const float *x = &pass->domain->xyz[3 * i];
     unsigned k = WIDER * vor_neighbors_at(&domain->known.neighbors, x);
     uint32_t index[VOR_NEIGHBORS_MAX];
@@ -145,10 +144,10 @@ static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     }
 }
 
-static vor_status project(struct vor_domain *domain, const struct vor_domain *onto,
-                          const struct vor_run *run, struct vor_error *err)
+static vor_status project(struct vor_domain *domain, const struct vor_run *run,
+                          struct vor_error *err)
 {
-    struct pass pass = {domain, onto, vor_malloc(run->memory, domain->n, 3 * sizeof *pass.xyz)};
+    struct pass pass = {domain, vor_malloc(run->memory, domain->n, 3 * sizeof *pass.xyz)};
     vor_status status;
 
     if (pass.xyz == NULL)
@@ -167,18 +166,6 @@ vor_status vor_mls_project(struct vor_domain *domain, const struct vor_run *run,
     vor_status status = VOR_OK;
 
     for (int pass = 0; pass < PASSES && status == VOR_OK; pass++)
-        status = project(domain, domain, run, err);
-    return status;
-}
-
-vor_status vor_mls_gather(struct vor_domain *domain, const struct vor_run *run,
-                          struct vor_error *err)
-{
-    struct vor_domain fewer = {.n = 0};
-    vor_status status = vor_domain_coarsen(&fewer, domain, run, err);
-
-    if (status == VOR_OK && fewer.n > 0)
-        status = project(domain, &fewer, run, err);
-    vor_domain_free(&fewer);
+        status = project(domain, run, err);
     return status;
 }

@@ -38,13 +38,4 @@
 VOR_NODISCARD vor_status vor_mls_project(struct vor_domain *domain, const struct vor_run *run,
                                          struct vor_error *err);
 
-/** Moves the points of an input whose noise is wider than fits reach onto the surface of fewer of
- *  them (input/coarsen.h), so that fits to all of them show one. Does nothing where they do before.
- *
- *  @retval as vor_mls_project
- *
- *  O(n log n + n k), on the run's pool; where there is a surface, a millisecond. */
-VOR_NODISCARD vor_status vor_mls_gather(struct vor_domain *domain, const struct vor_run *run,
-                                        struct vor_error *err);
-
 #endif

@@ -17,16 +17,12 @@
 enum {
     PLACES = VOR_NEIGHBORS_PLACES,
     BLOCK = 16, /* places of one task */
-    STEPS = 6,  /* numbers of the ladder */
+    STEPS = VOR_LADDER_STEPS,
     FIRST = 2,  /* steps that decide whether the others are tried; 1 and 3 change no figure */
     EXACT = 10, /* neighbours that tell a thin part from a noisy one */
-    MOST = 150, /* the largest number; the paper's for noise (Xiao 2024, Fig. 13) */
-    /* A step is tried if the domain has so many times its points: a fit to more than an eighth of
-     * the input shows no detail. At 4 / 8 / 16 no figure moves. */
-    ROOM = 8,
-    /* Places that decide for one of them. At 16 / 32 / 64: noise 15.2 / 15.5 / 15.3, half 13.4
-     * / 13.5 / 13.5. */
-    POOL = 32
+    MOST = VOR_LADDER_LAST,
+    ROOM = VOR_NEIGHBORS_ROOM,
+    POOL = VOR_NEIGHBORS_POOL
 };
 
 /* Residual over reach: a thicker neighbourhood shows no surface. A ball of points has 0.45. At 0.1
@@ -67,8 +63,7 @@ enum {
  * and near its edge they reach beyond. */
 #define NO_NOISE 0.04
 
-/* The numbers that are tried, each about half as large again as the one before. */
-static const unsigned ladder[STEPS] = {VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, MOST};
+static const unsigned ladder[STEPS] = VOR_LADDER;
 
 /* Fits at all places with all numbers. */
 struct survey {

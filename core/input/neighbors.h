@@ -28,6 +28,23 @@
 
 #include "core/input/domain.h"
 
+/** The numbers that are tried, each about half as large again as the one before; the last is the
+ *  paper's for noise (Xiao 2024, Fig. 13). */
+enum { VOR_LADDER_STEPS = 6, VOR_LADDER_LAST = 150 };
+#define VOR_LADDER                                                                                 \
+    {                                                                                              \
+        VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, VOR_LADDER_LAST                                     \
+    }
+
+enum {
+    /** A step is tried if a domain has so many times its points: a fit to more than an eighth of
+     *  the input shows no detail. At 4 / 8 / 16 no figure of neighbors.c moves. */
+    VOR_NEIGHBORS_ROOM = 8,
+    /** Places that decide for one of them. At 16 / 32 / 64: noise 15.2 / 15.5 / 15.3, half 13.4
+     *  / 13.5 / 13.5 (neighbors.c). */
+    VOR_NEIGHBORS_POOL = 32
+};
+
 /** Chooses 20 to 150 neighbours per region. The domain is indexed; known.sheets says whether fits
  *  look for layers.
  *

@@ -67,7 +67,10 @@ enum vor_oriented {
       "sigmaP is smaller than the spacing of the samples, so that no point affects another")       \
     X(ONE_SIDED, "orientation",                                                                    \
       "Connected parts of the input have only one side, so that their normals cannot be "          \
-      "consistent")
+      "consistent")                                                                                \
+    X(NOISE, "neighbors",                                                                          \
+      "Noise hides parts of the surface from any number of neighbors; there the result may be "    \
+      "farther from the surface than the input")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,

@@ -1,0 +1,231 @@
+#include "core/input/noise.h"
+
+#include "core/base/linalg.h"
+#include "core/base/stat.h"
+#include "core/geom/surface.h"
+#include "core/input/neighbors.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    PLACES = VOR_NOISE_PLACES,
+    BLOCK = 16, /* places of one task */
+    STEPS = VOR_LADDER_STEPS,
+    FEW = VOR_NEIGHBORS_FEWEST, /* that are to show a surface, the first of the ladder */
+    MOST = VOR_LADDER_LAST,
+    POOL = VOR_NEIGHBORS_POOL,
+    THIRD = POOL / 3, /* of a pool: the place, by deviation, that speaks for it */
+    TERMS = 6         /* of a quadric */
+};
+
+/* Where t would be if deviations were infinite, and above which t says nothing. */
+#define BALL 0.38
+#define THICK 0.28
+/* Factor between a region and the median, below which they are taken for the same. */
+#define ALIKE 1.5
+/* Deviation over the reach of FEW neighbours from which noise is wide. On a plane 0.36 is a noise
+ * of one spacing, 0.55 of 1.6. At 0.24 / 0.45, rms off the surface over that of the input: a wedge
+ * with noise of one spacing 0.436 / 0.394, a gear with the same 0.445 / 0.61: there the shape
+ * decides, and this cannot tell. */
+#define WIDE 0.45
+
+static const unsigned ladder[STEPS] = VOR_LADDER;
+
+/* What is found at the places. */
+struct survey {
+    const struct vor_halves *halves;
+    struct vor_noise *out;
+    unsigned level, from;            /* of the halves; the first step that is fitted there */
+    double deviation[STEPS][PLACES]; /* the least of any level */
+    double few[PLACES];              /* reach of FEW neighbours */
+};
+
+/* The deviation of noise about a quadric through k points. */
+static double deviation_of(const struct vor_surface *surface, unsigned k)
+{
+    double t = sqrt(surface->off2 * k / (k - TERMS)) / surface->reach;
+
+    if (surface->kind == VOR_SURFACE_NONE || !(t < THICK))
+        return INFINITY;
+    return surface->reach * t / (1 - vor_power(t / BALL, 5));
+}
+
+static void fit_place(struct survey *survey, size_t place)
+{
+    const float *x = &survey->out->xyz[3 * place], *xyz = survey->halves->level[survey->level].xyz;
+    float near[3 * MOST] = {0}, distance2[MOST];
+    uint32_t index[MOST];
+
+    vor_knn_search(survey->halves->level[survey->level].knn, x, 1, MOST, index, distance2);
+    for (unsigned j = 0; j < MOST; j++)
+        memcpy(&near[3 * j], &xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    if (survey->level == 0) {
+        survey->out->reach[place] = sqrt((double)distance2[MOST - 1]);
+        survey->few[place] = sqrt((double)distance2[FEW - 1]);
+    }
+    for (unsigned step = survey->from; step < STEPS; step++) {
+        struct vor_surface surface;
+
+        vor_surface_fit(&surface, near, ladder[step]);
+        survey->deviation[step][place] =
+            fmin(survey->deviation[step][place], deviation_of(&surface, ladder[step]));
+    }
+}
+
+static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    (void)worker;
+    for (size_t place = begin; place < end; place++)
+        fit_place(ctx, place);
+}
+
+/* The POOL places nearest to one, itself the first of them; of two as near, the first. */
+static void pool_around(uint16_t pool[POOL], const struct vor_noise *noise, size_t place)
+{
+    double distance2[POOL];
+
+    for (size_t i = 0; i < POOL; i++)
+        distance2[i] = INFINITY;
+    for (size_t i = 0; i < PLACES; i++) {
+        double to = vor_distance2f(&noise->xyz[3 * i], &noise->xyz[3 * place]);
+        size_t at = POOL - 1;
+
+        if (!(to < distance2[at]))
+            continue;
+        for (; at > 0 && to < distance2[at - 1]; at--) {
+            distance2[at] = distance2[at - 1];
+            pool[at] = pool[at - 1];
+        }
+        distance2[at] = to;
+        pool[at] = (uint16_t)i;
+    }
+}
+
+/* The value of the pool's place number `rank` by size. */
+static double ranked(const double values[PLACES], const uint16_t pool[POOL], size_t rank)
+{
+    double sorted[POOL];
+
+    for (size_t i = 0; i < POOL; i++)
+        sorted[i] = values[pool[i]];
+    vor_sort_doubles(sorted, POOL);
+    return sorted[rank];
+}
+
+/* Sets the deviations from what the places say; *few is the usual reach of FEW around each. */
+static void agree(struct survey *survey, double few[PLACES])
+{
+    struct vor_noise *out = survey->out;
+    double sorted[PLACES], usual;
+
+    for (size_t place = 0; place < PLACES; place++) {
+        uint16_t pool[POOL] = {0};
+
+        pool_around(pool, out, place);
+        out->deviation[place] = INFINITY;
+        for (unsigned step = 0; step < STEPS; step++)
+            out->deviation[place] =
+                fmin(out->deviation[place], ranked(survey->deviation[step], pool, THIRD));
+        few[place] = ranked(survey->few, pool, POOL / 2);
+    }
+    memcpy(sorted, out->deviation, sizeof sorted);
+    vor_sort_doubles(sorted, PLACES);
+    usual = sorted[PLACES / 2];
+    for (size_t place = 0; place < PLACES; place++)
+        if (out->deviation[place] > usual / ALIKE && out->deviation[place] < usual * ALIKE)
+            out->deviation[place] = usual;
+}
+
+/* Leaves only the deviations of wide noise; where no number of neighbours shows a surface there is
+ * none to move points to. */
+static void keep_wide(struct vor_noise *out, const double few[PLACES])
+{
+    for (size_t place = 0; place < PLACES; place++) {
+        double deviation = out->deviation[place];
+
+        if (!(deviation > WIDE * few[place]) || isinf(deviation))
+            out->deviation[place] = 0;
+        out->wide |= out->deviation[place] > 0;
+    }
+}
+
+/* Counts the places that show nothing but balls. */
+static void count_hidden(struct vor_noise *noise)
+{
+    noise->hidden = 0;
+    for (size_t place = 0; place < PLACES; place++)
+        noise->hidden += isinf(noise->deviation[place]) != 0;
+    if (noise->hidden <= VOR_NOISE_HIDDEN)
+        noise->hidden = 0;
+}
+
+/* Fits at the places, at first to the domain, then to fewer of its points. */
+static vor_status look(struct survey *survey, struct vor_halves *halves, const struct vor_run *run,
+                       struct vor_error *err)
+{
+    double few[PLACES] = {0};
+    vor_status status;
+
+    for (size_t place = 0; place < PLACES; place++)
+        for (unsigned step = 0; step < STEPS; step++)
+            survey->deviation[step][place] = INFINITY;
+    for (;;) {
+        status = vor_run_for(run, PLACES, BLOCK, fit_block, survey, err);
+        if (status != VOR_OK)
+            return status;
+        agree(survey, few);
+        count_hidden(survey->out);
+        if (survey->out->hidden == 0)
+            break;
+        survey->from = STEPS - 2; /* fewer were tried among twice as many points */
+        if (++survey->level == halves->levels)
+            status = vor_halves_add(halves, VOR_NOISE_LEAST, run, err);
+        if (status != VOR_OK || survey->level == halves->levels)
+            break;
+    }
+    if (status == VOR_OK)
+        keep_wide(survey->out, few);
+    return status;
+}
+
+vor_status vor_noise_find(struct vor_noise *out, struct vor_halves *halves,
+                          const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = halves->level[0].n;
+    struct survey *survey;
+    vor_status status;
+
+    out->wide = 0;
+    out->hidden = 0;
+    memset(out->deviation, 0, sizeof out->deviation);
+    if (n < VOR_NOISE_LEAST)
+        return VOR_OK;
+    survey = vor_calloc(run->memory, 1, sizeof *survey);
+    if (survey == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    survey->halves = halves;
+    survey->out = out;
+    for (size_t place = 0; place < PLACES; place++) {
+        size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)n);
+
+        memcpy(&out->xyz[3 * place], &halves->level[0].xyz[3 * at], 3 * sizeof *out->xyz);
+    }
+    status = look(survey, halves, run, err);
+    vor_free(run->memory, survey);
+    return status;
+}
+
+size_t vor_noise_place(const struct vor_noise *noise, const float x[3])
+{
+    double least = INFINITY;
+    size_t place = 0;
+
+    for (size_t i = 0; i < PLACES; i++) {
+        double distance2 = vor_distance2f(&noise->xyz[3 * i], x);
+
+        place = distance2 < least ? i : place;
+        least = distance2 < least ? distance2 : least;
+    }
+    return place;
+}
