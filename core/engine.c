@@ -5,7 +5,7 @@
 #include "core/input/followed.h"
 #include "core/input/input.h"
 #include "core/input/islands.h"
-#include "core/input/noise.h"
+#include "core/input/restore.h"
 #include "core/input/sampled.h"
 #include "core/input/splats.h"
 #include "core/kmeans/kmeans.h"
@@ -135,10 +135,6 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
     report->parameters.value[VOR_PARAM_OUTLIERS] = vor_spec_outliers(&report->parameters);
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
-    if (engine->domain.known.hidden > 0)
-        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOISE,
-                 VOR_NOISE_PLACES - engine->domain.known.hidden,
-                 VOR_NOISE_PLACES - VOR_NOISE_HIDDEN);
     if (engine->target.area > 0)
         report->area = engine->target.area * engine->domain.unit * engine->domain.unit;
     report->memory_peak_bytes = atomic_load(&engine->run.memory->peak);
@@ -196,8 +192,9 @@ static vor_status run_mesh(struct vor_artefacts *out, const struct vor_artefacts
     return spread(out, in, spec, run, 1, err);
 }
 
-static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefacts *in,
-                              const struct vor_spec *spec, const struct vor_run *run,
+/* Hands out the points of the input, restored or as they are. */
+static vor_status keep_points(struct vor_artefacts *out, const struct vor_artefacts *in,
+                              const struct vor_spec *spec, const struct vor_run *run, int restores,
                               struct vor_error *err)
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
@@ -212,11 +209,29 @@ static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefa
     vor_mesh_init(&mesh, run->memory);
     status = vor_convert_cloud(&cloud, &mesh, report, vor_artefacts_cloud(in, "cloud"), spec,
                                &whole, err);
+    if (status == VOR_OK && restores)
+        status = vor_restore_cloud(&cloud, report, spec, &whole, err);
     report->seconds_index = vor_run_seconds(run);
     report->memory_peak_bytes = atomic_load(&run->memory->peak);
     if (status == VOR_OK)
         vor_artefacts_put_mesh(out, "cloud", &cloud, &mesh);
+    vor_mesh_free(&mesh);
+    vor_cloud_free(&cloud);
     return status;
+}
+
+static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefacts *in,
+                              const struct vor_spec *spec, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    return keep_points(out, in, spec, run, 0, err);
+}
+
+static vor_status run_restore(struct vor_artefacts *out, const struct vor_artefacts *in,
+                              const struct vor_spec *spec, const struct vor_run *run,
+                              struct vor_error *err)
+{
+    return keep_points(out, in, spec, run, 1, err);
 }
 
 static vor_status run_measure(struct vor_artefacts *out, const struct vor_artefacts *in,
@@ -264,7 +279,7 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
 static const struct vor_process processes[] = {
     {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
     {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
-    {"convert", run_convert},      {"mesh", run_mesh},
+    {"convert", run_convert},      {"mesh", run_mesh},        {"restore", run_restore},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)
 #undef PROCESS_ROW

@@ -21,7 +21,7 @@ enum {
     STRAY = 200,
     /* Points whose spacing is taken: its mean is then within 3 %, by the 0.52 that white noise has.
      */
-    PLACES = 512,
+    PLACES = VOR_NEIGHBORS_PLACES,
     BLOCK = 4096, /* points of one task */
     /* Fewer neighbours do not distinguish a surface from cells. At 8 / 15 / 30: 5 bits 24.0 / 23.7
      * / 23.7, 7 bits 8.8 / 8.8 / 8.8, points moved 9,888 / 9,888 / 9,645. */

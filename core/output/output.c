@@ -1,5 +1,6 @@
 #include "core/output/output.h"
 
+#include "core/input/noise.h"
 #include "core/output/compare.h"
 #include "core/output/order.h"
 #include "core/output/sides.h"
@@ -96,6 +97,9 @@ void vor_output_report_input(struct vor_report *report, const struct vor_domain 
     for (int c = 0; c < 3; c++)
         report->lattice[c] = known->lattice.cell[c] * domain->unit;
     report->off_lattice = known->off_lattice;
+    if (known->hidden > 0)
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOISE,
+                 VOR_NOISE_PLACES - known->hidden, VOR_NOISE_PLACES - VOR_NOISE_HIDDEN);
 }
 
 static void report_stage(struct vor_report *report, const struct vor_outcome *told, unsigned stage)

@@ -70,7 +70,10 @@ enum vor_oriented {
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
       "Noise hides parts of the surface from any number of neighbors; there the result may be "    \
-      "farther from the surface than the input")
+      "farther from the surface than the input")                                                   \
+    X(NOT_RESTORED, "lattice",                                                                     \
+      "Points stay where no lattice is found, or its cells are smaller than a tenth of the "       \
+      "spacing")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,

@@ -110,7 +110,7 @@ struct vor_when {
       "As many points as the input has, with normals and sharp edges")                             \
     X("denoise", "Denoise", "denoise", "",                                                         \
       "As many points as the input has, without noise and outliers")                               \
-    X("decoded", "After a codec", "denoise", "filters=mls",                                        \
+    X("decoded", "After a codec", "restore", "",                                                   \
       "The same points in the same order, moved back towards the surface after a codec rounded "   \
       "their positions")                                                                           \
     X("fourfold",                                                                                  \

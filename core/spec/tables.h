@@ -409,6 +409,10 @@ struct vor_artefact_info {
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as resample does and joins them into a manifold triangle mesh "              \
       "facing outward")                                                                            \
+    X(RESTORE, restore, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
+      "Restore a decoded point cloud",                                                             \
+      "Moves the points of a cloud that a codec rounded to a lattice back towards the surface, "   \
+      "each within its cell; order, attributes and faces stay")                                    \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

@@ -45,7 +45,7 @@ int vor_topic_find(struct vor_topic *out, const char *name)
     /* Words that people look for, and the topic that has them. */
     static const struct {
         const char *word, *topic;
-    } aliases[] = {{"backup", "data"}, {"restore", "data"}, {"nginx", "proxies"}};
+    } aliases[] = {{"backup", "data"}, {"nginx", "proxies"}};
 
     for (size_t i = 0; i < sizeof aliases / sizeof aliases[0]; i++)
         if (strcmp(aliases[i].word, name) == 0)

@@ -12,6 +12,7 @@
 #define TENSORS 265.0 /* of the input, while its metric is found: 263 */
 #define INSPECT 120.0 /* of the input, what inspect takes beside the index: 118 to 260 */
 #define CONVERT 24.0  /* of the input, what convert takes: 24 */
+#define RESTORE 36.0  /* of the input, what restore takes beside convert and the index: 36 */
 #define DOUBLES                                                                                    \
     24.0            /* of the input, where it may be doubles that are kept: convert 24 beside what \
                        attributes are reckoned with, denoise 36 */
@@ -139,6 +140,8 @@ uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
             bytes += (CONVERT + 2 * attributes) * points;
         else
             bytes += (INDEX + SHEETS + attributes) * points;
+        if (spec->process == vor_process_find("restore"))
+            bytes += (INDEX + RESTORE) * points;
     }
     return (uint64_t)fmin(bytes, 9e18);
 }

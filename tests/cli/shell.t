@@ -55,7 +55,7 @@ subtest 'the topics' => sub {
     like $upsample, qr/--$_->[0] VALUE\n(?: {6}\S.*\n)*? {6}.*default $_->[1]$/m, "the tables: $_->[0] is $_->[1] of upsample" for [ratio => 4], [iterations => 1];
     like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(16\),\s+rate=N\s+job\s+requests\s+per\s+second\s+\(10\)/, 'the tables: quotas';
     like printed('help', 'metrics'), qr/^  voronoid_queue_jobs\n      gauge by state[.] /m, 'help metrics has what /metrics has';
-    is printed('help', $_->[0]), printed('help', $_->[1]), "help $_->[0] is help $_->[1]" for ['backup', 'data'], ['restore', 'data'], ['nginx', 'proxies'];
+    is printed('help', $_->[0]), printed('help', $_->[1]), "help $_->[0] is help $_->[1]" for ['backup', 'data'], ['nginx', 'proxies'];
 };
 
 subtest 'the manual' => sub {
@@ -123,7 +123,7 @@ for my $shell ('bash', 'fish') {
         }
         is offered($shell, 'serve', '--'), join(' ', sort '--help', @settings), 'serve: its settings';
         for my $case (
-            [['res'], 'resample', 'the beginning of a command'], [['submit', 'up'], 'upsample', 'submit wants a process'],
+            [['resa'], 'resample', 'the beginning of a command'], [['submit', 'up'], 'upsample', 'submit wants a process'],
             [['submit', 'heal'], '', 'not any command'], [['submit', 'inspect', '--in'], '--intrinsic --invalid', 'and then takes its parameters'],
             [['resample', '--order', ''], 'progressive spatial', 'a choice has words'],
             [['resample', '--filters', 'mls,o'], 'mls,outliers', 'a list goes on behind a comma'],

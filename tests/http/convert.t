@@ -51,6 +51,9 @@ my ($came, $went) = map { [substr($_, 0, -$size), sort unpack '(a19)4', substr $
     $plain =~ s/\Q$remarks\E//r;
 is_deeply $came, $went, 'and back, bit for bit, in the order of a Draco mesh';
 is_deeply report_of($back)->{dropped}, [], 'nothing is left out on that way';
+my $restored = $daemon->post('/v1/restore', $rich);
+is $restored->{content}, $plain . $faces, 'restore keeps points, attributes, faces and comments where it finds no lattice';
+is_deeply [map { @$_{qw(about value limit)} } @{ report_of($restored)->{warnings} }], ['lattice', 0, 4], 'and says so';
 is report_of($daemon->post('/v1/convert?format=drc', $cloud))->{parameters}{quantization}, 'auto', 'auto is said';
 my $spacing = json($daemon->post('/v1/inspect', $cloud))->{spacing}{mean};
 cmp_ok abs(report_of($daemon->post('/v1/convert?format=drc', $cloud))->{spacing} / $spacing - 1), '<', 1e-5,

@@ -38,7 +38,7 @@ my %as = (
     simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
 );
 my @listed = @{ json($daemon->get('/v1/processes'))->{processes} };
-is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect convert mesh)], 'the list has every process';
+is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect convert mesh restore)], 'the list has every process';
 
 for my $process (grep { $as{ $_->{id} } } @listed) {
     my ($id, $wanted) = ($process->{id}, $as{ $process->{id} });
@@ -86,12 +86,12 @@ for my $process (@listed) {
         'what a parameter hangs on is one of the process';
     for my $preset (@{ $described->{'x-presets'} }) {
         $names{$preset->{name}} = $process->{id};
-        my %values = (%{ $preset->{values} }, iterations => 0, polish => 0);
+        my %values = (%{ $preset->{values} }, $parameters{polish} ? (iterations => 0, polish => 0) : ());
         my $answer = $daemon->post("/v1/$process->{id}?" . join('&', map { "$_=" . (ref $values{$_} ? join ',', @{ $values{$_} } : $values{$_}) } sort keys %values), $many);
         is $answer->{status}, 200, "$process->{id}: the preset $preset->{name} can be asked for" or diag $answer->{content};
     }
 }
-is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', decoded => 'denoise', fourfold => 'upsample', quarter => 'simplify',
+is_deeply \%names, { even => 'resample', edges => 'resample', denoise => 'denoise', decoded => 'restore', fourfold => 'upsample', quarter => 'simplify',
     mesh => 'mesh' }, 'the presets that there are';
 is_deeply json($daemon->get('/v1/processes/resample'))->{inputs}{sigmaP}{'x-when'}, { method => ['wlop', 'ear'] }, 'a parameter of two methods says so';
 my ($first) = grep { $_->{name} eq 'even' } @{ json($daemon->get('/v1/processes/resample'))->{'x-presets'} };

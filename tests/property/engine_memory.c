@@ -10,9 +10,8 @@ enum { RECORDS = 160, CALLS = 3 }; /* CALLS of the allocator for one index */
  * it; for each seed its surface and its lists, and again for those that a start by areas has of its
  * own, where the input is not ten times as many; or while iterating the candidates, the momentum
  * and a second index of them; a bench for each thread and set. */
-#define EACH_IN 69
-#define EACH_KEPT 8 /* the spacing and regularity at a point, by the start once more */
-#define EACH_SEED(k) (6 * (k) + 392)
+#define EACH_IN(own) ((own) > 0 ? 77 : 69) /* the start keeps fits of its own */
+#define EACH_SEED(k) (6 * (k) + 393)
 #define EACH_ITERATED(k) (6 * (k) + 500)
 #define EACH_THREAD (200 << 10)
 #define ELSE (16 << 10)
@@ -22,8 +21,7 @@ static size_t bound_of(size_t in, size_t out, size_t k, size_t threads)
     size_t own = in / 10 >= out ? 0 : in < out ? in : out;
     size_t start = (out + own) * EACH_SEED(k), iterated = out * EACH_ITERATED(k);
 
-    return in * (own > 0 ? EACH_IN + EACH_KEPT : EACH_IN) + (start > iterated ? start : iterated) +
-           threads * EACH_THREAD + ELSE;
+    return in * EACH_IN(own) + (start > iterated ? start : iterated) + threads * EACH_THREAD + ELSE;
 }
 
 /* The allocator as each record finds it. */

@@ -198,6 +198,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("inspect", make_rough, 1500, 300, "inspect"),
     ROW("inspect holes", make_punched, 1200, 300, "inspect"),
     ROW("inspect sheets", make_waves, 1200, 300, "inspect outliers=keep intrinsic=satellites"),
+    ROW("restore", make_voxels, 4000, 300, "restore"),
     {.name = "convert",
      .call = vt_call_request,
      .make = make_carrying,

@@ -1,5 +1,6 @@
 /* Inputs that were rounded to a lattice: it is found, and the points moved within their cells. */
 #include "core/input/lattice.h"
+#include "core/input/restore.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -264,8 +265,78 @@ START_TEST(a_result_lies_nearer_to_the_surface_than_without)
 }
 END_TEST
 
+static void restore(struct vor_cloud *cloud, struct vor_report *report, unsigned threads)
+{
+    struct vt_engine engine;
+
+    vt_engine_open(&engine, threads);
+    memset(report, 0, sizeof *report);
+    vt_assert_ok(vor_restore_cloud(cloud, report, &engine.spec, &engine.run, &vt_err));
+    vt_engine_close(&engine);
+}
+
+/* One lattice, or one on each side of x = 0, of cells of half a spacing to one and a half. */
+START_TEST(restored_points_lie_nearer_each_in_its_cell)
+{
+    for (int i = 0; i < 4; i++) {
+        const struct vt_shape *shape = &vt_shapes[(_i + i) % VT_SMOOTH];
+        double wide = (i == 3 ? 1.2 : 0.5 * i + 0.5) * spacing(shape), was2 = 0, is2 = 0;
+        struct vor_cloud cloud[4]; /* truth, coded, restored by one thread and by three */
+        struct vor_report report;
+
+        for (int j = 0; j < 4; j++)
+            shape->make(&cloud[j], (uint64_t)_i, N);
+        for (size_t j = 0; j < 9 * N; j++) {
+            double x = (double)cloud[0].xyz[j % (3 * N)];
+            double h = wide * (i == 3 && cloud[0].xyz[j % (3 * N) - j % 3] < 0 ? 0.61 : 1);
+
+            cloud[1 + j / (3 * N)].xyz[j % (3 * N)] = (float)(h * rint(x / h));
+        }
+        restore(&cloud[2], &report, 1);
+        restore(&cloud[3], &report, 3);
+        ck_assert_mem_eq(cloud[2].xyz, cloud[3].xyz, 3 * N * sizeof(float));
+        ck_assert_uint_eq(report.warnings_count, i == 3);
+        ck_assert_uint_gt(report.off_lattice, i == 3 ? N / 3 : N / 2);
+        ck_assert_uint_eq(vt_coincident(&cloud[2]), vt_coincident(&cloud[1]));
+        for (size_t j = 0; j < 3 * N; j++) {
+            ck_assert(fabsf(cloud[2].xyz[j] - cloud[1].xyz[j]) < (float)(0.501 * wide));
+            was2 += pow((double)(cloud[1].xyz[j] - cloud[0].xyz[j]), 2);
+            is2 += pow((double)(cloud[2].xyz[j] - cloud[0].xyz[j]), 2);
+        }
+        ck_assert_double_lt(is2 / was2, i == 3 ? 0.9 : 0.8);
+        ck_assert_double_lt(vt_off_mean(shape, &cloud[2]) / vt_off_mean(shape, &cloud[1]),
+                            i == 3 ? 0.8 : 0.5);
+        for (int j = 0; j < 4; j++)
+            vor_cloud_free(&cloud[j]);
+    }
+}
+END_TEST
+
+/* No lattice, cells of a twentieth of the distance between points, too few points. */
+START_TEST(restore_leaves_alone_what_it_cannot_tell)
+{
+    for (int i = 0; i < 3; i++) {
+        struct vor_cloud cloud;
+        struct vor_report report;
+        uint64_t was;
+
+        vt_cloud_torus(&cloud, (uint64_t)_i, i == 2 ? 3 : N);
+        if (i == 1)
+            snap_even(&cloud, 0.05 * 0.5 * spacing(&vt_shapes[VT_TORUS]));
+        was = vt_cloud_hash(&cloud);
+        restore(&cloud, &report, 2);
+        ck_assert_uint_eq(vt_cloud_hash(&cloud), was);
+        ck_assert_uint_eq(report.off_lattice, 0);
+        ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_NOT_RESTORED);
+        vor_cloud_free(&cloud);
+    }
+}
+END_TEST
+
 void vt_suite(Suite *suite)
 {
+    vt_add_figures(suite, restored_points_lie_nearer_each_in_its_cell, VT_FEWER(SEEDS));
+    vt_add_figures(suite, restore_leaves_alone_what_it_cannot_tell, 1);
     vt_add_figures(suite, known_lattices_are_found, VT_FEWER(SEEDS));
     vt_add_figures(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
     vt_add_figures(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));

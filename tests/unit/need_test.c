@@ -44,6 +44,7 @@ static const struct need_case cases[] = {
     {"mesh", 0, 3000, "ratio=1", 0.8, 1.5},
     {"denoise", 0, 10000, "filters=mls,outliers", 0.8, 2.0},
     {"convert", 0, 100000, "", 0.8, 1.5},
+    {"restore", 0, 100000, "", 0.8, 2.0},
     {"convert", DOUBLES, 100000, "", 0.9, 1.5},
     {"denoise", DOUBLES, 10000, "filters=outliers", 0.9, 2.0},
 };

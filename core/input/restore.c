@@ -1,0 +1,323 @@
+#include "core/input/restore.h"
+
+#include "core/base/linalg.h"
+#include "core/geom/surface.h"
+#include "core/input/conditioning.h"
+#include "core/input/domain.h"
+#include "core/input/lattice.h"
+#include "core/input/splats.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum {
+    BLOCK = 256, /* points of one task, and of a region with a lattice of its own */
+    WIDE = 3 * VOR_NEIGHBORS_FEWEST, /* neighbours of a fit, and of a finer one */
+    FINE = WIDE / 2,
+    EACH = WIDE / VOR_REFINED_TO /* one point in so many has a fit: a dozen for each */
+};
+
+/* Cells over spacing, below which no point moves: what there is to gain is then little, and the
+ * cloud's own detail is in the way. */
+#define SMALL 0.1
+
+#define NONE UINT32_MAX
+
+/* Sums are whole numbers, so that they do not depend on the order of threads: in 2^-32 of a cell
+ * and of a weight, which is at most WIDE / 6. */
+#define STEP 0x1p-32
+
+/* What fits say of one point: the weighted sum of its moves over the cells, and of the weights. */
+struct votes {
+    _Atomic int64_t by[3], weight;
+};
+
+/* The lattice of consecutive points of the domain; all zero where none is known. */
+struct region {
+    double cell[3];
+};
+
+struct restore {
+    const struct vor_run *run;
+    struct vor_domain domain;
+    struct vor_cloud *cloud;
+    struct region *region;
+    size_t many;       /* points of a region */
+    size_t eligible;   /* points of the domain in regions with a lattice */
+    double lattice[3]; /* the widest cells found */
+    struct votes *votes;
+    uint32_t *place; /* of each point of the cloud, in the domain */
+    atomic_size_t moved;
+};
+
+/* The neighbours of a point, nearest first. */
+struct hood {
+    uint32_t index[WIDE];
+    float near[3 * WIDE], distance2[WIDE];
+};
+
+/* A fit to the first k of them. */
+struct fit {
+    unsigned k;
+    double error; /* variance of what it says, over that of rounding */
+    float weight[WIDE];
+    double by[WIDE][3]; /* how it would move each */
+};
+
+/* Sets the weights (1 - d^2 / d_k^2)^3. Returns the sum of their squares over their own squared:
+ * one over the number of equal weights that would be as good. */
+static double weigh(struct fit *fit, const struct hood *hood)
+{
+    double sum = 0, squares = 0;
+
+    for (unsigned j = 0; j < fit->k; j++) {
+        float inside = 1 - hood->distance2[j] / (1.001F * hood->distance2[fit->k - 1]);
+        double weight = (double)(inside * inside * inside);
+
+        fit->weight[j] = (float)weight;
+        sum += weight;
+        squares += weight * weight;
+    }
+    return squares / (sum * sum);
+}
+
+/* Sets the way of each neighbour to its foot, to first order. Returns the weighted variance of
+ * their distances from the surface. */
+static double find_feet(struct fit *fit, const struct vor_surface *surface, const struct hood *hood)
+{
+    double sum = 0, total = 0;
+
+    for (unsigned j = 0; j < fit->k; j++) {
+        double x[3], local[3], gradient[2], off, step;
+
+        vor_to_doubles(x, &hood->near[3 * j]);
+        vor_surface_to_local(surface, x, local);
+        off = local[2] - vor_surface_height(surface, local[0], local[1], gradient);
+        step = off / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
+        for (int c = 0; c < 3; c++)
+            fit->by[j][c] = step * (gradient[0] * surface->axis[0][c] +
+                                    gradient[1] * surface->axis[1][c] - surface->axis[2][c]);
+        sum += (double)fit->weight[j] * off * step;
+        total += (double)fit->weight[j];
+    }
+    return sum / total;
+}
+
+/* Fits to the k nearest of a point whose lattice is known. */
+static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const double cell[3])
+{
+    struct vor_surface surface;
+    double taken, variance, rounding = 0, share;
+
+    fit->k = k;
+    fit->error = INFINITY;
+    taken = weigh(fit, hood);
+    vor_surface_fit_weighted(&surface, hood->near, fit->weight, k);
+    taken *= surface.kind == VOR_SURFACE_QUADRIC ? 6 : 3; /* coefficients */
+    if (surface.kind == VOR_SURFACE_NONE || !(taken < 1))
+        return;
+    variance = find_feet(fit, &surface, hood) / (1 - taken);
+    for (int c = 0; c < 3; c++) { /* uniform in the cell, seen along the normal */
+        double across = cell[c] * surface.axis[2][c];
+
+        rounding += across * across / 12;
+    }
+    share = variance > rounding ? rounding / variance : 1;
+    fit->error = 1 - share + taken;
+    for (unsigned j = 0; j < k; j++)
+        for (int c = 0; c < 3; c++)
+            fit->by[j][c] *= share;
+}
+
+static const double *cell_at(const struct restore *restore, size_t i)
+{
+    return restore->region[i / restore->many].cell;
+}
+
+/* Tells the neighbours what a fit says of them. */
+static void vote(struct restore *restore, const struct fit *fit, const struct hood *hood)
+{
+    for (unsigned j = 0; j < fit->k; j++) {
+        struct votes *votes = &restore->votes[hood->index[j]];
+        const double *cell = cell_at(restore, hood->index[j]);
+        double weight = (double)fit->weight[j] / (fit->error * STEP);
+
+        for (int c = 0; c < 3; c++) {
+            double by = cell[c] > 0 ? fit->by[j][c] / cell[c] : 0;
+
+            by = weight * fmax(-0.5, fmin(0.5, by));
+            atomic_fetch_add_explicit(&votes->by[c], llrint(by), memory_order_relaxed);
+        }
+        atomic_fetch_add_explicit(&votes->weight, llrint(weight), memory_order_relaxed);
+    }
+}
+
+/* Takes the finer of two fits where the wide one misses more than the other one's fewer points
+ * cost. */
+static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct restore *restore = ctx;
+    const struct vor_domain *domain = &restore->domain;
+    struct vor_knn_last last = {.k = 0};
+    struct fit wide = {.k = 0}, fine = {.k = 0};
+    struct hood hood;
+
+    assert(domain->n >= VOR_DOMAIN_FEW); /* or there is no lattice */
+    for (size_t i = vor_blocks_of(begin, EACH) * EACH; i < end; i += EACH) {
+        const double *cell = cell_at(restore, i);
+
+        if (!(cell[0] > 0))
+            continue;
+        vor_knn_search_next(domain->knn, &last, &domain->xyz[3 * i], WIDE, hood.index,
+                            hood.distance2);
+        for (size_t j = 0; j < WIDE; j++)
+            memcpy(&hood.near[3 * j], &domain->xyz[3 * (size_t)hood.index[j]],
+                   3 * sizeof *hood.near);
+        make_fit(&wide, &hood, WIDE, cell);
+        make_fit(&fine, &hood, FINE, cell);
+        if (fine.error < wide.error)
+            vote(restore, &fine, &hood);
+        else if (isfinite(wide.error))
+            vote(restore, &wide, &hood);
+    }
+}
+
+/* Looks for the lattice of `many` points from `at` on. Keeps it where it has cells along each axis,
+ * as a codec's has, and these are not small. */
+static vor_status find_lattice(struct restore *restore, size_t at, size_t many,
+                               struct vor_error *err)
+{
+    struct vor_domain piece = restore->domain; /* in the index of all */
+    struct vor_lattice found;
+    vor_status status;
+    double widest;
+
+    piece.n = many;
+    piece.xyz = &restore->domain.xyz[3 * at];
+    status = vor_lattice_find(&found, &piece, restore->run, err);
+    if (status != VOR_OK)
+        return status;
+    widest = fmax(fmax(found.cell[0], found.cell[1]), found.cell[2]);
+    for (int c = 0; c < 3; c++)
+        restore->lattice[c] = fmax(restore->lattice[c], found.cell[c]);
+    if (widest > SMALL * found.spacing && found.cell[0] > 0 && found.cell[1] > 0 &&
+        found.cell[2] > 0) {
+        memcpy(restore->region[at / restore->many].cell, found.cell, sizeof found.cell);
+        restore->eligible += many;
+    }
+    return VOR_OK;
+}
+
+/* Looks for the lattice of all points; if none counts, for those of pieces of their order. */
+static vor_status find_regions(struct restore *restore, struct vor_error *err)
+{
+    size_t n = restore->domain.n, regions = vor_blocks_of(n, BLOCK);
+    vor_status status;
+
+    restore->region = vor_calloc(restore->run->memory, regions, sizeof *restore->region);
+    if (restore->region == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    restore->many = n;
+    status = find_lattice(restore, 0, n, err);
+    if (restore->eligible > 0 || regions == 1)
+        return status;
+    restore->many = BLOCK;
+    for (size_t at = 0; status == VOR_OK && at < n; at += restore->many)
+        status = find_lattice(restore, at, n - at < restore->many ? n - at : restore->many, err);
+    return status;
+}
+
+/* Finds the place in the domain of each point of the cloud: those that coincide share one. */
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct restore *restore = ctx;
+
+    for (size_t i = begin; i < end; i++) {
+        float x[3], distance2;
+
+        if (restore->place[i] != NONE)
+            continue;
+        vor_domain_normalise(&restore->domain, &restore->cloud->xyz[3 * i], x);
+        vor_knn_search(restore->domain.knn, x, 1, 1, &restore->place[i], &distance2);
+    }
+}
+
+static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct restore *restore = ctx;
+    const struct vor_domain *domain = &restore->domain;
+    struct vor_cloud *cloud = restore->cloud;
+    size_t moved = 0;
+
+    for (size_t i = begin; i < end; i++) {
+        size_t at = restore->place[i];
+        const struct votes *votes = &restore->votes[at];
+        const double *cell = cell_at(restore, at);
+        double weight = (double)atomic_load_explicit(&votes->weight, memory_order_relaxed);
+        int is_moved = 0;
+
+        for (size_t c = 0; c < 3 && weight > 0; c++) {
+            double by = (double)atomic_load_explicit(&votes->by[c], memory_order_relaxed) / weight;
+            float *x = &cloud->xyz[3 * i + c];
+            double to = (double)*x + by * cell[c] * domain->unit;
+
+            is_moved |= (float)to != *x;
+            if ((float)to != *x && cloud->exact != NULL)
+                cloud->exact[3 * i + c] += to - (double)*x;
+            *x = (float)to;
+        }
+        moved += (size_t)is_moved;
+    }
+    atomic_fetch_add_explicit(&restore->moved, moved, memory_order_relaxed);
+}
+
+/* Moves the points of a cloud whose domain and lattice are known. */
+static vor_status move(struct restore *restore, struct vor_error *err)
+{
+    const struct vor_run *run = restore->run;
+    size_t n = restore->cloud->n;
+    vor_status status;
+
+    restore->votes = vor_calloc(run->memory, restore->domain.n, sizeof *restore->votes);
+    restore->place = vor_malloc(run->memory, n, sizeof *restore->place);
+    if (restore->votes == NULL || restore->place == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    for (size_t i = 0; i < n; i++)
+        restore->place[i] = NONE;
+    for (size_t i = 0; i < restore->domain.n; i++)
+        restore->place[restore->domain.source[i]] = (uint32_t)i;
+    status = vor_run_for(run, n, BLOCK, place_block, restore, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, restore->domain.n, BLOCK, vote_block, restore, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, n, BLOCK, move_block, restore, err);
+    return status;
+}
+
+vor_status vor_restore_cloud(struct vor_cloud *cloud, struct vor_report *report,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    struct restore restore = {.run = run, .cloud = cloud};
+    vor_status status = vor_splats_check(cloud, spec, err);
+
+    if (status == VOR_OK)
+        status = vor_domain_init(&restore.domain, cloud, run, err);
+    if (status == VOR_OK)
+        status = find_regions(&restore, err);
+    if (status == VOR_OK && restore.eligible > 0)
+        status = move(&restore, err);
+    if (status == VOR_E_DEGENERATE) /* nothing to fit to */
+        status = VOR_OK;
+    for (int c = 0; c < 3; c++)
+        report->lattice[c] = restore.lattice[c] * restore.domain.unit;
+    report->off_lattice = restore.moved;
+    if (status == VOR_OK && (restore.eligible == 0 || restore.eligible < restore.domain.n))
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOT_RESTORED,
+                 (double)restore.eligible, (double)restore.domain.n);
+    VOR_FREE_ALL(run->memory, restore.place, restore.votes, restore.region);
+    vor_domain_free(&restore.domain);
+    return status;
+}
