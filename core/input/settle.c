@@ -53,12 +53,13 @@ struct hood {
     double axis[3][3]; /* the last is the normal of a plane through x */
 };
 
-/* How many points of the domain around a place lie as near as those that a fit reaches. */
+/* How many points of the domain around a place lie as near as those that a fit reaches; where more
+ * than the reach counts coincide, as many as there may be. */
 static double wanted_at(const struct vor_noise *noise, size_t place)
 {
     double wide = (REACH + 1) * noise->deviation[place] / noise->reach[place];
 
-    return VOR_LADDER_LAST * wide * wide;
+    return fmin(VOR_LADDER_LAST * wide * wide, UINT32_MAX);
 }
 
 /* Finds the points around one, among so few that as many as can be reach far enough. */
