@@ -44,6 +44,17 @@ static inline void vor_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/** Adds d d^T to the upper triangle m of a symmetric matrix: xx xy xz yy yz zz. */
+static inline void vor_add_square(double m[6], const double d[3])
+{
+    m[0] += d[0] * d[0];
+    m[1] += d[0] * d[1];
+    m[2] += d[0] * d[2];
+    m[3] += d[1] * d[1];
+    m[4] += d[1] * d[2];
+    m[5] += d[2] * d[2];
+}
+
 /** A vector of doubles in single precision, and one the other way. */
 static inline void vor_to_floats(float out[3], const double x[3])
 {

@@ -13,14 +13,9 @@ void vor_plane_fit(struct vor_plane *out, const float *xyz, const uint32_t *inde
             mean[c] += (double)xyz[3 * (size_t)index[j] + c] / k;
     for (unsigned j = 0; j < k; j++) {
         const float *p = &xyz[3 * (size_t)index[j]];
-        double x = (double)p[0] - mean[0], y = (double)p[1] - mean[1], z = (double)p[2] - mean[2];
+        double d[3] = {(double)p[0] - mean[0], (double)p[1] - mean[1], (double)p[2] - mean[2]};
 
-        m[0] += x * x;
-        m[1] += x * y;
-        m[2] += x * z;
-        m[3] += y * y;
-        m[4] += y * z;
-        m[5] += z * z;
+        vor_add_square(m, d);
     }
     vor_eigen3(values, vectors, m);
     total = values[0] + values[1] + values[2];

@@ -1,6 +1,7 @@
 #include "core/input/band.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/metric.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -75,7 +76,6 @@ static int find_frame(struct vor_band *band, double axis[3][3], const struct vor
                       const uint32_t *loop)
 {
     double area[3] = {0, 0, 0}, length;
-    int least = 0;
 
     memset(band->middle, 0, sizeof band->middle);
     for (size_t i = 0; i < band->rim; i++)
@@ -97,17 +97,9 @@ static int find_frame(struct vor_band *band, double axis[3][3], const struct vor
     length = sqrt(vor_dot(area, area));
     if (!(length > 0))
         return 0;
-    for (int c = 0; c < 3; c++) {
-        axis[2][c] = area[c] / length;
-        least = fabs(area[c]) < fabs(area[least]) ? c : least;
-    }
-    memset(axis[1], 0, sizeof axis[1]);
-    axis[1][least] = 1;
-    vor_cross(axis[0], axis[1], axis[2]);
-    length = sqrt(vor_dot(axis[0], axis[0]));
     for (int c = 0; c < 3; c++)
-        axis[0][c] /= length;
-    vor_cross(axis[1], axis[2], axis[0]);
+        axis[2][c] = area[c] / length;
+    vor_metric_axes(axis, axis[2]);
     return 1;
 }
 

@@ -179,16 +179,11 @@ static void spread_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 
     memset(m, 0, 6 * sizeof *m);
     for (size_t i = begin; i < end; i++) {
-        double x = (double)sums->xyz[3 * i] - sums->mean[0],
-               y = (double)sums->xyz[3 * i + 1] - sums->mean[1],
-               z = (double)sums->xyz[3 * i + 2] - sums->mean[2];
+        double d[3];
 
-        m[0] += x * x;
-        m[1] += x * y;
-        m[2] += x * z;
-        m[3] += y * y;
-        m[4] += y * z;
-        m[5] += z * z;
+        for (size_t c = 0; c < 3; c++)
+            d[c] = (double)sums->xyz[3 * i + c] - sums->mean[c];
+        vor_add_square(m, d);
     }
 }
 

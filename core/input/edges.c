@@ -119,16 +119,6 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
     out->spacing = sqrt(M_PI * (double)distance2[k - 1] / (k - 1));
 }
 
-static void add_square(double m[6], const double d[3])
-{
-    m[0] += d[0] * d[0];
-    m[1] += d[0] * d[1];
-    m[2] += d[0] * d[2];
-    m[3] += d[1] * d[1];
-    m[4] += d[1] * d[2];
-    m[5] += d[2] * d[2];
-}
-
 /* Normal of the plane through the points, and whether they are bent. */
 static int plane_of(float normal[3], const struct around *around)
 {
@@ -142,7 +132,7 @@ static int plane_of(float normal[3], const struct around *around)
 
         for (unsigned c = 0; c < 3; c++)
             d[c] = (double)around->near[3 * j + c] - (double)around->near[c] - mean[c];
-        add_square(m, d);
+        vor_add_square(m, d);
     }
     vor_eigen3(values, vectors, m);
     for (int c = 0; c < 3; c++)
@@ -222,7 +212,7 @@ static int look_at(const struct find *find, size_t i, struct around *around)
         const float *n = &find->normal[3 * (size_t)around->index[j]];
         double d[3] = {(double)n[0], (double)n[1], (double)n[2]};
 
-        add_square(m, d);
+        vor_add_square(m, d);
     }
     vor_eigen3(values, axis, m);
     if (!(around->spacing > 0) || !(values[1] >= ACROSS * around->k))

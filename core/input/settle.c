@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
+#include "core/geom/metric.h"
 #include "core/geom/surface.h"
 #include "core/input/noise.h"
 
@@ -210,23 +211,6 @@ static double distance2_of(const double x[3], const float origin[3])
     return sum;
 }
 
-/* Sets two axes along a plane. */
-static void find_axes(double axis[3][3])
-{
-    double length;
-    int least = 0;
-
-    for (int c = 1; c < 3; c++)
-        least = fabs(axis[2][c]) < fabs(axis[2][least]) ? c : least;
-    memset(axis[1], 0, sizeof axis[1]);
-    axis[1][least] = 1;
-    vor_cross(axis[0], axis[1], axis[2]);
-    length = sqrt(vor_dot(axis[0], axis[0]));
-    for (int c = 0; c < 3; c++)
-        axis[0][c] /= length;
-    vor_cross(axis[1], axis[2], axis[0]);
-}
-
 /* Takes the plane that the most points speak for: the one at hand, or that of one of the nearest
  * points. */
 static void choose_plane(struct hood *hood, const struct pass *pass, const float *origin, double r)
@@ -249,7 +233,7 @@ static void choose_plane(struct hood *hood, const struct pass *pass, const float
         best = points;
         memcpy(hood->x, x, sizeof x);
         memcpy(hood->axis[2], n, sizeof n);
-        find_axes(hood->axis);
+        vor_metric_axes(hood->axis, hood->axis[2]);
     }
 }
 

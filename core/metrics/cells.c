@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/flat.h"
+#include "core/geom/metric.h"
 #include "core/geom/patch.h"
 #include "core/knn/knn.h"
 
@@ -12,6 +13,10 @@ enum { BLOCK = 256, CORNERS = 7 };
 
 /* Neighbours that the tangent plane is fitted to: two rings of a lattice are 18. */
 enum { PLANE = 12 };
+
+/* Spacings from the nearest point beyond which a place is wide: between the 0.577 of a hexagonal
+ * lattice and the 0.658 of squares. */
+#define WIDE 0.64
 
 /* A cell. Of more corners the first are kept, and the farthest. */
 struct record {
@@ -40,33 +45,24 @@ static void find_plane(double axis[2][3], const float *offset, unsigned k)
 
         for (int c = 0; c < 3; c++)
             d[c] = (j < most ? (double)offset[3 * j + (unsigned)c] : 0) - mean[c];
-        m[0] += d[0] * d[0];
-        m[1] += d[0] * d[1];
-        m[2] += d[0] * d[2];
-        m[3] += d[1] * d[1];
-        m[4] += d[1] * d[2];
-        m[5] += d[2] * d[2];
+        vor_add_square(m, d);
     }
     vor_eigen3(values, vectors, m);
     memcpy(axis, vectors[1], 2 * sizeof axis[0]);
 }
 
-static double inner(const double g[6], const double a[3], const double b[3])
-{
-    return a[0] * (g[0] * b[0] + g[1] * b[1] + g[2] * b[2]) +
-           a[1] * (g[1] * b[0] + g[3] * b[1] + g[4] * b[2]) +
-           a[2] * (g[2] * b[0] + g[4] * b[1] + g[5] * b[2]);
-}
-
 /* Makes lengths in the plane of the axes those in the metric: by its Cholesky factor there. */
 static void stretch(double axis[2][3], const double metric[6])
 {
-    double xx = sqrt(inner(metric, axis[0], axis[0])), xy = inner(metric, axis[0], axis[1]) / xx,
-           yy = sqrt(fmax(inner(metric, axis[1], axis[1]) - xy * xy, 0));
+    double plane[3], x, y, across;
 
+    vor_metric_restrict(plane, metric, axis);
+    x = sqrt(plane[0]);
+    across = plane[1] / x;
+    y = sqrt(fmax(plane[2] - across * across, 0));
     for (int c = 0; c < 3; c++) {
-        axis[0][c] = xx * axis[0][c] + xy * axis[1][c];
-        axis[1][c] *= yy;
+        axis[0][c] = x * axis[0][c] + across * axis[1][c];
+        axis[1][c] *= y;
     }
 }
 
@@ -79,10 +75,11 @@ static int cut(struct vor_flat *cell, const float *offset, unsigned k, const dou
     find_plane(axis, offset, k);
     stretch(axis, metric);
     vor_to_doubles(d, &offset[3 * (size_t)(k - 1)]);
-    vor_flat_begin(cell, vor_patch_octagon, VOR_PATCH_OCTAGON, sqrt(inner(metric, d, d)) / 2);
+    vor_flat_begin(cell, vor_patch_octagon, VOR_PATCH_OCTAGON,
+                   sqrt(vor_metric_length2(metric, d)) / 2);
     for (unsigned j = 0; j < k; j++) {
         vor_to_doubles(d, &offset[3 * (size_t)j]);
-        length2 = inner(metric, d, d);
+        length2 = vor_metric_length2(metric, d);
         if (length2 < 4 * cell->far2)
             vor_flat_clip(cell, (double[2]){vor_dot(axis[0], d), vor_dot(axis[1], d)}, length2 / 2,
                           j);
@@ -160,7 +157,7 @@ static void sum_up(struct vor_cells *out, const struct record *record, size_t n)
     spacing2 = 2 / sqrt(3) * mean;
     for (size_t i = 0; i < n; i++)
         for (unsigned c = 0; c < CORNERS && record[i].sides > 0; c++)
-            corners += (double)record[i].corner2[c] > 0.64 * 0.64 * spacing2;
+            corners += (double)record[i].corner2[c] > WIDE * WIDE * spacing2;
     out->eta = moment / ((double)closed * 5 / (18 * sqrt(3)) * mean * mean) - 1;
     out->six = (double)six / (double)closed;
     out->gap = sqrt(far2 / spacing2);

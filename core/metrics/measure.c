@@ -13,23 +13,16 @@
 static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t n, double unit,
                                const struct vor_run *run, struct vor_error *err)
 {
-    float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
     struct vor_uniformity even = {0};
     struct vor_cells cells = {0};
     struct vor_knn *knn = NULL;
-    vor_status status;
+    vor_status status = vor_knn_build(&knn, xyz, n, run->memory, err);
 
-    if (nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    status = vor_knn_build(&knn, xyz, n, run->memory, err);
     if (status == VOR_OK)
-        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
-    if (status == VOR_OK)
-        vor_uniformity_from(&even, nearest, n);
+        status = vor_uniformity_indexed(&even, xyz, n, knn, run, err);
     if (status == VOR_OK)
         status = vor_cells_measure(&cells, xyz, n, knn, run, err);
     vor_knn_free(knn);
-    vor_free(run->memory, nearest);
     if (status != VOR_OK)
         return status;
     if (!(even.mean > 0))

@@ -73,21 +73,30 @@ vor_status vor_nearest_distances(float *nearest, const float *xyz, size_t n,
     return VOR_OK;
 }
 
-vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, size_t n,
-                                  const struct vor_run *run, struct vor_error *err)
+vor_status vor_uniformity_indexed(struct vor_uniformity *out, const float *xyz, size_t n,
+                                  const struct vor_knn *knn, const struct vor_run *run,
+                                  struct vor_error *err)
 {
     float *nearest = vor_malloc(run->memory, n, sizeof *nearest);
-    struct vor_knn *knn = NULL;
     vor_status status;
 
     if (nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    status = vor_knn_build(&knn, xyz, n, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
+    status = vor_nearest_distances(nearest, xyz, n, knn, run, err);
     if (status == VOR_OK)
         vor_uniformity_from(out, nearest, n);
-    vor_knn_free(knn);
     vor_free(run->memory, nearest);
+    return status;
+}
+
+vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, size_t n,
+                                  const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_knn *knn = NULL;
+    vor_status status = vor_knn_build(&knn, xyz, n, run->memory, err);
+
+    if (status == VOR_OK)
+        status = vor_uniformity_indexed(out, xyz, n, knn, run, err);
+    vor_knn_free(knn);
     return status;
 }

@@ -41,9 +41,15 @@ VOR_NODISCARD vor_status vor_kth_distances(float *out, const float *queries, siz
                                            const struct vor_run *run, struct vor_error *err);
 enum { VOR_KTH_MAX = 7 };
 
+/** Measures how evenly n points (n x 3) are spread, by an index of them. Fails as
+ *  vor_uniformity_measure; O(n log n). */
+VOR_NODISCARD vor_status vor_uniformity_indexed(struct vor_uniformity *out, const float *xyz,
+                                                size_t n, const struct vor_knn *knn,
+                                                const struct vor_run *run, struct vor_error *err);
+
 /** Measures how evenly n points (n x 3) are spread. Fails as vor_nearest_distances.
  *
- *  @retval VOR_E_NOMEM  the index does not fit
+ *  @retval VOR_E_NOMEM  the index or 4 n bytes do not fit
  *
  *  O(n log n), on the run's pool. */
 VOR_NODISCARD vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz,

@@ -72,7 +72,8 @@ enum { CELLS_EVEN = 3 };
 static const struct aim even_distances = {VOR_REPEL_HARD, CELLS_EVEN, 0, 0, REACH_EVEN};
 
 /* The same by short steps, where long ones do harm. Where nothing holds points at the border they
- * carry them out: a square sheet to 400 points, rms distance to it over its diagonal 4.4e-4 by
+ * carry them out: a saddle with a hole to 400 points, rms distance to it over its
+ * diagonal 4.4e-4 by
  * short and 1.4e-2 by long steps. Where the input has sheets they carry some from one to another:
  * of two wavy sheets (tests/property/shapes) 0 and 1 points lie between them. */
 static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, VOR_REPEL_GAIN, 0.7, REACH_EVEN};

@@ -6,15 +6,15 @@
  *  (h/d)^(2S) over its neighbours at distance d, with h the mean spacing, adds a share of its last
  *  step, and projects it onto the quadric; a step is at most 5 % of h. S rises from 4 to 14, and
  *  steps get shorter: soft repulsion by long steps grows regions of one orientation, hard repulsion
- *  evens the distances out. Where the
- *  process joins the points by triangles, and the input has no sheets and there is no metric, S
- * rises to 8, and steps are longer and keep more of the last one, so that more points have six
- * neighbours; distances are less even. Repulsion alone opens holes where regions meet. So every few
- * steps the farthest corner of each point's Voronoi cell is found; where that is farther away than
- * in a lattice, the point is pulled towards it. Points at the border are not pushed out, and a
- * point more than VOR_OUTSIDE_EVENING spacings from the input moves along it or towards it, not
- * farther away. In the second half of the steps the surfaces of an exact input keep its edges
- * (vor_surface_refine); an input whose points were moved off a lattice is not exact.
+ *  by short ones evens the distances out. Where the input has sheets, or nothing holds points at
+ * its border, all steps are short. Where the process joins the points by triangles, and the input
+ * has no sheets and there is no metric, S rises to 8, and steps stay long, so that more points have
+ * six neighbours; distances are less even. Repulsion alone opens holes where regions meet. So every
+ * few steps the farthest corner of each point's Voronoi cell is found; where that is farther away
+ * than in a lattice, the point is pulled towards it. Points at the border are not pushed out, and a
+ *  point more than VOR_OUTSIDE_EVENING spacings from the input moves along it or towards it, not
+ *  farther away. In the second half of the steps the surfaces of an exact input keep its edges
+ *  (vor_surface_refine); an input whose points were moved off a lattice is not exact.
  *
  *  With a density (input/density.h) h and all other lengths are those of the spacing wanted at the
  *  place, and for the force of two points the larger of both; how even the points are is measured
@@ -42,14 +42,18 @@ enum {
     VOR_REPEL_HARD = 14
 };
 
-/** Step over the sum of forces, times 2 S, at the last step. At 0.1 / 0.2 / 0.3, a sphere of
- * 200,000 random points to 5,072: delta 0.0166 / 0.0161 / 0.0168, min over mean 0.95 / 0.93 / 0.92.
- * The first step has 1; at 0.2 / 0.6 / 1 / 1.4: eta of that sphere 1.21 / 0.98 / 0.90 / 0.86 %,
- * delta 0.0168 / 0.0161 / 0.0161 / 0.0165. */
+/** Step over the sum of forces, times 2 S, at the last step. Figures are of a sphere of 200,000
+ *  random points to 5,072 and of fandisk, 110,000 random points to 5,000: delta at 0.1 / 0.2 / 0.3
+ * is 0.0172 / 0.0164 / 0.0165 and 0.0228 / 0.0216 / 0.0213, the largest gap 0.713 / 0.711 / 0.720
+ * and 1.19 / 1.22 / 1.27 spacings. The first step has 1; at 0.6 / 1 / 1.4: six 0.905 / 0.912 /
+ * 0.912 and 0.859 / 0.884 / 0.874, gap 0.705 / 0.711 / 0.724 and 1.20 / 1.22 / 1.21. */
 #define VOR_REPEL_GAIN 0.2
 /** Share of the last step that is added to the next: at the first step and at the last one. At 0.8
- * / 0.9 / 0.95 at the first: eta of that sphere 0.96 / 0.90 / 0.93 %. At 0.7 / 0.8 / 0.9 at the
- * last: 1.10 / 0.93 / 0.90 %, delta of scannet 0.0453 / 0.0458 / 0.0487. */
+ * / 0.9 / 0.95 at the first: six 0.909 / 0.912 / 0.910 and 0.874 / 0.884 / 0.894, gap 0.702 / 0.711
+ * / 0.729 of the sphere. At 0.7 / 0.8 / 0.9 at the last: delta 0.0170 / 0.0164 / 0.0160 and 0.0242
+ * / 0.0216 / 0.0198, gap 0.697 / 0.711 / 0.853 of the sphere. The pull is 1 less this; at 0.75 / 1
+ * / 1.5 of that: delta 0.0163 / 0.0164 / 0.0169 and 0.0201 / 0.0216 / 0.0243, gap 0.738 / 0.711 /
+ * 0.701 of the sphere. */
 #define VOR_REPEL_MOMENTUM_FIRST 0.9
 #define VOR_REPEL_MOMENTUM_LAST 0.8
 
