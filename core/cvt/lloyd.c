@@ -2,8 +2,8 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
-#include "core/geom/integrate.h"
 #include "core/opt/anderson.h"
+#include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
@@ -114,26 +114,6 @@ static vor_status alloc_cvt(struct cvt *cvt, struct vor_error *err)
     return window > 0 ? vor_anderson_init(&cvt->anderson, 3 * n, window, memory, err) : VOR_OK;
 }
 
-/* Moments of the cell of seed i, with the density if there is one. */
-static int moments_of(const struct cvt *cvt, const struct vor_scratch *scratch, size_t i,
-                      struct vor_moments *out)
-{
-    const struct vor_wanted *wanted = &cvt->seeds->wanted;
-    const struct vor_surface *surface = &scratch->here.surface;
-    struct vor_cell_spacing spacing;
-
-    if (wanted->value == NULL)
-        return vor_cell_moments(out, &scratch->cell);
-    spacing.value = vor_wanted_at(wanted, i);
-    for (int c = 0; c < 3; c++) {
-        const float *slope = wanted->near[i].slope;
-
-        spacing.slope[c] = vor_dot(
-            surface->axis[c], (double[3]){(double)slope[0], (double)slope[1], (double)slope[2]});
-    }
-    return vor_cell_moments_dense(out, &scratch->cell, &spacing);
-}
-
 /* The centroid of scratch->cell lies outside: clips the cell where the input ends in that
  * direction, and computes the centroid x again. */
 static void shorten_cell(const struct cvt *cvt, struct vor_scratch *scratch, size_t i,
@@ -151,7 +131,7 @@ static void shorten_cell(const struct cvt *cvt, struct vor_scratch *scratch, siz
                                 scratch->there.near, scratch->there.k),
                VOR_EDGE_ROOM * scratch->there.surface.spacing);
     vor_cell_clip(&scratch->cell, (double[3]){2 * end * side[0], 2 * end * side[1], 0});
-    if (!moments_of(cvt, scratch, i, moments))
+    if (!vor_area_moments(moments, cvt->seeds, scratch, i))
         return;
     vor_surface_to_world(&scratch->here.surface, moments->centroid, x);
     vor_surface_put(&scratch->here.surface, x);
@@ -235,7 +215,7 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
         sums->left++;
         return;
     }
-    if (moments_of(cvt, scratch, i, &moments)) {
+    if (vor_area_moments(&moments, cvt->seeds, scratch, i)) {
         double wanted = vor_wanted_at(&cvt->seeds->wanted, i);
 
         sums->area += moments.area;

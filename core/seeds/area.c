@@ -1,7 +1,7 @@
 #include "core/seeds/area.h"
 
+#include "core/base/linalg.h"
 #include "core/base/rng.h"
-#include "core/geom/integrate.h"
 #include "core/seeds/hurried.h"
 
 /* Cells of a random draw are uneven: the largest extend beyond the usual patch, and their area
@@ -34,6 +34,25 @@ void vor_area_draw(struct vor_seeds *seeds, uint64_t seed)
         for (size_t c = 0; c < 3; c++)
             seeds->xyz[3 * i + c] = domain->xyz[3 * at + c];
     }
+}
+
+int vor_area_moments(struct vor_moments *out, const struct vor_seeds *seeds,
+                     const struct vor_scratch *scratch, size_t i)
+{
+    const struct vor_wanted *wanted = &seeds->wanted;
+    const struct vor_surface *surface = &scratch->here.surface;
+    struct vor_cell_spacing spacing;
+
+    if (wanted->value == NULL)
+        return vor_cell_moments(out, &scratch->cell);
+    spacing.value = vor_wanted_at(wanted, i);
+    for (int c = 0; c < 3; c++) {
+        const float *slope = wanted->near[i].slope;
+
+        spacing.slope[c] = vor_dot(
+            surface->axis[c], (double[3]){(double)slope[0], (double)slope[1], (double)slope[2]});
+    }
+    return vor_cell_moments_dense(out, &scratch->cell, &spacing);
 }
 
 struct areas {

@@ -6,7 +6,16 @@
 #ifndef VOR_SEEDS_AREA_H
 #define VOR_SEEDS_AREA_H
 
+#include "core/geom/integrate.h"
 #include "core/seeds/seeds.h"
+
+/** Moments of scratch->cell, the cell of seed i, with the density where there is one.
+ *
+ *  @return as vor_cell_moments
+ *
+ *  O(corners of the cell). */
+int vor_area_moments(struct vor_moments *out, const struct vor_seeds *seeds,
+                     const struct vor_scratch *scratch, size_t i);
 
 /** Puts the seeds at points of their domain, all different: a random one from each of seeds->n
  *  equal stretches of its order. seeds->n is at most the number of points.

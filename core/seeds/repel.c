@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/boundary.h"
+#include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
@@ -103,6 +104,8 @@ struct polish {
     struct vor_repel_pace pace;
     struct vor_recall recall; /* of last fits */
     int cells;                /* holes are looked for in this step */
+    int covers;               /* this step leads to the centroids of cells */
+    double hole;              /* pitches from the middle of a hole to the points around it */
 };
 
 /* The spacing that seed i is to have, when the mean is h: with a density, h is the mean of what an
@@ -127,8 +130,8 @@ static void find_hole(struct polish *polish, const struct vor_scratch *scratch, 
     if (corner == NULL)
         return;
     far = sqrt(far2);
-    polish->quiet[i] = far < HOLE * pitch;
-    excess = fmin(far - HOLE * pitch, HOLE_EXCESS * pitch);
+    polish->quiet[i] = far < polish->hole * pitch;
+    excess = fmin(far - polish->hole * pitch, HOLE_EXCESS * pitch);
     if (!(excess > 0))
         return;
     for (int c = 0; c < 3; c++)
@@ -204,6 +207,24 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     }
 }
 
+/* The way of a seed to the centroid of its cell; none where the
+ * cell has no area. */
+static int towards_centroid(const struct polish *polish, const struct vor_scratch *scratch,
+                            size_t i, double way[3])
+{
+    const struct vor_surface *surface = &scratch->here.surface;
+    struct vor_moments moments;
+
+    if (!vor_area_moments(&moments, polish->seeds, scratch, i))
+        return 0;
+    for (int c = 0; c < 3; c++) {
+        way[c] = 0;
+        for (int a = 0; a < 3; a++)
+            way[c] += (moments.centroid[a] - scratch->cell.seed[a]) * surface->axis[a][c];
+    }
+    return 1;
+}
+
 /* Reduces v to its tangential part, and at the border to what does not lead out. */
 static void keep_on_surface(const struct polish *polish, const struct vor_scratch *scratch,
                             double h, const double x[3], double v[3])
@@ -247,7 +268,8 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     double length, h = spacing_of(polish, i), limit = VOR_REPEL_STEP_MAX * h;
 
     vor_seeds_position(seeds, i, x);
-    repulsion(polish, scratch, i, v);
+    if (!polish->covers || !towards_centroid(polish, scratch, i, v))
+        repulsion(polish, scratch, i, v);
     for (size_t c = 0; c < 3; c++)
         v[c] += (double)polish->pull[3 * i + c] +
                 polish->pace.momentum * (double)polish->step[3 * i + c];
@@ -337,6 +359,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     size_t moving = vor_seeds_moving(seeds);
     vor_status status = VOR_OK;
     unsigned done = polish->stage.record.step, steps = polish->stage.record.of;
+    int is_cover = stage->spec->value[VOR_PARAM_EVENNESS] == VOR_EVENNESS_COVER;
 
     if (!vor_seeds_on_whole(seeds) &&
         (stage->record.step + ON_WHOLE >= stage->record.of || vor_stage_is_enough(stage))) {
@@ -353,6 +376,13 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         polish->pace.pull = HOLE_PULL;
     }
     polish->cells = done % aim->cells == 0;
+    polish->covers = is_cover && 2 * done >= steps;
+    polish->hole = HOLE;
+    if (polish->covers) {
+        polish->hole = HOLE / 2 + 0.25 / VOR_HEXAGON_HEIGHT; /* half as far above a lattice's */
+        polish->cells = stage->keep_last = 1;
+        memset(polish->quiet, 0, seeds->n);
+    }
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     if (status == VOR_OK)

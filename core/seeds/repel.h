@@ -11,10 +11,16 @@
  * has no sheets and there is no metric, S rises to 8, and steps stay long, so that more points have
  * six neighbours; distances are less even. Repulsion alone opens holes where regions meet. So every
  * few steps the farthest corner of each point's Voronoi cell is found; where that is farther away
- * than in a lattice, the point is pulled towards it. Points at the border are not pushed out, and a
- *  point more than VOR_OUTSIDE_EVENING spacings from the input moves along it or towards it, not
- *  farther away. In the second half of the steps the surfaces of an exact input keep its edges
- *  (vor_surface_refine); an input whose points were moved off a lattice is not exact.
+ * than in a lattice, the point is pulled towards it. With evenness=cover, points move towards the
+ *  centroids of their cells in the second half of the steps, instead of away from each other, and
+ *  smaller holes pull; the last positions are kept. That is Lloyd's iteration, from a start with
+ *  large regions of one orientation: fewer places are far from all points than after either alone
+ *  (sphere of 200,000 random points to 5,072, farther than 0.64 spacings: 712 by spacing, 4 by
+ *  cover; largest gap 0.73 and 0.65 spacings, eta 0.95 and 0.68 %, delta 0.016 and 0.041). Points
+ * at the border are not pushed out, and a point more than VOR_OUTSIDE_EVENING spacings from the
+ * input moves along it or towards it, not farther away. In the second half of the steps the
+ * surfaces of an exact input keep its edges (vor_surface_refine); an input whose points were moved
+ * off a lattice is not exact.
  *
  *  With a density (input/density.h) h and all other lengths are those of the spacing wanted at the
  *  place, and for the force of two points the larger of both; how even the points are is measured
@@ -87,12 +93,12 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
 
 /** What follows a method: attaches the seeds to the input, evens them out, and attaches them to the
  *  whole of it (seeds/attach.h). seeds->xyz ends as the most even positions of all, those before
- *  the first step included. The steps end at the number that the request allows, at its delta or
- *  seconds, or when the watch says so. None is made where the request allows none or the caller
- *  stopped the run.
+ *  the first step included; with evenness=cover as the last ones, if that half is reached. The
+ * steps end at the number that the request allows, at its delta or seconds, or when the watch says
+ * so. None is made where the request allows none or the caller stopped the run.
  *
  *  @param[in,out] told  what the method did so far; this stage is added, stopped may change
- *  @param[in]     spec  read: polish, delta, seconds
+ *  @param[in]     spec  read: polish, evenness, delta, seconds
  *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL

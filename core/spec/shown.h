@@ -40,6 +40,7 @@ enum vor_level {
     X(NEIGHBORS, ADVANCED, "Neighbors of a fit")                                                   \
     X(ANDERSON, ADVANCED, "Anderson window")                                                       \
     X(POLISH, ADVANCED, "Steps of the polish")                                                     \
+    X(EVENNESS, ADVANCED, "Kind of evenness")                                                      \
     X(BOUNDARY, BASIC, "Borders and holes")                                                        \
     X(HOLES, ADVANCED, "Holes to fill")                                                            \
     X(HOLE_MAX, ADVANCED, "Longest hole to fill")                                                  \
@@ -84,6 +85,7 @@ enum vor_level {
     X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
     X(ANDERSON, anderson, METHOD, "cvt", "with method=cvt")                                        \
     X(POLISH, polish, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                      \
+    X(EVENNESS, evenness, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                  \
     X(SIGMA_N, sigmaN, METHOD, "ear", "with method=ear")                                           \
     X(SIGMA_P, sigmaP, METHOD, "wlop ear", "with method=wlop or ear")                              \
     X(MU, mu, METHOD, "wlop ear", "with method=wlop or ear")                                       \

@@ -30,7 +30,7 @@ close $file or die "in.ply: $!";
 my %requests = (
     'PLY' => 'points=2500&iterations=6&polish=20&format=ply&normals=fit',
     'Draco' => 'ratio=0.3&iterations=12&format=drc&seed=7',
-    'accelerated' => 'points=1200&iterations=8&format=ply&anderson=4&polish=10',
+    'accelerated' => 'points=1200&iterations=8&format=ply&anderson=4&polish=10&evenness=cover',
     'in planes' => 'points=1000&iterations=3&polish=5&format=ply&patch=plane',
     'means' => 'points=900&iterations=5&format=ply&method=kmeans',
     'upsampled, plain Lloyd' => 'points=4500&iterations=4&format=ply&anderson=0&polish=0&boundary=free',
