@@ -92,7 +92,8 @@ void vor_record_unknown_best(struct vor_record *record);
     X(SECONDS, "seconds")                                                                          \
     X(PLATEAU, "plateau")                                                                          \
     X(CALLER, "stopped")                                                                           \
-    X(MOVE, "moveStop")
+    X(MOVE, "moveStop")                                                                            \
+    X(ETA, "eta")
 
 enum vor_stopped {
 #define VOR_STOPPED_ENUM(id, word) VOR_STOPPED_##id,

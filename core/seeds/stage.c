@@ -58,6 +58,7 @@ vor_status vor_stage_restart(struct vor_stage *stage, struct vor_error *err)
 {
     vor_status status = vor_stage_measure(stage, err);
 
+    stage->eta = INFINITY;
     if (status == VOR_OK)
         keep(stage);
     return status;
@@ -94,6 +95,12 @@ static int is_even_enough(const struct vor_stage *stage)
            stage->record.delta <= stage->spec->value[VOR_PARAM_DELTA];
 }
 
+static int is_regular_enough(const struct vor_stage *stage)
+{
+    return vor_spec_given(stage->spec, VOR_PARAM_ETA) &&
+           stage->eta <= stage->spec->value[VOR_PARAM_ETA];
+}
+
 static int is_still(const struct vor_stage *stage)
 {
     return vor_spec_given(stage->spec, VOR_PARAM_MOVE_STOP) &&
@@ -102,7 +109,7 @@ static int is_still(const struct vor_stage *stage)
 
 int vor_stage_is_enough(const struct vor_stage *stage)
 {
-    return is_even_enough(stage) || is_still(stage);
+    return is_even_enough(stage) || is_regular_enough(stage) || is_still(stage);
 }
 
 static int is_late(const struct vor_spec *spec, double share, double seconds)
@@ -125,6 +132,8 @@ static int is_over(struct vor_stage *stage)
 
     if (!stage->unfinished && is_even_enough(stage))
         *stopped = VOR_STOPPED_DELTA;
+    else if (!stage->unfinished && is_regular_enough(stage))
+        *stopped = VOR_STOPPED_ETA;
     else if (!stage->unfinished && is_still(stage))
         *stopped = VOR_STOPPED_MOVE;
     else if (record->step >= record->of)
@@ -136,11 +145,31 @@ static int is_over(struct vor_stage *stage)
     return 1;
 }
 
+/* Computes eta where the request has one to stop at. A stop keeps the positions that have it. */
+static vor_status measure_eta(struct vor_stage *stage, struct vor_error *err)
+{
+    struct vor_cells cells;
+    vor_status status;
+
+    if (!vor_spec_given(stage->spec, VOR_PARAM_ETA) || stage->seeds == NULL ||
+        stage->seeds->wanted.value != NULL)
+        return VOR_OK;
+    status = vor_seeds_index(stage->seeds, stage->run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_cells(&cells, stage->seeds, err);
+    if (status != VOR_OK)
+        return status;
+    stage->eta = cells.open < stage->n ? cells.eta : INFINITY;
+    stage->keep_last |= !stage->unfinished && is_regular_enough(stage);
+    return VOR_OK;
+}
+
 static vor_status step(struct vor_stage *stage, struct vor_error *err)
 {
     struct vor_record *record = &stage->record;
     double before = record->seconds;
     vor_status status = stage->step(stage, err);
+    int is_due;
 
     if (status != VOR_OK)
         return status;
@@ -151,10 +180,12 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
         record->iteration = record->step;
     record->seconds = vor_run_seconds(stage->run);
     stage->took = record->seconds - before;
-    if (stage->measure != NULL &&
-        (stage->record.step % stage->measure_every == 0 ||
-         stage->record.step + stage->measure_last >= stage->record.of || is_over(stage)))
+    is_due = stage->measure == NULL || record->step % stage->measure_every == 0 ||
+             record->step + stage->measure_last >= record->of || is_over(stage);
+    if (is_due && stage->measure != NULL)
         status = stage->measure(stage, err);
+    if (is_due && status == VOR_OK)
+        status = measure_eta(stage, err);
     if (status != VOR_OK)
         return status;
     return vor_run_answered(tell(stage, stage->tell_every < 2 ||
@@ -167,7 +198,7 @@ static vor_status loop(struct vor_stage *stage, struct vor_error *err)
 {
     vor_status status = VOR_OK;
 
-    stage->moved = INFINITY;
+    stage->moved = stage->eta = INFINITY;
     stage->record.seconds = vor_run_seconds(stage->run);
     if (stage->seeds == NULL)
         stage->best = stage->record;
@@ -187,7 +218,8 @@ vor_status vor_stage_run(struct vor_stage *stage, struct vor_error *err)
     double before = vor_run_clock(stage->run);
     vor_status status;
 
-    if (stage->follows && told->stopped == VOR_STOPPED_DELTA) /* its points have moved since */
+    if (stage->follows && (told->stopped == VOR_STOPPED_DELTA || told->stopped == VOR_STOPPED_ETA))
+        /* its points have moved since */
         told->stopped = VOR_STOPPED_ITERATIONS;
     status = loop(stage, err);
     if (status != VOR_OK)

@@ -21,7 +21,7 @@ typedef vor_status (*vor_stage_part)(struct vor_stage *stage, struct vor_error *
 
 /** A stage. Lengths of the record are in the unit of the cloud. */
 struct vor_stage {
-    const struct vor_spec *spec; /**< read: delta, moveStop, seconds */
+    const struct vor_spec *spec; /**< read: delta, eta, moveStop, seconds */
     const struct vor_run *run;   /**< may be stopped */
     struct vor_outcome *told;
     struct vor_record
@@ -42,10 +42,11 @@ struct vor_stage {
     double share;   /**< of the time that the request allows; 0: the stage asks for none */
     int follows;    /**< another stage: it has no record of 0 steps, and if it makes all of its own,
                          why the run stopped is what that one says */
-    int unfinished; /**< delta and moveStop do not count yet */
+    int unfinished; /**< delta, eta and moveStop do not count yet */
     int keep_last;  /**< the positions kept are the last ones, not the most even */
     double moved;   /**< in the last step, by the farthest, in spacings of an even spread; infinite
                          where the method does not tell */
+    double eta;     /**< of the last measurement; infinite where the request has none to stop at */
     double spacing; /**< mean distance to the nearest neighbour, normalised, as of the last
                          measurement */
 
@@ -80,7 +81,7 @@ void vor_stage_note(struct vor_stage *stage, const struct vor_uniformity *even);
  *  vor_seeds_uniformity_now. */
 VOR_NODISCARD vor_status vor_stage_restart(struct vor_stage *stage, struct vor_error *err);
 
-/** Whether delta or moveStop of the request is reached, even if they do not count yet. */
+/** Whether delta, eta or moveStop of the request is reached, even if they do not count yet. */
 int vor_stage_is_enough(const struct vor_stage *stage);
 
 /** Runs the stage, adds it to what is told, and puts seeds to the positions kept. A stop by the

@@ -35,6 +35,7 @@ enum vor_level {
     X(CELLS, ADVANCED, "Distance for cells")                                                       \
     X(ITERATIONS, ADVANCED, "Iterations")                                                          \
     X(DELTA, ADVANCED, "Target delta")                                                             \
+    X(ETA, ADVANCED, "Target eta")                                                                 \
     X(MOVE_STOP, ADVANCED, "Smallest move")                                                        \
     X(SECONDS, BASIC, "Time limit")                                                                \
     X(NEIGHBORS, ADVANCED, "Neighbors of a fit")                                                   \
@@ -82,6 +83,7 @@ enum vor_level {
       "if metric is not isotropic")                                                                \
     X(P, p, METRIC, "lp", "with metric=lp")                                                        \
     X(ITERATIONS, iterations, METHOD, "cvt kmeans", "with method=cvt or kmeans")                   \
+    X(ETA, eta, DENSITY, "uniform", "with density=uniform")                                        \
     X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
     X(ANDERSON, anderson, METHOD, "cvt", "with method=cvt")                                        \
     X(POLISH, polish, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                      \

@@ -165,6 +165,9 @@ enum vor_method_choice {
       "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
       "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
+    X(ETA, eta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                               \
+      "Stop once eta is this low. eta is the energy of the Voronoi tessellation, divided by that " \
+      "of as many regular hexagons, minus 1")                                                      \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
       "that evenly spread points have")                                                            \

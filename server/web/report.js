@@ -14,7 +14,7 @@ const meanings = (inputs) => ({ properties: Object.fromEntries(Object.entries(in
     .map(([name, { title, schema }]) => [name, { description: title, 'x-unit': schema['x-unit'] }])) });
 
 /* Why a run ended, as people say it. */
-const ENDED = { delta: 'stopped at the requested δ', seconds: 'stopped at its time limit', moveStop: 'stopped when points hardly moved',
+const ENDED = { delta: 'stopped at the requested δ', eta: 'stopped at the requested η', seconds: 'stopped at its time limit', moveStop: 'stopped when points hardly moved',
     stopped: 'you stopped it early' };
 
 const plain = (value) => value === null || typeof value !== 'object';

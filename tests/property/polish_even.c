@@ -130,11 +130,11 @@ END_TEST
 
 /* Of eight seeds of each surface: eta 0.69 to 0.76 of that by spacing, gap 0.64 to 0.66, and 0 to
  * 19 wide places of 267 to 337. */
-START_TEST(cover_leaves_no_place_far_from_a_point)
+START_TEST(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point)
 {
     const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
     struct vor_cloud in, out;
-    struct vor_report even, cover;
+    struct vor_report even, cover, early;
 
     shape->make(&in, (uint64_t)_i, DENSE);
     vt_resample(&out, &even, &in, "points=2000 seed=%d", _i);
@@ -144,6 +144,11 @@ START_TEST(cover_leaves_no_place_far_from_a_point)
                   "%s: eta %g after %g, gap %g, %g wide places after %g", shape->name, cover.eta,
                   even.eta, cover.gap, (double)cover.wide, (double)even.wide);
     ck_assert_uint_eq(out.n, 2000);
+    vor_cloud_free(&out);
+    vt_resample(&out, &early, &in, "points=2000 eta=0.015 seed=%d", _i);
+    ck_assert_msg(early.stopped == VOR_STOPPED_ETA && early.polish_steps < even.polish_steps &&
+                      early.eta <= 0.0151,
+                  "%s: eta %g after %u steps", shape->name, early.eta, early.polish_steps);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
@@ -218,7 +223,7 @@ void vt_suite(Suite *suite)
     vt_add_figures(suite,
                    a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_figures(suite, cover_leaves_no_place_far_from_a_point,
+    vt_add_figures(suite, eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
     vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
