@@ -145,7 +145,7 @@ static struct vor_codec_place place_of(struct daemon *daemon)
         .zygote = &daemon->zygote, .kind = VOR_CHILD_CODEC, .sandbox = daemon->sandbox};
 }
 
-/* Results are converted where uploads are decoded, as many at a time as there are cores. */
+/* Results are converted where uploads are decoded. */
 static vor_status start_conversions(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_conversions_config conversions = {.store = daemon->app.store,
@@ -153,8 +153,7 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
                                                  .worker = daemon->app.worker,
                                                  .crew = vor_admit_crew(daemon->app.admit),
                                                  .place = place_of(daemon),
-                                                 .memory = job_memory(&daemon->config),
-                                                 .most = vor_machine_cores()};
+                                                 .memory = job_memory(&daemon->config)};
 
     return vor_conversions_create(&daemon->app.conversions, &conversions, err);
 }

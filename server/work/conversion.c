@@ -37,7 +37,6 @@ struct vor_conversions {
     struct vor_conversions_config config;
     pthread_mutex_t mutex;       /* everything below, and the waiters and ends of conversions */
     struct vor_conversion *list; /* those that are not over */
-    unsigned count;
 };
 
 vor_status vor_conversions_create(struct vor_conversions **out,
@@ -190,7 +189,6 @@ static void unlist(struct vor_conversions *service, const struct vor_conversion 
     while (*at != conversion)
         at = &(*at)->next;
     *at = conversion->next;
-    service->count--;
 }
 
 static void run_conversion(void *ctx)
@@ -230,28 +228,6 @@ static struct vor_conversion *find(const struct vor_conversions *service,
     return at;
 }
 
-/* Lists a new conversion and hands it to the crew; the mutex is held. */
-static enum vor_job_outcome start(struct vor_conversions *service,
-                                  struct vor_conversion *conversion, struct vor_error *err)
-{
-    enum vor_job_outcome outcome = VOR_FULL;
-
-    if (service->count < service->config.most)
-        outcome = vor_crew_take(service->config.crew, &conversion->task, err);
-    if (outcome != VOR_DONE)
-        return outcome;
-    conversion->next = service->list;
-    service->list = conversion;
-    service->count++;
-    return VOR_DONE;
-}
-
-static void join(struct vor_conversion *conversion, struct vor_conversion_waiter *waiter)
-{
-    waiter->next = conversion->waiters;
-    conversion->waiters = waiter;
-}
-
 enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
                                           struct vor_conversions *conversions,
                                           const struct vor_job_view *row, unsigned output,
@@ -269,18 +245,23 @@ enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
     fresh->row = *row;
     fresh->output = output;
     fresh->format = format;
-    fresh->task = (struct vor_task){.run = run_conversion, .ctx = fresh};
+    fresh->task = (struct vor_task){.run = run_conversion,
+                                    .ctx = fresh,
+                                    .caller = waiter->caller,
+                                    .weight = row->output[output].bytes};
     pthread_mutex_lock(&conversions->mutex);
     found = find(conversions, row, output, format);
-    if (found == NULL) {
-        outcome = start(conversions, fresh, err);
-        if (outcome == VOR_DONE) {
-            found = fresh;
-            fresh = NULL;
-        }
+    if (found == NULL)
+        outcome = vor_crew_take(conversions->config.crew, &fresh->task, err);
+    if (found == NULL && outcome == VOR_DONE) {
+        found = fresh;
+        fresh = NULL;
+        found->next = conversions->list;
+        conversions->list = found;
     }
     if (found != NULL) {
-        join(found, waiter);
+        waiter->next = found->waiters;
+        found->waiters = waiter;
         *out = found;
     }
     pthread_mutex_unlock(&conversions->mutex);

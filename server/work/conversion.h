@@ -22,7 +22,6 @@ struct vor_conversions_config {
     struct vor_crew *crew;        /**< that decodes */
     struct vor_codec_place place; /**< where that is done */
     size_t memory;                /**< bytes that one may have */
-    unsigned most;                /**< at a time, waiting or running; at least 1 */
 };
 
 /** @retval VOR_E_NOMEM */
@@ -33,11 +32,12 @@ VOR_NODISCARD vor_status vor_conversions_create(struct vor_conversions **out,
 /** The crew has ended, and everyone who waited has left. conversions may be NULL. */
 void vor_conversions_destroy(struct vor_conversions *conversions);
 
-/** Somebody who waits for a conversion. The caller fills in the first two members and keeps the
- *  struct until it leaves. */
+/** Somebody who waits for a conversion. He fills in the first three members and keeps the struct
+ *  until he leaves. */
 struct vor_conversion_waiter {
     void (*wake)(void *ctx); /**< once it is over, on a thread of the crew; must not call back */
     void *ctx;
+    struct vor_fairness_key caller;     /**< whom a conversion that he begins is for */
     struct vor_conversion_waiter *next; /**< from here: the conversion's own */
 };
 
@@ -49,9 +49,8 @@ struct vor_conversion_waiter {
  *  @param[out] out     to be left with vor_conversion_leave
  *
  *  @retval VOR_DONE
- *  @retval VOR_FULL      as many are on their way as may be
- *  @retval VOR_DRAINING  the crew takes no more tasks
- *  @retval VOR_FAILED    VOR_E_NOMEM, or VOR_E_IO: there is no thread for it
+ *  @retval VOR_FULL, VOR_DRAINING  as vor_crew_take
+ *  @retval VOR_FAILED  VOR_E_NOMEM, or VOR_E_IO: there is no thread for it
  *
  *  The cloud is read and written, with its faces, with the request's own parameters; cells of Draco
  * follow the spacing that the report tells, and an origin that we choose follows from the result,

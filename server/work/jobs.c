@@ -353,7 +353,8 @@ void vor_worker_dismiss_soon(struct vor_worker *worker, struct vor_dismissal *di
     enum vor_job_outcome outcome;
 
     dismissal->worker = worker;
-    dismissal->task = (struct vor_task){.run = run_dismissal, .ctx = dismissal};
+    dismissal->task =
+        (struct vor_task){.run = run_dismissal, .ctx = dismissal, .caller = dismissal->caller};
     outcome = vor_crew_take(worker->crew, &dismissal->task, &dismissal->error);
     if (outcome == VOR_DONE)
         return; /* the crew has it, and done may have freed it */

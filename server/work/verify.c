@@ -62,6 +62,7 @@ vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err)
         free(verify);
         return vor_fail(err, VOR_E_NOMEM, "checking stored files");
     }
+    vor_crew_share(verify->crew, THREADS - 1, KNOWN_MAX / 4);
     pthread_mutex_init(&verify->mutex, NULL);
     for (int i = 0; i < KNOWN_MAX; i++)
         verify->known[i].verdict = VOR_VERDICT_FAILED;
@@ -193,14 +194,16 @@ static enum vor_verdict wait_for(struct vor_verify *verify, const struct known *
 }
 
 /* Has an entry read; the mutex is held. */
-static int start(struct vor_verify *verify, struct known *known, int fd)
+static int start(struct vor_verify *verify, struct known *known, int fd,
+                 const struct vor_asker *asker)
 {
     struct pass *pass = calloc(1, sizeof *pass);
 
     if (pass == NULL)
         return 0;
     *pass = (struct pass){.verify = verify, .known = known, .fd = dup(fd)};
-    pass->task = (struct vor_task){.run = run_pass, .ctx = pass};
+    pass->task = (struct vor_task){
+        .run = run_pass, .ctx = pass, .caller = asker->caller, .weight = known->size};
     if (pass->fd >= 0 && vor_crew_take(verify->crew, &pass->task, NULL) == VOR_DONE) {
         known->verdict = VOR_VERDICT_WAIT;
         return 1;
@@ -231,7 +234,7 @@ enum vor_verdict vor_verify_ask(struct vor_verify *verify, int fd, uint64_t size
     known = find(verify, &wanted);
     if (known != NULL && is_fresh(known) && known->verdict != VOR_VERDICT_WAIT)
         verdict = known->verdict;
-    else if (known != NULL && (is_fresh(known) || start(verify, known, fd)))
+    else if (known != NULL && (is_fresh(known) || start(verify, known, fd, asker)))
         verdict = wait_for(verify, known, asker);
     pthread_mutex_unlock(&verify->mutex);
     return verdict;

@@ -7,6 +7,7 @@
 #ifndef VOR_SERVER_WORK_VERIFY_H
 #define VOR_SERVER_WORK_VERIFY_H
 
+#include "server/base/fairness_key.h"
 #include "server/blob/blob.h"
 
 #include <stdint.h>
@@ -31,6 +32,7 @@ enum vor_verdict {
 struct vor_asker {
     void (*wake)(void *ctx);
     void *ctx;
+    struct vor_fairness_key caller; /**< whom a file that is read for it is read for */
 };
 
 /** Are the first `size` bytes of a file those of a digest?

@@ -204,10 +204,11 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_cancel(struct vor_worker *worker,
                                                      struct vor_error *err);
 
 /** A dismissal or cancellation that a thread of the worker carries out, for callers that must not
- *  wait for the disk. The caller fills in the first five members and keeps the struct until done
- *  is called. */
+ *  wait for the disk. The caller fills in the first six members and keeps the struct until done is
+ *  called. */
 struct vor_dismissal {
     struct vor_uuid id;
+    struct vor_fairness_key caller;                /**< who shares the threads with others */
     const char *why;                               /**< borrowed */
     int is_cancel;                                 /**< cancel; view is not set then */
     void (*done)(struct vor_dismissal *dismissal); /**< on that thread; may free the struct */

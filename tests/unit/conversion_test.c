@@ -1,4 +1,4 @@
-/* Conversions of results: one for all who ask at the same time, no more at a time than may be, none
+/* Conversions of results: one for all who ask at the same time, so many of each caller, none
  * left behind by a job that goes, and a full end of the daemon. */
 #include "server/base/log.h"
 #include "server/work/conversion.h"
@@ -11,12 +11,12 @@
 #include <time.h>
 #include <unistd.h>
 
-/* A daemon with a finished job or two, and a crew of one thread that a task holds. */
+/* A daemon with a finished job or two, and a crew of two threads that tasks hold. */
 struct scene {
     struct vt_daemon daemon;
     struct vor_crew *crew;
     struct vor_conversions *conversions;
-    struct vor_task task;
+    struct vor_task task[2];
     atomic_int is_held, woken;
     struct vor_job_view job[2];
 };
@@ -29,7 +29,8 @@ static void hold(void *ctx)
         vt_nap();
 }
 
-static void begin(struct scene *scene, unsigned most)
+/* Of each caller `most` wait. */
+static void begin(struct scene *scene, size_t most)
 {
     struct vor_spec spec = vt_request(50, 1);
     struct vor_cloud cloud;
@@ -46,18 +47,21 @@ static void begin(struct scene *scene, unsigned most)
     vor_cloud_free(&cloud);
     atomic_init(&scene->is_held, 1);
     atomic_init(&scene->woken, 0);
-    vt_assert_ok(vor_crew_create(&scene->crew, 1, 16, &vt_err));
+    vt_assert_ok(vor_crew_create(&scene->crew, 2, 16, &vt_err));
+    vor_crew_share(scene->crew, 1, most);
     vt_assert_ok(
         vor_conversions_create(&scene->conversions,
                                &(struct vor_conversions_config){.store = scene->daemon.store,
                                                                 .blobs = scene->daemon.blobs,
                                                                 .worker = scene->daemon.worker,
                                                                 .crew = scene->crew,
-                                                                .memory = (size_t)1 << 30,
-                                                                .most = most},
+                                                                .memory = (size_t)1 << 30},
                                &vt_err));
-    scene->task = (struct vor_task){.run = hold, .ctx = scene};
-    ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task, NULL), VOR_DONE);
+    for (int i = 0; i < 2; i++) {
+        scene->task[i] =
+            (struct vor_task){.run = hold, .ctx = scene, .caller = {{(char)('a' + i)}}};
+        ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task[i], NULL), VOR_DONE);
+    }
 }
 
 static void end(struct scene *scene)
@@ -71,13 +75,20 @@ static void wake(void *ctx)
     atomic_fetch_add(&((struct scene *)ctx)->woken, 1);
 }
 
-/* Asks for job number `job` as Draco. */
+/* A caller asks for job number `job` as Draco. */
+static enum vor_job_outcome ask_for(struct scene *scene, char caller, int job,
+                                    struct vor_conversion_waiter *waiter,
+                                    struct vor_conversion **out)
+{
+    *waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = scene, .caller = {{caller}}};
+    return vor_conversion_begin(out, scene->conversions, &scene->job[job], 0, VOR_FORMAT_DRC,
+                                waiter, &vt_err);
+}
+
 static enum vor_job_outcome ask(struct scene *scene, int job, struct vor_conversion_waiter *waiter,
                                 struct vor_conversion **out)
 {
-    *waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = scene};
-    return vor_conversion_begin(out, scene->conversions, &scene->job[job], 0, VOR_FORMAT_DRC,
-                                waiter, &vt_err);
+    return ask_for(scene, 'c', job, waiter, out);
 }
 
 static vor_status wait_over(struct vor_conversion *conversion)
@@ -124,23 +135,22 @@ START_TEST(those_who_ask_at_the_same_time_share_one_conversion)
 }
 END_TEST
 
-START_TEST(no_more_are_on_their_way_than_may_be)
+START_TEST(no_caller_keeps_others_from_a_conversion)
 {
     struct vor_conversion_waiter waiter[3];
-    struct vor_conversion *first, *second;
+    struct vor_conversion *conversion[3];
     struct scene scene;
 
     begin(&scene, 1);
-    ck_assert_int_eq(ask(&scene, 0, &waiter[0], &first), VOR_DONE);
-    ck_assert_int_eq(ask(&scene, 1, &waiter[1], &second), VOR_FULL);
-    ck_assert_int_eq(ask(&scene, 0, &waiter[1], &second), VOR_DONE); /* joins */
+    ck_assert_int_eq(ask_for(&scene, 'c', 0, &waiter[0], &conversion[0]), VOR_DONE);
+    ck_assert_int_eq(ask_for(&scene, 'c', 1, &waiter[1], &conversion[1]), VOR_FULL);
+    ck_assert_int_eq(ask_for(&scene, 'd', 1, &waiter[1], &conversion[1]), VOR_DONE);
+    ck_assert_int_eq(ask_for(&scene, 'c', 1, &waiter[2], &conversion[2]), VOR_DONE); /* joins */
     atomic_store(&scene.is_held, 0);
-    vt_assert_ok(wait_over(first));
-    ck_assert_int_eq(ask(&scene, 1, &waiter[2], &second), VOR_DONE);
-    vt_assert_ok(wait_over(second));
-    vor_conversion_leave(second, &waiter[2]);
-    vor_conversion_leave(first, &waiter[1]);
-    vor_conversion_leave(first, &waiter[0]);
+    for (int i = 0; i < 3; i++) {
+        vt_assert_ok(wait_over(conversion[i]));
+        vor_conversion_leave(conversion[i], &waiter[i]);
+    }
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
@@ -223,7 +233,7 @@ void vt_suite(Suite *suite)
 {
     vor_log_open(2, VOR_LOG_OFF);
     vt_add(suite, those_who_ask_at_the_same_time_share_one_conversion);
-    vt_add(suite, no_more_are_on_their_way_than_may_be);
+    vt_add(suite, no_caller_keeps_others_from_a_conversion);
     vt_add(suite, one_that_nobody_waits_for_any_more_is_kept_all_the_same);
     vt_add(suite, a_job_that_goes_leaves_nothing_behind);
     vt_add(suite, what_waits_when_the_daemon_ends_is_told_so);

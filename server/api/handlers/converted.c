@@ -1,6 +1,7 @@
 #include "server/api/handlers/converted.h"
 
 #include "proto/codec.h"
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
@@ -83,7 +84,8 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
         if (wait == NULL)
             return vor_problem_no_memory(app, request);
         wait->waker = vor_request_waker(request);
-        wait->waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = wait->waker};
+        wait->waiter = (struct vor_conversion_waiter){
+            .wake = wake, .ctx = wait->waker, .caller = vor_auth_fairness_key(request)};
         vor_request_set_state(request, wait, release);
         outcome = vor_conversion_begin(&wait->conversion, app->conversions, view, index, format,
                                        &wait->waiter, &err);

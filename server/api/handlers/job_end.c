@@ -1,5 +1,6 @@
 /* Ending a job before its time: DELETE and stop. A dismissal waits for the disk, so a thread of the
  * worker does it while the request is suspended. */
+#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/http/deferred.h"
@@ -47,6 +48,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     if (dismissal == NULL)
         return vor_problem_no_memory(app, request);
     dismissal->work = (struct vor_dismissal){.id = id,
+                                             .caller = vor_auth_fairness_key(request),
                                              .why = "dismissed by the caller",
                                              .done = on_dismissed,
                                              .ctx = &dismissal->deferred};

@@ -1,5 +1,6 @@
 #include "proto/codec.h"
 #include "proto/origin.h"
+#include "server/api/auth.h"
 #include "server/api/handlers/converted.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
@@ -222,7 +223,7 @@ static void wake(void *ctx)
 static bool is_sound(struct vor_app *app, struct vor_request *request,
                      const struct vor_job_view *view, const struct output *out, enum vor_next *next)
 {
-    struct vor_asker asker = {.wake = wake};
+    struct vor_asker asker = {.wake = wake, .caller = vor_auth_fairness_key(request)};
     struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
     enum vor_verdict verdict;
     char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];

@@ -93,6 +93,7 @@ static void cancel_if_left(struct submission *submission)
         atomic_load(&submission->app->draining) || atomic_flag_test_and_set(&submission->cancels))
         return;
     submission->cancel = (struct vor_dismissal){.id = submission->admission.admitted.id,
+                                                .caller = submission->admission.caller,
                                                 .why = "the client disconnected",
                                                 .is_cancel = 1,
                                                 .done = on_cancelled,
