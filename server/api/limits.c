@@ -46,34 +46,6 @@ bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
     return false;
 }
 
-/* True when the request's key of idempotency has a job. */
-static bool has_job(struct vor_app *app, const struct vor_job_key *key)
-{
-    struct vor_job_view view;
-
-    return key->text[0] != '\0' &&
-           vor_worker_find_key(app->worker, key, &view, NULL) == VOR_CONFLICT;
-}
-
-bool vor_limits_room(struct vor_app *app, struct vor_request *request,
-                     const struct vor_job_key *key)
-{
-    const struct vor_principal *caller = vor_request_principal(request);
-    struct vor_ledger ledger = {.jobs_max = (uint64_t)caller->quota.jobs,
-                                .bytes_max = (uint64_t)caller->quota.bytes};
-    int64_t length = vor_request_length(request);
-    enum vor_job_outcome outcome = VOR_DONE;
-    struct vor_error err;
-
-    if (ledger.jobs_max > 0 || ledger.bytes_max > 0)
-        outcome = vor_worker_quota(app->worker, caller->name, &ledger,
-                                   length > 0 ? (uint64_t)length : 0, &err);
-    if (outcome == VOR_DONE || (outcome != VOR_FAILED && has_job(app, key)))
-        return true;
-    vor_outcome_reply(app, request, outcome, &err, NULL);
-    return false;
-}
-
 vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_admitted *admitted,
                              struct vor_error *err)
 {

@@ -15,17 +15,6 @@ struct vor_admitted;
  *  @return true, or false after a rate-limited problem has been replied */
 bool vor_limits_rate(struct vor_app *app, struct vor_request *request);
 
-/** Is there room for another job of the key, and for the bytes that the request declares beside
- * what is stored for it? For an early answer: uploads at the same time do not see each other, and
- * some declare nothing; vor_worker_submit decides. A request whose Idempotency-Key has a job
- * passes: it asks for no other.
- *
- *  @return true, or false after a problem has been replied: too-many-jobs, too-much-stored
- *
- *  Cost: with a quota, a read of one row of the store. */
-bool vor_limits_room(struct vor_app *app, struct vor_request *request,
-                     const struct vor_job_key *key);
-
 /** The points of what was decoded.
  *
  *  @retval VOR_E_LIMIT an input has more than the key may send */

@@ -1,78 +1,16 @@
-/* What handlers ask of the worker about new jobs: is there room, and taking them in. */
+/* Taking in new jobs. */
 #include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/jobs/cost.h"
 #include "server/jobs/need.h"
+#include "server/work/capacity.h"
 #include "server/work/counted.h"
-#include "server/work/live.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Jobs that wait or have a place booked. The mutex is held, here and below. */
-static int64_t depth_of(const struct vor_worker *worker)
-{
-    int64_t depth = worker->places.waiting + worker->places.booked;
-
-    return depth > 0 ? depth : 0;
-}
-
-static enum vor_job_outcome room_of(const struct vor_worker *worker)
-{
-    if (worker->draining)
-        return VOR_DRAINING;
-    return (uint64_t)depth_of(worker) < worker->config.queue ? VOR_DONE : VOR_FULL;
-}
-
-enum vor_job_outcome vor_worker_room(struct vor_worker *worker)
-{
-    enum vor_job_outcome room;
-
-    pthread_mutex_lock(&worker->mutex);
-    room = room_of(worker);
-    if (worker->places.bytes >= worker->config.queue_bytes && room == VOR_DONE)
-        room = VOR_FULL;
-    pthread_mutex_unlock(&worker->mutex);
-    return room;
-}
-
-enum vor_job_outcome vor_worker_book(struct vor_worker *worker)
-{
-    enum vor_job_outcome room;
-
-    pthread_mutex_lock(&worker->mutex);
-    room = room_of(worker);
-    worker->places.booked += room == VOR_DONE;
-    pthread_mutex_unlock(&worker->mutex);
-    return room;
-}
-
-void vor_worker_unbook(struct vor_worker *worker)
-{
-    pthread_mutex_lock(&worker->mutex);
-    worker->places.booked--;
-    pthread_mutex_unlock(&worker->mutex);
-}
-
-void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
-{
-    struct vor_waiting waiting;
-
-    if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
-        waiting.oldest_ms = 0;
-    out->oldest_ms = waiting.oldest_ms;
-    pthread_mutex_lock(&worker->mutex);
-    out->waiting = (size_t)depth_of(worker);
-    out->running = worker->running;
-    out->reserved = worker->used;
-    pthread_mutex_unlock(&worker->mutex);
-    out->budget = worker->config.budget;
-}
-
-/* --- accepting -------------------------------------------------------------------------------- */
 
 /* Refuses now what the engine would refuse minutes later, as far as that can be known now. */
 static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
@@ -170,66 +108,6 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
     return status;
 }
 
-/* Which limit a ledger that is over has passed, and the words for it. */
-static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *ledger,
-                                   uint64_t bytes, struct vor_error *err)
-{
-    if (ledger->jobs_max > 0 && ledger->jobs >= ledger->jobs_max) {
-        (void)vor_fail(err, VOR_E_LIMIT,
-                       "the key %s has %llu waiting or running jobs, the most that are allowed",
-                       tenant, (unsigned long long)ledger->jobs_max);
-        return VOR_CROWDED;
-    }
-    (void)vor_fail(err, VOR_E_LIMIT,
-                   "the key %s stores %llu bytes of inputs and results, and this request would add "
-                   "%llu, want at most %llu in all: dismiss jobs, or wait until they expire",
-                   tenant, (unsigned long long)ledger->bytes, (unsigned long long)bytes,
-                   (unsigned long long)ledger->bytes_max);
-    return VOR_OVER_BYTES;
-}
-
-enum vor_job_outcome vor_worker_quota(struct vor_worker *worker, const char *tenant,
-                                      struct vor_ledger *ledger, uint64_t bytes,
-                                      struct vor_error *err)
-{
-    if (vor_store_ledger(worker->config.store, tenant, ledger, err) != VOR_OK)
-        return VOR_FAILED;
-    return vor_ledger_fits(ledger, bytes) ? VOR_DONE : refuse(tenant, ledger, bytes, err);
-}
-
-/* Makes the row durable, if its inputs still fit into the queue, for a place in it that is booked.
- * Then it waits. */
-static enum vor_job_outcome accept_row(struct vor_worker *worker, struct vor_job_view *row,
-                                       struct vor_ledger *ledger, struct vor_error *err)
-{
-    struct vor_places *places = &worker->places;
-    uint64_t most = worker->config.queue_bytes;
-    enum vor_job_outcome outcome = VOR_DONE;
-    int fits;
-
-    pthread_mutex_lock(&worker->mutex);
-    fits = places->bytes <= most && row->decoded <= most - places->bytes;
-    places->bytes += fits ? row->decoded : 0;
-    pthread_mutex_unlock(&worker->mutex);
-    if (!fits)
-        return VOR_FULL;
-    if (vor_store_insert(worker->config.store, row, ledger, err) != VOR_OK)
-        outcome = VOR_FAILED;
-    else if (ledger->is_over)
-        outcome = refuse(row->key.principal, ledger, row->kept, err);
-    pthread_mutex_lock(&worker->mutex);
-    if (outcome == VOR_DONE) {
-        places->booked--;
-        places->waiting++;
-        worker->news++;
-        pthread_cond_signal(&worker->ready);
-    } else {
-        places->bytes -= row->decoded;
-    }
-    pthread_mutex_unlock(&worker->mutex);
-    return outcome;
-}
-
 /* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
 static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
                               struct vor_job_view *row, struct vor_error *err)
@@ -260,7 +138,7 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
         (void)vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
         return VOR_FAILED;
     }
-    outcome = accept_row(worker, row, &ledger, err);
+    outcome = vor_capacity_insert(worker, row, &ledger, err);
     if (outcome != VOR_DONE)
         return outcome;
     vor_count_accepted(row);

@@ -2,7 +2,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/live.h"
+#include "server/work/capacity.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -239,7 +239,7 @@ static void dismissed(struct vor_worker *worker, const struct vor_job_view *row,
     vor_worker_drop_all(worker, &row->id, row->process,
                         VOR_HAS_INPUTS | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
     if (!runs)
-        vor_worker_count_waiting(worker, row, -1);
+        vor_capacity_wait(worker, row, -1);
     vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(row), VOR_TEXT("why", row->message));
 }
 

@@ -36,7 +36,7 @@ void vor_worker_renew(struct vor_worker *worker)
     int runs;
 
     pthread_mutex_lock(&worker->mutex);
-    runs = worker->running > 0;
+    runs = worker->capacity.running > 0;
     pthread_mutex_unlock(&worker->mutex);
     if (!runs || vor_clock_seconds() - worker->renewed < renew_seconds)
         return;

@@ -3,7 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/work/calendar.h"
-#include "server/work/live.h"
+#include "server/work/capacity.h"
 #include "server/work/recover.h"
 #include "server/work/room.h"
 #include "server/work/runner.h"
@@ -19,27 +19,6 @@ enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
 
-/* What may be claimed beside what runs; false when nothing may. */
-static int may_claim(struct vor_worker *worker, struct vor_claim *claim)
-{
-    int may;
-
-    *claim = (struct vor_claim){.owner = worker->owner.text,
-                                .now_ms = vor_clock_wall_ms(),
-                                .until_ms = vor_worker_lease_until()};
-    pthread_mutex_lock(&worker->mutex);
-    may = worker->places.waiting > 0 && !worker->draining && !atomic_load(&worker->is_late) &&
-          !(worker->running > 0 && worker->runs_alone);
-    if (worker->running == 0)
-        claim->memory = UINT64_MAX;
-    else if (worker->used < worker->config.budget)
-        claim->memory = worker->config.budget - worker->used;
-    /* A suspect need not wait where it is apart anyway. */
-    claim->may_be_alone = worker->running == 0 || worker->config.executor->is_apart;
-    pthread_mutex_unlock(&worker->mutex);
-    return may;
-}
-
 /* A claimed row becomes what its runner runs; false when memory is out. */
 static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
 {
@@ -49,11 +28,7 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     if (job == NULL)
         return 0;
     pthread_mutex_lock(&worker->mutex);
-    worker->places.waiting--;
-    worker->places.bytes -= row->decoded;
-    worker->running++;
-    worker->used += row->memory;
-    worker->runs_alone = row->alone && !worker->config.executor->is_apart;
+    vor_capacity_run(worker, row);
     runner->job = job;
     runner->attempt = row->attempt;
     pthread_mutex_unlock(&worker->mutex);
@@ -89,7 +64,7 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
         int found = 0, taken;
 
         pthread_mutex_lock(&worker->claim);
-        if (may_claim(worker, &claim))
+        if (vor_capacity_claim(worker, &claim))
             status = vor_store_claim_next(worker->config.store, &claim, row, &found, &err);
         taken = found && take_job(runner, row);
         pthread_mutex_unlock(&worker->claim);
@@ -109,12 +84,7 @@ static void leave(struct vor_runner *runner, const struct vor_job_view *row)
 
     pthread_mutex_lock(&worker->mutex);
     runner->job = NULL;
-    worker->running--;
-    worker->used -= row->memory;
-    worker->runs_alone = 0; /* who was alone was the only one */
-    worker->news++;
-    pthread_cond_broadcast(&worker->ready);
-    pthread_cond_broadcast(&worker->changed);
+    vor_capacity_leave(worker, row);
     pthread_mutex_unlock(&worker->mutex);
 }
 
@@ -251,10 +221,10 @@ void vor_worker_drain(struct vor_worker *worker, double seconds)
     pthread_mutex_unlock(&worker->claim);
     pthread_cond_broadcast(&worker->changed);
     pthread_cond_broadcast(&worker->ready);
-    while (worker->running > 0 && !vor_worker_wait_until(worker, deadline))
+    while (worker->capacity.running > 0 && !vor_worker_wait_until(worker, deadline))
         continue;
     abort_running(worker);
-    while (worker->running > 0)
+    while (worker->capacity.running > 0)
         pthread_cond_wait(&worker->changed, &worker->mutex);
     pthread_mutex_unlock(&worker->mutex);
 }

@@ -103,16 +103,6 @@ int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job)
     return is_running;
 }
 
-void vor_worker_count_waiting(struct vor_worker *worker, const struct vor_job_view *row, int by)
-{
-    pthread_mutex_lock(&worker->mutex);
-    worker->places.waiting += by;
-    worker->places.bytes += by > 0 ? row->decoded : -row->decoded;
-    worker->news++;
-    pthread_cond_signal(&worker->ready);
-    pthread_mutex_unlock(&worker->mutex);
-}
-
 void vor_found_free(struct vor_found *found)
 {
     free(found->blobs);

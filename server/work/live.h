@@ -10,10 +10,13 @@
 
 #define VOR_WORKER_JOBS_MAX 64
 
-/** What of the queue is taken. */
-struct vor_places {
+/** What jobs take (capacity.h). */
+struct vor_capacity {
     int64_t waiting, booked; /* jobs; waiting may be 1 too few while one of them is claimed */
     uint64_t bytes;          /* of decoded inputs, of those that wait or are being stored */
+    size_t running;
+    uint64_t used;  /* bytes of memory, of what runs */
+    int runs_alone; /* what runs is to have nothing beside it */
 };
 
 /** The blobs that were there at the start. */
@@ -57,13 +60,10 @@ struct vor_worker {
     pthread_cond_t changed;   /* running, draining, aborting; on the monotonic clock */
     pthread_cond_t ready;     /* something waits, or may run, that could not before: `news` */
     unsigned news;
-    void *live;               /* struct vor_job, as a tree of search.h */
-    struct vor_places places; /* in the queue */
-    size_t running;
-    uint64_t used;  /* bytes of memory, of what runs */
-    int runs_alone; /* what runs is to have nothing beside it */
-    int draining;   /* nothing is claimed or accepted any more */
-    int aborting;   /* what runs was asked to end; its rows go back to accepted */
+    void *live; /* struct vor_job, as a tree of search.h */
+    struct vor_capacity capacity;
+    int draining; /* nothing is claimed or accepted any more */
+    int aborting; /* what runs was asked to end; its rows go back to accepted */
     struct vor_runner runners[VOR_WORKER_JOBS_MAX];
     unsigned runner_count;
     pthread_t sweeper;
@@ -93,9 +93,6 @@ void vor_worker_let_go(struct vor_runner *runner);
 
 /** True when a runner has the job. */
 int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
-
-/** Counts a row that waits from now on (1), or does no longer (-1), and tells the runners. */
-void vor_worker_count_waiting(struct vor_worker *worker, const struct vor_job_view *row, int by);
 
 /** When a lease that begins now ends. */
 int64_t vor_worker_lease_until(void);

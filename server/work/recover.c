@@ -6,6 +6,7 @@
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 #include "server/work/calendar.h"
+#include "server/work/capacity.h"
 #include "server/work/room.h"
 
 #include <stdio.h>
@@ -241,12 +242,8 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
     pthread_mutex_lock(&worker->claim); /* nothing that waits is dismissed meanwhile */
     if (status == VOR_OK)
         status = vor_store_waiting(worker->config.store, &waiting, err);
-    if (status == VOR_OK) {
-        pthread_mutex_lock(&worker->mutex);
-        worker->places.waiting = (int64_t)waiting.jobs;
-        worker->places.bytes = waiting.decoded;
-        pthread_mutex_unlock(&worker->mutex);
-    }
+    if (status == VOR_OK)
+        vor_capacity_begin(worker, &waiting);
     pthread_mutex_unlock(&worker->claim);
     if (status != VOR_OK)
         return status;

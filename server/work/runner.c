@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/work/capacity.h"
 #include "server/work/counted.h"
 #include "server/work/room.h"
 
@@ -339,7 +340,7 @@ static vor_status put_back(struct run *run, struct vor_hand_back *back, int *aga
              vor_job_restart(run->job, back->is_crash, vor_clock_wall_ms());
     if (*again) {
         vor_worker_let_go(run->runner); /* another runner may have it at once */
-        vor_worker_count_waiting(worker, &run->view, 1);
+        vor_capacity_wait(worker, &run->view, 1);
     }
     pthread_mutex_unlock(&worker->claim);
     return status;

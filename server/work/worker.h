@@ -57,19 +57,6 @@ void vor_worker_drain(struct vor_worker *worker, double seconds);
 /** Drains with 0 seconds if not done yet, ends the threads. worker may be NULL. */
 void vor_worker_destroy(struct vor_worker *worker);
 
-/** Would a job be taken now? For an early answer; vor_worker_submit decides.
- *
- *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
-enum vor_job_outcome vor_worker_room(struct vor_worker *worker);
-
-/** Keeps a place in the queue for a job whose inputs are all here and are yet to be decoded, so
- * that one for which there is none is refused before that. It goes with vor_job_label.booked, or is
- * given back by vor_worker_unbook. Quick.
- *
- *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
-enum vor_job_outcome vor_worker_book(struct vor_worker *worker);
-void vor_worker_unbook(struct vor_worker *worker);
-
 /** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
  *  the disk has room besides what stays free.
  *
@@ -96,6 +83,28 @@ struct vor_job_label {
     uint64_t bytes_max; /**< that it may have stored, uploads of this one included; 0: any */
     int booked;         /**< a place is kept for it, which is used or given back */
 };
+
+/** Would a job be taken now that uploads so many bytes, as far as they are known? For an early
+ *  answer: uploads at the same time do not see each other, and vor_worker_submit decides. A label
+ *  whose key has a job passes: it asks for no other.
+ *
+ *  @param[in] label  NULL: of nobody, who has no quota
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING
+ *  @retval VOR_CROWDED, VOR_OVER_BYTES  the principal has what it may; err has the numbers
+ *  @retval VOR_FAILED
+ *
+ *  Cost: with a quota, a read of one row of the store. */
+enum vor_job_outcome vor_worker_room(struct vor_worker *worker, const struct vor_job_label *label,
+                                     uint64_t bytes, struct vor_error *err);
+
+/** Keeps a place in the queue for a job whose inputs are all here and are yet to be decoded, so
+ * that one for which there is none is refused before that. It goes with vor_job_label.booked, or is
+ * given back by vor_worker_unbook. Quick.
+ *
+ *  @retval VOR_DONE, VOR_FULL, VOR_DRAINING */
+enum vor_job_outcome vor_worker_book(struct vor_worker *worker);
+void vor_worker_unbook(struct vor_worker *worker);
 
 /** Accepts a job for inputs that vor_admit_file took in: the row is durable when this returns.
  *
@@ -136,14 +145,6 @@ VOR_NODISCARD enum vor_job_outcome vor_worker_find_key(struct vor_worker *worker
 VOR_NODISCARD enum vor_job_outcome vor_worker_get(struct vor_worker *worker,
                                                   const struct vor_uuid *id, const char *tenant,
                                                   struct vor_job_view *out, struct vor_error *err);
-
-/** Would a job of a principal be within what it may have (jobs_max and bytes_max of the ledger),
- * with so many bytes more? For an early answer: vor_worker_submit decides, and counts what comes.
- *
- *  @retval VOR_DONE, VOR_CROWDED, VOR_OVER_BYTES (err has the numbers), VOR_FAILED */
-VOR_NODISCARD enum vor_job_outcome vor_worker_quota(struct vor_worker *worker, const char *tenant,
-                                                    struct vor_ledger *ledger, uint64_t bytes,
-                                                    struct vor_error *err);
 
 /** vor_store_list with what is live brought up to date. each must not call the worker. */
 VOR_NODISCARD vor_status vor_worker_list(struct vor_worker *worker,

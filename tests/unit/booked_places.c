@@ -21,7 +21,7 @@ static void open_scene(struct scene *scene)
     vt_daemon_start(&scene->daemon, scene->dir, &options);
     vt_cloud_sphere(&scene->cloud, 1, 200);
     ck_assert_int_eq(vt_daemon_submit(&scene->daemon, &scene->cloud, &endless, &id), VOR_DONE);
-    while (vor_worker_room(scene->daemon.worker) != VOR_DONE)
+    while (vor_worker_room(scene->daemon.worker, NULL, 0, NULL) != VOR_DONE)
         ;
 }
 
@@ -51,7 +51,7 @@ START_TEST(a_booked_place_is_that_of_who_booked_it)
     open_scene(&scene);
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_FULL);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker), VOR_FULL);
+    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&scene.daemon, &scene.cloud, &spec, &id), VOR_FULL);
     ck_assert_int_eq(submit_booked(&scene, 50), VOR_DONE);
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_FULL);
@@ -66,11 +66,11 @@ START_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
     open_scene(&scene);
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
     vor_worker_unbook(scene.daemon.worker);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker), VOR_DONE);
+    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_DONE);
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
     ck_assert_int_eq(submit_booked(&scene, 5000), VOR_FAILED); /* 16 for each point at most */
     ck_assert_int_eq(vt_err.status, VOR_E_TARGET);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker), VOR_DONE);
+    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_DONE);
     close_scene(&scene);
 }
 END_TEST

@@ -162,7 +162,7 @@ START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
     vor_worker_drain(daemon.worker, 60);
     ck_assert_int_eq(vt_daemon_get(&daemon, &runs).status, VOR_JOB_SUCCESSFUL);
     ck_assert_int_eq(vt_daemon_get(&daemon, &waits).status, VOR_JOB_ACCEPTED);
-    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DRAINING);
+    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_DRAINING);
     vt_cloud_sphere(&cloud, 1, 100);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_DRAINING);
     vor_cloud_free(&cloud);

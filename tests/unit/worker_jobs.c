@@ -323,10 +323,10 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1, .queue = 2});
     vt_cloud_sphere(&cloud, 1, 500);
     ids[0] = vt_daemon_submit_endless(&daemon);
-    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_DONE);
+    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_DONE);
     ids[1] = submit(&daemon, 500, spec);
     ids[2] = submit(&daemon, 500, spec);
-    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
+    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
     ck_assert_int_eq(

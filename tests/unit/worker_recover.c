@@ -99,7 +99,7 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     vor_worker_load(daemon.worker, &load);
     /* The blocker more, which may be on its way from the line to a runner. */
     ck_assert_uint_ge(load.waiting + load.running, ROWS);
-    ck_assert_int_eq(vor_worker_room(daemon.worker), VOR_FULL);
+    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_FULL);
     vt_cloud_sphere(&cloud, 1, 100);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);

@@ -128,17 +128,6 @@ static int take_json(void *ctx, const void *bytes, size_t size)
     return 0; /* what does not fit is found at the end; the limit of the body comes first */
 }
 
-static bool check_disk(struct vor_app *app, struct vor_request *request)
-{
-    int64_t length = vor_request_length(request);
-    struct vor_error err;
-
-    if (vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
-        return true;
-    vor_problem_error(app, request, &err, NULL);
-    return false;
-}
-
 /* Takes the key of a request; false after a problem has been replied. */
 static bool begin_flight(struct vor_app *app, struct vor_request *request,
                          struct submission *submission)
@@ -158,35 +147,34 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
     return outcome == VOR_DONE;
 }
 
-/* True when a job would be taken, or the key is that of one already; else it is answered. */
-static bool check_room(struct vor_app *app, struct vor_request *request,
-                       const struct vor_submit_head *head)
-{
-    enum vor_job_outcome room = vor_worker_room(app->worker);
-    struct vor_job_view view;
-
-    if (room == VOR_DONE || (head->options.key.text[0] != '\0' &&
-                             vor_worker_find_key(app->worker, &head->options.key, &view, NULL) ==
-                                 VOR_CONFLICT)) /* without a fingerprint, every job differs */
-        return true;
-    vor_outcome_reply(app, request, room, NULL, NULL);
-    return false;
-}
-
 /* Whether there is room for a job and its inputs; false after a problem has been replied. */
 static bool has_room(struct vor_app *app, struct vor_request *request,
                      const struct vor_submit_head *head)
 {
-    if (!check_room(app, request, head) || !vor_limits_room(app, request, &head->options.key))
+    const struct vor_quota *quota = &vor_request_principal(request)->quota;
+    const struct vor_job_label label = {.key = &head->options.key,
+                                        .jobs_max = (uint64_t)quota->jobs,
+                                        .bytes_max = (uint64_t)quota->bytes};
+    int64_t length = vor_request_length(request);
+    struct vor_error err;
+    enum vor_job_outcome room =
+        vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
+
+    if (room != VOR_DONE) {
+        vor_outcome_reply(app, request, room, &err, NULL);
         return false;
+    }
     if (head->mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
         vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
                         app->config->number[VOR_SET_STREAMS]);
         return false;
     }
-    return vor_request_length(request) > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] ||
-           check_disk(app, request);
+    if (length > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] || /* refused for that */
+        vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
+        return true;
+    vor_problem_error(app, request, &err, NULL);
+    return false;
 }
 
 /* Where the body goes; false after a problem has been replied. */
