@@ -12,13 +12,14 @@
 /** Something that was left out. */
 #define VOR_DROPPED_TABLE(X)                                                                       \
     X(TEXT, what, "what", "",                                                                      \
-      "Kind of content: comment, obj_info, an element of a PLY file such as face, a list "         \
-      "property as ELEMENT.PROPERTY, metadata (entries of a Draco file), digits of an attribute "  \
-      "(integers that a double cannot hold) or of positions (doubles that float32 cannot hold), "  \
-      "name of an attribute (longer than 63 bytes, or with blanks, which PLY does not allow), "    \
-      "meaning of an attribute (such as a normal without three numbers), attribute and its name, " \
-      "or others, if there are more kinds than fit here")                                          \
-    X(U64, count, "count", "", "How many, as far as the file says")
+      "Kind of the missing content. comment, obj_info; the name of an element of a PLY file, "     \
+      "such as face; ELEMENT.PROPERTY: a list property; metadata: entries of a Draco file; "       \
+      "digits of NAME: integers of an attribute that a double cannot hold; digits of positions: "  \
+      "doubles that float32 cannot hold; name of NAME: an attribute name with more than 63 "       \
+      "bytes, or with blanks, which PLY does not allow; meaning of NAME: for example, the "        \
+      "attribute is a normal without three numbers; attribute NAME: a whole attribute; others: "   \
+      "there are more kinds than fit into this list")                                              \
+    X(U64, count, "count", "", "Number of missing items, as far as the file declares it")
 
 struct vor_dropped {
     VOR_DROPPED_TABLE(VOR_FIELD)

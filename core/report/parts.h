@@ -13,7 +13,7 @@
     X(REAL, mean, "mean", "unit of the cloud", "Mean distance")                                    \
     X(REAL, rms, "rms", "unit of the cloud", "Root mean square distance")                          \
     X(REAL, max, "max", "unit of the cloud", "Largest distance")                                   \
-    X(U64, points, "points", "points", "Points that were measured")
+    X(U64, points, "points", "points", "Number of points that were measured")
 
 struct vor_apart {
     VOR_APART_TABLE(VOR_FIELD)
@@ -24,8 +24,10 @@ struct vor_apart {
 /** How many points of the result have a surface that was fitted to a given number of input points.
  */
 #define VOR_FITTED_TABLE(X)                                                                        \
-    X(U32, neighbors, "neighbors", "points", "Input points that a surface was fitted to")          \
-    X(U64, points, "points", "points", "Points of the result that lie on such a surface")
+    X(U32, neighbors, "neighbors", "points",                                                       \
+      "Number of input points that a surface was fitted to")                                       \
+    X(U64, points, "points", "points",                                                             \
+      "Number of points of the result on surfaces fitted to that many input points")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
@@ -64,16 +66,17 @@ enum vor_oriented {
  * another kind for each row of VOR_WHEN_TABLE. */
 #define VOR_WARNING_KIND_TABLE(X)                                                                  \
     X(SIGMA_P, "sigmaP",                                                                           \
-      "sigmaP is smaller than the spacing of the samples, so that no point affects another")       \
+      "sigmaP is smaller than the distance between neighbouring points, so that no point "         \
+      "affects another")                                                                           \
     X(ONE_SIDED, "orientation",                                                                    \
       "Connected parts of the input have only one side, so that their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface from any number of neighbors; there the result may be "    \
+      "Noise hides parts of the surface for any value of neighbors. There the result may be "      \
       "farther from the surface than the input")                                                   \
     X(NOT_RESTORED, "lattice",                                                                     \
-      "Points stay where no lattice is found, or its cells are smaller than a tenth of the "       \
-      "spacing")
+      "The points were not moved because no grid was found, or because the grid cells are "        \
+      "smaller than a tenth of the spacing")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
@@ -89,12 +92,13 @@ enum vor_warning_kind {
 
 /** A warning. */
 #define VOR_WARNING_TABLE(X)                                                                       \
-    X(TEXT, about, "about", "", "Parameter or member of the report that the warning is about")     \
+    X(TEXT, about, "about", "",                                                                    \
+      "Name of the parameter, or of the member of the report, that the warning is about")          \
     X(REAL, value, "value", "",                                                                    \
-      "Value of that parameter or member, in its unit, or a count; null for a parameter without "  \
-      "effect")                                                                                    \
-    X(REAL, limit, "limit", "", "Limit; from this value on there is no warning")                   \
-    X(WARNING_SAYS, says, "says", "", "The warning as a sentence")
+      "Value of the parameter or member that the warning is about, in its unit, or a count; "      \
+      "null for a parameter that had no effect")                                                   \
+    X(REAL, limit, "limit", "", "Limit: no warning is given if the value is at least this high")   \
+    X(WARNING_SAYS, says, "says", "", "Text of the warning")
 
 struct vor_warning {
     VOR_WARNING_TABLE(VOR_FIELD)
@@ -109,7 +113,7 @@ struct vor_warning {
 #define VOR_MESH_LOOP_TABLE(X)                                                                     \
     X(U64, edges, "edges", "", "Number of edges of the loop")                                      \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
-    X(VECTOR, middle, "middle", "unit of the cloud", "Mean position of its points")
+    X(VECTOR, middle, "middle", "unit of the cloud", "Mean position of the points of the loop")
 
 struct vor_mesh_loop {
     VOR_MESH_LOOP_TABLE(VOR_FIELD)
@@ -139,16 +143,19 @@ enum vor_hole_outcome {
 
 /** A loop of border points, and what became of it. */
 #define VOR_HOLE_TABLE(X)                                                                          \
-    X(U32, id, "id", "", "Number of the loop, as inspect reports it")                              \
-    X(LOOP_KIND, kind, "kind", "", "Kind of the loop, as inspect reports it")                      \
+    X(U32, id, "id", "", "Number of the loop, the same as in the output of the process inspect")   \
+    X(LOOP_KIND, kind, "kind", "",                                                                 \
+      "Kind of the loop, the same as in the output of the process inspect")                        \
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
-      "filled, or the reason that it stayed open. rim: auto fills only holes; too-long: longer "   \
-      "than holeMax; not-chosen: holes lists other numbers; not-closed: no surface was found to "  \
-      "close it, another part of the input is in the way, or time ran out")                        \
+      "What happened to the loop. filled: it was filled; rim: it is an outer border, and "         \
+      "holes=auto fills only holes; too-long: it is longer than the parameter holeMax; "           \
+      "not-chosen: its number is not in the parameter holes; not-closed: no surface was found "    \
+      "that closes it, another part of the input is in the way, or time ran out")                  \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
-      "Centroid of the closed line through its points, in the coordinates of the cloud")           \
-    X(U64, points, "points", "points", "Points added in the loop")
+      "Centroid of the closed line through the points of the loop, in the coordinates of the "     \
+      "cloud")                                                                                     \
+    X(U64, points, "points", "points", "Number of points added to fill the loop")
 
 struct vor_hole_told {
     VOR_HOLE_TABLE(VOR_FIELD)
@@ -164,27 +171,33 @@ struct vor_hole_told {
 /** How far the Voronoi cells of points are from regular hexagons (metrics/cells.h). */
 #define VOR_CELLS_TABLE(X, object)                                                                 \
     X(REAL, eta, object "eta", "",                                                                 \
-      "Energy of the tessellation divided by that of as many regular hexagons, minus 1; lower is " \
-      "better")                                                                                    \
+      "Energy of the Voronoi tessellation divided by the energy of the same number of regular "    \
+      "hexagons, minus 1; lower is better")                                                        \
     X(REAL, gap, object "gap", "",                                                                 \
-      "Largest distance from a place of the surface to the nearest point, divided by the spacing " \
-      "of a hexagonal lattice with as many points; at least 0.577")                                \
-    X(U64, wide, object "wide", "places", "Places farther than 0.64 spacings from every point")    \
+      "Largest distance from any place of the surface to the nearest point, divided by the "       \
+      "spacing of a hexagonal lattice with the same number of points; 0.577 is the lowest "        \
+      "possible value")                                                                            \
+    X(U64, wide, object "wide", "places",                                                          \
+      "Number of places of the surface that are farther than 0.64 spacings from every point")      \
     X(U64, open, object "open", "points",                                                          \
-      "Points without a closed cell, as along a border; the other figures leave them out")
+      "Number of points without a closed Voronoi cell, as along a border. The other figures "      \
+      "leave these points out")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: that of the result, but at most that of the input; about as many for a "  \
-      "voxel grid")                                                                                \
-    X(REAL, delta, "delta", "", "delta of these points, computed as for the result")               \
+      "Number of points: the same as in the result, or as in the input if that has fewer; for a "  \
+      "voxel grid, about this number")                                                             \
+    X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "sigma of these points, computed as for the result")                                         \
-    X(REAL, epsilon, "epsilon", "", "epsilon of these points, computed as for the result")         \
+      "sigma of the points of this method, computed as for the result")                            \
+    X(REAL, epsilon, "epsilon", "",                                                                \
+      "epsilon of the points of this method, computed as for the result")                          \
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
-    X(REAL, six_share, "six_share", "", "Share of the points with six Voronoi neighbours")         \
-    X(APART, ref_to_out, "ref_to_out", "", "Distances from the input, as ref_to_out of the result")
+    X(REAL, six_share, "six_share", "", "Share of the points that have six Voronoi neighbours")    \
+    X(APART, ref_to_out, "ref_to_out", "",                                                         \
+      "Distances from the input to the points of this method, computed like ref_to_out of the "    \
+      "result")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

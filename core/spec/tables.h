@@ -117,177 +117,204 @@ enum vor_method_choice {
  * default. Choices are words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
-      "Number of points of the result. Give one of points, ratio and spacing")                     \
+      "Number of points of the result. Give only one of the parameters points, ratio and "         \
+      "spacing")                                                                                   \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
-      "Number of points of the result divided by that of the input. Its default, if it has one, "  \
-      "applies only without points and spacing")                                                   \
+      "Number of points of the result, divided by the number of points of the input. The "         \
+      "default, if there is one, applies only to requests without the parameters points and "      \
+      "spacing")                                                                                   \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
-      "Distance between neighbours of the result. The number of points is then area / (sqrt(3)/2 " \
-      "spacing^2)")                                                                                \
+      "Distance between neighbouring points of the result. The number of points is the area of "   \
+      "the surface divided by sqrt(3)/2 spacing^2")                                                \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
-      "How the points are spread. cvt: centroidal Voronoi tessellation of the surface, then the "  \
-      "polish; wlop: weighted locally optimal projection (points repel each other, and input "     \
-      "points attract them), then the polish; ear: edge-aware resampling (Huang 2013), which "     \
-      "projects points with normals away from edges, then inserts points towards the edges, so "   \
-      "that these stay sharp; kmeans: a baseline that moves each point to the mean of the input "  \
-      "points nearest to it. kmeans has no polish, follows the density of the input and needs at " \
-      "least as many input points as the result has")                                              \
+      "Method that spreads the points. cvt: centroidal Voronoi tessellation of the surface; "      \
+      "wlop: weighted locally optimal projection, in which points repel each other and input "     \
+      "points attract them; ear: edge-aware resampling (Huang 2013), which projects points with "  \
+      "normals away from sharp edges, then inserts points up to the edges; kmeans: a baseline "    \
+      "that moves each point to the mean of the input points nearest to it. A polish (see the "    \
+      "parameter polish) follows cvt, wlop and ear, but not kmeans. The result of kmeans is "      \
+      "denser where the input is denser, and cannot have more points than the input")              \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
-      "Local surface fitted to the input. quadric: follows its curvature; plane: flat, as in "     \
-      "Chen et al. 2018, which does not keep edges")                                               \
+      "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
+      "flat surface, as in Chen et al. 2018, which rounds sharp edges")                            \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
-      "Where points are denser; the spacing is proportional to density^(-1/4). uniform: equally "  \
-      "dense everywhere; curvature: denser where the surface bends more; edges: denser along "     \
-      "sharp edges, an error if there are none; attribute:NAME: a scalar of the input, 0 or more") \
+      "Where the points of the result are denser. uniform: equally dense everywhere; curvature: "  \
+      "denser where the surface bends more; edges: denser along sharp edges, an error if the "     \
+      "input has none; attribute:NAME: denser where this scalar attribute of the input, 0 or "     \
+      "more, is larger. The distance between neighbours is proportional to density^(-1/4)")        \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
-      "Ratio of the largest to the smallest spacing, if density is not uniform")                   \
+      "Ratio of the largest to the smallest distance between neighbours. It has an effect only "   \
+      "if the parameter density is not uniform")                                                   \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
-      "How fast the spacing may change: its difference between two places, divided by the "        \
-      "distance between them. Only for a density that is not uniform")                             \
+      "Largest change of the distance between neighbours per unit of length along the surface. "   \
+      "It has an effect only if the parameter density is not uniform")                             \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
-      "Shape of the cells. isotropic: as long as wide; anisotropic: longer in the "                \
-      "direction in which the surface bends less, by the square root of the ratio of its "         \
-      "principal curvatures; attribute:NAME: from positive definite tensors in the input "         \
-      "(six scalars NAME_xx, NAME_xy, NAME_xz, NAME_yy, NAME_yz, NAME_zz); lp: squares "           \
-      "along the curvature directions, from the L_p energy, without polish")                       \
+      "Shape of the Voronoi cells around the points. isotropic: as long as wide; anisotropic: "    \
+      "longer in the direction in which the surface bends less, where length divided by width "    \
+      "is the square root of the ratio of the principal curvatures; attribute:NAME: the shape "    \
+      "that positive definite tensors in the input give (six scalars NAME_xx, NAME_xy, NAME_xz, "  \
+      "NAME_yy, NAME_yz, NAME_zz); lp: squares along the directions of principal curvature, by "   \
+      "minimising an L_p energy, without polish")                                                  \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
-      "Largest ratio of length to width of a cell, if metric is not isotropic")                    \
+      "Largest ratio of length to width of a Voronoi cell. It has an effect only if the "          \
+      "parameter metric is not isotropic")                                                         \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
-      "Power of metric lp, an even number: 2 gives hexagons, 8 gives squares")                     \
+      "Power of the distances in the energy that metric=lp minimises. It must be even: 2 gives "   \
+      "hexagonal cells, 8 gives square cells")                                                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
-      "Distance that cells are computed with. metric: the distance in the parameter metric; "      \
-      "euclid: the Euclidean distance, as in Chen et al. 2018. With euclid the energy is still "   \
-      "that of the metric, and there is no polish. euclid works only with method cvt and without " \
-      "a density")                                                                                 \
+      "Distance that the Voronoi cells are computed with. metric: the distance that the "          \
+      "parameter metric defines; euclid: the Euclidean distance, as in Chen et al. 2018. With "    \
+      "cells=euclid, the energy is still computed with the parameter metric, and there is no "     \
+      "polish. cells=euclid requires method=cvt and density=uniform")                              \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Number of iterations. Default: up to 12 (100 without polish; 35 for kmeans, "               \
-      "metric=lp, cells=euclid); stops early once delta no longer falls")                          \
-    X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "", "Stop once delta is this low")            \
+      "Number of iterations. Default: up to 12 (100 without polish; 35 with method=kmeans, "       \
+      "metric=lp or cells=euclid), but fewer if the points stop getting more even")                \
+    X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
+      "Stop as soon as delta is this low. delta is the standard deviation of the distances to "    \
+      "the nearest neighbour, divided by their mean")                                              \
     X(ETA, eta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                               \
-      "Stop once eta is this low. eta is the energy of the Voronoi tessellation, divided by that " \
-      "of as many regular hexagons, minus 1")                                                      \
+      "Stop as soon as eta is this low. eta is the energy of the Voronoi tessellation divided "    \
+      "by the energy of the same number of regular hexagons, minus 1")                             \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
-      "Stop the iterations of cvt once no point moves farther than this, in units of the spacing " \
-      "that evenly spread points have")                                                            \
-    X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop after this much time")      \
+      "Stop the iterations of method=cvt as soon as no point moves farther than this. The unit "   \
+      "is the distance between neighbours if all points were spread evenly")                       \
+    X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop the run after this time")   \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
-      "Number of input points that a local surface is fitted to. auto: chosen per region from "    \
-      "the noise of the input")                                                                    \
+      "Number of input points that each local surface is fitted to. auto: each region gets a "     \
+      "number that suits the noise there")                                                         \
     X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
-      "Window of the Anderson acceleration; 0: plain Lloyd iterations. Default: momentum instead " \
-      "of Anderson acceleration")                                                                  \
+      "Use Anderson acceleration with this number of previous iterations. 0: plain Lloyd "         \
+      "iterations without acceleration. Default: acceleration by momentum instead")                \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
-      "Largest number of polish steps after the iterations: points repel each other, which evens " \
-      "out the spacing. 0: no polish")                                                             \
+      "Largest number of steps of the polish. The polish follows the iterations: points repel "    \
+      "each other until the distances between them are more even. 0: no polish")                   \
     X(EVENNESS, evenness, CHOICE, CVT, "", 0, 0, VOR_EVENNESS_SPACING, "spacing cover",            \
-      "What the polish aims at. spacing: every point is equally far from its nearest neighbour; "  \
-      "cover: no place of the surface is far from a point. With cover the second half of the "     \
-      "polish moves each point towards the centroid of its cell, and delta is about 0.04 instead " \
-      "of 0.02")                                                                                   \
+      "Aim of the polish. spacing: all points are equally far from their nearest neighbours; "     \
+      "cover: no place of the surface is far from a point. With evenness=cover, the second half "  \
+      "of the polish moves each point towards the centroid of its Voronoi cell, and delta is "     \
+      "about 0.04 instead of 0.02")                                                                \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
-      "Largest angle between normals that count as similar. Smaller values also keep blunt "       \
-      "edges; larger ones smooth more. Only for method ear")                                       \
+      "Largest angle at which two normals still count as similar. A smaller angle also "           \
+      "preserves blunt edges; a larger angle smooths more. It has an effect only with "            \
+      "method=ear")                                                                                \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
-      "Distance up to which points act on each other. auto: twice the spacing of the samples, or " \
-      "more if the input is noisy; paper: the diagonal of the bounding box divided by the square " \
-      "root of the number of input points. Only for methods wlop and ear")                         \
+      "Distance up to which points attract or repel each other. auto: twice the distance "         \
+      "between neighbouring points during the projection, or more if the input is noisy; paper: "  \
+      "the diagonal of the input's bounding box divided by the square root of the number of "      \
+      "input points. It has an effect only with method=wlop or method=ear")                        \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
-      "Ratio of the repulsion between points to their attraction by input points. Only for "       \
-      "methods wlop and ear")                                                                      \
+      "Strength of the repulsion between points of the result, relative to their attraction by "   \
+      "input points. It has an effect only with method=wlop or method=ear")                        \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
-      "Number of rounds, each of which smooths the normals and then projects the points; 0: the "  \
-      "points stay at their random initial positions. Only for methods wlop and ear")              \
+      "Number of rounds of projection. With method=ear, each round smooths the normals before "    \
+      "it projects the points. 0: the points stay at their initial positions, which are random. "  \
+      "It has an effect only with method=wlop or method=ear")                                      \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
-      "Projection steps per round, for methods wlop and ear. Default: 12, or 4 for ear before a "  \
-      "polish")                                                                                    \
+      "Number of projection steps in each round. Default: 12, or 4 with method=ear if a polish "   \
+      "follows. It has an effect only with method=wlop or method=ear")                             \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
-      "How strongly insertion prefers edges; 0: it inserts points evenly everywhere. Only for "    \
-      "method ear")                                                                                \
+      "How strongly method=ear prefers places near sharp edges when it inserts points. 0: it "     \
+      "inserts points evenly everywhere")                                                          \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
-      "Phases of method ear. resample: only projects points; insert: only inserts points between " \
-      "the input points; both: first projects, then inserts")                                      \
+      "Phases of method=ear. resample: it only projects points onto the surface; insert: it "      \
+      "only inserts points between the input points; both: it projects points, then inserts "      \
+      "more")                                                                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points that method ear has before it inserts any: projected points or, with "     \
-      "phases=insert, input points. Nothing is inserted if the result needs no more points than "  \
-      "that. auto: half of the input's points (with phases=insert all of them), or as many as "    \
-      "the result has if that is less")                                                            \
+      "Number of points from which method=ear starts to insert more: projected points or, with "   \
+      "phases=insert, input points. If the result needs no more points than this number, none "    \
+      "are inserted. auto: half of the input points (all input points with phases=insert), but "   \
+      "not more than the result has")                                                              \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
-      "Gaps in the input that are wider than its spacing, for method ear. keep: nothing is "       \
-      "inserted there; fill: they are filled, as far as sigmaP reaches")                           \
+      "What method=ear does with gaps in the input that are wider than the distance between "      \
+      "input points. keep: it leaves them empty; fill: it inserts points into them, as far as "    \
+      "the distance in the parameter sigmaP reaches")                                              \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
-      "Borders of the input. keep: no point moves beyond them; free: no restriction; sites: the "  \
-      "first points are placed evenly along them and stay there; fill: holes are filled first, "   \
-      "then as keep")                                                                              \
+      "Treatment of the borders of the input, the lines where its surface ends. keep: no point "   \
+      "moves beyond a border; free: points may move beyond a border; sites: the first points "     \
+      "are placed evenly along the borders and stay there; fill: holes are filled first, then "    \
+      "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "Loops to fill with boundary=fill: their numbers as inspect reports them, whether holes or " \
-      "rims; auto: all holes shorter than holeMax")                                                \
+      "Border loops that boundary=fill closes, by the numbers that the process inspect reports. "  \
+      "They may be holes or outer borders (rims). auto: all holes with a border that is shorter "  \
+      "than the parameter holeMax")                                                                \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
-      "Length of border below which holes=auto fills a hole; auto: the diagonal of the input's "   \
-      "bounding box")                                                                              \
+      "holes=auto fills only holes with a border that is shorter than this length. auto: the "     \
+      "diagonal of the input's bounding box")                                                      \
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
-      "Sharp edges of the input. ignore: no special treatment; sites: the first points are "       \
-      "placed evenly along them and stay there")                                                   \
+      "Treatment of the sharp edges of the input. ignore: no special treatment; sites: the "       \
+      "first points are placed evenly along the edges and stay there")                             \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
-      "Input points off the surface: isolated points and scattered noise. drop: they are "         \
-      "ignored; pull: they are moved onto the surface. Default: drop for method ear, because "     \
-      "outliers hide edges, else keep")                                                            \
+      "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
+      "are used like all other points; drop: they are ignored; pull: they are moved onto the "     \
+      "surface. Default: drop for the processes denoise and inspect and with method=ear, else "    \
+      "keep")                                                                                      \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
-      "Which part of a mesh is resampled. vertices: its vertices; faces: points drawn evenly "     \
-      "from its faces, at least eight per point of the result; an error if the input has no "      \
-      "faces")                                                                                     \
+      "Part of a mesh that is resampled. vertices: the vertices of the mesh; faces: points "       \
+      "drawn evenly from its faces, at least eight for each point of the result, an error if "     \
+      "the input has no faces")                                                                    \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
-      "Filters applied to the input, always in this order. outliers: drops outliers, or pulls "    \
-      "them with outliers=pull; mls: moves each point onto the smooth surface around it; thin: "   \
-      "leaves out points that are closer to others than the mean distance to the three nearest. "  \
-      "With mls or outliers, and without points, ratio and spacing, the result is the filtered "   \
-      "input in its order, with its attributes; upsample keeps its ratio. denoise with method "    \
-      "cvt or kmeans applies outliers and mls by default")                                         \
+      "Filters that are applied to the input, always in this order. outliers: drops outliers, "    \
+      "or moves them onto the surface with outliers=pull; mls: moves each point onto a smooth "    \
+      "surface fitted around it; thin: drops points until no two are closer together than the "    \
+      "mean distance of the points to their three nearest neighbours. If a request has the "       \
+      "filter mls or outliers, but none of the parameters points, ratio and spacing, its result "  \
+      "is the filtered input: the points of the input in their order, with their attributes. "     \
+      "The process upsample still applies its default ratio. The process denoise applies "         \
+      "outliers and mls by default with method=cvt and method=kmeans")                             \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
-      "How to use the normals of the input. use: orient fitted normals like them; estimate: "      \
-      "ignore them; auto: as use if all are finite and non-zero, else orient each connected part " \
-      "by its valid ones")                                                                         \
+      "Use of the input's normals. use: fitted normals are oriented like the normals of the "      \
+      "input; estimate: the normals of the input are ignored; auto: like use if all normals of "   \
+      "the input are finite and non-zero, else each connected part is oriented by its valid "      \
+      "normals")                                                                                   \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "How to decide which points lie on the same sheet. local: a short path over points in "      \
-      "between connects them; satellites: they have similar distances along the surface from "     \
-      "three points; none: they are near")                                                         \
+      "How to decide whether two nearby points lie on the same layer of the surface (sheet), "     \
+      "such as one side of a thin wall. local: they do if a short path over points in between "    \
+      "connects them; satellites: they do if they have similar distances along the surface from "  \
+      "three reference points; none: all nearby points count as one sheet")                        \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
-      "Input points with a coordinate that is not finite. refuse: an error; drop: they are left "  \
-      "out and counted")                                                                           \
+      "Treatment of input points with a coordinate that is not finite. refuse: the input is "      \
+      "refused; drop: these points are left out and counted")                                      \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of the random numbers")     \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
-      "Order of the points of the result. spatial: neighbours mostly follow each other; "          \
-      "progressive: the first N points are spread evenly, for every N")                            \
+      "Order of the points in the result. spatial: most points are next to one of their "          \
+      "neighbours; progressive: for every N, the first N points are spread evenly")                \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
-      "Format of the result. Default: by file suffix or Accept, else that of the input")           \
+      "Format of the result. Default: the format in the suffix of the output file or in the "      \
+      "Accept header, else the format of the input")                                               \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
-      "Bits per coordinate in Draco. 0: lossless; auto: steps are below spacing / 200")            \
+      "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: enough "   \
+      "bits for steps below 1/200 of the distance between neighbours")                             \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
-      "Compression effort of Draco; 10 gives the smallest files")                                  \
+      "Compression level of Draco. 10 gives the smallest files")                                   \
     X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
       "auto absolute relative",                                                                    \
-      "Origin of the positions in a Draco file. absolute: 0,0,0; relative: whole numbers near "    \
-      "the middle of the input; X,Y,Z: this point; auto: relative if float32 is too coarse for "   \
-      "the input's coordinates, else absolute")                                                    \
+      "Point that the positions in a Draco file are relative to. absolute: 0,0,0; relative: a "    \
+      "point with whole-number coordinates near the middle of the input; X,Y,Z: this point; "      \
+      "auto: like relative if float32 is too coarse for the coordinates of the input, else like "  \
+      "absolute")                                                                                  \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
-      "Attributes of the result. nearest: from the nearest input point; drop: positions only")     \
+      "Attributes of the result. nearest: each point has the attributes of the nearest input "     \
+      "point; drop: the result has only positions")                                                \
     X(NORMALS, normals, CHOICE, OUTPUT, "", 0, 0, VOR_NORMALS_NEAREST,                             \
       "nearest oriented fit drop",                                                                 \
-      "Normals of the result. nearest: from the nearest input point; oriented: likewise, but "     \
-      "oriented consistently, or as fit if the input has none; fit: those of the local surface, "  \
-      "on the side of the input's normals, or outward if the input has none; drop: none")          \
+      "Normals of the result. nearest: copied from the nearest input point; oriented: copied "     \
+      "and then oriented consistently or, if the input has no normals, computed as with fit; "     \
+      "fit: normals of the fitted surface, on the side of the input's normals, or outward if "     \
+      "the input has none; drop: no normals")                                                      \
     X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
-      "Faces are the cells around the points, polygons that share no vertices, instead of "        \
-      "triangles between the points. Draco has no polygons, so they are cut into triangles there") \
+      "Make the faces of the result from the Voronoi cells around the points instead of "          \
+      "triangles between the points. The faces are polygons that share no vertices; in a Draco "   \
+      "file they are cut into triangles")                                                          \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
-      "Run simple methods on the same input and add their figures to the report: k-means, random " \
-      "sampling, voxel grid and farthest-point sampling")                                          \
+      "Also run four simple methods on the same input and add their figures to the report: "       \
+      "k-means, random sampling, voxel grid and farthest-point sampling")                          \
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
-      "Peak value for d1_psnr and d2_psnr. auto: the largest distance from a reference point to "  \
-      "its nearest neighbour")                                                                     \
+      "Peak value in the formulas of d1_psnr and d2_psnr. auto: the largest distance from a "      \
+      "reference point to its nearest neighbour")                                                  \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -356,14 +383,15 @@ struct vor_artefact_info {
     }
 #define VOR_CLOUD_IN                                                                               \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud; its format is detected from the data. Over HTTP it is the body of the "    \
-      "request, or a part of a form"})
+      "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
+      "of the request or a part of a form"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud; its format is detected from the data. Over HTTP it is the body of the "    \
-      "request, or a part of a form"},                                                             \
+      "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
+      "of the request or a part of a form"},                                                       \
      {"reference", VOR_ARTEFACT_CLOUD, 0,                                                          \
-      "A cloud to compare with, in both directions. Over HTTP it is a part of a form"})
+      "Reference cloud. Distances are measured from the cloud to the reference and back. Over "    \
+      "HTTP, the reference is a part of a form"})
 #define VOR_CLOUD_OUT                                                                              \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The resulting cloud"},                                      \
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
@@ -373,7 +401,7 @@ struct vor_artefact_info {
 
 #define VOR_INSPECT_OUT                                                                            \
     ({"inspect", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
-      "Properties of the cloud: parts, spacing, noise, sheets"})
+      "Properties of the cloud: parts, spacing, noise, layers of the surface"})
 
 /** Sets of groups and of methods. */
 #define VOR_IN(group) (1u << VOR_GROUP_##group)
@@ -393,35 +421,35 @@ struct vor_artefact_info {
       "Spreads exactly the requested number of points evenly over the surface of the input")       \
     X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,               \
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
-      "Spreads as many points as the input has, or the requested number, evenly over its "         \
-      "surface, without its noise and outliers")                                                   \
+      "Removes the noise and outliers of the input, then spreads as many points as the input "     \
+      "has, or the requested number, evenly over its surface")                                     \
     X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
       VOR_CLOUD_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
       "Spreads four times as many points as the input has, or the requested number, evenly over "  \
-      "its surface")                                                                               \
+      "the surface of the input")                                                                  \
     X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
       "Spreads exactly the requested number of points, at most as many as the input has, evenly "  \
-      "over its surface")                                                                          \
+      "over the surface of the input")                                                             \
     X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
       VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
       "Measures how evenly a cloud is spread and, with a reference, how far the two clouds are "   \
       "apart")                                                                                     \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
-      "Describes a cloud: its parts, spacing, noise, sheets, sharp edges, borders and holes")      \
+      "Describes a cloud: its parts, spacing, noise, layers, sharp edges, borders and holes")      \
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
-      "Writes a cloud with its attributes and faces in another format, or in the same one; "       \
-      "positions change only by the rounding of the format")                                       \
+      "Writes a cloud, with its attributes and faces, in another format or in the same format. "   \
+      "Positions change only by the rounding of the format")                                       \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
-      "Spreads points as resample does and joins them into a manifold triangle mesh "              \
-      "facing outward")                                                                            \
+      "Spreads points as the process resample does, then joins them into a manifold triangle "     \
+      "mesh that faces outward")                                                                   \
     X(RESTORE, restore, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Restore a decoded point cloud",                                                             \
-      "Moves the points of a cloud that a codec rounded to a lattice back towards the surface, "   \
-      "each within its cell; order, attributes and faces stay")                                    \
+      "Moves the points of a cloud back towards the surface after a codec rounded them to a "      \
+      "grid. Each point stays within its grid cell; order, attributes and faces stay the same")    \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That
