@@ -33,10 +33,6 @@ enum {
  * With smoothing and without, at 5 to 9 bits (1.0 to 0.27 spacings): 23.7 and 26.5, 13.5
  * and 14.1, 8.8 and 9.1, 6.6 and 6.6, 5.9 and 5.5. */
 #define SMALL 0.4
-/* Of a cell: in the end a value may be off its level by that much, and by rounding, which may be as
- * much, or it hides the cell. 0.002 and 0.1 change nothing; uniform values are within it once in
- * fifty. */
-#define ON_LEVEL 0.01
 /* Normalised: an axis with few levels is flat only if they were told apart with at most this
  * rounding, sixteen steps of float32 at 1. */
 #define FLAT 1e-6
@@ -141,11 +137,11 @@ static int follow(struct found *out, const struct axis *axis, double cell)
             return 0;
         width *= 2;
     }
-    if (cell * ON_LEVEL < axis->rounding)
+    if (cell * VOR_ON_LEVEL < axis->rounding)
         return 0;
     out->cell = cell;
     out->offset = offset;
-    out->limit = 2 * axis->rounding + ON_LEVEL * cell;
+    out->limit = 2 * axis->rounding + VOR_ON_LEVEL * cell;
     for (size_t i = 0; i < axis->n; i++)
         stray += is_off(out, axis->value[i]);
     return stray * STRAY <= axis->n;
@@ -223,7 +219,7 @@ static void judge(struct vor_lattice *out, const struct check *check, double lar
     if (cells < 2)
         out->matters = 0;
     for (int c = 0; c < 3; c++)
-        if (!out->matters && ON_LEVEL * out->cell[c] < FLOAT32 * largest)
+        if (!out->matters && VOR_ON_LEVEL * out->cell[c] < FLOAT32 * largest)
             out->cell[c] = 0;
 }
 

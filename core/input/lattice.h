@@ -27,6 +27,11 @@
 
 #include "core/input/domain.h"
 
+/** Of a cell: in the end a value may be off its level by that much, and by rounding, which may be
+ * as much, or it hides the cell. 0.002 and 0.1 change nothing; uniform values are within it once in
+ *  fifty. */
+#define VOR_ON_LEVEL 0.01
+
 /** Looks for a lattice. Coordinates may be off it by the rounding of float32 and a hundredth of a
  *  cell, one in 200 by any distance. Fewer than 200 points have none.
  *

@@ -48,14 +48,15 @@ struct restore {
     size_t eligible;   /* points of the domain in regions with a lattice */
     double lattice[3]; /* the widest cells found */
     struct votes *votes;
-    uint32_t *place; /* of each point of the cloud, in the domain */
+    uint32_t *place;         /* of each point of the cloud, in the domain */
+    _Atomic uint32_t *count; /* of each point of the domain: how many of the cloud are there */
     atomic_size_t moved;
 };
 
 /* The neighbours of a point, nearest first. */
 struct hood {
     uint32_t index[WIDE];
-    float near[3 * WIDE], distance2[WIDE];
+    float near[3 * WIDE], distance2[WIDE], count[WIDE];
 };
 
 /* A fit to the first k of them. */
@@ -66,15 +67,16 @@ struct fit {
     double by[WIDE][3]; /* how it would move each */
 };
 
-/* Sets the weights (1 - d^2 / d_k^2)^3. Returns the sum of their squares over their own squared:
- * one over the number of equal weights that would be as good. */
+/* Sets the weights (1 - d^2 / d_k^2)^3, for each point that was rounded to a place. Returns the sum
+ * of their squares over their own squared: one over the number of equal weights that would be as
+ * good. */
 static double weigh(struct fit *fit, const struct hood *hood)
 {
     double sum = 0, squares = 0;
 
     for (unsigned j = 0; j < fit->k; j++) {
         float inside = 1 - hood->distance2[j] / (1.001F * hood->distance2[fit->k - 1]);
-        double weight = (double)(inside * inside * inside);
+        double weight = (double)(inside * inside * inside * hood->count[j]);
 
         fit->weight[j] = (float)weight;
         sum += weight;
@@ -105,11 +107,53 @@ static double find_feet(struct fit *fit, const struct vor_surface *surface, cons
     return sum / total;
 }
 
+/* The variance of rounding along the surface's normal: uniform in the cell, but along an axis that
+ * the surface runs across within less than a cell, most points are rounded by about the same, and
+ * what differs is no more than the variance of the feet. */
+static double expect_rounding(const struct fit *fit, const struct vor_surface *surface,
+                              const struct hood *hood, const double cell[3])
+{
+    double sum = 0;
+
+    for (int c = 0; c < 3; c++) {
+        double total = 0, mean = 0, square = 0, along = surface->axis[2][c];
+
+        for (unsigned j = 0; j < fit->k; j++) {
+            double weight = (double)fit->weight[j];
+            double foot =
+                (double)hood->near[3 * j + (size_t)c] - surface->origin[c] + fit->by[j][c];
+
+            total += weight;
+            mean += weight * foot;
+            square += weight * foot * foot;
+        }
+        mean /= total;
+        sum += along * along * fmin(cell[c] * cell[c] / 12, fmax(square / total - mean * mean, 0));
+    }
+    return sum;
+}
+
+/* Shortens a way to what rounding explains of it: a share, and at most the way from the middle of a
+ * cell to the farthest plane across the way that touches the cell. */
+static void shorten(double by[3], double share, const double cell[3])
+{
+    double square = 0, most = 0;
+
+    for (int c = 0; c < 3; c++) {
+        square += by[c] * by[c];
+        most += fabs(by[c]) * cell[c] / 2;
+    }
+    if (square > most)
+        share *= most / square;
+    for (int c = 0; c < 3; c++)
+        by[c] *= share;
+}
+
 /* Fits to the k nearest of a point whose lattice is known. */
 static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const double cell[3])
 {
     struct vor_surface surface;
-    double taken, variance, rounding = 0, share;
+    double taken, variance, rounding, share;
 
     fit->k = k;
     fit->error = INFINITY;
@@ -119,16 +163,11 @@ static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const
     if (surface.kind == VOR_SURFACE_NONE || !(taken < 1))
         return;
     variance = find_feet(fit, &surface, hood) / (1 - taken);
-    for (int c = 0; c < 3; c++) { /* uniform in the cell, seen along the normal */
-        double across = cell[c] * surface.axis[2][c];
-
-        rounding += across * across / 12;
-    }
+    rounding = expect_rounding(fit, &surface, hood, cell);
     share = variance > rounding ? rounding / variance : 1;
     fit->error = 1 - share + taken;
     for (unsigned j = 0; j < k; j++)
-        for (int c = 0; c < 3; c++)
-            fit->by[j][c] *= share;
+        shorten(fit->by[j], share, cell);
 }
 
 static const double *cell_at(const struct restore *restore, size_t i)
@@ -142,7 +181,7 @@ static void vote(struct restore *restore, const struct fit *fit, const struct ho
     for (unsigned j = 0; j < fit->k; j++) {
         struct votes *votes = &restore->votes[hood->index[j]];
         const double *cell = cell_at(restore, hood->index[j]);
-        double weight = (double)fit->weight[j] / (fit->error * STEP);
+        double weight = (double)(fit->weight[j] / hood->count[j]) / (fit->error * STEP);
 
         for (int c = 0; c < 3; c++) {
             double by = cell[c] > 0 ? fit->by[j][c] / cell[c] : 0;
@@ -172,9 +211,12 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             continue;
         vor_knn_search_next(domain->knn, &last, &domain->xyz[3 * i], WIDE, hood.index,
                             hood.distance2);
-        for (size_t j = 0; j < WIDE; j++)
+        for (size_t j = 0; j < WIDE; j++) {
             memcpy(&hood.near[3 * j], &domain->xyz[3 * (size_t)hood.index[j]],
                    3 * sizeof *hood.near);
+            hood.count[j] =
+                (float)atomic_load_explicit(&restore->count[hood.index[j]], memory_order_relaxed);
+        }
         make_fit(&wide, &hood, WIDE, cell);
         make_fit(&fine, &hood, FINE, cell);
         if (fine.error < wide.error)
@@ -210,6 +252,27 @@ static vor_status find_lattice(struct restore *restore, size_t at, size_t many,
     return VOR_OK;
 }
 
+/* Keeps the lattices of regions that one beside them has too: few points may be on one by chance.
+ */
+static void keep_shared(struct restore *restore, size_t regions)
+{
+    int before = 0;
+
+    restore->eligible = 0;
+    for (size_t i = 0; i < regions; i++) {
+        double *cell = restore->region[i].cell;
+        int after = i + 1 < regions;
+
+        for (size_t c = 0; c < 3 && after; c++)
+            after = fabs(restore->region[i + 1].cell[c] - cell[c]) <= VOR_ON_LEVEL * cell[c];
+        if (!(cell[0] > 0) || !(before || after))
+            memset(cell, 0, sizeof restore->region[i].cell);
+        else
+            restore->eligible += i + 1 < regions ? BLOCK : restore->domain.n - i * BLOCK;
+        before = after;
+    }
+}
+
 /* Looks for the lattice of all points; if none counts, for those of pieces of their order. */
 static vor_status find_regions(struct restore *restore, struct vor_error *err)
 {
@@ -226,10 +289,12 @@ static vor_status find_regions(struct restore *restore, struct vor_error *err)
     restore->many = BLOCK;
     for (size_t at = 0; status == VOR_OK && at < n; at += restore->many)
         status = find_lattice(restore, at, n - at < restore->many ? n - at : restore->many, err);
+    keep_shared(restore, regions);
     return status;
 }
 
-/* Finds the place in the domain of each point of the cloud: those that coincide share one. */
+/* Finds the place in the domain of each point of the cloud, and counts: those that coincide share
+ * one. */
 static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct restore *restore = ctx;
@@ -237,10 +302,11 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     for (size_t i = begin; i < end; i++) {
         float x[3], distance2;
 
-        if (restore->place[i] != NONE)
-            continue;
-        vor_domain_normalise(&restore->domain, &restore->cloud->xyz[3 * i], x);
-        vor_knn_search(restore->domain.knn, x, 1, 1, &restore->place[i], &distance2);
+        if (restore->place[i] == NONE) {
+            vor_domain_normalise(&restore->domain, &restore->cloud->xyz[3 * i], x);
+            vor_knn_search(restore->domain.knn, x, 1, 1, &restore->place[i], &distance2);
+        }
+        atomic_fetch_add_explicit(&restore->count[restore->place[i]], 1, memory_order_relaxed);
     }
 }
 
@@ -282,7 +348,8 @@ static vor_status move(struct restore *restore, struct vor_error *err)
 
     restore->votes = vor_calloc(run->memory, restore->domain.n, sizeof *restore->votes);
     restore->place = vor_malloc(run->memory, n, sizeof *restore->place);
-    if (restore->votes == NULL || restore->place == NULL)
+    restore->count = vor_calloc(run->memory, restore->domain.n, sizeof *restore->count);
+    if (restore->votes == NULL || restore->place == NULL || restore->count == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     for (size_t i = 0; i < n; i++)
         restore->place[i] = NONE;
@@ -317,7 +384,7 @@ vor_status vor_restore_cloud(struct vor_cloud *cloud, struct vor_report *report,
     if (status == VOR_OK && (restore.eligible == 0 || restore.eligible < restore.domain.n))
         vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOT_RESTORED,
                  (double)restore.eligible, (double)restore.domain.n);
-    VOR_FREE_ALL(run->memory, restore.place, restore.votes, restore.region);
+    VOR_FREE_ALL(run->memory, restore.count, restore.place, restore.votes, restore.region);
     vor_domain_free(&restore.domain);
     return status;
 }
