@@ -353,11 +353,10 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
     if (!vor_spec_descends(spec))
         return VOR_OK;
     if (spec->value[VOR_PARAM_METHOD] != VOR_METHOD_CVT)
-        return vor_fail_param(err, VOR_E_PARAM, name, "%s is %s, which only method cvt supports",
-                              name, word);
+        return vor_fail_param(err, VOR_E_PARAM, name, "%s=%s works only with method=cvt", name,
+                              word);
     if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
-        return vor_fail_param(err, VOR_E_PARAM, name,
-                              "%s is %s, which supports no density, want density uniform", name,
+        return vor_fail_param(err, VOR_E_PARAM, name, "%s=%s works only with density=uniform", name,
                               word);
     return VOR_OK;
 }
@@ -384,11 +383,11 @@ static vor_status check_projection(const struct vor_spec *spec, struct vor_error
         size_t length = vor_parameter_choice(info, (unsigned)rules[i].wanted, &want);
 
         if (rules[i].refused == VOR_UNSET ? value != rules[i].wanted : value == rules[i].refused)
-            return vor_fail_param(
-                err, VOR_E_PARAM, info->name,
-                "%s is %.*s, which method %s does not support, want %.*s, or method cvt",
-                info->name, SHOWN_SIZE, vor_spec_text(spec, rules[i].parameter, is),
-                method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
+            return vor_fail_param(err, VOR_E_PARAM, info->name,
+                                  "%s=%.*s does not work with method=%s: use %.*s or method=cvt",
+                                  info->name, SHOWN_SIZE,
+                                  vor_spec_text(spec, rules[i].parameter, is),
+                                  method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
     }
     return VOR_OK;
 }
@@ -406,9 +405,12 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
         return VOR_OK;
     if (given == 0)
         return vor_fail_param(err, VOR_E_PARAM, "points",
-                              "give exactly one of points, ratio and spacing: none is given");
+                              "give exactly one of the parameters points, ratio and spacing: "
+                              "none is given");
     return vor_fail_param(err, VOR_E_PARAM, "points",
-                          "give exactly one of points, ratio and spacing, not %d", given);
+                          "give exactly one of the parameters points, ratio and spacing, not "
+                          "%d",
+                          given);
 }
 
 vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
@@ -445,8 +447,9 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
             continue;
         vor_spec_text(spec, parameter, text);
         return vor_fail_param(err, VOR_E_PARAM, info.name,
-                              "%s is %.*s, which needs a %s, but the request has none", info.name,
-                              SHOWN_SIZE, text, needed);
+                              "the parameter %s is %.*s, which needs a %s, but the request has "
+                              "none",
+                              info.name, SHOWN_SIZE, text, needed);
     }
     return VOR_OK;
 }
@@ -483,8 +486,9 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
     if (least > most)
         return vor_fail_param(
             err, VOR_E_TARGET, name,
-            "%s of %llu points gives %.0f or more, but a result may have at most %.0f", process->id,
-            (unsigned long long)input, least, most);
+            "the result of %s has at least as many points as the input (%llu), so %.0f or "
+            "more, but a result may have at most %.0f points",
+            process->id, (unsigned long long)input, least, most);
     if (from != VOR_PARAM_POINTS)
         (void)snprintf(asked, sizeof asked, " and needs %.16g points", target);
     if (is_unbounded(spec))

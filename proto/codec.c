@@ -94,7 +94,7 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
         if (size == 0)
             vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
         else if (foreign != NULL)
-            vor_fail(err, VOR_E_UNSUPPORTED, "the input is %s, want PLY or Draco; %s",
+            vor_fail(err, VOR_E_UNSUPPORTED, "the input is %s, want PLY or Draco: %s",
                      foreign->name, foreign->hint);
         else
             vor_fail(err, VOR_E_UNSUPPORTED,

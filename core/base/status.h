@@ -27,18 +27,19 @@
     X(E_NORMALS, 422, "unusable-normals", 0, "The normals of the cloud cannot be used")            \
     X(E_FACES, 422, "unusable-faces", 0, "The faces of the cloud cannot be used")                  \
     X(E_SPLATS, 422, "gaussian-splats", 0, "The cloud is a 3D Gaussian splat")                     \
-    X(E_HOLES, 422, "unknown-hole", 0, "The cloud has no hole of that number")                     \
-    X(E_DENSITY, 422, "unusable-density", 0, "The input has no such density")                      \
-    X(E_METRIC, 422, "unusable-metric", 0, "The attribute cannot be used as a metric")             \
+    X(E_HOLES, 422, "unknown-hole", 0, "The cloud has no hole with the requested number")          \
+    X(E_DENSITY, 422, "unusable-density", 0,                                                       \
+      "The requested density cannot be computed from the input")                                   \
+    X(E_METRIC, 422, "unusable-metric", 0, "The requested attribute cannot be used as a metric")   \
     X(E_TARGET, 422, "target-out-of-range", 0, "The requested number of points is out of range")   \
     X(E_ORIGIN, 422, "frame-too-coarse", 0, "float32 is too coarse for the requested origin")      \
     X(E_WORK, 422, "too-much-work", 0, "The job would take far longer than is allowed")            \
-    X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled")                                    \
+    X(E_CANCELLED, 499, "cancelled", 0, "The caller cancelled the run")                            \
     X(E_STOPPED, 499, "stopped", 0, "The caller stopped the run")                                  \
     X(E_DEADLINE, 500, "job-deadline-exceeded", 0, "The job ran longer than is allowed")           \
     X(E_IO, 500, "io-error", 1, "Reading or writing failed")                                       \
     X(E_DAMAGED, 500, "damaged-bytes", 0, "Stored bytes are damaged")                              \
-    X(E_INTERNAL, 500, "engine-error", 0, "The engine failed")
+    X(E_INTERNAL, 500, "engine-error", 0, "The computation failed")
 
 typedef enum vor_status {
 #define VOR_STATUS_ENUM(name, http, slug, retryable, sentence) VOR_##name,

@@ -53,14 +53,14 @@ vor_status vor_faces_check(const struct vor_cloud *cloud, struct vor_error *err)
 {
     if (cloud->triangle_count == 0)
         return vor_fail_param(err, VOR_E_FACES, "sample",
-                              "sample is faces, but the input has %zu points and no faces, want "
-                              "faces with three or more corners, or sample=vertices",
+                              "sample=faces needs faces with three or more corners, but the "
+                              "input has %zu points and no faces: use sample=vertices",
                               cloud->n);
     if (vor_faces_area(cloud) > 0)
         return VOR_OK;
     return vor_fail_param(err, VOR_E_FACES, "sample",
-                          "sample is faces, but the area of each of the input's %zu triangles is "
-                          "0, want one above 0, or sample=vertices",
+                          "sample=faces needs a triangle with an area above 0, but all %zu "
+                          "triangles of the input have area 0: use sample=vertices",
                           cloud->triangle_count);
 }
 

@@ -33,8 +33,8 @@ static vor_status refuse(const struct positions *at, size_t n, size_t bad, struc
     /* The sign of what is no number depends on the machine that wrote it. */
     (void)snprintf(value, sizeof value, "%g", fabs(coordinate(at, 3 * first + c)));
     return vor_fail_param(err, VOR_E_NONFINITE, "invalid",
-                          "%zu of %zu points are not finite, the first is point %zu: its %c is "
-                          "%s%s; invalid=drop leaves them out",
+                          "%zu of %zu points have a coordinate that is not finite. The first "
+                          "is point %zu: its %c is %s%s. invalid=drop leaves such points out",
                           bad, n, first, "xyz"[c], coordinate(at, 3 * first + c) < 0 ? "-" : "",
                           value);
 }
@@ -96,7 +96,8 @@ vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop, st
     if (!is_drop)
         return refuse(&at, cloud->n, bad, err);
     if (bad == cloud->n)
-        return vor_fail(err, VOR_E_EMPTY, "none of the %zu points is finite", cloud->n);
+        return vor_fail(err, VOR_E_EMPTY, "all %zu points have a coordinate that is not finite",
+                        cloud->n);
     if (cloud->triangle_count > 0 && renumber(cloud, &at, err) != VOR_OK)
         return VOR_E_NOMEM;
     for (size_t k = 0; k < cloud->attribute_count; k++)

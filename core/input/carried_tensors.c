@@ -118,6 +118,6 @@ vor_status vor_carried_tensors_check(const struct vor_cloud *in, const char *nam
     vor_quote(quoted, sizeof quoted, name, strlen(name));
     return vor_fail_param(err, VOR_E_METRIC, "metric",
                           "tensor %s is %g %g %g %g %g %g (xx xy xz yy yz zz) at point %zu, "
-                          "want a positive definite one",
+                          "want a positive definite tensor",
                           quoted, t[0], t[1], t[2], t[3], t[4], t[5], first);
 }

@@ -61,7 +61,8 @@ static vor_status check_values(const struct vor_attribute *attribute, size_t n,
     if (status != VOR_OK || positive > 0)
         return status;
     return vor_fail_param(err, VOR_E_DENSITY, "density",
-                          "attribute %s is 0 at all %zu points, want more than 0 somewhere",
+                          "attribute %s is 0 at all %zu points, want a value above 0 at one "
+                          "point at least",
                           attribute->name, n);
 }
 
@@ -403,8 +404,8 @@ static vor_status choose(struct work *work, const struct vor_cloud *in, const st
     status = vor_edges_find(&work->edges, work->whole, run, err);
     if (status == VOR_OK && work->edges.flagged == 0)
         status = vor_fail_param(err, VOR_E_DENSITY, "density",
-                                "density is edges, but none of the input's %zu points lies on a "
-                                "sharp edge, want uniform, curvature or attribute:NAME",
+                                "density=edges needs sharp edges, but none of the input's %zu "
+                                "points lies on one: use uniform, curvature or attribute:NAME",
                                 in->n);
     return status;
 }

@@ -227,7 +227,8 @@ vor_status vor_domain_check(const struct vor_domain *domain, const struct vor_ru
     vor_eigen3(values, vectors, m);
     if (!(values[1] > LINE_RANK * values[2]))
         return vor_fail(err, VOR_E_DEGENERATE,
-                        "all %zu distinct points lie on one line, or too close to it", domain->n);
+                        "all %zu distinct points lie on one line, or too close to one line",
+                        domain->n);
     return VOR_OK;
 }
 

@@ -16,12 +16,13 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
     for (unsigned i = 0; vor_spec_count_at(spec, VOR_PARAM_HOLES, i, &id); i++) {
         if (loops->count == 0)
             return vor_fail_param(err, VOR_E_HOLES, "holes",
-                                  "holes has %.0f, but the input has no loop of border points", id);
+                                  "holes lists loop %.0f, but the input has no border loops", id);
         if (id > (double)loops->count)
             return vor_fail_param(
                 err, VOR_E_HOLES, "holes",
-                "holes has %.0f, want numbers from 1 to %zu: the loops as inspect numbers them", id,
-                loops->count);
+                "holes lists loop %.0f, want numbers from 1 to %zu, as the process inspect "
+                "numbers the loops",
+                id, loops->count);
         chosen[(size_t)id - 1] = 1;
     }
     return VOR_OK;

@@ -94,7 +94,8 @@ void vor_remote_tell(const struct vor_cloud *cloud, struct vor_error *err)
     vor_cloud_position(cloud, remote.farthest, x);
     length = strlen(err->message);
     (void)snprintf(err->message + length, sizeof err->message - length,
-                   "; point %zu at %.9g %.9g %.9g is %.3g away from the others, too far for "
-                   "float32 to separate these: outliers=drop leaves it out",
+                   "; point %zu at %.9g %.9g %.9g is %.3g away from the other points. At this "
+                   "distance, float32 cannot separate the other points. outliers=drop leaves "
+                   "the far point out",
                    remote.farthest, x[0], x[1], x[2], remote.far);
 }

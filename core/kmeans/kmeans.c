@@ -164,23 +164,23 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
     if (vor_field_is(&domain->field))
         return vor_fail_param(
             err, VOR_E_DENSITY, "density",
-            "method kmeans supports no density, want density uniform, or method cvt");
+            "method=kmeans does not support a density: use density=uniform or method=cvt");
     if (vor_tensors_are(&domain->tensors))
         return vor_fail_param(
             err, VOR_E_METRIC, "metric",
-            "method kmeans supports no metric, want metric isotropic, or method cvt");
+            "method=kmeans does not support a metric: use metric=isotropic or method=cvt");
     if (spec->value[VOR_PARAM_BOUNDARY] == VOR_BOUNDARY_SITES)
         return vor_fail_param(err, VOR_E_PARAM, "boundary",
-                              "method kmeans does not support boundary=sites, want keep, free or "
-                              "fill, or method cvt");
+                              "method=kmeans does not support boundary=sites: use keep, free "
+                              "or fill, or method=cvt");
     if (spec->value[VOR_PARAM_EDGES] == VOR_EDGES_SITES)
         return vor_fail_param(
             err, VOR_E_PARAM, "edges",
-            "method kmeans does not support edges=sites, want ignore, or method cvt");
+            "method=kmeans does not support edges=sites: use edges=ignore or method=cvt");
     if (n > domain->n)
         return vor_fail_param(err, VOR_E_TARGET, "points",
-                              "%zu points are requested, want 1 to %zu: kmeans cannot give more "
-                              "points than the input has at different positions",
+                              "%zu points are requested, want 1 to %zu: method=kmeans cannot "
+                              "give more points than the input has distinct positions",
                               n, domain->n);
     status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
     if (status != VOR_OK)

@@ -296,7 +296,8 @@ static vor_status insert_one(struct vor_stage *stage, struct vor_error *err)
             status = vor_run_answered(vor_run_poll(stage->run), err);
         if (status == VOR_OK && !(clearance2 > 0))
             status = vor_fail(err, VOR_E_DEGENERATE,
-                              "no room for another point between the %zu existing ones",
+                              "there is no gap for another point between the %zu existing "
+                              "points",
                               insertion->samples->n);
         if (status == VOR_OK)
             status = insert_between(insertion, at, clearance2, err);

@@ -27,7 +27,9 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
         return status;
     if (!(even.mean > 0))
         return vor_fail(err, VOR_E_DEGENERATE,
-                        "all %zu points are at the same position, want at least two positions", n);
+                        "all %zu points are at the same position, want at least two different "
+                        "positions",
+                        n);
     *out = (struct vor_measure){.n = n,
                                 .delta = even.delta,
                                 .sigma = even.sigma * unit,

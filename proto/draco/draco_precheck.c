@@ -407,8 +407,8 @@ static void refuse_loose(struct walk *walk, uint32_t flags)
     if (what != NULL)
         fail_at(walk, at,
                 vor_fail(walk->err, VOR_E_FORMAT,
-                         "the Draco file %s; this daemon reads only point clouds of bitstream 2.3 "
-                         "without metadata",
+                         "the Draco file %s; with --draco strict the daemon reads only point "
+                         "clouds of bitstream 2.3 without metadata",
                          what));
 }
 

@@ -58,7 +58,7 @@ static vor_status decode(struct vor_draco_decoded **out, struct vor_alloc_budget
         return refuse_rest(bytes, size, used, err);
     case VOR_DRACO_NO_MEMORY:
         return vor_fail(err, VOR_E_NOMEM,
-                        "decoding %zu bytes of Draco takes more than %zu bytes of memory", size,
+                        "decoding %zu bytes of Draco needs more than %zu bytes of memory", size,
                         left < budget->most ? left : budget->most);
     default:
         return vor_fail(err, VOR_E_FORMAT,
@@ -102,7 +102,10 @@ static vor_status find_position(struct load *load)
 static vor_status copy_values(const struct load *load, unsigned index, void *out)
 {
     if (vor_draco_values(load->decoded, index, out) != VOR_DRACO_DONE)
-        return vor_fail(load->err, VOR_E_FORMAT, "attribute %u has no value for some point", index);
+        return vor_fail(load->err, VOR_E_FORMAT,
+                        "attribute %u has no value for at least one "
+                        "point",
+                        index);
     return VOR_OK;
 }
 

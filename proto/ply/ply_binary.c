@@ -131,8 +131,8 @@ vor_status vor_ply_rows_fit(const struct vor_ply_body *body, const struct vor_pl
     if (!__builtin_mul_overflow(element->count, row, &need) && need <= left)
         return VOR_OK;
     vor_fail(err, VOR_E_FORMAT,
-             "%llu rows of %s need at least %zu bytes each, but the file has %zu left: it is cut "
-             "short, or that number is wrong",
+             "%llu rows of %s need at least %zu bytes each, but the file has only %zu bytes "
+             "left: the file is cut short, or its number of rows is wrong",
              (unsigned long long)element->count,
              vor_quote(name, sizeof name, element->name, element->name_length), row,
              body->size - body->at);

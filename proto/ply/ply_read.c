@@ -85,8 +85,8 @@ static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
         at[c] = vor_ply_find(vertex, names[c], 0);
         if (at[c] == ABSENT && vor_ply_find(vertex, "packed_position", 0) != ABSENT)
             vor_fail(err, VOR_E_FORMAT,
-                     "element vertex has packed_position: it is a compressed 3D Gaussian splat; "
-                     "unpack it with splat-transform in.ply out.ply");
+                     "the file is a compressed 3D Gaussian splat (element vertex has the "
+                     "property packed_position): unpack it with splat-transform in.ply out.ply");
         else if (at[c] == ABSENT)
             vor_fail(err, VOR_E_FORMAT, "element vertex has no property %s, want x, y and z",
                      names[c]);

@@ -106,8 +106,9 @@ enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vo
             return vor_handle_livez(app, request, step);
         return vor_problem_say(
             app, request, "not-alive",
-            "a thread has spent %.0f seconds on one step of a request, want less than %d", stuck,
-            VOR_STUCK_SECONDS);
+            "an HTTP thread has spent %.0f seconds on one step of a request, want less than %d "
+            "seconds",
+            stuck, VOR_STUCK_SECONDS);
     }
     if (strcmp(path, "/readyz") == 0)
         return vor_handle_readyz(app, request, step);

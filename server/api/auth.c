@@ -61,7 +61,9 @@ static bool refuse_scope(struct vor_app *app, struct vor_request *request,
                                    vor_scope_word((enum vor_scope)i));
     (void)snprintf(challenge, sizeof challenge,
                    REALM ", error=\"insufficient_scope\", scope=\"%s\"", vor_scope_word(scope));
-    (void)snprintf(detail, sizeof detail, "the key %s has the scopes %s, want %s as well",
+    (void)snprintf(detail, sizeof detail,
+                   "the key %s has the scopes %s, but this request also "
+                   "needs the scope %s",
                    caller->name, scopes, vor_scope_word(scope));
     problem.detail = detail;
     problem.challenge = challenge;
@@ -101,9 +103,9 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
             app, request, REALM,
             "the request has no key; send one as Authorization: Bearer KEY, or X-API-Key: KEY");
     if (key == NULL && !has_ticket(app, request, ticket))
-        return refuse(
-            app, request, REALM,
-            "the ticket has expired or is for another result; POST to the job's tickets makes one");
+        return refuse(app, request, REALM,
+                      "the ticket has expired or is for another result; make a new one with POST "
+                      "/v1/jobs/ID/tickets");
     caller = ticket_holder;
     if (key != NULL && !vor_keys_find(app->keys, key, &caller))
         return refuse(app, request, REALM ", error=\"invalid_token\"",

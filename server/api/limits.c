@@ -37,8 +37,8 @@ bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
     if (wait <= 0)
         return true;
     (void)snprintf(detail, sizeof detail,
-                   "the key %s sends job requests too fast: it may send %.10g per second, and "
-                   "twice as many at once",
+                   "the key %s starts jobs too fast: it may start %.10g per second, and twice "
+                   "as many at once",
                    caller->name, caller->quota.rate);
     problem.detail = detail;
     problem.retry_seconds = (unsigned)ceil(wait);

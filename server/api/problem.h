@@ -8,28 +8,30 @@
 /** Problems besides those of VOR_STATUS_TABLE: slug, HTTP status, retryable, whether the type is
  *  OGC's, title. */
 #define VOR_PROBLEM_TABLE(X)                                                                       \
-    X("smuggled-framing", 400, 0, 0, "The framing of the request is ambiguous")                    \
+    X("smuggled-framing", 400, 0, 0, "The length or the headers of the request are ambiguous")     \
     X("invalid-query-parameter-value", 400, 0, 1, "A query parameter is invalid")                  \
     X("unauthorized", 401, 0, 0, "The request needs a key")                                        \
     X("forbidden", 403, 0, 0, "The request is not allowed")                                        \
     X("no-such-resource", 404, 0, 0, "There is nothing at this path")                              \
     X("no-such-process", 404, 0, 1, "There is no such process")                                    \
     X("no-such-job", 404, 0, 1, "There is no such job")                                            \
-    X("input-not-kept", 404, 0, 0, "The job's input was not kept")                                 \
+    X("input-not-kept", 404, 0, 0, "The job's input is no longer stored")                          \
     X("no-such-output", 404, 0, 1, "The job has no such output")                                   \
     X("result-not-ready", 404, 1, 1, "The result is not ready")                                    \
     X("result-not-available", 404, 0, 1, "The job has no result")                                  \
     X("method-not-allowed", 405, 0, 0, "The resource does not support this method")                \
-    X("not-acceptable", 406, 0, 0, "No acceptable format can be written")                          \
+    X("not-acceptable", 406, 0, 0,                                                                 \
+      "The response is not available in a format that the client accepts")                         \
     X("upload-timeout", 408, 1, 0, "The upload was too slow")                                      \
     X("not-running", 409, 0, 0, "The job is not running")                                          \
-    X("idempotency-in-flight", 409, 1, 0, "A request with this key is in progress")                \
+    X("idempotency-in-flight", 409, 1, 0,                                                          \
+      "Another request with this Idempotency-Key is in progress")                                  \
     X("job-expired", 410, 0, 0, "The results of the job have been deleted")                        \
     X("precondition-failed", 412, 0, 0, "The ETag does not match")                                 \
     X("range-not-satisfiable", 416, 0, 0, "The range is outside the result")                       \
-    X("idempotency-key-reused", 422, 0, 0, "The key belongs to another request")                   \
+    X("idempotency-key-reused", 422, 0, 0, "The Idempotency-Key belongs to another request")       \
     X("queue-full", 429, 1, 0, "The queue is full")                                                \
-    X("rate-limited", 429, 1, 0, "The key sends job requests too fast")                            \
+    X("rate-limited", 429, 1, 0, "The key starts jobs too fast")                                   \
     X("too-many-jobs", 429, 1, 0, "The key has too many jobs")                                     \
     X("too-much-stored", 429, 1, 0, "The key has too many bytes stored")                           \
     X("too-many-streams", 429, 1, 0, "Too many event streams are open")                            \
@@ -38,7 +40,7 @@
     X("draining", 503, 1, 0, "The daemon is shutting down")                                        \
     X("not-alive", 503, 1, 0, "An HTTP thread is stuck")                                           \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
-    X("store-unavailable", 503, 1, 0, "The store cannot be used")                                  \
+    X("store-unavailable", 503, 1, 0, "The database of jobs cannot be used")                       \
     X("storage-full", 507, 1, 0, "The disk is full")
 
 /** What to say; 0, NULL and (for byte_offset and queue_depth) -1 leave out. Strings are borrowed.

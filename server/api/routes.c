@@ -135,12 +135,14 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
         vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
     else if (refused != NULL)
         vor_problem_say(app, request, "forbidden",
-                        "Host is %.100s, want localhost, 127.0.0.1, [::1], that of --public-url or "
-                        "one of --allowed-hosts",
+                        "Host is %.100s, want localhost, 127.0.0.1, [::1], the host of "
+                        "--public-url or one of --allowed-hosts",
                         refused);
     else if (origin != NULL && !origin_is_ours(app, request, origin))
         vor_problem_say(app, request, "forbidden",
-                        "Origin is %.100s, want one of --cors-origin or this daemon's own", origin);
+                        "Origin is %.100s, want one of --cors-origin or the origin of this "
+                        "daemon",
+                        origin);
     else if (is_from_other_site(app, request))
         vor_problem_say(
             app, request, "forbidden",
@@ -201,7 +203,9 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (most > 0) {
         vor_reply_close(request);
         return vor_problem_say(app, request, "too-many-connections",
-                               "more than %u connections are open, in all or by this client", most);
+                               "more than %u connections are open, in total or from this "
+                               "client",
+                               most);
     }
     return route->handler(app, request, step);
 }

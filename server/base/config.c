@@ -309,7 +309,8 @@ static vor_status split_admin(struct vor_config *config, struct vor_error *err)
         config->number[VOR_SET_ADMIN_ANYWHERE] == 0)
         return vor_fail_param(err, VOR_E_PARAM, "admin-listen",
                               "--admin-listen %.80s is open to other machines: use a loopback "
-                              "address or unix:/PATH, or --admin-anywhere to let anybody read it",
+                              "address or unix:/PATH, or allow access from other machines with "
+                              "--admin-anywhere",
                               text);
     return status;
 }
@@ -343,8 +344,8 @@ static vor_status check_public_url(struct vor_config *config, struct vor_error *
          (url[scheme + host] == '\0' || vor_prefix_is_sound(url + scheme + host))))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "public-url",
-                          "--public-url is \"%.80s\", want http://HOST or https://HOST, with a "
-                          "port and a path of at most %d bytes or without, and no query",
+                          "--public-url is \"%.80s\", want http://HOST or https://HOST. A port "
+                          "and a path may follow (%d bytes at most), but no query",
                           url, VOR_PREFIX_MAX);
 }
 
@@ -407,14 +408,14 @@ static vor_status check_callers(const struct vor_config *config, struct vor_erro
     if (has_keys && is_free)
         return vor_fail_param(
             err, VOR_E_PARAM, "no-auth",
-            "--no-auth and --api-keys %.80s contradict each other: give one of them",
+            "--no-auth and --api-keys %.80s contradict each other: give only one of them",
             config->text[VOR_SET_API_KEYS]);
     if (by == VOR_SETTING_COUNT || has_keys || is_free)
         return VOR_OK;
     return vor_fail_param(
         err, VOR_E_PARAM, vor_setting_infos[by].flag,
-        "with --%s %.80s the daemon is open to other machines: give --api-keys FILE (voronoid key "
-        "NAME makes a line for it), or --no-auth to let anybody in",
+        "with --%s %.80s the daemon is open to other machines: give --api-keys FILE (voronoid "
+        "key NAME makes a line for the file), or --no-auth to allow requests without a key",
         vor_setting_infos[by].flag, config->text[by]);
 }
 
@@ -457,7 +458,8 @@ static vor_status find_places(struct vor_config *config, char *(*get)(const char
     if (fits)
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "data",
-                          "no directory to keep jobs in: give --data DIR of at most 1000 bytes");
+                          "no folder for jobs: give --data DIR, with a path of at most 1000 "
+                          "bytes");
 }
 
 static vor_status read_networks(struct vor_config *config, struct vor_error *err)

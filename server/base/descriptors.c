@@ -22,12 +22,15 @@ static vor_status lower(struct vor_config *config, double hard, struct vor_error
         share * *connections < FEWEST)
         return vor_fail_param(
             err, VOR_E_PARAM, "connections",
-            "--connections %.0f and --streams %.0f need %.0f open files, but this machine's limit "
-            "is %.0f (ulimit -Hn): want fewer, or a higher limit",
+            "--connections %.0f and --streams %.0f need %.0f open files, but this machine's "
+            "limit is %.0f (ulimit -Hn): allow fewer connections or streams, or raise the "
+            "limit",
             *connections, *streams, asked + OWN, hard);
     *connections = (double)(unsigned)(*connections * share);
     *streams = (double)(unsigned)(*streams * share);
-    vor_log(VOR_LOG_WARN, "fewer connections, because the limit of open files is too low",
+    vor_log(VOR_LOG_WARN,
+            "fewer connections are allowed, because the limit of open files is "
+            "too low",
             VOR_COUNT("connections", *connections), VOR_COUNT("streams", *streams),
             VOR_COUNT("files", hard), VOR_COUNT("wanted", asked + OWN));
     return VOR_OK;

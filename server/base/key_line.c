@@ -77,8 +77,8 @@ static vor_status read_digest(uint8_t out[VOR_DIGEST_BYTES], const char *text, s
     if (good != length || length != VOR_DIGEST_SIZE - 1)
         return vor_fail_param(
             err, VOR_E_PARAM, "sha256",
-            "the digest has %zu characters, and the first %zu are lower-case hexadecimal digits, "
-            "want exactly %d such digits: the SHA-256 of the key",
+            "the digest has %zu characters, of which the first %zu are lower-case hexadecimal "
+            "digits; want the SHA-256 of the key, exactly %d such digits",
             length, good, VOR_DIGEST_SIZE - 1);
     for (size_t i = 0; i < VOR_DIGEST_BYTES; i++)
         out[i] = (uint8_t)(nibble(text[2 * i]) << 4 | nibble(text[2 * i + 1]));

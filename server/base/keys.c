@@ -229,7 +229,7 @@ vor_status vor_key_make(const char *name, const char *scopes, const char *quotas
     if (length < 0 || length >= VOR_KEY_LINE_SIZE - 1)
         return vor_fail_param(
             err, VOR_E_PARAM, "line",
-            "name, scopes and quotas are too long for a line, which may have %d bytes",
+            "name, scopes and quotas are too long: a line may have at most %d bytes",
             VOR_KEY_LINE_SIZE - 2);
     status = vor_key_line_read(&read, line, err);
     if (status == VOR_OK)

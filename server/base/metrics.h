@@ -13,43 +13,44 @@
  *  ("" for a count of things), labels in their order with blanks between, sentence. */
 #define VOR_METRIC_TABLE(X)                                                                        \
     X(BUILD, "build_info", GAUGE, "", "version engine simd",                                       \
-      "Always 1; the labels identify the build: engine is a digest of the engine's sources, simd " \
-      "its vector instructions")                                                                   \
+      "Always 1. The labels identify the build: engine is a digest of the sources of the "         \
+      "computation, simd names the vector instructions that are used")                             \
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
       "Requests that have ended, by status of the response (499: the client disconnected)")        \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
-      "Time from the request line to the end of the response; streams count until they close")     \
+      "Time from the request line to the end of the response. A stream ends when it closes")       \
     X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests in progress")            \
     X(HTTP_STUCK, "http_thread_busy_seconds", GAUGE, "seconds", "",                                \
-      "Longest time that an HTTP thread has spent on its current step of a request; alert above "  \
-      "10")                                                                                        \
+      "Longest time that an HTTP thread has spent on its current step of a request. Set an "       \
+      "alert for values above 10")                                                                 \
     X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "",                             \
       "Bytes of request bodies received")                                                          \
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
       "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
-      "Responses that are problems, by the last path segment of their type")                       \
+      "Error responses, by the last path segment of the URL in their type")                        \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
       "Number of open connections above which new requests are refused")                           \
     X(STREAMS, "sse_streams", GAUGE, "", "", "Open event streams")                                 \
     X(STREAM_EVENTS, "sse_events_total", COUNTER, "", "", "Events sent on event streams")          \
     X(STREAM_DROPPED, "sse_dropped_total", COUNTER, "", "",                                        \
-      "Progress events not sent because a newer one replaced them before the client read them")    \
+      "Progress events that were not sent, because the client was slow and a newer event "         \
+      "replaced them")                                                                             \
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that have ended")    \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Jobs put back into the queue because the daemon (restart) or their worker process "         \
-      "(worker) ended during the run")                                                             \
+      "Jobs that were put back into the queue because the daemon (restart) or the worker "         \
+      "process (worker) ended while they ran")                                                     \
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \
-      "Time that the next job has waited; 0 if none waits")                                        \
+      "Time that the next job in the queue has waited; 0 if no job waits")                         \
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
       "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
-      "Time of each stage of successful runs; stage all: time of whole runs, including failed "    \
-      "ones, from start to last write")                                                            \
+      "Time of each stage of successful runs. The stage all is the time of whole runs, "           \
+      "including failed runs, from the start to the last write")                                   \
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \
@@ -65,7 +66,7 @@
     X(MEMORY_RESERVED, "memory_reserved_bytes", GAUGE, "bytes", "",                                \
       "Sum of the memory limits of running jobs")                                                  \
     X(UPLOADS, "uploads_active", GAUGE, "", "",                                                    \
-      "Uploads that are arriving, waiting to be read or being read")                               \
+      "Uploads that are arriving, waiting to be decoded or being decoded")                         \
     X(UPLOAD_BYTES, "upload_bytes_total", COUNTER, "bytes", "", "Bytes of uploads received")       \
     X(DECODE_ERRORS, "decode_errors_total", COUNTER, "", "format reason",                          \
       "Uploads that could not be decoded")                                                         \
@@ -74,10 +75,12 @@
     X(STORAGE_SIZE, "storage_size_bytes", GAUGE, "bytes", "",                                      \
       "Size of the file system of --blobs")                                                        \
     X(BLOB_BYTES, "blob_bytes", GAUGE, "bytes", "store",                                           \
-      "Bytes of uploads and results that are kept; those that jobs share count for each job")      \
+      "Bytes of stored uploads and results. A file that several jobs share counts for each job")   \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
-      "Time of the store's statements, including waiting for the lock and the disk")               \
-    X(STORE_ERRORS, "store_errors_total", COUNTER, "", "", "Statements of the store that failed")  \
+      "Time of the statements of the job database, including the time to wait for its lock and "   \
+      "for the disk")                                                                              \
+    X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
+      "Failed statements of the job database")                                                     \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
       "Log lines dropped because their reader was too slow")
 

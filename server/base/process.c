@@ -44,7 +44,9 @@ static void put_stat(struct vor_text *text)
     put(text, "process_resident_memory_bytes", "gauge", "Resident memory",
         (double)pages * (double)sysconf(_SC_PAGESIZE));
     if (clock_gettime(CLOCK_REALTIME, &now) == 0 && clock_gettime(CLOCK_BOOTTIME, &up) == 0)
-        put(text, "process_start_time_seconds", "gauge", "Start of the process, since 1970",
+        put(text, "process_start_time_seconds", "gauge",
+            "Start of the process, in seconds "
+            "since 1970",
             (double)now.tv_sec - (double)up.tv_sec + (double)start / (double)sysconf(_SC_CLK_TCK));
 }
 
@@ -56,7 +58,9 @@ void vor_process_write(struct vor_text *text)
     double count = -3; /* ".", ".." and the directory itself */
 
     if (getrusage(RUSAGE_SELF, &usage) == 0)
-        put(text, "process_cpu_seconds_total", "counter", "CPU time, user and system",
+        put(text, "process_cpu_seconds_total", "counter",
+            "CPU time of the process, user and "
+            "system",
             seconds(&usage.ru_utime) + seconds(&usage.ru_stime));
     directory = opendir("/proc/self/fd");
     if (directory != NULL) {

@@ -135,8 +135,8 @@ static vor_status check_room(struct vor_blobs *blobs, uint64_t bytes, uint64_t o
     if (status != VOR_OK || (available >= taken && available - taken >= bytes))
         return status;
     (void)vor_fail(err, VOR_E_IO,
-                   "there is no room for %.1f MB: %.1f MB are free, %.1f MB must stay free and "
-                   "%.1f MB are promised to others",
+                   "the disk has no room for %.1f MB: %.1f MB are free, but %.1f MB must stay "
+                   "free, and %.1f MB are reserved for other files",
                    (double)bytes / 1e6, (double)available / 1e6, (double)blobs->reserve / 1e6,
                    (double)others / 1e6);
     if (err != NULL)

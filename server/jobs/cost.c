@@ -72,8 +72,8 @@ static vor_status check_own_time(const struct vor_spec *spec, double points, uns
     if (!vor_spec_given(spec, VOR_PARAM_SECONDS) || !(least > VOR_COST_FAR * own + VOR_COST_SPARE))
         return VOR_OK;
     (void)vor_fail(err, VOR_E_WORK,
-                   "seconds is %g, but placing %.0f points alone takes about %.0f s: want %.0f or "
-                   "more, or fewer points",
+                   "seconds is %g, but placing %.0f points takes about %.0f seconds: request "
+                   "at least %.0f seconds, or fewer points",
                    own, points, least, ceil((least - VOR_COST_SPARE) / VOR_COST_FAR));
     if (err != NULL) {
         err->limit = (uint64_t)own;
@@ -94,7 +94,8 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
     if (!(limit > 0) || seconds <= VOR_COST_FAR * limit)
         return VOR_OK;
     if (neighbors_of(spec) > USUAL_NEIGHBORS)
-        (void)snprintf(fits, sizeof fits, ", with fits to %.0f neighbors", neighbors_of(spec));
+        (void)snprintf(fits, sizeof fits, ", with local surfaces fitted to %.0f points each",
+                       neighbors_of(spec));
     (void)vor_fail(err, VOR_E_WORK,
                    "the job would take about %.0f seconds, %.0f times the limit of %.0f: up to %u "
                    "%ss and %u polish steps of %.0f points%s",

@@ -156,8 +156,9 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
-                        "the job store has schema %lld, this version reads 6, 8 and %d: start the "
-                        "version that wrote it, or choose another --data",
+                        "the job database has schema %lld, but this version reads only 6, 8 "
+                        "and %d: start the version that wrote the database, or choose another "
+                        "--data",
                         (long long)version, SCHEMA_VERSION);
     return status;
 }

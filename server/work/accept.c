@@ -40,7 +40,8 @@ static vor_status check_need(const struct vor_worker *worker, struct vor_job_vie
     if (need <= budget)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_NOMEM,
-                   "the job needs about %llu bytes of memory, all jobs together may use %llu",
+                   "the job needs about %llu bytes of memory, but all jobs together may use "
+                   "only %llu",
                    (unsigned long long)need, (unsigned long long)budget);
     err->limit = budget;
     err->got = need;

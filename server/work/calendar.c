@@ -23,8 +23,8 @@ vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err)
     calendar->unsure = calendar->newest > 0 && (ahead > unsure_ms || ahead < -jump_ms);
     if (calendar->unsure)
         vor_log(VOR_LOG_WARN,
-                "the clock does not agree with the times of the stored jobs: nothing expires for "
-                "an hour, or until it does",
+                "the clock does not agree with the times of the stored jobs: no job expires "
+                "for an hour, or until the clock agrees",
                 VOR_REAL("ahead_s", (double)ahead / 1000));
     return VOR_OK;
 }

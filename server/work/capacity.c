@@ -23,8 +23,8 @@ static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *
 {
     if (ledger->jobs_max > 0 && ledger->jobs >= ledger->jobs_max) {
         (void)vor_fail(err, VOR_E_LIMIT,
-                       "the key %s has %llu waiting or running jobs, the most that are allowed",
-                       tenant, (unsigned long long)ledger->jobs_max);
+                       "the key %s has %llu waiting or running jobs; it may not have more", tenant,
+                       (unsigned long long)ledger->jobs_max);
         return VOR_CROWDED;
     }
     (void)vor_fail(err, VOR_E_LIMIT,

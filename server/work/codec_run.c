@@ -102,7 +102,7 @@ static const char *what_of(const struct vor_codec_order *order)
 
 static vor_status too_long(const struct run *run, struct vor_error *err)
 {
-    return vor_fail(err, blame(run), "%s took longer than the limit of %u s of CPU time",
+    return vor_fail(err, blame(run), "%s took more than %u seconds of CPU time, the limit",
                     what_of(run->order), vor_codec_seconds(run->order->size));
 }
 
@@ -127,7 +127,9 @@ static vor_status explain(const struct run *run, const struct vor_child_end *end
                         "%s was stopped: it made a system call that is not allowed", what);
     case SIGKILL:
         return vor_fail(err, VOR_E_NOMEM,
-                        "%s: the system killed its process, probably for lack of memory", what);
+                        "%s: the operating system killed the process, probably because memory "
+                        "ran out",
+                        what);
     default:
         return vor_fail(err, blame(run), "%s failed: it crashed (signal %d, exit status %d)", what,
                         end->signal, end->status);

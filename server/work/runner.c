@@ -372,7 +372,8 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
         vor_count_again();
     } else if (back.is_over) {
         (void)vor_fail(problem, VOR_E_INTERNAL,
-                       "crashed: the worker ended %u times while it worked on this job alone",
+                       "crashed: the worker process crashed %u times while it ran only this "
+                       "job",
                        back.crashes);
         finish(run, problem);
     } else if (!back.changed) {
@@ -393,7 +394,7 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
     } else {
         if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
             (void)vor_fail(problem, VOR_E_DEADLINE,
-                           "the job ran for %g seconds, the longest that is allowed",
+                           "the job ran for %g seconds, the longest time that is allowed",
                            run->worker->config.job_seconds);
         finish(run, problem);
     }

@@ -68,8 +68,8 @@ is "$code$stdout$stderr", "2voronoid: convert: the output's suffix is .xyz, want
 # Points that are not finite.
 my $sick = spew("$folder/sick.ply", slurp($mesh) =~ s/element vertex 3/element vertex 4/r =~ s/3 0 1 2/nan 0 0 1 1 1\n3 0 1 2/r);
 ($code, $stdout, $stderr) = run(['convert', $sick, '-fo', "$folder/no.ply"]);
-is "$code$stdout$stderr", "3voronoid: $sick: 1 of 4 points are not finite, the first is point 3: its x is nan; "
-    . "invalid=drop leaves them out\n", 'such a point is refused';
+is "$code$stdout$stderr", "3voronoid: $sick: 1 of 4 points have a coordinate that is not finite. The first is point 3: its x is nan. "
+    . "invalid=drop leaves such points out\n", 'such a point is refused';
 for my $where ([], ['--server', $daemon->{url}]) {
     ($code, $stdout, $stderr) = run(['convert', $sick, '-fo', "$folder/well.ply", '--invalid=drop', @$where]);
     is $code, 0, 'unless it is to be dropped';

@@ -43,7 +43,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
 
     ($code, $stdout, $stderr) = run(['resample', $bare, '-n', 8, '-fo', $out, '--sample', 'faces', @$where]);
     is $code, 2, "a cloud without faces is refused, $by";
-    like $stderr, qr/\Avoronoid: \S*bare\.ply: (?:The faces of the cloud cannot be used: )?sample is faces, but the input has 8 points and no faces, want faces with three or more corners, or sample=vertices\n\z/,
+    like $stderr, qr/\Avoronoid: \S*bare\.ply: (?:The faces of the cloud cannot be used: )?sample=faces needs faces with three or more corners, but the input has 8 points and no faces: use sample=vertices\n\z/,
         "in one line that names the parameter, $by";
     ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, '--sample', 'edges', @$where]);
     is $code, 2, "a word that there is not is refused, $by";

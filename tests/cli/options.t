@@ -121,7 +121,7 @@ refused 'an option with a newline', ['resample', "--a\nb"], 2,
 my $bare = spew("$folder/zero.ply", "ply\nformat ascii 1.0\nelement vertex 5\n" . join('', map { "property float $_\n" } qw(x y z nx ny nz))
     . "end_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 0\n1 1 0 0 0 1\n2 1 0 0 nan 1\n");
 refused 'normals that cannot be used', ['resample', $bare, '-n', 5, '-fo', $out, '--inputNormals', 'use'], 3,
-    "$bare: inputNormals is use, but 2 of 5 normals are zero or not finite, the first at point 2";
+    "$bare: inputNormals=use needs valid normals, but 2 of 5 normals are zero or not finite, the first at point 2";
 unlink $bare;
 refused 'no value', ['resample', $in, '-fo', $out, '-n'], 2, 'resample: -n needs a value';
 refused 'no value behind other letters', ['resample', $in, '-fo', $out, '-qn'], 2, 'resample: -n needs a value';
@@ -139,9 +139,9 @@ refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
 refused 'no number of points', ['resample', $in, '-fo', $out], 2,
-    'resample: give exactly one of points, ratio and spacing: none is given';
+    'resample: give exactly one of the parameters points, ratio and spacing: none is given';
 refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
-    'simplify: give exactly one of points, ratio and spacing: none is given';
+    'simplify: give exactly one of the parameters points, ratio and spacing: none is given';
 refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
 refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,
@@ -151,7 +151,7 @@ refused 'more points to simplify to', ['simplify', $in, '-fo', $out, '-n', 51], 
 refused 'too many points to denoise to', ['denoise', $in, '-fo', $out, '-n', 801], 3,
     "$in: points is 801, want 1 to 800: denoise gives up to 16 for each of the input's 50";
 refused 'points and ratio', ['resample', $in, '-fo', $out, @points, '--ratio', 2], 2,
-    'resample: give exactly one of points, ratio and spacing, not 2';
+    'resample: give exactly one of the parameters points, ratio and spacing, not 2';
 refused 'a number of points out of range', ['resample', $in, '-fo', $out, '-n', 0], 2,
     'resample: points is 0, want a whole number from 1 to 10000000';
 refused 'half a point in thousands', ['resample', $in, '-fo', $out, '-n', '1.2345k'], 2,

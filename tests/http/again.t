@@ -172,7 +172,7 @@ for my $case (['nothing that says so', ''], ['a length of 0', "Content-Length: 0
         . "Connection: close\r\n\r\n")), qr{\AHTTP/1\.1 200 }, "without a body, with $case->[0]";
 }
 like $daemon->raw("POST $quick&input=job:" . id_of($rerun) . " HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n"
-    . "Connection: close\r\n\r\n3\r\nply\r\n0\r\n\r\n"), qr{\AHTTP/1\.1 400 .*but the body is a cloud too}s,
+    . "Connection: close\r\n\r\n3\r\nply\r\n0\r\n\r\n"), qr{\AHTTP/1\.1 400 .*but the body also has a cloud}s,
     'a body without a length is one too';
 
 my $unknown = $daemon->post("$quick&input=job:$id", '');

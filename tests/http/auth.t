@@ -124,7 +124,7 @@ like $refused->{headers}{'www-authenticate'}, qr/error="invalid_token"/, 'is tol
 unlike $refused->{content}, qr/vor_nothing/, 'and not sent back';
 $refused = ask('reader', 'POST', "/v1/resample?$quick", content => $cloud);
 is_problem($refused, 403, 'forbidden', 'a scope that is missing');
-like json($refused)->{detail}, qr/^the key reader has the scopes read, want submit as well$/, 'is named';
+like json($refused)->{detail}, qr/^the key reader has the scopes read, but this request also needs the scope submit$/, 'is named';
 like $refused->{headers}{'www-authenticate'}, qr/error="insufficient_scope", scope="submit"/, 'for programs too';
 is $daemon->get('/v1/jobs', headers => $_->[0])->{status}, $_->[1], $_->[2] for
     [{ 'X-API-Key' => $key{alice} }, 200, 'X-API-Key does'], [{ 'X-API-Key' => 'x' }, 401, 'unless it is none'],
@@ -268,7 +268,7 @@ my @no = (['--listen', '0.0.0.0:0'], ['--trusted-proxy', '127.0.0.1'], ['--publi
 for my $case (@no) {
     my ($status, $text) = Vt::run('--data', "$dir/none", @$case);
     is $status, 2, "@$case without keys does not start";
-    like $text, qr/\Q@$case\E the daemon is open to other machines: give --api-keys FILE .*--no-auth to let anybody in$/, 'and says how';
+    like $text, qr/\Q@$case\E the daemon is open to other machines: give --api-keys FILE .*--no-auth to allow requests without a key$/, 'and says how';
 }
 my ($status, $text) = Vt::run('--data', "$dir/none", '--no-auth', '--api-keys', $file);
 is $status, 2, 'keys and --no-auth are at odds';

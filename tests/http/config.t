@@ -69,7 +69,7 @@ is_deeply [map {s/^voronoid: (?:\Q$faulty\E )?//r} split /\n/, $text], [
     'line 2: no setting "jobz"; did you mean jobs?', 'line 3: --keep-inputs is "8Q", want bytes (K, M, G, T) from 0 to 1e+15',
     'line 4: "queue" is not of the form name = value', 'line 6: --log-level is "loud", want one of debug info warn error off',
     'line 5: --listen is "nowhere", want HOST:PORT with a port from 0 to 65535, or unix:/PATH',
-    'line 7: --public-url is "x", want http://HOST or https://HOST, with a port and a path of at most 128 bytes or without, and no query',
+    'line 7: --public-url is "x", want http://HOST or https://HOST. A port and a path may follow (128 bytes at most), but no query',
 ], 'each in a line of its own, by file, line, name, value and range';
 ($status, $text) = check('--config', "$dir/none.conf");
 is $status, 2, 'a file that is not there is refused';

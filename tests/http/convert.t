@@ -83,7 +83,7 @@ for my $process ('resample?points=60&iterations=1&polish=0', 'convert?') {
     my $refused = $daemon->post("/v1/$process", $holes);
     is_problem($refused, 422, 'non-finite-points', "$process refuses them");
     is json($refused)->{detail},
-        '3 of 603 points are not finite, the first is point 600: its y is nan; invalid=drop leaves them out',
+        '3 of 603 points have a coordinate that is not finite. The first is point 600: its y is nan. invalid=drop leaves such points out',
         'and says how many, and what would drop them';
     is json($refused)->{errors}[0]{parameter}, 'invalid', 'also for programs';
     my $taken = $daemon->post("/v1/$process&invalid=drop", $holes);

@@ -48,8 +48,8 @@ is $daemon->post('/v1/resample?points=200&iterations=1&polish=0&sample=faces',
 # --- what is refused ------------------------------------------------------------------------------
 
 for my $case (
-    ['no faces', cube('ascii'), 'unusable-faces', qr/^sample is faces, but the input has 8 points and no faces/],
-    ['faces without area', cube('ascii', [0, 1, 1], [2, 2, 2]), 'unusable-faces', qr/ the area of each of the input's 2 triangles is 0/],
+    ['no faces', cube('ascii'), 'unusable-faces', qr/^sample=faces needs faces .*but the input has 8 points and no faces/],
+    ['faces without area', cube('ascii', [0, 1, 1], [2, 2, 2]), 'unusable-faces', qr/ all 2 triangles of the input have area 0/],
     ['a corner that is no vertex', cube('ascii', @faces, [0, 8, 1]), 'undecodable-cloud', qr/^corner 1 of face 6 is vertex 8, want 0 to 7$/],
     ['a corner below 0', cube('binary_little_endian', @faces, [0, 1, -1]), 'undecodable-cloud', qr/^corner 2 of face 6 is vertex -1, want 0 to 7$/],
     ['faces that are cut', substr($cube, 0, -1), 'undecodable-cloud', qr/ bytes are left$/],

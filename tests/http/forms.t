@@ -102,7 +102,7 @@ is_deeply { map { $_ => $info->{voronoid}{inputs}{$_}{points} } keys %{ $info->{
 is_deeply json($daemon->get("/v1/jobs/$id/results/measure")), json($both), 'with its result';
 refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure needs a cloud, but the request has none$/,
     'a reference without a cloud');
-refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^peak is 1, which needs a reference, but the request has none$/,
+refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^the parameter peak is 1, which needs a reference, but the request has none$/,
     'a peak without a reference');
 my $rubbish = file('z.ply', 'rubbish');
 refused(curl('/v1/measure', '-F', "cloud=\@$ply", '-F', "reference=\@$rubbish"), 415, 'unsupported-format',
@@ -123,9 +123,9 @@ for my $case (
     ['a parameter as a file', '', [['name="points"; filename="points.txt"', 100], [@cloud]], 400, qr/^points is a file, want a text$/],
     ['a value out of range', '', [['name="points"', 0], [@cloud]], 400, qr/^points is 0, want a whole number from 1 to 10000000$/],
     ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL$/],
-    ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the 4096 bytes/],
+    ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the allowed 4096 bytes/],
     ['a text of 4096 bytes', '', [['name="points"', '1' x 4096], [@cloud]], 400, qr/^points is 1+/],
-    ['no points', '', [[@cloud]], 400, qr/^give exactly one of points, ratio and spacing: none/],
+    ['no points', '', [[@cloud]], 400, qr/^give exactly one of the parameters points, ratio and spacing: none/],
     ['no file', '', [[@points]], 400, qr/^resample needs a cloud, but the request has none$/],
     ['no part', '', [], 400, qr/^resample needs a cloud, but the request has none$/],
 ) {
@@ -154,7 +154,7 @@ my $b70 = 'b' x 70;
 is form('/v1/resample?points=100', [], type => "multipart/form-data; boundary=$b70",
     body => "--$b70\r\nContent-Disposition: form-data; name=file\r\n\r\n$cloud\r\n--$b70--\r\n")->{status}, 200, 'a boundary of 70 is';
 refused(form('/v1/resample', [[@points], [@cloud]], headers => { 'Content-Encoding' => 'gzip' }), 415, 'unsupported-format',
-    qr/gzip for the whole form, want it in the headers of a part/, 'a form that is gzip as a whole');
+    qr/gzip for the whole form, want it only in the headers of a part/, 'a form that is gzip as a whole');
 my $large = file('large.ply', 'x' x 3_000_000);
 refused(curl('/v1/resample', '-F', 'pionts=5', '-F', "file=\@$large"), 400, 'invalid-parameter', qr/^unknown parameter "pionts" of /,
     'a long form that is refused at its beginning');
@@ -210,7 +210,7 @@ for my $case (
     ['{"points":5', 400, 'malformed-request', qr/./],
     ['{"points":5,"points":6}', 400, 'malformed-request', qr/duplicate/],
     [' ', 400, 'malformed-request', qr/./],
-    ['', 400, 'invalid-parameter', qr/^give exactly one of points, ratio and spacing: none/],
+    ['', 400, 'invalid-parameter', qr/^give exactly one of the parameters points, ratio and spacing: none/],
     ['{"a":"' . 'x' x (1 << 20) . '"}', 413, 'too-many-bytes', qr/want at most 1048576/],
 ) {
     my ($body, $status, $slug, $detail) = @$case;

@@ -114,7 +114,7 @@ for my $case (
     ['gzip and zeros', $whole . "\0" x 512, 400, 'malformed-request', qr/has data after its end/],
     ['gzip with a changed byte', $broken, 400, 'malformed-request', qr/is damaged/],
     ['gzip with another checksum', $crc, 400, 'malformed-request', qr/is damaged/],
-    ['gzip twice', packed($whole), 415, 'unsupported-format', qr{^the input is gzip, want PLY or Draco; unpack it with gunzip, or send it over HTTP with Content-Encoding: gzip$}],
+    ['gzip twice', packed($whole), 415, 'unsupported-format', qr{^the input is gzip, want PLY or Draco: unpack it with gunzip, or send it over HTTP with Content-Encoding: gzip$}],
     ['gzip of rubbish', packed('rubbish'), 415, 'unsupported-format', qr/begins with "rubbish/],
     ['gzip of half a cloud', packed(substr $cloud, 0, 3000), 422, 'undecodable-cloud', qr/./],
 ) {

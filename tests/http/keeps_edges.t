@@ -68,8 +68,8 @@ is_problem($daemon->post('/v1/upsample?method=ear&sigmaN=0', $cloud), 400, 'inva
     'which is named';
 
 # What neither can do is refused by name.
-for my $case (['ear', 'density=curvature', 'density is curvature, which method ear does not support, want uniform, or method cvt'],
-    ['wlop', 'metric=anisotropic', 'metric is anisotropic, which method wlop does not support, want isotropic, or method cvt'],
+for my $case (['ear', 'density=curvature', 'density=curvature does not work with method=ear: use uniform or method=cvt'],
+    ['wlop', 'metric=anisotropic', 'metric=anisotropic does not work with method=wlop: use isotropic or method=cvt'],
     ['ear', 'rho=21', 'rho is 21, want a number from 0 to 20'], ['wlop', 'mu=0.5', 'mu is 0.5, want a number from 0 to 0.499']) {
     my ($method, $asked, $detail) = @$case;
     my $refused = $daemon->post("/v1/resample?points=100&method=$method&$asked", $cloud);

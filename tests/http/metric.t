@@ -39,7 +39,7 @@ cmp_ok abs(report_of($capped)->{metric}{aspect_median} - 2), '<', 0.01, 'maxAspe
 
 is_problem($daemon->post("/v1/resample?$few&metric=attribute:shape", square(1500, 4)), 422, 'unusable-metric', 'no positive tensor')
     and like json($daemon->post("/v1/resample?$few&metric=attribute:shape", square(1500, 4)))->{detail},
-    qr/^tensor shape is 9 4 0 1 0 1 \(xx xy xz yy yz zz\) at point 3, want a positive definite one/, 'the first point is named';
+    qr/^tensor shape is 9 4 0 1 0 1 \(xx xy xz yy yz zz\) at point 3, want a positive definite tensor/, 'the first point is named';
 
 my $mesh = $daemon->post('/v1/mesh?points=300&polish=20&metric=anisotropic', sphere_ply(3000));
 is $mesh->{status}, 200, 'mesh takes a metric' or diag($mesh->{content});

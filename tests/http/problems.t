@@ -65,8 +65,8 @@ is_problem($daemon->post('/v1/processes/nope/execution?points=10', $cloud), 404,
 my $count = 0;
 for my $case (
     ['', 422, 'empty-cloud', qr/./, 'no bytes'],
-    ['{"points":3}', 415, 'unsupported-format', qr{^the input is JSON, want PLY or Draco; }, 'JSON'],
-    ['PK' . "\3\4" . 'x' x 100, 415, 'unsupported-format', qr{^the input is ZIP, want PLY or Draco; unpack it with unzip$}, 'a zip file'],
+    ['{"points":3}', 415, 'unsupported-format', qr{^the input is JSON, want PLY or Draco: }, 'JSON'],
+    ['PK' . "\3\4" . 'x' x 100, 415, 'unsupported-format', qr{^the input is ZIP, want PLY or Draco: unpack it with unzip$}, 'a zip file'],
     ["ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
         . "end_header\n", 422, 'empty-cloud', qr/./, 'no points'],
     ["ply\nformat ascii 1.0\nelement vertex 6000\nproperty float x\nproperty float y\n"
@@ -99,17 +99,17 @@ my $line = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty 
     . "property float z\nend_header\n" . join('', map { "$_ 0 0\n" } 1 .. 9);
 my $flat = $daemon->post('/v1/resample?points=5', $line);
 refused($flat, 422, 'degenerate-cloud', qr/./, 'points on a line');
-refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/none of the input.s \d+ points has a normal/,
+refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/none of the input.s \d+ points has one/,
     'normals to be used that are not there');
 refused($daemon->post('/v1/resample?points=10&density=attribute:height', $cloud), 422, 'unusable-density',
     qr/no attribute height; its scalars are none/, 'a density that is not there');
 refused($daemon->post('/v1/resample?points=10&density=edges', $cloud), 422, 'unusable-density',
-    qr/density is edges, but none of the input's \d+ points lies on a sharp edge, want uniform, curvature or attribute:NAME/,
+    qr/density=edges needs sharp edges, but none of the input's \d+ points lies on one: use uniform, curvature or attribute:NAME/,
     'edges of what has none');
 refused($daemon->post('/v1/resample?points=10&metric=attribute:shape', $cloud), 422, 'unusable-metric',
     qr/no tensors shape, want six scalars NAME_xx, .*; its tensors are none/, 'a metric that is not there');
 refused($daemon->post('/v1/resample?points=3&method=kmeans&metric=anisotropic', $cloud), 422, 'unusable-metric',
-    qr/kmeans supports no metric/, 'a metric that the method does not follow');
+    qr/kmeans does not support a metric/, 'a metric that the method does not follow');
 my $splats = $line =~ s/end_header\n.*//sr . join('', map { "property float $_\n" } qw(f_dc_0 opacity scale_0 rot_0)) . "end_header\n";
 $splats =~ s/vertex 9/vertex 500/;
 $splats .= join '', map { join(' ', cos($_), sin($_), $_ / 500, 1 .. 4) . "\n" } 1 .. 500;
@@ -118,19 +118,19 @@ refused($daemon->post("/v1/$_", $splats), 422, 'gaussian-splats', qr/^the cloud 
 is $daemon->post("/v1/$_", $splats)->{status}, 200, "and here they do not: $_"
     for 'resample?points=10&attributes=drop', 'denoise?filters=outliers', 'convert?format=drc', 'measure', 'inspect';
 for my $case (
-    ['metric=lp&method=kmeans', qr/^metric is lp, which only method cvt supports$/, 'a metric with kmeans'],
-    ['edges=sites&method=wlop', qr/^edges is sites, which method wlop does not support, want ignore/, 'sites with wlop'],
-    ['cells=euclid&method=kmeans', qr/^cells is euclid, which only method cvt supports$/, 'cells with kmeans'],
-    ['metric=lp&density=curvature', qr/^metric is lp, which supports no density, want density uniform$/, 'a metric with a density'],
-    ['cells=euclid&density=curvature', qr/^cells is euclid, which supports no density/, 'cells with a density'],
+    ['metric=lp&method=kmeans', qr/^metric=lp works only with method=cvt$/, 'a metric with kmeans'],
+    ['edges=sites&method=wlop', qr/^edges=sites does not work with method=wlop: use ignore/, 'sites with wlop'],
+    ['cells=euclid&method=kmeans', qr/^cells=euclid works only with method=cvt$/, 'cells with kmeans'],
+    ['metric=lp&density=curvature', qr/^metric=lp works only with density=uniform$/, 'a metric with a density'],
+    ['cells=euclid&density=curvature', qr/^cells=euclid works only with density=uniform/, 'cells with a density'],
 ) {
     my ($query, $detail, $name) = @$case;
     refused($daemon->post("/v1/resample?points=10&$query", $cloud), 400, 'invalid-parameter', $detail, $name);
 }
 refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=7', $cloud), 422, 'unknown-hole',
-    qr/holes has 7, (?:but the input has no loop|want numbers from 1 to)/, 'a hole that is not there');
+    qr/holes lists loop 7, (?:but the input has no border loops|want numbers from 1 to)/, 'a hole that is not there');
 refused($daemon->post('/v1/resample?points=10&method=kmeans&edges=sites', $cloud), 400, 'invalid-parameter',
-    qr/method kmeans does not support edges=sites, want ignore, or method cvt/, 'sites of a method that has none');
+    qr/method=kmeans does not support edges=sites: use edges=ignore or method=cvt/, 'sites of a method that has none');
 my $job = json($flat)->{jobID};
 ok defined $job, 'a failed job is named';
 is json($flat)->{instance}, "/v1/jobs/$job", 'as the instance';

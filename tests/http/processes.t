@@ -136,7 +136,7 @@ like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^me
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
-like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: kmeans cannot give more/, 'as it says';
+like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: method=kmeans cannot give more/, 'as it says';
 
 # A process of two clouds describes both; its parameter is foreign to the others.
 my $measure = json($daemon->get('/v1/processes/measure'));
@@ -152,9 +152,9 @@ for my $case (
     ['upsample', 'ratio=17', 400, qr/^ratio is 17, want a number from 1 to 16$/, 'ratio'],
     ['upsample', 'points=600&ratio=2', 400, qr/points, ratio and spacing, not 2/, 'points'],
     ['simplify', 'ratio=1.5', 400, qr/^ratio is 1\.5, want a number from 1e-06 to 1$/, 'ratio'],
-    ['simplify', '', 400, qr/^give exactly one of points, ratio and spacing: none is given$/, 'points'],
-    ['simplify', 'outliers=drop', 400, qr/^give exactly one of points, ratio and spacing: none/, 'points'],
-    ['resample', '', 400, qr/^give exactly one of points, ratio and spacing: none/, 'points'],
+    ['simplify', '', 400, qr/^give exactly one of the parameters points, ratio and spacing: none is given$/, 'points'],
+    ['simplify', 'outliers=drop', 400, qr/^give exactly one of the parameters points, ratio and spacing: none/, 'points'],
+    ['resample', '', 400, qr/^give exactly one of the parameters points, ratio and spacing: none/, 'points'],
     ['denoise', 'ratio=16.5', 400, qr/^ratio is 16\.5, want a number from 1e-06 to 16$/, 'ratio'],
     ['denoise', 'pionts=5', 400, qr/^unknown parameter "pionts" of denoise; $names$/, 'pionts'],
     ['simplify', 'points=5&peak=1', 400, qr/^unknown parameter "peak" of simplify; $names$/, 'peak'],

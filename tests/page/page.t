@@ -297,7 +297,7 @@ def bad_files(browser):
     ok(not browser.element("ask-points").get_property("validity")["valid"], "a number out of range stays on the page")
     browser.element("ask-points").clear()
     browser.element("run").click()
-    shows(browser, "ask-points-wrong", "give exactly one of points, ratio and spacing: none is given")
+    shows(browser, "ask-points-wrong", "give exactly one of the parameters points, ratio and spacing: none is given")
     equal(browser.script("return document.activeElement.id"), "ask-points", "what is refused is said beside the field, which is gone to")
 
 

@@ -199,9 +199,10 @@ START_TEST(what_has_no_edge_is_refused)
     vt_engine_set(&engine, "points", _i == 0 ? "400" : "100");
     vt_engine_set(&engine, "density", "edges");
     vt_assert_fails(VOR_E_DENSITY, vt_engine_try(&engine, &out, &report, &in));
-    ck_assert_str_eq(vt_err.message,
-                     "density is edges, but none of the input's 20000 points lies on a sharp edge, "
-                     "want uniform, curvature or attribute:NAME");
+    ck_assert_str_eq(
+        vt_err.message,
+        "density=edges needs sharp edges, but none of the input's 20000 points lies on one: "
+        "use uniform, curvature or attribute:NAME");
     ck_assert_str_eq(vt_err.parameter, "density");
     ck_assert_uint_eq(out.n, 0);
     vor_cloud_free(&in);

@@ -42,7 +42,7 @@ for my $poison (qw(fault abort leak)) {
         my $id = submit($daemon, "/v1/$poison");
         push @good, map { submit($daemon, $good) } 1 .. 4;
         my $info = $daemon->finish($id);
-        is "$info->{status}: $info->{message}", 'failed: crashed: the worker ended 2 times while it worked on this job alone', 'it fails';
+        is "$info->{status}: $info->{message}", 'failed: crashed: the worker process crashed 2 times while it ran only this job', 'it fails';
         is_deeply [grep { $_ ne 'successful' } map { $daemon->finish($_)->{status} } @good], [], 'all others succeed';
         is crashes($daemon), $info->{voronoid}{attempt}, 'each of its attempts, and nothing else, has ended a worker';
         cmp_ok crashes($daemon), '<=', 3, 'once beside others at most, and twice alone';

@@ -59,14 +59,15 @@ START_TEST(more_points_than_the_input_has_are_refused)
     memcpy(&in.xyz[3], in.xyz, 3 * sizeof *in.xyz); /* in one place with another */
     open_engine(&engine, 2, 200);
     vt_assert_fails(VOR_E_TARGET, vt_engine_try(&engine, &out, &report, &in));
-    ck_assert_str_eq(vt_err.message, "200 points are requested, want 1 to 199: kmeans cannot give "
-                                     "more points than the input has at different positions");
+    ck_assert_str_eq(vt_err.message,
+                     "200 points are requested, want 1 to 199: method=kmeans cannot give "
+                     "more points than the input has distinct positions");
     ck_assert_uint_eq(out.n, 0);
     vt_engine_set(&engine, "points", "100");
     vt_engine_set(&engine, "density", "curvature");
     vt_assert_fails(VOR_E_DENSITY, vt_engine_try(&engine, &out, &report, &in));
     ck_assert_str_eq(vt_err.message,
-                     "method kmeans supports no density, want density uniform, or method cvt");
+                     "method=kmeans does not support a density: use density=uniform or method=cvt");
     ck_assert_uint_eq(out.n, 0);
     vor_cloud_free(&in);
     vt_engine_close(&engine);

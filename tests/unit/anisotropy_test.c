@@ -163,7 +163,7 @@ START_TEST(what_is_no_metric_is_refused_with_the_names_there_or_the_first_point)
     vt_assert_ok(with_value(0, 1e300, shape));
     vt_assert_fails(VOR_E_METRIC, with_value(1, 2, shape));
     ck_assert_str_eq(vt_err.message, "tensor shape is 1 2 0 1 0 1 (xx xy xz yy yz zz) at point 5, "
-                                     "want a positive definite one");
+                                     "want a positive definite tensor");
     ck_assert_str_eq(vt_err.parameter, "metric");
     vt_assert_fails(VOR_E_METRIC, with_value(5, 0, shape));
     vt_assert_fails(VOR_E_METRIC, with_value(3, -1, shape));

@@ -147,7 +147,7 @@ static const struct {
 } foreign[] = {
     REFUSED("plyx\nformat ascii 1.0\n", "the input begins with \"plyx\\x0aformat asci\"" WANT),
     REFUSED("", "the input is empty, want a PLY or a Draco file"),
-#define FOREIGN(file, name, hint) REFUSED(file, "the input is " name ", want PLY or Draco; " hint)
+#define FOREIGN(file, name, hint) REFUSED(file, "the input is " name ", want PLY or Draco: " hint)
 #define MESH(suffix) "convert it with assimp export in." suffix " out.ply -jiv"
 #define PDAL(suffix) "convert it with pdal translate in." suffix " out.ply"
 #define HELP "convert it as \"voronoid help formats\" says"

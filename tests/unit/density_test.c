@@ -110,8 +110,9 @@ START_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point
     vt_assert_fails(VOR_E_DENSITY, with_value(INFINITY, 1, weight));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "inf at point 5"));
     vt_assert_fails(VOR_E_DENSITY, with_value(0, 0, weight));
-    ck_assert_str_eq(vt_err.message,
-                     "attribute weight is 0 at all 100 points, want more than 0 somewhere");
+    ck_assert_str_eq(
+        vt_err.message,
+        "attribute weight is 0 at all 100 points, want a value above 0 at one point at least");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:height"));
     ck_assert_str_eq(vt_err.message, "the input has no attribute height; its scalars are weight");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:normal"));

@@ -150,7 +150,7 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         {"alice:write:" ALPHA, "the scopes are \"write\""},
         {"alice:open:" ALPHA, "the scopes are \"open\""},
         {"alice:read:vor_secret", "the digest has 10 characters"},
-        {"alice:read:8ED3" ALPHA, "the digest has 68 characters, and the first 1 are"},
+        {"alice:read:8ED3" ALPHA, "the digest has 68 characters, of which the first 1 are"},
         {"alice:read:" ALPHA ":jobs=0",
          "a quota is \"jobs=0\", want jobs=a whole number from 1 to"},
         {"alice:read:" ALPHA ":jobs=0x1", "a quota is \"jobs=0x1\""},

@@ -86,8 +86,10 @@ START_TEST(a_refusal_counts_the_points_and_names_the_way_out)
     cloud.xyz[3 * 4 + 2] = -INFINITY;
     cloud.xyz[3 * 7] = NAN;
     vt_assert_fails(VOR_E_NONFINITE, vor_cloud_sift(&cloud, NULL, 0, &vt_err));
-    ck_assert_str_eq(vt_err.message, "2 of 9 points are not finite, the first is point 4: its z "
-                                     "is -inf; invalid=drop leaves them out");
+    ck_assert_str_eq(
+        vt_err.message,
+        "2 of 9 points have a coordinate that is not finite. The first is point 4: its z "
+        "is -inf. invalid=drop leaves such points out");
     ck_assert_str_eq(vt_err.parameter, "invalid");
     ck_assert_uint_eq(cloud.n, 9);
     for (size_t i = 0; i < 9; i++)

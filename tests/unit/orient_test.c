@@ -346,8 +346,9 @@ START_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_firs
     normal[3 * 41 + 1] = INFINITY;
     memset(&normal[3 * 17], 0, 3 * sizeof *normal);
     vt_assert_fails(VOR_E_NORMALS, vt_engine_try(&engine, &out, &report, &in));
-    ck_assert_str_eq(vt_err.message, "inputNormals is use, but 2 of 100 normals are zero or not "
-                                     "finite, the first at point 17");
+    ck_assert_str_eq(vt_err.message,
+                     "inputNormals=use needs valid normals, but 2 of 100 normals are zero or not "
+                     "finite, the first at point 17");
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();

@@ -40,7 +40,7 @@ START_TEST(room_promised_to_one_is_not_promised_to_another)
     vt_assert_ok(vor_blob_promise(first, most, &vt_err));
     vt_assert_fails(VOR_E_IO, vor_blob_promise(second, 2 * (uint64_t)SPARE, &vt_err));
     ck_assert(vor_error_storage_full(&vt_err));
-    ck_assert_ptr_nonnull(strstr(vt_err.message, "promised to others"));
+    ck_assert_ptr_nonnull(strstr(vt_err.message, "reserved for other files"));
     vt_assert_fails(VOR_E_IO, vor_blobs_room(blobs, 2 * (uint64_t)SPARE, &vt_err));
     vt_assert_ok(vor_blob_append(first, "bytes", 5, &vt_err));
     vt_assert_ok(vor_blob_commit(first, &id, "input", &vt_err)); /* the rest is free again */

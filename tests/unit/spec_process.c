@@ -272,9 +272,11 @@ START_TEST(an_input_too_large_for_its_process_is_told_so)
     vt_assert_ok(vor_spec_complete(&spec, &vt_err));
     vt_assert_fails(VOR_E_TARGET, vor_spec_check_target(&spec, vor_spec_target(&spec, 20000000),
                                                         20000000, &vt_err));
-    ck_assert_str_eq(vt_err.message,
-                     "upsample of 20000000 points gives 20000000 or more, but a result may have at "
-                     "most 10000000");
+    ck_assert_str_eq(
+        vt_err.message,
+        "the result of upsample has at least as many points as the input (20000000), so "
+        "20000000 or more, but a result may have at "
+        "most 10000000 points");
 }
 END_TEST
 
@@ -376,8 +378,9 @@ START_TEST(a_peak_needs_a_reference)
     vt_assert_ok(vor_spec_set(&spec, "peak", "1023", &vt_err));
     vt_assert_ok(vor_spec_check_inputs(&spec, 3, &vt_err));
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 1, &vt_err));
-    ck_assert_str_eq(vt_err.message,
-                     "peak is 1023, which needs a reference, but the request has none");
+    ck_assert_str_eq(
+        vt_err.message,
+        "the parameter peak is 1023, which needs a reference, but the request has none");
     ck_assert_str_eq(vt_err.parameter, "peak");
 }
 END_TEST

@@ -89,7 +89,7 @@ START_TEST(a_store_of_another_version_is_refused_and_left_alone)
     fclose(file);
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
     (void)snprintf(wanted, sizeof wanted,
-                   "schema %d, this version reads 6, 8 and 9: ", versions[_i]);
+                   "schema %d, but this version reads only 6, 8 and 9: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
 }

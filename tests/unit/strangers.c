@@ -514,9 +514,9 @@ static const struct {
             "red of row 0 is 256.0, outside the range of uchar"),
     REFUSED(ASCII COLORED END "1 2 3 1.#IND 0 0\n",
             "red of row 0 is \"1.#IND\", want a number of type uchar"),
-    REFUSED(ASCII ONE END "1 -nan(ind) 3\n",
-            "1 of 1 points are not finite, the first is point 0: its y is nan; invalid=drop "
-            "leaves them out"),
+    REFUSED(ASCII ONE END "1 -nan(ind) 3\n", "1 of 1 points have a coordinate that is not finite. "
+                                             "The first is point 0: its y is nan. invalid=drop "
+                                             "leaves such points out"),
 };
 
 START_TEST(what_is_refused_is_named)

@@ -69,8 +69,8 @@ enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vo
         if (!vor_request_closing(request))
             return VOR_NEXT_STAY;
         return vor_problem_say(app, request, "draining",
-                               "the daemon is shutting down; after its next start the job's status "
-                               "shows whether it is dismissed");
+                               "the daemon is shutting down; after the next start of the "
+                               "daemon, the status of the job shows whether it is dismissed");
     }
     if (dismissal->work.outcome != VOR_DONE)
         return vor_outcome_reply(app, request, dismissal->work.outcome, &dismissal->work.error,

@@ -50,7 +50,8 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
                                id != NULL ? id->text : "");
     case VOR_FULL:
         vor_worker_load(app->worker, &load);
-        full.detail = "too many jobs, or bytes of decoded inputs, are waiting; try again later";
+        full.detail = "too many jobs are waiting, or their inputs are too large together; try "
+                      "again later";
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(app, request, &full);
     case VOR_CROWDED:

@@ -31,7 +31,7 @@ static const char *read_limit(const char *value, struct vor_job_filter *out)
 static const char *read_cursor(const char *value, struct vor_job_filter *out)
 {
     out->before_seq = parse_count(value);
-    return out->before_seq < 1 ? "the cursor of a next link" : NULL;
+    return out->before_seq < 1 ? "the cursor from a link with rel=next" : NULL;
 }
 
 static const char *read_status(const char *value, struct vor_job_filter *out)
@@ -158,7 +158,7 @@ static bool parse_instant(const char *text, size_t length, int64_t *first, int64
 static const char *read_datetime(const char *value, struct vor_job_filter *out)
 {
     static const char want[] =
-        "a time such as 2026-11-21T03:15:34Z, or two with / between, of which one may be ..";
+        "a time such as 2026-11-21T03:15:34Z, or START/END, where one of the two may be ..";
     const char *slash = strchr(value, '/');
     int64_t first, last;
     size_t length;

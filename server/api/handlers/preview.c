@@ -23,8 +23,8 @@ static enum vor_next reply_none(struct vor_app *app, struct vor_request *request
     struct vor_problem problem = VOR_PROBLEM_INIT("result-not-available");
 
     problem.job_id = id->text;
-    problem.detail = "the job has no preview: it is not running, or no client follows its events "
-                     "with preview=N, or no point has moved since";
+    problem.detail = "the job has no preview: it is not running, or no client follows its "
+                     "events with preview=N, or no point has moved since the last preview";
     return vor_problem_reply(app, request, &problem);
 }
 

@@ -79,7 +79,9 @@ bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const 
 {
     if (vor_accept_takes(request, media_type))
         return true;
-    vor_problem_say(app, request, "not-acceptable", "this is %s, which Accept does not allow",
+    vor_problem_say(app, request, "not-acceptable",
+                    "the response is %s, but the Accept header "
+                    "does not allow this media type",
                     media_type);
     return false;
 }

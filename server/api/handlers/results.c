@@ -60,7 +60,7 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
     case VOR_JOB_STATUSES:
         break;
     }
-    return say_with_job(app, request, "result-not-available", "the job no longer has these bytes",
+    return say_with_job(app, request, "result-not-available", "the job no longer has this file",
                         view->id.text);
 }
 
@@ -187,7 +187,7 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
         (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
         vor_reply_header(request, "Content-Range", span);
         return vor_problem_say(app, request, "range-not-satisfiable",
-                               "Range is %.60s, want one that begins within 0 to %" PRIu64,
+                               "Range is %.60s, want a range that begins within 0 to %" PRIu64,
                                vor_request_header(request, "Range"),
                                out->size > 0 ? out->size - 1 : 0);
     case VOR_RANGE_PART:
@@ -240,7 +240,8 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
         *next = vor_problem_or_wait(app, request);
     } else if (verdict == VOR_VERDICT_DAMAGED) {
         (void)snprintf(detail, sizeof detail,
-                       "the stored bytes of %s are not those that were written (SHA-256 %s)",
+                       "the stored bytes of %s differ from the bytes that were written "
+                       "(SHA-256 %s)",
                        out->name, sha256);
         problem.detail = detail;
         problem.job_id = view->id.text;
@@ -392,8 +393,8 @@ static bool open_upload(struct vor_app *app, struct vor_request *request,
         return false;
     }
     if (!found) {
-        say_with_job(app, request, "input-not-kept",
-                     "the input of this job was not kept, or has been deleted", view->id.text);
+        say_with_job(app, request, "input-not-kept", "the input of this job is no longer stored",
+                     view->id.text);
         return false;
     }
     out->media_type = format != NULL ? format->media_type : "application/octet-stream";

@@ -204,7 +204,8 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
         status = vor_uploads_begin(&submission->uploads, name, head->is_gzip, app->blobs, &err);
     else if (vor_request_length(request) != 0)
         status = vor_fail_param(&err, VOR_E_PARAM, "input",
-                                "input is job:%s, but the body is a cloud too; send one of them",
+                                "input is job:%s, but the body also has a cloud; send only one "
+                                "input",
                                 head->options.input.text);
     if (status != VOR_OK)
         vor_problem_error(app, request, &err, NULL);
@@ -432,7 +433,8 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
         submission->settled = true;
         add_job_headers(app, request, submission, false);
         return vor_problem_say(app, request, "draining",
-                               "the daemon is shutting down; the job continues at its next start");
+                               "the daemon is shutting down; the job runs after the next start "
+                               "of the daemon");
     }
     if (submission->deadline > 0) {
         if (left <= 0)

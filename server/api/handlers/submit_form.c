@@ -104,7 +104,8 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
                               part->is_file ? "a file" : "encoded");
     if (vor_request_query(form->request, part->name) != NULL)
         return vor_fail_param(err, VOR_E_PARAM, part->name,
-                              "%s is given in the query and in the form, want it in one of them",
+                              "%s is given in the query and in the form, want it in only one "
+                              "of these places",
                               part->name);
     if (is_option)
         was_given = strcmp(part->name, "name") == 0 ? options->name[0] != '\0'
@@ -138,9 +139,8 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
         return vor_blob_append(form->file->bytes, bytes, size, err);
     }
     if (size > TEXT_MAX - form->size)
-        return vor_fail_param(err, VOR_E_PARAM, form->name,
-                              "%s has more than the %d bytes that are allowed", form->name,
-                              TEXT_MAX);
+        return vor_fail_param(err, VOR_E_PARAM, form->name, "%s has more than the allowed %d bytes",
+                              form->name, TEXT_MAX);
     memcpy(form->text + form->size, bytes, size);
     form->size += size;
     return VOR_OK;
@@ -238,7 +238,7 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
         if ((inputs & 1) != 0)
             return vor_fail_param(
                 err, VOR_E_PARAM, "input",
-                "input is job:%s, but the form has a file %s too; send one of them",
+                "input is job:%s, but the form also has a file %s; send only one input",
                 options->input.text, spec->process->inputs[0].name);
         inputs |= 1;
     }

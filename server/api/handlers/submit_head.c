@@ -79,8 +79,8 @@ static bool read_body(struct vor_app *app, struct vor_request *request, struct v
     if (out->body != VOR_SUBMIT_FORM || !out->is_gzip)
         return true;
     vor_problem_say(app, request, "unsupported-format",
-                    "Content-Encoding is gzip for the whole form, want it in the headers of a part "
-                    "with a file");
+                    "Content-Encoding is gzip for the whole form, want it only in the headers "
+                    "of a part with a file");
     return false;
 }
 
@@ -166,7 +166,9 @@ static bool check_format(struct vor_app *app, struct vor_request *request,
     if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
         vor_accept_takes(request, format->media_type))
         return true;
-    vor_problem_say(app, request, "not-acceptable", "format is %s, but Accept does not allow %s",
+    vor_problem_say(app, request, "not-acceptable",
+                    "format is %s, but the Accept header does "
+                    "not allow %s",
                     format->name, format->media_type);
     return false;
 }
@@ -197,7 +199,7 @@ static bool check_document(struct vor_app *app, struct vor_request *request,
     if (accepts_all(accept) || accept->json)
         return true;
     vor_problem_say(app, request, "not-acceptable",
-                    "Accept names none of application/json, text/event-stream and */*");
+                    "the Accept header has none of application/json, text/event-stream and */*");
     return false;
 }
 

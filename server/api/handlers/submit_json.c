@@ -36,7 +36,7 @@ static void add(struct found *found, const char *pointer, const struct vor_json 
     place->name = name;
     (void)snprintf(place->pointer, sizeof place->pointer, "%s/%s", pointer, name);
     (void)snprintf(place->detail, sizeof place->detail,
-                   "%s is in a JSON body, want it in the query or a field of a form", name);
+                   "%s is in a JSON body, want it in the query or in a field of a form", name);
     found->errors[found->count++] =
         (struct vor_problem_error){.pointer = place->pointer, .detail = place->detail};
     vor_text_printf(&found->query, "%s%s=", found->count > 1 ? "&" : "", name);

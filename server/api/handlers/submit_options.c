@@ -110,7 +110,7 @@ static struct vor_blob_writer *open_upload(struct vor_app *app, struct vor_reque
     if (vor_blob_reopen(app->blobs, &source, &upload, &found, &err) != VOR_OK)
         vor_problem_error(app, request, &err, view->id.text);
     else if (!found)
-        refuse(app, request, "input-not-kept", "that input was not kept, or has been deleted",
+        refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
                &view->id);
     return upload;
 }
@@ -131,7 +131,7 @@ struct vor_blob_writer *vor_submit_options_open(struct vor_app *app, struct vor_
         return NULL;
     }
     if (view.expired)
-        return refuse(app, request, "job-expired", "that job has expired", id);
+        return refuse(app, request, "job-expired", "this job has expired", id);
     return open_upload(app, request, &view);
 }
 

@@ -71,7 +71,7 @@ for (1 .. $rounds) {
     for my $id (keys %job) {
         my $info = $daemon->finish($id);
         if ($job{$id} !~ /polish/) {
-            push @attempts, $info->{voronoid}{attempt} if $info->{message} =~ /^crashed: the worker ended 2 times/;
+            push @attempts, $info->{voronoid}{attempt} if $info->{message} =~ /^crashed: the worker process crashed 2 times/;
             push @unfailed, $job{$id} if $info->{status} ne 'failed';
         } else {
             $all++;
