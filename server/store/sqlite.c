@@ -297,12 +297,15 @@ static vor_status remove_row(struct vor_store *store, const struct vor_uuid *id,
     " attempt, created, started, updated, finished, expires, expired,"                             \
     " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded"
 
-/* How many leave before a row that waits; -1 for others. */
+/* How many leave before a row that waits: in rounds of 256 turns, in turns, in its own turn; -1 for
+ * others. */
+#define SUM_OF_ROUNDS " coalesce((SELECT sum(jobs) FROM round WHERE number "
 #define POSITION                                                                                   \
-    ", CASE status WHEN 'accepted' THEN (SELECT coalesce(sum(jobs), 0) FROM round"                 \
-    " WHERE number < job.turn >> 8) + (SELECT count(*) FROM job AS other INDEXED BY job_ready"     \
-    " WHERE other.status = 'accepted' AND other.turn >= job.turn >> 8 << 8"                        \
-    " AND (other.turn, other.seq) < (job.turn, job.seq)) ELSE -1 END"
+    ", CASE status WHEN 'accepted' THEN" SUM_OF_ROUNDS                                             \
+    "BETWEEN -(job.turn >> 8) AND -1), 0) +" SUM_OF_ROUNDS                                         \
+    ">= job.turn >> 8 << 8 AND number < job.turn), 0) +"                                           \
+    " (SELECT count(*) FROM job AS other INDEXED BY job_ready WHERE other.status = 'accepted'"     \
+    " AND other.turn = job.turn AND other.seq < job.seq) ELSE -1 END"
 
 /* How far a job got, as far as its row tells. */
 static enum vor_stage stage_of(const struct vor_job_view *row)
@@ -342,17 +345,10 @@ static void read_length(struct vor_job_view *out, struct vor_sqlite_row *from)
             out->output[i].bytes = length;
 }
 
-static void read_span(struct vor_job_view *out, struct vor_sqlite_row *from)
-{
-    const char *text = vor_sqlite_text(from);
-
-    if (text != NULL)
-        (void)vor_span_parse(&out->span, text);
-}
-
 static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
 {
     struct vor_row_columns columns;
+    const char *span;
 
     *out = (struct vor_job_view){.eta_seconds = -1};
     vor_sqlite_copy(row, out->id.text, sizeof out->id.text);
@@ -379,7 +375,9 @@ static void read_row(struct vor_job_view *out, struct vor_sqlite_row *row)
     out->expires = vor_sqlite_number(row);
     out->expired = (int)vor_sqlite_number(row);
     vor_sqlite_copy(row, out->name, sizeof out->name);
-    read_span(out, row);
+    span = vor_sqlite_text(row);
+    if (span != NULL)
+        (void)vor_span_parse(&out->span, span);
     vor_sqlite_copy(row, out->key.principal, sizeof out->key.principal);
     vor_sqlite_copy(row, out->key.text, sizeof out->key.text);
     vor_sqlite_copy(row, out->key.fingerprint, sizeof out->key.fingerprint);

@@ -133,7 +133,7 @@ vor_status vor_sqlite_waiting(struct vor_store *store, struct vor_waiting *out,
         vor_sqlite_of(store), take_waiting, out, err,
         "SELECT coalesce(sum(jobs), 0), coalesce(sum(decoded), 0), coalesce((SELECT created FROM"
         " job INDEXED BY job_ready WHERE status = 'accepted' ORDER BY turn, seq LIMIT 1), 0)"
-        " FROM round",
+        " FROM round WHERE number < 0",
         "");
 }
 

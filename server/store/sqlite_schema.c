@@ -2,13 +2,13 @@
 
 /* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
  * brought up to it; versions 1 to 5 and 7 were never released. */
-enum { SCHEMA_VERSION = 9 };
+enum { SCHEMA_VERSION = 10 };
 
 /* A row of job is short and is written when the state changes. What is long and is asked for by
  * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, and the
- * turn of its job that was claimed last; round is how much waits in each 256 turns, by which a
- * place in the queue is counted. Triggers keep both, so that they change in the transaction of
- * whatever changes a job. */
+ * turn of its job that was claimed last; round is how much waits, by which a place in the queue is
+ * counted: in turn t in row t, and in the 256 turns of which t is one in row -1 - t / 256. Triggers
+ * keep both, so that they change in the transaction of whatever changes a job. */
 #define TABLES                                                                                     \
     "CREATE TABLE job ("                                                                           \
     " seq INTEGER PRIMARY KEY AUTOINCREMENT, id TEXT NOT NULL UNIQUE, process_id TEXT NOT NULL,"   \
@@ -59,26 +59,8 @@ enum { SCHEMA_VERSION = 9 };
 /* clang-format off */
 #define WAITS(row) "(" row ".status = 'accepted')"
 #define LIVES(row) "(" row ".status IN ('accepted', 'running'))"
-#define COUNT(row, by)                                                                             \
-    " INSERT INTO round SELECT " row ".turn >> 8, " by ", (" by ") * " row ".decoded"              \
-    " WHERE " by " <> 0 ON CONFLICT (number)"                                                      \
-    " DO UPDATE SET jobs = jobs + excluded.jobs, decoded = decoded + excluded.decoded;"            \
-    " DELETE FROM round WHERE number = " row ".turn >> 8 AND jobs = 0;"
 
 #define TRIGGERS                                                                                   \
-    "CREATE TRIGGER job_added AFTER INSERT ON job BEGIN"                                           \
-    " INSERT INTO ledger (principal, jobs, kept, held)"                                            \
-    " VALUES (new.principal, " LIVES("new") ", new.kept, new.held)"                                \
-    " ON CONFLICT (principal) DO UPDATE SET jobs = jobs + excluded.jobs,"                          \
-    " kept = kept + excluded.kept, held = held + excluded.held;"                                   \
-    COUNT("new", WAITS("new")) " END;"                                                             \
-    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job"                         \
-    " WHEN new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status BEGIN"         \
-    " UPDATE ledger SET jobs = jobs + " LIVES("new") " - " LIVES("old") ","                        \
-    " kept = kept + new.kept - old.kept, held = held + new.held - old.held,"                       \
-    " turn = CASE new.status WHEN 'running' THEN max(turn, new.turn) ELSE turn END"                \
-    " WHERE principal = new.principal;"                                                            \
-    COUNT("new", WAITS("new") " - " WAITS("old")) " END;"                                          \
     "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job WHEN new.expired BEGIN"             \
     " DELETE FROM job_blob WHERE seq = new.seq; END;"                                              \
     "CREATE TRIGGER job_removed AFTER DELETE ON job BEGIN"                                         \
@@ -111,7 +93,6 @@ static const char from_6[] =
     " WHERE report IS NOT NULL OR trace IS NOT NULL ORDER BY seq;"
     "INSERT INTO ledger (principal, jobs, kept, held)"
     " SELECT principal, sum(" LIVES("job") "), sum(kept), sum(held) FROM job GROUP BY principal;"
-    "INSERT INTO round SELECT turn >> 8, count(*), 0 FROM job WHERE status = 'accepted' GROUP BY 1;"
     "DELETE FROM sqlite_sequence WHERE name = 'job';"
     "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
     "DROP TABLE job_before;" INDEXES TRIGGERS END;
@@ -135,12 +116,41 @@ static const char from_8[] =
     "CREATE TRIGGER events_removed AFTER DELETE ON job BEGIN"
     " DELETE FROM event WHERE seq = old.seq; END;"
     "PRAGMA user_version=9; COMMIT;";
+
+#define COUNT(row, by)                                                                             \
+    " INSERT INTO round SELECT place, " by ", (" by ") * " row ".decoded"                          \
+    " FROM (SELECT " row ".turn AS place UNION ALL SELECT -1 - (" row ".turn >> 8))"               \
+    " WHERE " by " <> 0 ON CONFLICT (number)"                                                      \
+    " DO UPDATE SET jobs = jobs + excluded.jobs, decoded = decoded + excluded.decoded;"            \
+    " DELETE FROM round WHERE number IN (" row ".turn, -1 - (" row ".turn >> 8)) AND jobs = 0;"
+#define COUNT_ALL(number)                                                                          \
+    "INSERT INTO round SELECT " number ", count(*), sum(decoded) FROM job"                         \
+    " WHERE status = 'accepted' GROUP BY 1;"
+
+/* Before, round had the sums of 256 turns alone. */
+static const char from_9[] =
+    "BEGIN; DROP TRIGGER IF EXISTS job_added; DROP TRIGGER IF EXISTS job_changed;"
+    "CREATE TRIGGER job_added AFTER INSERT ON job BEGIN"
+    " INSERT INTO ledger (principal, jobs, kept, held)"
+    " VALUES (new.principal, " LIVES("new") ", new.kept, new.held)"
+    " ON CONFLICT (principal) DO UPDATE SET jobs = jobs + excluded.jobs,"
+    " kept = kept + excluded.kept, held = held + excluded.held;"
+    COUNT("new", WAITS("new")) " END;"
+    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job"
+    " WHEN new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status BEGIN"
+    " UPDATE ledger SET jobs = jobs + " LIVES("new") " - " LIVES("old") ","
+    " kept = kept + new.kept - old.kept, held = held + new.held - old.held,"
+    " turn = CASE new.status WHEN 'running' THEN max(turn, new.turn) ELSE turn END"
+    " WHERE principal = new.principal;"
+    COUNT("new", WAITS("new") " - " WAITS("old")) " END;"
+    "DELETE FROM round;" COUNT_ALL("turn") COUNT_ALL("-1 - (turn >> 8)")
+    "PRAGMA user_version=10; COMMIT;";
 /* clang-format on */
 
 static const struct {
-    int64_t from;
+    int64_t from, to;
     const char *sql;
-} steps[] = {{0, first}, {6, from_6}, {8, from_8}};
+} steps[] = {{0, 8, first}, {6, 8, from_6}, {8, 9, from_8}, {9, 10, from_9}};
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
@@ -152,12 +162,12 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
         if (version != steps[i].from)
             continue;
         status = vor_sqlite_run(db, steps[i].sql, err);
-        version = steps[i].from < 8 ? 8 : SCHEMA_VERSION;
+        version = steps[i].to;
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
-                        "the job database has schema %lld, but this version reads only 6, 8 "
-                        "and %d: start the version that wrote the database, or choose another "
+                        "the job database has schema %lld, but this version reads only 6, 8, "
+                        "9 and %d: start the version that wrote the database, or choose another "
                         "--data",
                         (long long)version, SCHEMA_VERSION);
     return status;

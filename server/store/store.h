@@ -135,7 +135,8 @@ VOR_NODISCARD vor_status vor_store_finish(struct vor_store *store, const struct 
  *
  *  @param[out] found  0 when there is no such job; *out is then untouched
  *
- *  Cost: of a job that waits also some hundred steps over an index, for its place in the queue. */
+ *  Cost: of a job that waits also some hundred steps over an index, and one for each principal
+ *  that has jobs waiting, for its place in the queue. */
 VOR_NODISCARD static inline vor_status vor_store_get(struct vor_store *store,
                                                      const struct vor_uuid *id, const char *tenant,
                                                      struct vor_job_view *out, int *found,

@@ -15,11 +15,13 @@ enum { ROWS = 400, TRACE = 20000, REPORT = 3000, CONNECTIONS = 5 };
 static sqlite3 *connection[CONNECTIONS];
 static int connections;
 static int full_steps; /* rows that statements walked over for want of an index */
+static int vm_steps;   /* instructions of SQLite's machine */
 
 static int add_steps(unsigned event, void *ctx, void *statement, void *nanoseconds)
 {
     (void)event, (void)ctx, (void)nanoseconds;
     full_steps += sqlite3_stmt_status(statement, SQLITE_STMTSTATUS_FULLSCAN_STEP, 0);
+    vm_steps += sqlite3_stmt_status(statement, SQLITE_STMTSTATUS_VM_STEP, 1);
     return 0;
 }
 
@@ -198,6 +200,27 @@ START_TEST(a_list_in_steps_reads_each_row_once)
 }
 END_TEST
 
+/* Every principal has a job in every round. */
+START_TEST(a_place_in_the_queue_takes_no_look_at_each_job_before_it)
+{
+    enum { TENANTS = 20 };
+    struct vor_store *store = open_store(vt_dir_make());
+    struct vor_job_view row, back;
+    int found;
+
+    for (int i = 0; i < ROWS; i++) {
+        row = vt_row(10);
+        (void)snprintf(row.key.principal, sizeof row.key.principal, "%d", i % TENANTS);
+        vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
+    }
+    vm_steps = 0;
+    vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
+    ck_assert_int_eq(back.queue_position, ROWS - 1);
+    ck_assert_int_le(vm_steps, 3 * ROWS);
+    vor_store_close(store);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("store_work");
@@ -205,5 +228,6 @@ int main(void)
     vt_add(suite, what_a_submit_and_a_run_ask_walks_over_no_rows);
     vt_add(suite, a_list_reads_the_rows_that_it_lists_alone);
     vt_add_loop(suite, a_list_in_steps_reads_each_row_once, 2);
+    vt_add(suite, a_place_in_the_queue_takes_no_look_at_each_job_before_it);
     return vt_run(suite);
 }
