@@ -131,7 +131,7 @@ static void print_commands(FILE *out)
         print_text(out, command.sentence);
     }
     fputs(".TP\n\\fBserve\\fR\n", out);
-    print_text(out, "Runs the daemon; see its page in section 8");
+    print_text(out, "Runs the daemon; see voronoid(8)");
 }
 
 /* The names of what `takes` is true for, in a line of their own. */
@@ -262,10 +262,11 @@ static int print_commands_page(FILE *out)
     print_head(out, "1", "User Commands", "resample 3D point clouds, locally or on a daemon");
     print_synopsis(out);
     print_heading(out, ".SH", "DESCRIPTION");
-    print_text(out, "voronoid takes point clouds (PLY or Draco), fits a surface to them and "
-                    "spreads the requested number of points evenly over it. Commands do this on "
-                    "this machine or, with --server, on a daemon; further commands manage the jobs "
-                    "of a daemon. The file name - means stdin or stdout. " VOR_HELP_JOBS);
+    print_text(out, "voronoid reads point clouds (PLY or Draco), fits a surface to each cloud "
+                    "and spreads the requested number of points evenly over the surface. By "
+                    "default it works on this machine; with --server, a daemon does the work. "
+                    "Some commands manage the jobs of a daemon. The file name - means stdin or "
+                    "stdout. " VOR_HELP_JOBS);
     print_commands(out);
     print_options(out);
     print_inputs(out);
@@ -273,8 +274,8 @@ static int print_commands_page(FILE *out)
         return -1;
     print_exit_codes(out, 0);
     fputs(".PP\n", out);
-    print_text(out, "With several operands, if one fails, the others still run; the exit code is "
-                    "then that of the first failure.");
+    print_text(out, "If a command has several operands and one of them fails, the others still "
+                    "run. The exit code is then the code of the first failure.");
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (8)\n", out);
     return 0;
@@ -286,20 +287,23 @@ static int print_daemon_page(FILE *out)
     print_heading(out, ".SH", "SYNOPSIS");
     fputs(".B voronoid serve\n.RI [ SETTING ]...\n", out);
     print_heading(out, ".SH", "DESCRIPTION");
-    print_text(out, "Serves the processes of voronoid(1) over HTTP; /openapi.yaml is the API "
-                    "contract. A job and its input are on the disk before the client gets a "
-                    "response. Jobs interrupted by a crash run again when the daemon restarts.");
+    print_text(out, "Serves the processes of voronoid(1) over HTTP. The API contract is at "
+                    "/openapi.yaml. The daemon writes a job and its input to the disk before "
+                    "it accepts the job. Jobs that a crash interrupts run again when the "
+                    "daemon restarts.");
     if (print_topics(out, 8) != 0)
         return -1;
     print_heading(out, ".SH", "SIGNALS");
     fputs(".TP\nSIGTERM, SIGINT\n", out);
-    print_text(out, "Running jobs have --drain-timeout to finish; all others run when the daemon "
-                    "starts again. A second signal ends the daemon at once.");
+    print_text(out, "The daemon waits for running jobs, but not longer than --drain-timeout. "
+                    "Jobs that have not ended run when the daemon starts again. A second "
+                    "signal ends the daemon at once.");
     fputs(".TP\nSIGHUP\n", out);
     print_text(
         out,
-        "Reloads --log-level from the settings, then the file of --api-keys. If any setting is "
-        "wrong, nothing changes; if the file of keys is wrong, the previous keys stay valid.");
+        "Reads the settings again and applies --log-level, then reloads the file of "
+        "--api-keys. If a setting is wrong, nothing changes. If the file of keys is wrong, the "
+        "previous keys stay valid.");
     print_exit_codes(out, 1);
     print_heading(out, ".SH", "SEE ALSO");
     fputs(".BR voronoid (1)\n", out);

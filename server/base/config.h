@@ -29,19 +29,19 @@ enum vor_setting_kind {
  *  over the file. */
 #define VOR_SETTING_TABLE(X)                                                                       \
     X(CONFIG, "config", TEXT, "FILE", 0, 0, "",                                                    \
-      "File of settings, one \"name = value\" per line; flags and the environment override it. "   \
-      "Default: " VOR_CONFIG_PLACE " if it exists")                                                \
+      "File with settings, one \"name = value\" per line. Flags and environment variables "        \
+      "override the file. Default: " VOR_CONFIG_PLACE " if it exists")                             \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
       "Check the settings, report every error and exit")                                           \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
-      "Address to listen on. Port 0 picks a free port, which is in the log; unix:/PATH is a Unix " \
-      "socket")                                                                                    \
+      "Address to listen on. With port 0 the daemon picks a free port and logs it; unix:/PATH "    \
+      "is a Unix socket")                                                                          \
     X(SOCKET_MODE, "socket-mode", CHOICE, "0600 0660 0666", 0, 0, "0660",                          \
-      "Who may connect to the Unix socket of --listen: its owner (0600), its group (0660) or "     \
-      "anybody (0666)")                                                                            \
+      "Which users may connect to the Unix socket of --listen: its owner (0600), its group "       \
+      "(0660) or all users (0666)")                                                                \
     X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
-      "Separate address for /livez, /readyz and /metrics only. It has its own thread and "         \
-      "responds even while --listen is overloaded. Default: none")                                 \
+      "Separate address that serves only /livez, /readyz and /metrics. It has its own thread "     \
+      "and responds even while the main address is overloaded. Default: none")                     \
     X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
       "Allow an --admin-listen address that other machines can reach")                             \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
@@ -52,65 +52,71 @@ enum vor_setting_kind {
     X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
       "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
-      "Number of threads of the engine, shared by all jobs. 0: one per core")                      \
+      "Number of threads for computations, shared by all jobs. 0: one per core")                   \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Number of jobs that may run at the same time")  \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Largest number of waiting jobs")        \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
-      "Memory that all running jobs together may use, as estimated; further jobs wait. 0: 70 % "   \
-      "of the machine's memory or of the limit of its control group")                              \
+      "Estimated memory that all running jobs together may use; other jobs wait. 0: 70 % of the "  \
+      "machine's memory, or of the memory limit of the daemon's control group")                    \
     X(QUEUE_BYTES, "queue-bytes", BYTES, "bytes", 1, 1e15, "8G",                                   \
-      "Total size of the decoded inputs of waiting jobs")                                          \
+      "Largest total size of the decoded inputs of all waiting jobs")                              \
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
-      "Memory that a job may use. 0: --memory divided by --jobs")                                  \
+      "Largest amount of memory that one job may use. 0: --memory divided by --jobs")              \
     X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
-      "Time that a job may run; a job that would take four times as long is refused. 0: no limit") \
+      "Longest time that a job may run. A job that would take four times as long is refused. 0: "  \
+      "no limit")                                                                                  \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest size of an upload, before and after decompression")                                 \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
       "Largest number of points that an upload may declare")                                       \
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
-      "How long results are kept")                                                                 \
+      "Time after which the results of a job are deleted")                                         \
     X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Total size of uploads to keep as long as their results; those of the jobs that ended "      \
-      "first are deleted first. 0: keep none")                                                     \
+      "Largest total size of uploads that are kept as long as their results. Above it, uploads "   \
+      "of the jobs that ended first are deleted first. 0: no upload is kept")                      \
     X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
-      "Total size of results to keep; those of the jobs that ended first are deleted first. 0: "   \
-      "half of the disk of --blobs")                                                               \
+      "Largest total size of results that are kept. Above it, results of the jobs that ended "     \
+      "first are deleted first. 0: half of the disk of --blobs")                                   \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "How long to keep files of jobs that are missing from a damaged --store; they are in lost/ " \
-      "under --blobs")                                                                             \
+      "Time after which files in the folder lost/ of --blobs are deleted. They belong to jobs "    \
+      "that are missing from a damaged --store")                                                   \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "Total size of the files in lost/; the oldest are deleted first")                            \
+      "Largest total size of the files in the folder lost/ of --blobs. Above it, the oldest "      \
+      "files are deleted first")                                                                   \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Space reserved in a file beside --store, so that jobs can still be finished and deleted "   \
-      "when the disk is full. Uploads that would leave less free space than that are refused")     \
+      "Disk space that a file beside --store reserves, so that jobs can still be finished and "    \
+      "deleted when the disk is full. An upload is refused if it would leave less free space "     \
+      "than this")                                                                                 \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
-      "URL at which clients reach this daemon, for absolute links. Default: scheme, host and "     \
-      "path that a trusted proxy sends, else http:// and the Host header")                         \
+      "URL at which clients reach the daemon; links in responses begin with it. Default: the "     \
+      "scheme, host and path that a trusted proxy sends, else http:// and the Host header")        \
     X(TRUSTED_PROXY, "trusted-proxy", LIST, "LIST", 0, 0, "",                                      \
-      "Proxies to trust: addresses and networks such as 10.0.0.0/8 or fd00::/8, separated by "     \
-      "commas or in several flags")                                                                \
+      "Proxies that the daemon trusts: addresses or networks such as 10.0.0.0/8 or fd00::/8. "     \
+      "Separate them with commas, or repeat the flag")                                             \
     X(PROXY_HEADERS, "proxy-headers", CHOICE, "x-forwarded forwarded", 0, 0, "x-forwarded",        \
-      "Headers that trusted proxies set: X-Forwarded-For, -Proto, -Host, -Prefix, or Forwarded "   \
-      "(RFC 7239); the others are ignored")                                                        \
+      "Headers of trusted proxies that the daemon reads. x-forwarded: X-Forwarded-For, -Proto, "   \
+      "-Host and -Prefix; forwarded: Forwarded (RFC 7239)")                                        \
     X(ALLOWED_HOSTS, "allowed-hosts", LIST, "LIST", 0, 0, "",                                      \
-      "Host names that requests may use besides those of this machine and of --public-url, "       \
-      "separated by commas or in several flags. Default: any that a trusted proxy sends")          \
+      "Host names that requests may have in the Host header, besides localhost and the host of "   \
+      "--public-url. Separate them with commas, or repeat the flag. Default: any host that a "     \
+      "trusted proxy sends")                                                                       \
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
-      "Origins of web pages that may use this daemon, separated by commas")                        \
+      "Origins of web pages that may use the daemon, separated by commas")                         \
     X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
-      "File of API keys, with lines made by voronoid key NAME; all requests under /v1 then need "  \
-      "a key. SIGHUP reloads the file")                                                            \
+      "File with API keys; the command voronoid key NAME makes its lines. With this setting, "     \
+      "all requests under /v1 need a key. SIGHUP reloads the file")                                \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
-      "Allow requests without a key even if other machines can reach the daemon, directly or "     \
-      "through a proxy (--trusted-proxy, --public-url)")                                           \
+      "Allow requests without a key, even if other machines can reach the daemon directly or "     \
+      "through a proxy")                                                                           \
     X(HTTP_THREADS, "http-threads", COUNT_OF, "threads", 1, 64, "2", "HTTP threads")               \
     X(CONNECTIONS, "connections", COUNT_OF, "connections", 1, 100000, "1024",                      \
-      "Largest number of open connections, not counting streams. Above it the daemon closes the "  \
-      "connections that have been idle longest; 32 are reserved for health checks")                \
+      "Largest number of open connections, event streams not included. Above this number, the "    \
+      "daemon closes the connections that have been idle longest. 32 more are reserved for "       \
+      "health checks")                                                                             \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
-      "Largest number of open connections per client (an IPv4 address, an IPv6 /64), except this " \
-      "machine and --trusted-proxy; 0: no limit")                                                  \
+      "Largest number of open connections per client, which is an IPv4 address or an IPv6 /64 "    \
+      "network. There is no such limit for this machine and for --trusted-proxy. 0: no limit "     \
+      "for any client")                                                                            \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512",                                   \
       "Largest number of open event streams")                                                      \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
@@ -121,26 +127,29 @@ enum vor_setting_kind {
       "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
-      "Lowest average speed allowed for an upload, checked once it takes longer than --body-idle") \
+      "Lowest average speed of an upload. It is checked when the upload has taken longer than "    \
+      "--body-idle")                                                                               \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Lowest average speed allowed for a client that reads a reply, checked once it takes "       \
-      "longer than --body-idle, except for event streams")                                         \
+      "Lowest average speed at which a client may read a response, except an event stream. It "    \
+      "is checked when reading has taken longer than --body-idle")                                 \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
-      "Time without events after which an event stream sends a keep-alive")                        \
+      "Interval at which an event stream without events sends a keep-alive line")                  \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \
       "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
       "balancers can stop sending new ones")                                                       \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time for running jobs to finish after SIGTERM and --drain-delay; jobs that have not "       \
-      "finished by then run again after the next start")                                           \
+      "Time that running jobs have to finish after SIGTERM and --drain-delay. Jobs that do not "   \
+      "finish in this time run again after the next start")                                        \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
-      "Draco files to accept. any: all that the library reads; strict: only point clouds of "      \
-      "bitstream 2.3 without metadata, which use less of its code")                                \
+      "Draco files that the daemon accepts. any: all files that the Draco library can read; "      \
+      "strict: only point clouds of bitstream 2.3 without metadata, which use less code of the "   \
+      "library")                                                                                   \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
-      "Run even if the kernel does not support seccomp. The processes that decode uploads then "   \
-      "have only limits of memory and time")                                                       \
+      "Start even if the kernel does not support seccomp. The sandbox of the processes that "      \
+      "decode uploads then has only limits of memory and time")                                    \
     X(LOG_LEVEL, "log-level", CHOICE, "debug info warn error off", 0, 0, "info",                   \
-      "Lowest level to log. The log is one JSON object per line on standard error")
+      "Lowest level of messages in the log. The log has one JSON object per line and goes to "     \
+      "standard error")
 
 enum vor_setting {
 #define VOR_SETTING_ENUM(id, flag, kind, unit, min, max, def, sentence) VOR_SET_##id,

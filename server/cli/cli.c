@@ -38,16 +38,16 @@ static const struct vor_command others[] = {
      " JOB...", 1, INT_MAX, NULL, vor_cli_wait},
     {"fetch", "Fetch results of jobs", "Writes results of jobs into files",
      ASKS_JOBS | VOR_COMMAND_FETCHES, " JOB...", 1, INT_MAX, NULL, vor_cli_fetch},
-    {"cancel", "Cancel jobs", "Cancels waiting and running jobs; they have no result", ASKS_JOBS,
-     " JOB...", 1, INT_MAX, NULL, vor_cli_cancel},
-    {"stop", "Stop jobs, keep their best results",
-     "Stops running jobs; the best cloud so far becomes the result of each", ASKS_JOBS, " JOB...",
-     1, INT_MAX, NULL, vor_cli_stop},
+    {"cancel", "Cancel jobs", "Cancels waiting and running jobs, which then have no result",
+     ASKS_JOBS, " JOB...", 1, INT_MAX, NULL, vor_cli_cancel},
+    {"stop", "Stop jobs and keep their best results",
+     "Stops running jobs. The result of each job is its best cloud so far", ASKS_JOBS, " JOB...", 1,
+     INT_MAX, NULL, vor_cli_stop},
     {"health", "Check whether a daemon is ready", "Checks whether a daemon is ready to accept jobs",
      VOR_COMMAND_ASKS, "", 0, 0, NULL, vor_cli_health},
     {"key", "Make a key for a daemon",
-     "Prints a new key on stderr (it cannot be shown again) and, on stdout, its line for the file "
-     "of serve --api-keys",
+     "Prints a new key on stderr and, on stdout, the line to add to the file of voronoid serve "
+     "--api-keys. The key cannot be shown again",
      VOR_COMMAND_KEYS, " NAME", 1, 1, NULL, vor_cli_key},
 };
 
@@ -74,7 +74,7 @@ static int run_process(const struct vor_cli *cli)
 static int no_process(const struct vor_cli *cli)
 {
     const struct vor_process_info *process;
-    char line[512] = "name a process after submit: ";
+    char line[512] = "write the name of a process after submit: ";
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
         size_t at = strlen(line);

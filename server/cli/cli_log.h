@@ -11,13 +11,13 @@
  * does not end like that). --help and the manual print this table. */
 #define VOR_EXIT_TABLE(X)                                                                          \
     X(OK, 0, "success", "ended by a signal")                                                       \
-    X(FAILED, 1, "failed", "cannot start, or failed")                                              \
+    X(FAILED, 1, "failed", "it cannot start, or it failed")                                        \
     X(USAGE, 2, "a command, an option or a parameter is wrong", "a setting is wrong")              \
     X(REJECTED, 3, "an input is rejected", "")                                                     \
     X(CANCELLED, 4, "cancelled on the daemon, or by SIGTERM", "")                                  \
     X(UNREACHABLE, 5, "the server is unreachable or busy", "")                                     \
     X(IN_USE, 75, "", "another daemon uses the data folder")                                       \
-    X(INTERRUPTED, 130, "ended by ^C; the best result so far is written if there is one", "")
+    X(INTERRUPTED, 130, "ended by ^C; the best result so far is written, if there is one", "")
 
 enum {
 #define VOR_EXIT_ENUM(id, code, command, serve) VOR_EXIT_##id = (code),

@@ -23,45 +23,49 @@ enum {
  *  wins over its variable. No command takes two of the same name or letter. */
 #define VOR_OPTION_TABLE(X)                                                                        \
     X(OUTPUT, "output", 'o', "OUT", "", VOR_COMMAND_RUNS,                                          \
-      "File for the result, or - for stdout, the default for inspect and measure. With DIR/, a "   \
-      "folder, each result is written there under the name of its input")                          \
+      "File for the result, or - for stdout. If OUT is a folder (DIR/), each result is written "   \
+      "there under the name of its input. inspect and measure write to stdout by default")         \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
-      "File for one result, or - for stdout. With DIR/ (a folder), all results are written "       \
-      "there: those of a job named bunny.ply as bunny.resample.ply and bunny.report.json. "        \
+      "File for one result, or - for stdout. If OUT is a folder (DIR/), all results are written "  \
+      "there: the results of a job named bunny.ply as bunny.resample.ply and bunny.report.json. "  \
       "Default: ./")                                                                               \
     X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
-      "The result to fetch, such as cloud or report. Default: the main result for a file, all "    \
-      "results for a folder")                                                                      \
+      "Name of the result to fetch, such as cloud or report. Default: the main result if "         \
+      "--output is a file, all results if it is a folder")                                         \
     X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS,                                               \
       "Number of jobs to list, 1 to 10000. Default: 20")                                           \
     X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
       "List only jobs with these statuses, separated by commas: accepted, running, successful, "   \
       "failed, dismissed")                                                                         \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "URL of the daemon to use. Without it, processes run on this machine, and other commands "   \
-      "connect to the address in VORONOID_LISTEN or to http://127.0.0.1:8080")                     \
+      "URL of the daemon to use. Without this option, processes run on this machine without a "    \
+      "daemon; other commands connect to the address in VORONOID_LISTEN or to "                    \
+      "http://127.0.0.1:8080")                                                                     \
     X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
       VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
-      "File with the API key for the daemon on its first line. Default: the key in VORONOID_KEY")  \
+      "File that has the API key for the daemon on its first line. Default: the key in "           \
+      "VORONOID_KEY")                                                                              \
     X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
       "Scopes of the key, separated by commas: read, submit, admin. Default: submit,read")         \
     X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Quotas of the key, separated by commas: jobs=N that wait or run (16), rate=N job requests " \
-      "per second (10), bytes=N stored, points=N per input")                                       \
+      "Quotas of the key, separated by commas: jobs=N, the number of jobs that wait or run "       \
+      "(16); rate=N, the number of jobs started per second (10); bytes=N, the bytes of stored "    \
+      "inputs and results; points=N, the points of an input")                                      \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
       "Use the values of a preset listed below; other options override them")                      \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
-      "Number of threads for work on this machine, 0 to 256. Default: 0, which is one per core")   \
+      "Number of threads for computations on this machine, 0 to 256. 0: one per core. Default: "   \
+      "0")                                                                                         \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "Print one JSON object per line on stdout, or on stderr if the result goes to stdout: one "  \
-      "for each job or file, or the progress records and then the report. inspect prints one "     \
-      "document")                                                                                  \
+      "Print JSON, one object per line: an object for each job or file, or the progress records "  \
+      "and then the report. The objects go to stdout, or to stderr if the result goes to "         \
+      "stdout. inspect prints a single document")                                                  \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "Print no progress and no summary; jobs and submit print only IDs")                          \
+      "Print no progress and no summary. jobs and submit print only IDs")                          \
     X(HELP, "help", 'h', "", "", ~0u, "Print this help")
 
 enum vor_option {

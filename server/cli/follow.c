@@ -80,7 +80,7 @@ static int say_problem(struct vor_follow *follow, const struct vor_json *json, i
         http = (int)number;
     vor_text_init(&line, 0);
     if (title[0] == '\0')
-        vor_text_printf(&line, "the server answered %d", http);
+        vor_text_printf(&line, "the server responded with %d", http);
     else
         vor_text_printf(&line, "%s%s%s", title, detail[0] != '\0' ? ": " : "", detail);
     vor_progress_clear(&follow->progress);
@@ -113,7 +113,7 @@ int vor_follow_call(struct vor_follow *follow, const char *method, const char *u
     } else {
         *json = vor_remote_json(&call);
         if (*json == NULL) {
-            vor_cli_say(follow->subject, "the server's answer is not JSON");
+            vor_cli_say(follow->subject, "the response of the server is not JSON");
             code = VOR_EXIT_FAILED;
         }
     }
@@ -146,7 +146,7 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
         if (words[0] == '\0')
             words = vor_follow_text(json, "status");
         if (vor_json_get_number(vor_json_get(own, "queuePosition"), &position))
-            (void)snprintf(note, sizeof note, "waiting, %.0f ahead of it", position);
+            (void)snprintf(note, sizeof note, "waiting, %.0f jobs before it", position);
         else
             (void)vor_quote(note, sizeof note, words, strlen(words));
         vor_progress_note(&follow->progress, note);
@@ -199,7 +199,7 @@ static int ask(struct vor_follow *follow, struct vor_json **json, vor_status *st
     *json = NULL;
     *status = vor_remote_perform(follow->remote, &call, &follow->err);
     if (*status == VOR_OK && call.http == 503)
-        *status = vor_fail(&follow->err, VOR_E_IO, "the server answered 503");
+        *status = vor_fail(&follow->err, VOR_E_IO, "the server responded with 503");
     if (*status == VOR_OK && call.http != 200)
         code = vor_follow_refused(follow, &call);
     else if (*status == VOR_OK)

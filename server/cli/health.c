@@ -19,7 +19,7 @@ static int report(const char *server, const struct vor_remote_call *call)
     json = vor_remote_json(call);
     detail = vor_json_get_string(vor_json_get(json, "detail"));
     vor_text_init(&line, 0);
-    vor_text_printf(&line, "not ready: the server answered %d%s%s", call->http,
+    vor_text_printf(&line, "not ready: the server responded with %d%s%s", call->http,
                     detail != NULL ? ": " : "", detail != NULL ? detail : "");
     vor_cli_say(server, line.data != NULL ? line.data : "not ready");
     vor_text_free(&line);

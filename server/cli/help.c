@@ -139,16 +139,13 @@ void vor_help_command(FILE *out, const struct vor_command *command)
 
 void vor_help_brief(FILE *out)
 {
-    fputs("voronoid resamples 3D point clouds (PLY, Draco) to the number of points that you want,\n"
-          "evenly spread over the surface. To begin:\n\n"
-          "  voronoid resample cloud.ply -n 10k -o even.ply\n"
-          "      spreads 10,000 points evenly\n"
-          "  voronoid inspect cloud.ply\n"
-          "      describes a cloud: spacing, noise, holes, edges\n"
-          "  voronoid serve\n"
-          "      runs the daemon; its page is http://127.0.0.1:8080\n\n"
-          "voronoid help lists commands and topics. voronoid help choosing says when to use which\n"
-          "command.\n",
+    fputs("voronoid resamples 3D point clouds (PLY, Draco) to the number of points that you "
+          "want,\nevenly spread over the surface. To begin:\n\n  voronoid resample cloud.ply "
+          "-n 10k -o even.ply\n      spreads 10,000 points evenly\n  voronoid inspect "
+          "cloud.ply\n      describes a cloud: spacing, noise, holes, edges\n  voronoid "
+          "serve\n      runs the daemon; its web page is http://127.0.0.1:8080\n\nvoronoid "
+          "help lists commands and topics. voronoid help choosing says when to use "
+          "which\ncommand.\n",
           out);
 }
 

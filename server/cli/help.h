@@ -9,10 +9,12 @@
 
 /** Sentences of the help and of the manual. */
 #define VOR_HELP_COUNTS "A whole number may end in k, for thousands, or M, for millions: 10k, 1.5M."
-#define VOR_HELP_JOBS "JOB is the ID of a job, or the beginning of an ID that no other job shares."
+#define VOR_HELP_JOBS                                                                              \
+    "JOB is the ID of a job, or the beginning of its ID if no other ID begins in the same "        \
+    "way."
 #define VOR_HELP_WORDS                                                                             \
-    "Write options as --name VALUE or --name=VALUE. A name may be shortened if it stays "          \
-    "unambiguous. Arguments after -- are not options."
+    "Write options as --name VALUE or --name=VALUE. The name of an option may be shortened as "    \
+    "long as it is unambiguous. Arguments after -- are not options."
 
 /** How a command is called, its options, and the parameters of its process by groups. */
 void vor_help_command(FILE *out, const struct vor_command *command);

@@ -12,7 +12,8 @@ static atomic_int keeps, stops;
 
 static void on_signal(int signal)
 {
-    static const char said[] = "voronoid: stopping, the best so far is kept; ^C again cancels\n";
+    static const char said[] = "voronoid: stopping; the best result so far is written. Press "
+                               "^C again to cancel the run\n";
     int none = 0;
 
     if (signal == SIGINT && atomic_load(&keeps) && !atomic_exchange(&stops, 1)) {

@@ -185,7 +185,7 @@ static int wait_one(const struct vor_cli *cli, const char *id, void *ctx)
     int code = vor_follow_open(&follow, &one, id);
 
     (void)ctx;
-    follow.on_signal = "no longer waiting; the job continues";
+    follow.on_signal = "stopped waiting for the job; the job itself continues";
     if (code == VOR_EXIT_OK)
         code = vor_job_choose(&follow, id);
     follow.progress.name = follow.subject;
@@ -251,7 +251,7 @@ static int end_one(const struct vor_cli *cli, const char *id, void *ctx)
     } else if (code == VOR_EXIT_OK) {
         (void)snprintf(url, sizeof url, "%s/stop", follow.job);
         code = *keeps_best ? end_job(&follow, "POST", url,
-                                     "stopping; the best cloud so far becomes its result")
+                                     "the job will stop; its result is the best cloud so far")
                            : end_job(&follow, "DELETE", follow.job, "dismissed");
     }
     vor_follow_close(&follow);

@@ -18,7 +18,7 @@ int vor_cli_key(const struct vor_cli *cli)
     struct vor_error err;
 
     if (cli->operand_count == 0) {
-        vor_cli_say(cli->command->name, "no name: give the name of the key's owner");
+        vor_cli_say(cli->command->name, "no name: give a name for the key");
         return VOR_EXIT_USAGE;
     }
     if (vor_key_make(cli->operands[0], scopes != NULL ? scopes : SCOPES_DEFAULT,
@@ -66,7 +66,7 @@ vor_status vor_cli_key_read(char out[VOR_KEY_SENT_MAX + 1], const struct vor_cli
     for (const char *at = text; *at != '\0'; at++)
         if (*at <= ' ' || *at > '~' || at - text == VOR_KEY_SENT_MAX)
             return vor_fail(err, VOR_E_PARAM,
-                            "%s has no key, want at most %d visible characters of ASCII", from,
+                            "%s has no valid key, want at most %d visible ASCII characters", from,
                             VOR_KEY_SENT_MAX);
     if (path != NULL && text[0] == '\0')
         return vor_fail(err, VOR_E_PARAM, "%s is empty, want a key on its first line", path);

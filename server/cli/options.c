@@ -188,7 +188,7 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
     status = vor_text_status(&served, err);
     if (status == VOR_OK)
         status = vor_fail(err, VOR_E_PARAM,
-                          "the output's suffix is %s, want one of %s; or give --format",
+                          "the suffix of the output is %s, want one of %s, or give --format",
                           vor_quote(quoted, sizeof quoted, suffix, strlen(suffix)), served.data);
     vor_text_free(&served);
     return status;
@@ -268,7 +268,9 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
     if (cli->option[VOR_OPTION_NAME] != NULL && cli->option[VOR_OPTION_SERVER] == NULL)
         return vor_fail(err, VOR_E_PARAM, "--name names the job on a daemon: give --server too");
     if (stdins > 1)
-        return vor_fail(err, VOR_E_PARAM, "both clouds are -, but there is only one stdin");
+        return vor_fail(err, VOR_E_PARAM,
+                        "both clouds are -, but only one cloud can be read "
+                        "from stdin");
     return VOR_OK;
 }
 

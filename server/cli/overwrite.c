@@ -64,11 +64,15 @@ vor_status vor_overwrite_check(const struct vor_cli *cli, const char *path, int 
         return VOR_OK;
     input = find_input(cli, &output);
     if (input != NULL)
-        return vor_fail(err, VOR_E_PARAM, "this is the input %.300s itself; give another output",
+        return vor_fail(err, VOR_E_PARAM,
+                        "the output is the input %.300s itself: give another "
+                        "output",
                         strcmp(input, "-") == 0 ? "on stdin" : input);
     if (is_stdout)
         return VOR_OK;
     *replace = cli->option[VOR_OPTION_FORCE] != NULL || is_allowed(cli, path);
     return *replace ? VOR_OK
-                    : vor_fail(err, VOR_E_PARAM, "the file exists; --force (-f) overwrites it");
+                    : vor_fail(err, VOR_E_PARAM,
+                               "the file exists: use --force (-f) to "
+                               "overwrite it");
 }

@@ -215,7 +215,9 @@ static void say_faces(const struct vor_progress *progress, const struct vor_json
     if (faces > 1)
         (void)snprintf(count, sizeof count, "%.0f ", faces);
     (void)snprintf(line, sizeof line,
-                   "the file has %sfaces: --sample faces resamples their surface", count);
+                   "the file has %sfaces: use --sample faces to resample the surface of the "
+                   "faces",
+                   count);
     vor_cli_say(cli->input[0], line);
 }
 

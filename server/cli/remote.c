@@ -313,7 +313,7 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
     if (code == CURLE_OUT_OF_MEMORY)
         return vor_fail(err, VOR_E_NOMEM, "a request");
     if (code == CURLE_WRITE_ERROR && call->text.failed)
-        return vor_fail(err, VOR_E_LIMIT, "the answer has more than %zu bytes", call->text.cap);
+        return vor_fail(err, VOR_E_LIMIT, "the response has more than %zu bytes", call->text.cap);
     return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl.easy_strerror(code));
 }
 

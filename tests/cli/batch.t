@@ -88,7 +88,7 @@ refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--f
     "the results of $b and $drc would both be $out/b.ply";
 refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- gives no file name for a result in $out/";
 refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-fo', "$out/"], 2,
-    "the result of $odd: the output's suffix is .1, want one of .ply, .drc; or give --format";
+    "the result of $odd: the suffix of the output is .1, want one of .ply, .drc, or give --format";
 refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-fo', "$out/"], 2,
     "$folder/sub/ gives no file name for a result in $out/";
 refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-fo', "$out/x/"], 1,
@@ -98,10 +98,10 @@ my $process = start(['resample', $a, $b, '-n', 60, '--iterations', 10000, '--sec
 await { shown($process) =~ /"iteration":[1-9]/ };
 kill 'INT', $process->{pid};
 ($code, undef, $stderr) = finish($process);
-like "$code|$stderr", qr/^130\|voronoid: stopping, the best so far is kept/, '^C ends them all';
+like "$code|$stderr", qr/^130\|voronoid: stopping; the best result so far is written/, '^C ends them all';
 is files(), 'a.ply', 'and keeps the best of the one that was running';
 spew("$out/a.ply", 'old');
-refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: the file exists; --force (-f) overwrites it", 'a.ply';
+refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: the file exists: use --force (-f) to overwrite it", 'a.ply';
 clear();
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);

@@ -62,7 +62,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
 }
 is +(run(['convert', $mesh, '-fo', '-', '--quiet']))[1], $wanted, 'stdout has the format of the input';
 my ($code, $stdout, $stderr) = run(['convert', $mesh, '-fo', "$folder/out.xyz"]);
-is "$code$stdout$stderr", "2voronoid: convert: the output's suffix is .xyz, want one of .ply, .drc; or give --format\n",
+is "$code$stdout$stderr", "2voronoid: convert: the suffix of the output is .xyz, want one of .ply, .drc, or give --format\n",
     'a format that is not served is refused';
 
 # Points that are not finite.

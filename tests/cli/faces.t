@@ -34,7 +34,7 @@ for my $where ([], ['--server', $daemon->{url}]) {
 
     ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, @quick, @$where]);
     is $code, 0, "its vertices are resampled, $by" or diag($stderr);
-    like $stderr, qr/: dropped: face \(6\)\nvoronoid: \S+cube\.ply: the file has 6 faces: --sample faces resamples their surface\n\z/,
+    like $stderr, qr/: dropped: face \(6\)\nvoronoid: \S+cube\.ply: the file has 6 faces: use --sample faces to resample the surface of the faces\n\z/,
         "and what else there is, is said in one line, $by";
     ($code, $stdout, $stderr) = run(['resample', $cube, '-n', 8, '-fo', $out, @quick, '--sample', 'vertices', @$where]);
     is $code, 0, "so they are where they are asked for, $by";

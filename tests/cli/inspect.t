@@ -61,7 +61,7 @@ is slurp("$folder/told.json"), $stdout, 'and the file has it as JSON';
 my ($there_code, $there) = run(['inspect', $in, '-fo', "$folder/there.json", '--server', $daemon->{url}]);
 is "$there_code$there", '0', 'nor where a daemon makes it';
 is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
-like +(run(['inspect', '--help']))[1], qr/--json\n(?: {6}\S.*\n)*?.*inspect\s+prints\s+one\s+document$/m, '--help says so';
+like +(run(['inspect', '--help']))[1], qr/--json\n(?: {6}\S.*\n)*?.*inspect\s+prints\s+a\s+single\s+document$/m, '--help says so';
 
 # A square far from zero, in double precision, has one loop.
 my $square = join '', map { sprintf "%.3f %.3f 42\n", 500000 + ($_ % 40) + 0.2 * sin($_), 4100000 + int($_ / 40) + 0.2 * cos(7 * $_) } 0 .. 1599;

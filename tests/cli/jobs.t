@@ -55,8 +55,8 @@ subtest 'submit' => sub {
     my ($first, $second) = map { $_->{jobID} } @jobs;
     run(['wait', $first, $second, '-q', @there]);
     for my $case (
-        [['submit'], qr/\Avoronoid: submit: name a process after submit: resample, denoise, [^\n]+\n\z/],
-        [['submit', $in], qr/name a process after submit/], [['submit', 'health', $in], qr/name a process after submit/],
+        [['submit'], qr/\Avoronoid: submit: write the name of a process after submit: resample, denoise, [^\n]+\n\z/],
+        [['submit', $in], qr/write the name of a process after submit/], [['submit', 'health', $in], qr/name of a process after submit/],
         [['submit', 'resample', @request], qr/\Avoronoid: submit resample: no input/],
         [['submit', 'resample', $in], qr/points, ratio and spacing: none is given/],
         [['submit', 'resample', $in, @request, '-o', 'x'], qr/no option -o; see voronoid submit resample --help/],
@@ -89,7 +89,7 @@ subtest 'wait' => sub {
     await { shown($waiting) =~ /"iteration":[1-9]/ };
     kill 'INT', $waiting->{pid};
     ($code, undef, $stderr) = finish($waiting);
-    is "$code|$stderr", "130|voronoid: $id: no longer waiting; the job continues\n", '^C ends the waiting';
+    is "$code|$stderr", "130|voronoid: $id: stopped waiting for the job; the job itself continues\n", '^C ends the waiting';
     is info($id)->{status}, 'running', 'and not the job';
     $waiting = start(['wait', $id, '--json', @there]);
     await { shown($waiting) =~ /"iteration":[1-9]/ };
@@ -98,7 +98,7 @@ subtest 'wait' => sub {
     my $stopped = submitted(@long, '--seed', 2);
     await { (info($stopped)->{voronoid} // {})->{metrics} };
     ($code, undef, $stderr) = run(['stop', $stopped, @there]);
-    is "$code|$stderr", "0|voronoid: $stopped: stopping; the best cloud so far becomes its result\n", 'stop keeps the best';
+    is "$code|$stderr", "0|voronoid: $stopped: the job will stop; its result is the best cloud so far\n", 'stop keeps the best';
     is((run(['wait', $stopped, '-q', @there]))[0], 0, 'and the job is successful');
     ($code, undef, $stderr) = finish($waiting);
     is "$code|$stderr", "4|voronoid: $id: the job was dismissed\n", 'which ends the waiting as it should';
@@ -189,7 +189,7 @@ subtest 'fetch' => sub {
         'which is that of its input, and its ID where a job before it has the name';
     spew("$out/first.resample.ply", 'mine');
     ($code, undef, $stderr) = run(['fetch', $done, '-o', $out, @there]);
-    is "$code|$stderr", "2|voronoid: $out/first.resample.ply: the file exists; --force (-f) overwrites it\n", 'nothing is overwritten silently';
+    is "$code|$stderr", "2|voronoid: $out/first.resample.ply: the file exists: use --force (-f) to overwrite it\n", 'nothing is overwritten silently';
     is slurp("$out/first.resample.ply"), 'mine', 'nor at all';
     run(['fetch', $done, '-fq', '-o', $out, @there]);
     is_deeply [map { -s $_->{file} } @told], [map { $_->{bytes} } @told], 'but with -f';

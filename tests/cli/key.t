@@ -50,8 +50,8 @@ like $stdout, qr/\A[-0-9a-f]{36}\n\z/, 'which sees its job';
 ($status, $stdout) = run(['jobs', '-q', @server], env => { VORONOID_KEY_FILE => "$folder/key", VORONOID_KEY => 'none' });
 is $status, 0, 'the file wins over it';
 is +(run(['health', @server]))[0], 0, 'health needs none';
-for my $case (["\n", qr/is empty, want a key on its first line/], ["two words\n", qr/has no key, want at most 512 visible/],
-    ['x' x 513, qr/has no key/]) {
+for my $case (["\n", qr/is empty, want a key on its first line/], ["two words\n", qr/has no valid key, want at most 512 visible/],
+    ['x' x 513, qr/has no valid key/]) {
     spew("$folder/bad", $case->[0]);
     ($status, undef, $stderr) = run(['jobs', @server, '--api-key-file', "$folder/bad"]);
     is $status, 2, 'what is no key is refused';

@@ -169,7 +169,7 @@ refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads',
 refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,
     'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
-    'measure: both clouds are -, but there is only one stdin';
+    'measure: both clouds are -, but only one cloud can be read from stdin';
 
 refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-fo', $out], 1,
     "$folder/no.ply: cannot be read: No such file or directory";
@@ -179,7 +179,7 @@ refused 'a folder to write into that is not there',
     ['resample', $in, @points, '-fo', "$folder/no/out.ply"], 1,
     "$folder/no/out.ply: cannot be written: No such file or directory";
 refused 'a folder as output', ['resample', $in, @points, '-fo', $folder], 2,
-    "resample: $in: this is the input $in itself; give another output";
+    "resample: $in: the output is the input $in itself: give another output";
 
 # getopt_long's ways of writing options.
 my $plain = do { run(['resample', $in, @points, '--seed', 7, '-q', '-fo', $out]); slurp($out) };

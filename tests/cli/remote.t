@@ -153,7 +153,7 @@ subtest 'a signal' => sub {
         is $code, $wanted, "SIG$signal ends it with $wanted";
         my $after = decode_json($http->get("$url/v1/jobs/$job->{jobID}")->{content});
         if ($signal eq 'INT') {
-            like $stderr, qr/^voronoid: stopping, the best so far is kept/, 'it says so';
+            like $stderr, qr/^voronoid: stopping; the best result so far is written/, 'it says so';
             ok $after->{status} eq 'successful' && unlink($out), 'the job is stopped, its best cloud is fetched';
             next;
         }

@@ -161,7 +161,7 @@ subtest 'the format' => sub {
     for my $case (['a.las', '.las'], ['a.ply.gz', '.gz'], ['a.PLYX', '.PLYX']) {
         my ($name, $suffix) = @$case;
         my ($code, $stdout, $stderr) = run(['resample', "$folder/missing.ply", @request, '-fo', "$folder/$name"]);
-        is "$code$stdout$stderr", "2voronoid: resample: the output's suffix is $suffix, want one of .ply, .drc; or give "
+        is "$code$stdout$stderr", "2voronoid: resample: the suffix of the output is $suffix, want one of .ply, .drc, or give "
             . "--format\n", "$name is refused";
         ok !-e "$folder/$name", 'and nothing is written';
     }
@@ -173,8 +173,8 @@ subtest 'what stands where the output goes' => sub {
     my ($twin, $alias) = map { "$folder/$_.ply" } qw(twin alias);
     link $in, $twin and symlink $in, $alias or die;
     my $input = slurp($in);
-    for my $case ([$in, $out, 'the file exists; --force (-f) overwrites it'], (map { [$in, $_, "this is the input $in itself; give another output", '-f'] }
-        $in, $twin, $alias), ['-', $twin, 'this is the input on stdin itself; give another output', '-f']) {
+    for my $case ([$in, $out, 'the file exists: use --force (-f) to overwrite it'], (map { [$in, $_, "the output is the input $in itself: give another output", '-f'] }
+        $in, $twin, $alias), ['-', $twin, 'the output is the input on stdin itself: give another output', '-f']) {
         my ($from, $to, $line, @force) = @$case;
         my ($code, undef, $stderr) = run(['resample', $from, @request, @force, '-o', $to], stdin => $in);
         is "$code|$stderr", "2|voronoid: $to: $line\n", "$to is not written";
@@ -209,7 +209,7 @@ subtest 'a signal' => sub {
         kill $signal, $process->{pid};
         my ($code, $stdout, $stderr) = finish($process);
         is $code, $wanted, "SIG$signal ends it with $wanted";
-        my $kept = $signal eq 'INT' ? qr/^voronoid: stopping, the best so far is kept/ : qr/^voronoid: \Q$big\E: cancelled$/;
+        my $kept = $signal eq 'INT' ? qr/^voronoid: stopping; the best result so far is written/ : qr/^voronoid: \Q$big\E: cancelled$/;
         like $stderr, $kept, 'it says so';
         is !!($stdout =~ /"points".*"stopped":"stopped"/), $signal eq 'INT', 'a report comes of ^C alone';
         is !!unlink("$folder/never.ply"), $signal eq 'INT', 'and so does a cloud';

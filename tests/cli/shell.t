@@ -45,7 +45,7 @@ subtest 'the topics' => sub {
     like printed('help', 'settings'), qr/^  \Q$_\E\b.*\n {6}\S/m, "help settings has $_" for @settings;
     # What stands in words as well is what the tables say.
     my ($serve, $resample, $upsample) = map { printed($_, '--help') } qw(serve resample upsample);
-    my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\), results 10 million points\./, choosing => qr/default four times as many points [^.]*\. It is fast: one\s+iteration/,
+    my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\),\s+and results 10 million points\./, choosing => qr/default four times as many points [^.]*\. It is fast, because it\s+needs only one\s+iteration/,
         keys => qr/at most 16 jobs that wait or run, and\s+may\s+send\s+10\s+requests\s+per\s+second/);
     like printed('help', $_), $says{$_}, "help $_ says what the tables have" for sort keys %says;
     like slurp('README.md'), qr/^- An upload may have up to 1 GiB and 50 million points .* at most 10 million\.$/m, 'and so does README.md';
@@ -53,7 +53,7 @@ subtest 'the topics' => sub {
         for ['body-limit', '1G'], ['points-limit', '50000000'];
     like $resample, qr/^ {6}1 to 10000000 points$/m, 'the tables: ten million points of a result';
     like $upsample, qr/--$_->[0] VALUE\n(?: {6}\S.*\n)*? {6}.*default $_->[1]$/m, "the tables: $_->[0] is $_->[1] of upsample" for [ratio => 4], [iterations => 1];
-    like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(16\),\s+rate=N\s+job\s+requests\s+per\s+second\s+\(10\)/, 'the tables: quotas';
+    like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(16\);\s+rate=N,[^(]*per\s+second\s+\(10\)/, 'the tables: quotas';
     like printed('help', 'metrics'), qr/^  voronoid_queue_jobs\n      gauge by state[.] /m, 'help metrics has what /metrics has';
     is printed('help', $_->[0]), printed('help', $_->[1]), "help $_->[0] is help $_->[1]" for ['backup', 'data'], ['nginx', 'proxies'];
 };
