@@ -14,7 +14,7 @@ export const onRefused = (then) => { refused = then; };
 /** A refusal in the daemon's words. */
 export class Problem extends Error {
     constructor(body, status) {
-        super(body.detail || body.title || `The daemon answered ${status}.`);
+        super(body.detail || body.title || `The daemon responded with ${status}.`);
         Object.assign(this, { title: body.title, status, errors: (body.errors || []).map((one) => ({ detail: body.detail, ...one })) });
         if (status === 401) refused();
     }

@@ -68,8 +68,8 @@ function stages(pen, rows, x, width, height) {
 function rise(rows, isMesh) {
     const [before, last] = rows.slice(-2);
     if (!last || last.step !== before.step || deltaOf(last) < RISE * deltaOf(before)) return '';
-    return isMesh ? ' It rises at the end, where points move a little so that the triangles become better.'
-        : ' It rises at the end, where points are moved back onto the input.';
+    return isMesh ? ' δ rises at the end, because points move a little to improve the triangles.'
+        : ' δ rises at the end, because points are moved back onto the input.';
 }
 
 /** Draws records into a canvas, says in its label what is to be seen, and returns a sentence to stand below. */
@@ -91,5 +91,5 @@ export function drawChart(canvas, records, isMesh) {
     pen.fillText(seconds(last.seconds), width - 1, height - 2);
     pen.textAlign = 'left';
     canvas.setAttribute('aria-label', `Convergence in ${rows.length} records: δ from ${brief(deltaOf(first))} to ${brief(deltaOf(last))}`);
-    return `δ: how much the spacing of the points varies; 0 is perfectly even.${rise(rows, isMesh)}`;
+    return `δ: how much the distances between neighbours vary; 0 is perfectly even.${rise(rows, isMesh)}`;
 }

@@ -11,7 +11,7 @@ const clouds = new Map();
 
 function tree(number) {
     const cloud = clouds.get(number);
-    if (!cloud) throw new Error('That cloud was removed.');
+    if (!cloud) throw new Error('The cloud was removed.');
     cloud.tree = cloud.tree || makeTree(cloud.positions);
     return cloud.tree;
 }
@@ -29,7 +29,7 @@ async function each(number, n, work) {
         work(i);
         if (i % 256 || performance.now() < end) continue;
         await breath();
-        if (!clouds.has(number)) throw new Error('That cloud was removed.');
+        if (!clouds.has(number)) throw new Error('The cloud was removed.');
         end = performance.now() + SLICE_MS;
     }
 }

@@ -31,7 +31,7 @@ const guarded = (work) => async (...given) => {
 };
 
 function showInput(cloud, name, size) {
-    const left = cloud.left ? `, ${count(cloud.left)} left out because they are not finite` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
+    const left = cloud.left ? `, ${count(cloud.left)} points left out because a coordinate is not finite` : '', faces = cloud.faces ? `, ${count(cloud.faces.length / 3)} triangles` : '';
     $('cloud-words').textContent = `${name}: ${count(cloud.n)} point${cloud.n === 1 ? '' : 's'}${faces}${left}${size ? `, ${bytes(size)}` : ''}`;
     setCloud('input', cloud);
     setLayout('input');
@@ -47,7 +47,7 @@ async function convert(file, mine) {
     $('cloud-words').textContent = `Sending ${file.name} to the daemon, which converts it to PLY`;
     const status = await startJob('convert', { format: 'ply' }, { file, name: file.name });
     const last = await ended(status);
-    if (last.status !== 'successful') throw Object.assign(new Error(last.exception?.detail || 'The daemon could not read it.'), { status: 422 });
+    if (last.status !== 'successful') throw Object.assign(new Error(last.exception?.detail || 'The daemon could not read the file.'), { status: 422 });
     if (mine === turn) source.job = last.jobID;
     return (await ask(`v1/jobs/${last.jobID}/results/cloud`)).arrayBuffer();
 }

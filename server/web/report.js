@@ -14,7 +14,7 @@ const meanings = (inputs) => ({ properties: Object.fromEntries(Object.entries(in
     .map(([name, { title, schema }]) => [name, { description: title, 'x-unit': schema['x-unit'] }])) });
 
 /* Why a run ended, as people say it. */
-const ENDED = { delta: 'stopped at the requested δ', eta: 'stopped at the requested η', seconds: 'stopped at its time limit', moveStop: 'stopped when points hardly moved',
+const ENDED = { delta: 'stopped at the requested δ', eta: 'stopped at the requested η', seconds: 'stopped at its time limit', moveStop: 'stopped because points hardly moved',
     stopped: 'you stopped it early' };
 
 const plain = (value) => value === null || typeof value !== 'object';
@@ -53,15 +53,15 @@ function rows(report, schema, prefix = '') {
 function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_ref: back }) {
     const all = [];
     const add = (name, value, unit, description) => typeof value === 'number' && all.push(...row(name, value, { description, 'x-unit': unit }));
-    add('Points', points?.out, '', `Of the result; the input has ${figure(points?.in ?? 0)}`);
+    add('Points', points?.out, '', `Number of points of the result. The input has ${figure(points?.in ?? 0)} points`);
     add('Unevenness δ', delta, '', 'How much the distances between neighbours vary: their standard deviation divided by their mean. 0 is perfectly even');
     add('Spacing', spacing, 'unit of the cloud', 'Mean distance from a point to its nearest neighbour');
     if (there && back) {
-        add('Distance to the input', back.mean, 'unit of the cloud', 'Mean over the points of the result: how closely it follows the input');
-        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean over the points of the input. With fewer points it is larger, like the spacing');
-        add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest distance, in either direction');
+        add('Distance to the input', back.mean, 'unit of the cloud', 'Mean distance from points of the result to the nearest input point');
+        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean distance from input points to the nearest point of the result. It is larger if the result has fewer points');
+        add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest of all distances in both directions');
     }
-    add('Time', Object.values(seconds || {}).reduce((sum, one) => sum + one, 0) || undefined, 's', 'From reading the input to writing the result');
+    add('Time', Object.values(seconds || {}).reduce((sum, one) => sum + one, 0) || undefined, 's', 'Time from reading the input to writing the result');
     return all;
 }
 

@@ -22,7 +22,7 @@ async function upload(path, body) {
     try {
         return await send(path, body, { more: ASYNC, signal: control.signal, told(sent, all) {
             $('upload-bar').value = all ? sent / all : 1;
-            $('upload-words').textContent = sent < all ? `${bytes(sent)} of ${bytes(all)}` : 'The daemon is reading it.';
+            $('upload-words').textContent = sent < all ? `${bytes(sent)} of ${bytes(all)}` : 'The daemon is reading the file.';
         } });
     } finally {
         $('upload-cancel').removeEventListener('click', cancel);

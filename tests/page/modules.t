@@ -158,7 +158,7 @@ async function turns(answers) {
     equal(answers.map((one) => one.call), [1, 3], 'while a large cloud is measured, another one is read');
     await self.onmessage({ data: { call: 4, what: 'drop', number: 2 } });
     await measured;
-    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'That cloud was removed.'], 'and one that is let go is measured no more');
+    equal(answers.map((one) => [one.call, one.error]).at(-1), [2, 'The cloud was removed.'], 'and one that is let go is measured no more');
 }
 
 /* Points of a view that is turned, in a browser that draws as many thousands of them in 1 ms. */
