@@ -78,7 +78,8 @@ vor_status vor_crowded_find(struct vor_sheet *sheet, const struct vor_complex *c
 
     if (sheet->graph != NULL)
         return VOR_OK;
-    sheet->crowded = vor_malloc(run->memory, complex->n, 1);
+    if (sheet->crowded == NULL)
+        sheet->crowded = vor_malloc(run->memory, complex->n, 1);
     return sheet->crowded == NULL
                ? vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n)
                : vor_run_for(run, complex->n, VOR_SEEDS_BLOCK, find_block, &crowded, err);

@@ -56,6 +56,8 @@ struct front {
     struct open_edge *edge;
     struct vor_queue_entry *heap; /* of the open edges, by what they are worth */
     size_t count, room;
+    uint32_t *open;     /* room: the first `opens` are triangles that had open edges */
+    size_t opens, seen; /* of the triangles before `seen` only those may have any */
     struct vor_balls *balls;
 };
 
@@ -251,13 +253,17 @@ static vor_status grow(struct front *front, struct vor_error *err)
     size_t room = 2 * front->room + 256;
     struct open_edge *edge = vor_realloc(memory, front->edge, room, sizeof *edge);
     struct vor_queue_entry *heap;
+    uint32_t *open;
 
     if (edge != NULL)
         front->edge = edge;
     heap = edge == NULL ? NULL : vor_realloc(memory, front->heap, room, sizeof *heap);
-    if (heap == NULL)
+    if (heap != NULL)
+        front->heap = heap;
+    open = heap == NULL ? NULL : vor_realloc(memory, front->open, room, sizeof *open);
+    if (open == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu edges", room);
-    front->heap = heap;
+    front->open = open;
     front->room = room;
     return VOR_OK;
 }
@@ -461,18 +467,34 @@ static vor_status begin_at(struct front *front, uint32_t i, struct vor_error *er
     return best[0] == i ? VOR_OK : add(front, best, err);
 }
 
+static vor_status push_all(struct front *front, const struct vor_run *run, struct vor_error *err)
+{
+    const struct vor_complex *complex = front->complex;
+    size_t there = complex->count, waiting = front->opens + there - front->seen, open = 0;
+    vor_status status = VOR_OK;
+
+    for (size_t k = 0; k < waiting && status == VOR_OK; k++) {
+        size_t before = front->count;
+        size_t t = k < front->opens ? front->open[k] : front->seen + k - front->opens;
+
+        if (k % POLLED == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (status == VOR_OK && complex->triangle[3 * t] != VOR_COMPLEX_GONE)
+            status = push_edges(front, t, err);
+        if (front->count > before)
+            front->open[open++] = (uint32_t)t;
+    }
+    front->opens = open;
+    front->seen = there;
+    return status;
+}
+
 /* Goes on from all open edges, and then from points without triangles. */
 static vor_status go_on(struct front *front, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_complex *complex = front->complex;
-    vor_status status = VOR_OK;
+    vor_status status = push_all(front, run, err);
 
-    for (size_t t = 0, there = complex->count; t < there && status == VOR_OK; t++) {
-        if (t % POLLED == 0)
-            status = vor_run_answered(vor_run_poll(run), err);
-        if (status == VOR_OK && complex->triangle[3 * t] != VOR_COMPLEX_GONE)
-            status = push_edges(front, t, err);
-    }
     if (status == VOR_OK)
         status = advance(front, run, err);
     for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
@@ -498,6 +520,7 @@ static vor_status go_on_all(struct front *front, const struct vor_run *run, stru
     vor_status status =
         vor_twosided_make(&front->sides, front->complex, 4 * front->complex->n, err);
 
+    front->opens = front->seen = 0;
     for (size_t k = 0; k < sizeof pass / sizeof *pass && status == VOR_OK; k++) {
         front->strict = pass[k].strict;
         front->facing = pass[k].facing;
@@ -529,6 +552,6 @@ vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *ball
             status = go_on_all(&front, run, err);
     }
     vor_peel_notches(complex, sheet->seeds->xyz);
-    VOR_FREE_ALL(complex->memory, front.side, front.heap, front.edge);
+    VOR_FREE_ALL(complex->memory, front.side, front.open, front.heap, front.edge);
     return status;
 }

@@ -28,7 +28,7 @@
  *  @param[in,out] complex  a manifold; stays so, but for points of several fans
  *  @param[in]     balls    of its points
  *
- *  @retval VOR_E_NOMEM     25 bytes a point and 48 for each edge that was open do not fit
+ *  @retval VOR_E_NOMEM     25 bytes a point and 56 for each edge that was open do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(n log n), one thread. */

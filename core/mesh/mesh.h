@@ -1,8 +1,9 @@
 /** Triangles from the points of a result.
  *
  *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h). Then edges are flipped
- *  (mesh/flip.h) and points moved a little (mesh/relax.h), so that triangles become better. What
- *  comes out is a manifold, turned one way (mesh/facing.h).
+ *  (mesh/flip.h) and points moved a little (mesh/relax.h), so that triangles become better. Where
+ *  edges are open then, the front goes on once more. What comes out is a manifold, turned one way
+ *  (mesh/facing.h).
  *
  *  Source: Cohen-Steiner and Da 2004, as mesh/front.h says. Departure: not the dual of restricted
  *  cells as in Chen et al. 2018, Sec. 5.7: three cells rarely agree at creases and tips. */

@@ -185,8 +185,12 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
     struct vor_seeds *seeds = relax->seeds;
     vor_status status = VOR_OK;
 
+    memset(relax->moves, 0, seeds->n);
+    for (size_t t = how->since; t < relax->complex->count; t++)
+        for (int c = 0; c < 3 && relax->complex->triangle[3 * t] != VOR_COMPLEX_GONE; c++)
+            relax->moves[relax->complex->triangle[3 * t + (size_t)c]] = 1;
     for (size_t i = 0; i < seeds->n; i++)
-        relax->moves[i] = (unsigned char)(i + how->fixed < seeds->n &&
+        relax->moves[i] = (unsigned char)(relax->moves[i] && i + how->fixed < seeds->n &&
                                           is_surrounded(relax->complex, (uint32_t)i) &&
                                           is_free(relax, (uint32_t)i));
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {

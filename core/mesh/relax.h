@@ -21,6 +21,7 @@ struct vor_relax_how {
     unsigned steps; /**< of all points at once */
     size_t fixed;   /**< that many of the last points stay */
     int refine;     /**< finer fits are tried (vor_seeds_refine) */
+    size_t since;   /**< only corners of the triangles from this one on move */
 };
 
 /** Moves the points.

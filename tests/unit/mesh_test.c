@@ -123,16 +123,18 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
 }
 END_TEST
 
-/* Regression: at edges of 70 degrees cells in tangent planes disagreed; it fell apart in its faces.
- */
+/* Regressions: at edges of 70 degrees cells in tangent planes disagreed, it fell apart in its
+ * faces; with as many input points a loop stayed open, the points of which lay badly until they
+ * moved. */
 START_TEST(a_tetrahedron_is_closed_and_faces_outward)
 {
+    size_t n = _i % 2 == 0 ? 2000 : 800;
     static const float tip[4][3] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
     struct vor_cloud in;
     struct vt_meshed meshed;
     double volume = 0;
 
-    vt_cloud_square(&in, (uint64_t)_i, 2000);
+    vt_cloud_square(&in, 21 * (uint64_t)_i, n);
     for (size_t i = 0; i < in.n; i++) {
         float u = sqrtf(in.xyz[3 * i]), v = in.xyz[3 * i + 1];
 
@@ -476,7 +478,7 @@ int main(void)
 
     vt_add_figures(suite, a_sphere_and_a_torus_are_closed_and_face_outward,
                    VT_FEWER(VT_SOAK_LOOPS(1, 20)));
-    vt_add_figures(suite, a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(1, 20));
+    vt_add_figures(suite, a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20));
     vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)));
     vt_add_figures(suite, a_loop_is_told_in_the_unit_of_the_cloud, 0);
     vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));
