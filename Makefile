@@ -204,6 +204,27 @@ $(WEB)/assets.inc: Makefile $(ASSETS:%=$(WEB)/%.gz)
 	    echo "ASSET($$(echo "$$name" | tr -c 'a-z0-9\n' _), \"$$name\", \"$$(sha256sum <$(WEB)/$$name.gz | cut -c-64)\")"; \
 	done >$@
 
+# The engine for other programs: its objects can be in a shared library, and of their functions only those are seen outside that
+# core/voronoid.h declares. They are compiled anew where they may be older than that.
+CORE := $(call obj,$(filter core/%,$(SRC)))
+$(CORE): OWN_CFLAGS = -fPIC -fvisibility=hidden
+$(CORE): docker/voronoid.pc
+EMBEDDED := $(addprefix $(B)/lib/libvoronoid.,so.0 a)
+
+$(B)/lib/voronoid.o: $(CORE)
+	@mkdir -p $(@D)
+	@$(LD) -r $^ -o $@
+	@sed -n 's/^VOR_API.*\(vor_[a-z_]*\)(.*/\1/p' core/voronoid.h >$(@D)/declared
+	@objcopy --keep-global-symbols=$(@D)/declared $@
+
+$(B)/lib/libvoronoid.so.0: $(B)/lib/voronoid.o
+	@echo "  LINK $@"
+	@$(CC) $(flags) -shared -pthread -Wl,-z,relro,-z,now,-z,noexecstack,-soname,$(@F) $(LDFLAGS) $^ -o $@ -l:libflann.so.1.9 -lm
+
+$(B)/lib/libvoronoid.a: $(B)/lib/voronoid.o
+	@rm -f $@
+	@$(AR) rcs $@ $^
+
 $(LIB): $(call obj,$(LIB_SRC))
 	@rm -f $@
 	@$(AR) rcs $@ $^
@@ -299,7 +320,7 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
 
-check: all $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
+check: all $(if $(filter release,$(config)),$(EMBEDDED)) $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter $(TEST_LONG),$(TESTS)) $(filter-out $(TEST_LONG),$(TESTS))
 
 soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
@@ -402,9 +423,10 @@ root := $(DESTDIR)$(PREFIX)
 SYMBOLS := .debug/voronoid.debug
 INSTALLED := bin/voronoid bin/$(SYMBOLS) share/man/man1/voronoid.1 share/man/man8/voronoid.8 \
     share/bash-completion/completions/voronoid lib/systemd/system/voronoid.service share/zsh/site-functions/_voronoid \
-    share/fish/vendor_completions.d/voronoid.fish share/doc/voronoid/LICENSE
+    share/fish/vendor_completions.d/voronoid.fish share/doc/voronoid/LICENSE include/voronoid.h lib/pkgconfig/voronoid.pc \
+    lib/libvoronoid.a lib/libvoronoid.so.0 lib/libvoronoid.so
 
-install: all ## copy binary (stripped, its symbols beside it), manual, completions and license to DESTDIR/PREFIX (/usr/local)
+install: all $(EMBEDDED) ## copy binary (stripped, its symbols beside it), library, manual and completions to DESTDIR/PREFIX (/usr/local)
 	install -d $(root)/bin/.debug
 	objcopy --only-keep-debug $(BIN) $(root)/bin/$(SYMBOLS)
 	objcopy --strip-unneeded --add-gnu-debuglink=$(root)/bin/$(SYMBOLS) $(BIN) $(root)/bin/voronoid
@@ -416,6 +438,12 @@ install: all ## copy binary (stripped, its symbols beside it), manual, completio
 	install -D -m 0644 $(SHARE)/voronoid.fish $(root)/share/fish/vendor_completions.d/voronoid.fish
 	install -d $(root)/lib/systemd/system
 	sed 's|/usr/local/bin|$(PREFIX)/bin|' docker/voronoid.service >$(root)/lib/systemd/system/voronoid.service
+	install -D -m 0644 core/voronoid.h $(root)/include/voronoid.h
+	install -d $(root)/lib/pkgconfig
+	sed 's|/usr/local|$(PREFIX)|;s|VERSION|$(VERSION)|' docker/voronoid.pc >$(root)/lib/pkgconfig/voronoid.pc
+	objcopy --strip-debug $(B)/lib/libvoronoid.a $(root)/lib/libvoronoid.a
+	objcopy --strip-unneeded $(B)/lib/libvoronoid.so.0 $(root)/lib/libvoronoid.so.0
+	ln -sf libvoronoid.so.0 $(root)/lib/libvoronoid.so
 	install -D -m 0644 LICENSE $(root)/share/doc/voronoid/LICENSE
 
 uninstall: ## remove what install has copied

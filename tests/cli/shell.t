@@ -178,7 +178,7 @@ subtest 'make install' => sub {
     }
     my $unit = 'lib/systemd/system/voronoid.service';
     is slurp("$root/opt/v/$unit"), slurp('docker/voronoid.service') =~ s{/usr/local/bin/}{/opt/v/bin/}r, "$unit starts what is installed";
-    @same{$unit, 'bin/voronoid', 'bin/.debug/voronoid.debug'} = ();
+    @same{$unit, qw(bin/voronoid bin/.debug/voronoid.debug include/voronoid.h lib/pkgconfig/voronoid.pc lib/libvoronoid.a lib/libvoronoid.so.0)} = ();
     cmp_ok -s "$root/opt/v/bin/voronoid", '<', -s $binary, 'the binary is stripped';
     like scalar `readelf --string-dump=.gnu_debuglink '$root/opt/v/bin/voronoid'`, qr/voronoid\.debug/, 'and names its symbols';
     my @files = split /\n/, `cd '$root/opt/v' && find . -type f`;
