@@ -51,7 +51,9 @@ enum vor_run_stage vor_run_stage_find(const char *name);
 #define VOR_RECORD_TABLE(X)                                                                        \
     X(U32, iteration, "iteration", "",                                                             \
       "Number of iterations or projection steps so far; 0 in the first record")                    \
-    X(U32, polish, "polish", "", "Number of polish steps so far; 0 during the iterations")         \
+    X(U32, polish, "polish", "",                                                                   \
+      "Number of steps so far of the polish, the optimisation that follows the iterations; 0 "     \
+      "during the iterations")                                                                     \
     X(REAL, delta, "delta", "",                                                                    \
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
@@ -116,7 +118,7 @@ const char *vor_stopped_word(enum vor_stopped stopped);
 /** A stage that a run went through. */
 #define VOR_STAGE_DONE_TABLE(X)                                                                    \
     X(RUN_STAGE, stage, "stage", "", "Name of the stage")                                          \
-    X(U32, steps, "steps", "", "Steps done")                                                       \
+    X(U32, steps, "steps", "", "Number of steps")                                                  \
     X(REAL, seconds, "seconds", "s", "Time of the stage")
 
 struct vor_stage_done {
@@ -189,8 +191,8 @@ struct vor_stage_done {
       "Number of points of the result on islands; each is at the position of an input point. 0 "   \
       "if the result is the filtered input")                                                       \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
-      "delta of the points of the result that are not on islands, so that the gaps around "        \
-      "islands do not count")                                                                      \
+      "delta of the points that are not on islands, so that the gaps around islands do not "       \
+      "count")                                                                                     \
     X(OPTIONAL, has_holes, "holes", "",                                                            \
       "Holes of the input; present only if the request fills holes. Points that are added to "     \
       "fill holes count as input points in all other figures")                                     \
@@ -203,21 +205,19 @@ struct vor_stage_done {
       "At most 100 loops. If there are more, the loops that could not be closed come first, "      \
       "then the longest")                                                                          \
     X(OPTIONAL, has_density, "density", "",                                                        \
-      "How well the result follows the requested density; present only if the request has a "      \
-      "density")                                                                                   \
+      "How well the result follows the requested density; only present if the request has one")    \
     X(REAL, density_span, "density.span", "",                                                      \
       "Ratio of the 95th to the 5th percentile of the density on the surface, after the "          \
       "parameters contrast and grading were applied")                                              \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest target spacing")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest target spacing")    \
     X(OPTIONAL, has_metric, "metric", "",                                                          \
-      "How well the result follows the requested metric; present only if the request has a "       \
-      "metric")                                                                                    \
+      "How well the result follows the requested metric; only present if the request has one")     \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Median of the ratio of length to width that the metric requests for cells, over places "    \
-      "of the surface")                                                                            \
+      "Ratio of length to width that the metric requests for cells: the median over the surface")  \
     X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
-      "95th percentile of the ratio of length to width that the metric requests for cells")        \
+      "Ratio of length to width that the metric requests for cells: 95th percentile over the "     \
+      "surface")                                                                                   \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
       "Median of the ratio of length to width of the cells of the result: the square root of "     \
       "the ratio of a cell's principal second moments")                                            \
@@ -233,8 +233,8 @@ struct vor_stage_done {
       "Number of steps of the L-BFGS optimiser, at most five per iteration")                       \
     X(U64, descent_evaluations, "descent.evaluations", "", "Number of evaluations of the energy")  \
     X(REAL, descent_worst, "descent.worst", "",                                                    \
-      "Energy after an iteration divided by the energy before it: the largest value of all "       \
-      "iterations, below 1")                                                                       \
+      "Energy after an iteration divided by the energy before the iteration: the largest value "   \
+      "of all iterations, below 1")                                                                \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
       "Median of the ratio of length to width of the cells, the square root of the ratio of a "    \
       "cell's principal second moments; 1 for squares and regular hexagons")                       \
@@ -250,7 +250,7 @@ struct vor_stage_done {
       "like consistent, but parts of the input have only one side")                                \
     X(U64, one_sided, "one_sided", "",                                                             \
       "Number of connected parts of the input with only one side, like a Moebius band; their "     \
-      "normals cannot be consistent. 0 if the run did not compute an orientation")                 \
+      "normals cannot be consistent. 0 if the run did not have to orient normals")                 \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from points of the input to the nearest point of the result. Points at the "      \
       "same position count once; outliers that were ignored do not count. Points that were "       \
@@ -258,17 +258,17 @@ struct vor_stage_done {
       "than 200000 points, only 200000 are measured, at equal steps along a curve through the "    \
       "input: mean and rms are then estimates, and max is a lower bound")                          \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
-      "Distances from all points of the result to the nearest of the input points that count in "  \
-      "ref_to_out")                                                                                \
+      "Distances from all points of the result to the nearest input point. Only the input "        \
+      "points that count in ref_to_out are used")                                                  \
     X(U64, boundary_points, "boundary_points", "points",                                           \
       "Number of points of the result at borders of the input, for any value of the parameter "    \
       "boundary: 0 on a closed smooth surface, else about the length of the border divided by "    \
       "the spacing")                                                                               \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
-      "Each entry has a number of input points (neighbors) and the number of points of the "       \
-      "result with a surface fitted to that many (points). Entries are sorted by neighbors, and "  \
-      "their points add up to points.out")                                                         \
+      "In each entry, neighbors is a number of input points, and points is the number of points "  \
+      "of the result that have a surface fitted to this number of input points. Entries are "      \
+      "sorted by neighbors. All points together are points.out")                                   \
     X(U64, held, "held", "points",                                                                 \
       "Number of points that were kept from moving beyond the border in the last iteration")       \
     X(U64, held_ever, "held_ever", "points",                                                       \
@@ -343,9 +343,9 @@ struct vor_stage_done {
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Number of triangles that may connect two layers of the surface (sheets) that cross or "     \
       "are too close together. A triangle counts if the surface fitted at one corner misses "      \
-      "another corner by more than a fifth of the distance between the two corners. If the "       \
-      "input has no sheets that close, a triangle counts if one of its edges is longer than the "  \
-      "distance from an end of the edge to another sheet")                                         \
+      "another corner by more than a fifth of the distance between the two corners. If no "        \
+      "sheets of the input are so close together, a triangle counts if one of its edges is "       \
+      "longer than the distance from an end of the edge to another sheet")                         \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out because the input has several layers (sheets) "      \
       "nearly everywhere: triangles where two sheets meet, triangles that pass through others, "   \
@@ -429,15 +429,15 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, out_to_ref_mean, "input.out_to_ref_mean", "unit of the cloud",                         \
       "Mean distance from a point of the cloud to the nearest reference point")                    \
     X(REAL, out_to_ref_rms, "input.out_to_ref_rms", "unit of the cloud",                           \
-      "Root mean square of those distances")                                                       \
+      "Root mean square distance from a point of the cloud to the nearest reference point")        \
     X(REAL, out_to_ref_max, "input.out_to_ref_max", "unit of the cloud",                           \
-      "Largest of those distances")                                                                \
+      "Largest distance from a point of the cloud to the nearest reference point")                 \
     X(REAL, ref_to_out_mean, "input.ref_to_out_mean", "unit of the cloud",                         \
       "Mean distance from a reference point to the nearest point of the cloud")                    \
     X(REAL, ref_to_out_rms, "input.ref_to_out_rms", "unit of the cloud",                           \
-      "Root mean square of those distances")                                                       \
+      "Root mean square distance from a reference point to the nearest point of the cloud")        \
     X(REAL, ref_to_out_max, "input.ref_to_out_max", "unit of the cloud",                           \
-      "Largest of those distances")                                                                \
+      "Largest distance from a reference point to the nearest point of the cloud")                 \
     X(REAL, hausdorff, "input.hausdorff", "unit of the cloud",                                     \
       "Hausdorff distance: the larger of out_to_ref_max and ref_to_out_max")                       \
     X(REAL, hausdorff_relative, "input.hausdorff_relative", "",                                    \

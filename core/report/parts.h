@@ -186,8 +186,8 @@ struct vor_hole_told {
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: the same as in the result, or as in the input if that has fewer; for a "  \
-      "voxel grid, about this number")                                                             \
+      "Number of points: as many as the result has, but not more than the input has. A voxel "     \
+      "grid gives only about this number")                                                         \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \

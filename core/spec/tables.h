@@ -144,11 +144,11 @@ enum vor_method_choice {
       "input has none; attribute:NAME: denser where this scalar attribute of the input, 0 or "     \
       "more, is larger. The distance between neighbours is proportional to density^(-1/4)")        \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
-      "Ratio of the largest to the smallest distance between neighbours. It has an effect only "   \
-      "if the parameter density is not uniform")                                                   \
+      "Ratio of the largest to the smallest distance between neighbours. The parameter has an "    \
+      "effect only if the parameter density is not uniform")                                       \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
       "Largest change of the distance between neighbours per unit of length along the surface. "   \
-      "It has an effect only if the parameter density is not uniform")                             \
+      "The parameter has an effect only if the parameter density is not uniform")                  \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
       "Shape of the Voronoi cells around the points. isotropic: as long as wide; anisotropic: "    \
@@ -158,8 +158,8 @@ enum vor_method_choice {
       "NAME_yy, NAME_yz, NAME_zz); lp: squares along the directions of principal curvature, by "   \
       "minimising an L_p energy, without polish")                                                  \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
-      "Largest ratio of length to width of a Voronoi cell. It has an effect only if the "          \
-      "parameter metric is not isotropic")                                                         \
+      "Largest ratio of length to width of a Voronoi cell. The parameter has an effect only if "   \
+      "the parameter metric is not isotropic")                                                     \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
       "Power of the distances in the energy that metric=lp minimises. It must be even: 2 gives "   \
       "hexagonal cells, 8 gives square cells")                                                     \
@@ -179,7 +179,7 @@ enum vor_method_choice {
       "by the energy of the same number of regular hexagons, minus 1")                             \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "Stop the iterations of method=cvt as soon as no point moves farther than this. The unit "   \
-      "is the distance between neighbours if all points were spread evenly")                       \
+      "is the distance that neighbours have when all points are spread evenly")                    \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop the run after this time")   \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
       "Number of input points that each local surface is fitted to. auto: each region gets a "     \
@@ -197,24 +197,24 @@ enum vor_method_choice {
       "about 0.04 instead of 0.02")                                                                \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
       "Largest angle at which two normals still count as similar. A smaller angle also "           \
-      "preserves blunt edges; a larger angle smooths more. It has an effect only with "            \
-      "method=ear")                                                                                \
+      "preserves blunt edges; a larger angle smooths more. The parameter has an effect only "      \
+      "with method=ear")                                                                           \
     X(SIGMA_P, sigmaP, REAL_OR_WORD, LOP, "unit of the cloud", 1e-30, 1e30, VOR_WORD(0),           \
       "auto paper",                                                                                \
       "Distance up to which points attract or repel each other. auto: twice the distance "         \
       "between neighbouring points during the projection, or more if the input is noisy; paper: "  \
       "the diagonal of the input's bounding box divided by the square root of the number of "      \
-      "input points. It has an effect only with method=wlop or method=ear")                        \
+      "input points. The parameter has an effect only with method=wlop or method=ear")             \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
       "Strength of the repulsion between points of the result, relative to their attraction by "   \
-      "input points. It has an effect only with method=wlop or method=ear")                        \
+      "input points. The parameter has an effect only with method=wlop or method=ear")             \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds of projection. With method=ear, each round smooths the normals before "    \
       "it projects the points. 0: the points stay at their initial positions, which are random. "  \
-      "It has an effect only with method=wlop or method=ear")                                      \
+      "The parameter has an effect only with method=wlop or method=ear")                           \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
       "Number of projection steps in each round. Default: 12, or 4 with method=ear if a polish "   \
-      "follows. It has an effect only with method=wlop or method=ear")                             \
+      "follows. The parameter has an effect only with method=wlop or method=ear")                  \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
       "How strongly method=ear prefers places near sharp edges when it inserts points. 0: it "     \
       "inserts points evenly everywhere")                                                          \
@@ -241,8 +241,8 @@ enum vor_method_choice {
       "They may be holes or outer borders (rims). auto: all holes with a border that is shorter "  \
       "than the parameter holeMax")                                                                \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
-      "holes=auto fills only holes with a border that is shorter than this length. auto: the "     \
-      "diagonal of the input's bounding box")                                                      \
+      "holes=auto fills only holes with a border that is shorter than this length. "               \
+      "holeMax=auto: the diagonal of the input's bounding box")                                    \
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
       "Treatment of the sharp edges of the input. ignore: no special treatment; sites: the "       \
       "first points are placed evenly along the edges and stay there")                             \
@@ -258,12 +258,12 @@ enum vor_method_choice {
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
       "Filters that are applied to the input, always in this order. outliers: drops outliers, "    \
       "or moves them onto the surface with outliers=pull; mls: moves each point onto a smooth "    \
-      "surface fitted around it; thin: drops points until no two are closer together than the "    \
-      "mean distance of the points to their three nearest neighbours. If a request has the "       \
-      "filter mls or outliers, but none of the parameters points, ratio and spacing, its result "  \
-      "is the filtered input: the points of the input in their order, with their attributes. "     \
-      "The process upsample still applies its default ratio. The process denoise applies "         \
-      "outliers and mls by default with method=cvt and method=kmeans")                             \
+      "surface fitted around it; thin: drops points until no two points are closer together "      \
+      "than the mean distance of the points to their three nearest neighbours. If a request has "  \
+      "the filter mls or outliers, but none of the parameters points, ratio and spacing, its "     \
+      "result is the filtered input: the points of the input in their order, with their "          \
+      "attributes. The process upsample still applies its default ratio. The process denoise "     \
+      "applies outliers and mls by default with method=cvt and method=kmeans")                     \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "Use of the input's normals. use: fitted normals are oriented like the normals of the "      \
@@ -287,7 +287,7 @@ enum vor_method_choice {
       "Accept header, else the format of the input")                                               \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
       "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: enough "   \
-      "bits for steps below 1/200 of the distance between neighbours")                             \
+      "bits for rounding steps below 1/200 of the distance between neighbours")                    \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
       "Compression level of Draco. 10 gives the smallest files")                                   \
     X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
