@@ -111,3 +111,11 @@ vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)
     return vor_fail(err, VOR_E_NOMEM, "a text of more than %zu bytes (at most %zu are allowed)",
                     text->size, text->cap);
 }
+
+int vor_text_take(void *text, const void *bytes, size_t size)
+{
+    struct vor_text *out = text;
+
+    vor_text_append(out, bytes, size);
+    return out->failed ? -1 : 0;
+}

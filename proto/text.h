@@ -35,6 +35,9 @@ void vor_text_add(struct vor_text *text, const void *bytes, size_t size);
 void vor_text_puts(struct vor_text *text, const char *string);
 void vor_text_printf(struct vor_text *text, const char *format, ...) VOR_PRINTF(2, 3);
 
+/** The write of a sink (struct vor_sink) whose ctx is a text; -1 once something was dropped. */
+int vor_text_take(void *text, const void *bytes, size_t size);
+
 /** @retval VOR_E_NOMEM something was dropped: no memory, or beyond the cap */
 VOR_NODISCARD vor_status vor_text_status(const struct vor_text *text, struct vor_error *err);
 

@@ -1,14 +1,11 @@
 #include "server/api/tickets.h"
 
 #include "server/base/digest.h"
-#include "server/base/disk.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 
 enum { SECRET_BYTES = 32 };
 
@@ -19,16 +16,12 @@ struct vor_tickets {
 vor_status vor_tickets_create(struct vor_tickets **out, struct vor_error *err)
 {
     struct vor_tickets *tickets = calloc(1, sizeof *tickets);
-    ssize_t got;
 
     if (tickets == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the secret of tickets");
-    do
-        got = getrandom(tickets->secret, SECRET_BYTES, 0);
-    while (got < 0 && errno == EINTR);
-    if (got != SECRET_BYTES) {
+    if (vor_random_fill(tickets->secret, SECRET_BYTES, err) != VOR_OK) {
         free(tickets);
-        return vor_fail_errno(err, errno, "random numbers");
+        return VOR_E_IO;
     }
     *out = tickets;
     return VOR_OK;

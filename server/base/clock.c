@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <time.h>
 
@@ -19,6 +20,24 @@ double vor_clock_seconds(void)
 
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+void vor_clock_condition(pthread_cond_t *condition)
+{
+    pthread_condattr_t monotonic;
+
+    (void)pthread_condattr_init(&monotonic);
+    (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(condition, &monotonic);
+    (void)pthread_condattr_destroy(&monotonic);
+}
+
+int vor_clock_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, double until)
+{
+    struct timespec at = {.tv_sec = (time_t)until};
+
+    at.tv_nsec = (long)((until - (double)at.tv_sec) * 1e9);
+    return pthread_cond_timedwait(condition, mutex, &at) == ETIMEDOUT;
 }
 
 int64_t vor_clock_boot_ms(void)

@@ -2,6 +2,7 @@
 #ifndef VOR_SERVER_BASE_CLOCK_H
 #define VOR_SERVER_BASE_CLOCK_H
 
+#include <pthread.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -10,6 +11,13 @@ int64_t vor_clock_wall_ms(void);
 
 /** Seconds that never jump: for durations, deadlines and budgets. */
 double vor_clock_seconds(void);
+
+/** Makes a condition for vor_clock_wait. */
+void vor_clock_condition(pthread_cond_t *condition);
+
+/** Waits for the condition, whose mutex is held, until it is told or vor_clock_seconds reaches
+ *  `until`: then 1. */
+int vor_clock_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, double until);
 
 /** Milliseconds that never jump and go on while the machine sleeps. */
 int64_t vor_clock_boot_ms(void);

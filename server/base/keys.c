@@ -4,13 +4,13 @@
 #include "server/base/disk.h"
 #include "server/base/key_line.h"
 #include "server/base/log.h"
+#include "server/base/uuid.h"
 
 #include <errno.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 
 enum { RANDOM_BYTES = 24 };
@@ -201,13 +201,9 @@ bool vor_keys_find(struct vor_keys *keys, const char *key, struct vor_principal 
 static vor_status draw(char key[VOR_KEY_SIZE], struct vor_error *err)
 {
     uint8_t bytes[RANDOM_BYTES];
-    ssize_t got;
 
-    do
-        got = getrandom(bytes, sizeof bytes, 0);
-    while (got < 0 && errno == EINTR);
-    if (got != (ssize_t)sizeof bytes)
-        return vor_fail_errno(err, errno, "random numbers");
+    if (vor_random_fill(bytes, sizeof bytes, err) != VOR_OK)
+        return VOR_E_IO;
     memcpy(key, VOR_KEY_PREFIX, sizeof VOR_KEY_PREFIX - 1);
     vor_base64_write(bytes, sizeof bytes, key + sizeof VOR_KEY_PREFIX - 1);
     return VOR_OK;

@@ -250,16 +250,11 @@ static void in_child(void)
 
 static void prepare(void)
 {
-    pthread_condattr_t monotonic;
-
     if (sink.prepared)
         return;
     sink.prepared = true;
     (void)pthread_atfork(before_fork, after_fork, in_child);
-    (void)pthread_condattr_init(&monotonic);
-    (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&sink.changed, &monotonic);
-    (void)pthread_condattr_destroy(&monotonic);
+    vor_clock_condition(&sink.changed);
 }
 
 vor_status vor_log_sink_start(struct vor_error *err)
@@ -286,27 +281,15 @@ vor_status vor_log_sink_start(struct vor_error *err)
                             "limit on processes");
 }
 
-static struct timespec after(double seconds)
-{
-    struct timespec until;
-    double whole;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &until);
-    whole = (double)until.tv_nsec / 1e9 + seconds;
-    until.tv_sec += (time_t)whole;
-    until.tv_nsec = (long)((whole - (double)(time_t)whole) * 1e9);
-    return until;
-}
-
 void vor_log_sink_stop(double seconds)
 {
-    struct timespec until = after(seconds);
+    double until = vor_clock_seconds() + seconds;
 
     pthread_mutex_lock(&sink.mutex);
     if (sink.mode == QUEUED) {
         sink.mode = STOPPING;
         pthread_cond_broadcast(&sink.changed);
-        while (sink.alive && pthread_cond_timedwait(&sink.changed, &sink.mutex, &until) == 0)
+        while (sink.alive && !vor_clock_wait(&sink.changed, &sink.mutex, until))
             ;
         sink.mode = DIRECT;
     }

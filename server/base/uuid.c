@@ -15,29 +15,45 @@ static int is_dash(size_t at)
     return at == 8 || at == 13 || at == 18 || at == 23;
 }
 
+vor_status vor_random_fill(void *out, size_t size, struct vor_error *err)
+{
+    ssize_t got;
+
+    do
+        got = getrandom(out, size, 0);
+    while (got < 0 && errno == EINTR);
+    return got == (ssize_t)size ? VOR_OK : vor_fail_errno(err, errno, "random numbers");
+}
+
+void vor_uuid_write(struct vor_uuid *out, const uint8_t bytes[16], unsigned version)
+{
+    size_t at = 0;
+
+    for (int i = 0; i < 16; i++) {
+        unsigned byte = bytes[i];
+
+        if (i == 6)
+            byte = (byte & 0x0f) | version << 4;
+        else if (i == 8)
+            byte = (byte & 0x3f) | 0x80; /* variant */
+        if (is_dash(at))
+            out->text[at++] = '-';
+        out->text[at++] = digits[byte >> 4];
+        out->text[at++] = digits[byte & 15];
+    }
+    out->text[at] = '\0';
+}
+
 vor_status vor_uuid_make(struct vor_uuid *out, struct vor_error *err)
 {
     uint64_t now = (uint64_t)vor_clock_wall_ms();
     uint8_t bytes[16];
-    ssize_t got;
-    size_t at = 0;
 
-    do
-        got = getrandom(bytes + 6, 10, 0);
-    while (got < 0 && errno == EINTR);
-    if (got != 10)
-        return vor_fail_errno(err, errno, "random numbers");
+    if (vor_random_fill(bytes + 6, 10, err) != VOR_OK)
+        return VOR_E_IO;
     for (int i = 0; i < 6; i++)
         bytes[i] = (uint8_t)(now >> (40 - 8 * i));
-    bytes[6] = (uint8_t)((bytes[6] & 0x0f) | 0x70); /* version 7 */
-    bytes[8] = (uint8_t)((bytes[8] & 0x3f) | 0x80); /* variant of RFC 9562 */
-    for (int i = 0; i < 16; i++) {
-        if (is_dash(at))
-            out->text[at++] = '-';
-        out->text[at++] = digits[bytes[i] >> 4];
-        out->text[at++] = digits[bytes[i] & 15];
-    }
-    out->text[at] = '\0';
+    vor_uuid_write(out, bytes, 7);
     return VOR_OK;
 }
 

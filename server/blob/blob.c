@@ -16,10 +16,7 @@ enum { PROMISE_STEP = 1 << 20 };
 
 static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
 
-const struct vor_blob_driver *vor_blob_driver_at(unsigned index)
-{
-    return index < sizeof drivers / sizeof drivers[0] ? drivers[index] : NULL;
-}
+enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 
 static const char *name_of(const char *prefix, const char *input, char out[VOR_BLOB_NAME_MAX + 1])
 {
@@ -59,13 +56,12 @@ const char *vor_blob_of_converted(const char *output, const char *format,
 
 static vor_status refuse(const char *where, struct vor_error *err)
 {
-    const struct vor_blob_driver *driver;
     char forms[128] = "";
     size_t at = 0;
 
-    for (unsigned i = 0; (driver = vor_blob_driver_at(i)) != NULL && at < sizeof forms; i++)
+    for (unsigned i = 0; i < DRIVERS && at < sizeof forms; i++)
         at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
-                               driver->scheme, driver->place);
+                               drivers[i]->scheme, drivers[i]->place);
     return vor_fail_param(err, VOR_E_PARAM, "blobs", "blobs is \"%.80s\", want %s", where, forms);
 }
 
@@ -86,14 +82,12 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
 vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
                           struct vor_error *err)
 {
-    const struct vor_blob_driver *driver;
-
     *holder = 0;
-    for (unsigned i = 0; (driver = vor_blob_driver_at(i)) != NULL; i++) {
-        const char *place = vor_storage_place(where, driver->scheme);
+    for (unsigned i = 0; i < DRIVERS; i++) {
+        const char *place = vor_storage_place(where, drivers[i]->scheme);
 
         if (place != NULL)
-            return open_with(driver, out, place, holder, err);
+            return open_with(drivers[i], out, place, holder, err);
     }
     return refuse(where, err);
 }

@@ -40,9 +40,6 @@ const char *vor_blob_of_converted(const char *output, const char *format,
  *  way can end. */
 #define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
-/** Driver number `index`, NULL past the last. */
-const struct vor_blob_driver *vor_blob_driver_at(unsigned index);
-
 /** Opens "SCHEME:PLACE" ("dir:PATH": made if missing), takes its lock and removes what unfinished
  *  writes left, and whatever else is no blob.
  *

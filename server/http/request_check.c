@@ -1,10 +1,11 @@
 #include "server/http/request_check.h"
 
+#include "server/base/uuid.h"
+
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/random.h>
 
 const char *vor_head_find(const struct vor_head *head, const char *name)
 {
@@ -247,25 +248,18 @@ void vor_request_id_make(char out[72], const char *sane)
     static const char allowed[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
     size_t length = sane != NULL ? strlen(sane) : 0;
-    unsigned char bits[16] = {0};
-    size_t at = 0;
+    uint8_t bits[16];
+    struct vor_uuid id;
 
     if (length >= 1 && length <= 64 && strspn(sane, allowed) == length) {
         memcpy(out, sane, length + 1);
         return;
     }
     /* A name for the log, not a secret: zeros after a failure are still a name. */
-    if (getrandom(bits, sizeof bits, 0) < 0)
+    if (vor_random_fill(bits, sizeof bits, NULL) != VOR_OK)
         memset(bits, 0, sizeof bits);
-    bits[6] = (unsigned char)((bits[6] & 0x0f) | 0x40);
-    bits[8] = (unsigned char)((bits[8] & 0x3f) | 0x80);
-    for (size_t i = 0; i < sizeof bits; i++) {
-        if (i == 4 || i == 6 || i == 8 || i == 10)
-            out[at++] = '-';
-        out[at++] = "0123456789abcdef"[bits[i] >> 4];
-        out[at++] = "0123456789abcdef"[bits[i] & 15];
-    }
-    out[at] = '\0';
+    vor_uuid_write(&id, bits, 4);
+    memcpy(out, id.text, sizeof id.text);
 }
 
 bool vor_etag_listed(const char *list, const char *etag, bool takes_weak)

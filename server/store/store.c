@@ -133,10 +133,12 @@ int vor_store_is_damaged(const struct vor_store *store)
 vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
                                struct vor_hand_back *run, struct vor_error *err)
 {
-    vor_status status = store->driver->hand_back(store, id, run, err);
+    vor_status status;
 
-    return made_room(store->reserve, status, err) ? store->driver->hand_back(store, id, run, err)
-                                                  : status;
+    do
+        status = store->driver->hand_back(store, id, run, err);
+    while (made_room(store->reserve, status, err));
+    return status;
 }
 
 vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
@@ -148,9 +150,9 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
 
     assert(vor_job_status_over(row->status));
     ending = ending != NULL ? ending : &nothing;
-    status = store->driver->finish(store, row, lease, ending, changed, err);
-    if (made_room(store->reserve, status, err))
+    do
         status = store->driver->finish(store, row, lease, ending, changed, err);
+    while (made_room(store->reserve, status, err));
     if (status == VOR_OK && *changed)
         vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
                        VOR_LABELS(row->process, vor_job_status_word(row->status)));
@@ -160,36 +162,42 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
 vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
                             struct vor_error *err)
 {
-    vor_status status = store->driver->remove(store, id, changed, err);
+    vor_status status;
 
-    return made_room(store->reserve, status, err) ? store->driver->remove(store, id, changed, err)
-                                                  : status;
+    do
+        status = store->driver->remove(store, id, changed, err);
+    while (made_room(store->reserve, status, err));
+    return status;
 }
 
 vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
                            struct vor_evictions *evictions, struct vor_error *err)
 {
-    vor_status status = store->driver->evict(store, why, limit, evictions, err);
+    vor_status status;
 
-    return made_room(store->reserve, status, err)
-               ? store->driver->evict(store, why, limit, evictions, err)
-               : status;
+    do
+        status = store->driver->evict(store, why, limit, evictions, err);
+    while (made_room(store->reserve, status, err));
+    return status;
 }
 
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
-    vor_status status = store->driver->shift(store, by_ms, err);
+    vor_status status;
 
-    return made_room(store->reserve, status, err) ? store->driver->shift(store, by_ms, err)
-                                                  : status;
+    do
+        status = store->driver->shift(store, by_ms, err);
+    while (made_room(store->reserve, status, err));
+    return status;
 }
 
 vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t until_ms,
                           int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
-    vor_status status = store->driver->reap(store, owner, until_ms, now_ms, reaped, err);
+    vor_status status;
 
-    return made_room(store->reserve, status, err)
-               ? store->driver->reap(store, owner, until_ms, now_ms, reaped, err)
-               : status;
+    do
+        status = store->driver->reap(store, owner, until_ms, now_ms, reaped, err);
+    while (made_room(store->reserve, status, err));
+    return status;
 }

@@ -34,18 +34,11 @@ struct vor_codec_place {
  *  @retval VOR_E_CANCELLED  the caller has left
  *  @retval VOR_E_IO         the sink took no more, the input cannot be mapped, or there is no child
  *
- *  Thread-safe. Takes at most vor_codec_seconds; not for HTTP threads. */
+ *  Thread-safe. Takes at most 10 s of CPU and a second more for each 4 MiB; not for HTTP threads.
+ */
 VOR_NODISCARD vor_status vor_codec_run(struct vor_codec_facts *facts,
                                        const struct vor_codec_place *place,
                                        const struct vor_codec_order *order, int input,
                                        const struct vor_sink *sink, struct vor_error *err);
-
-/** CPU time that work on so many bytes may take. Measured: the slowest that a valid file takes,
- * ASCII PLY with attributes of double, is 45 MB/s; the smallest bomb that fits the ratio of points
- * takes 0.9 s. */
-unsigned vor_codec_seconds(uint64_t size);
-
-/** Bytes of address space that the same may take. */
-size_t vor_codec_memory(const struct vor_codec_order *order);
 
 #endif

@@ -4,11 +4,9 @@
 #include "server/base/machine.h"
 
 #include <assert.h>
-#include <errno.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdlib.h>
-#include <time.h>
 
 /* A thread that finds nothing to do for so long ends: the next task starts one again, which takes
  * some 30 us. */
@@ -87,19 +85,10 @@ static struct vor_task *pick(struct vor_crew *crew)
     return task;
 }
 
-static struct timespec after(double seconds)
-{
-    double whole = vor_clock_seconds() + seconds;
-    struct timespec at = {.tv_sec = (time_t)whole};
-
-    at.tv_nsec = (long)((whole - (double)at.tv_sec) * 1e9);
-    return at;
-}
-
 /* The next task, which then counts as running; NULL when the thread is to end. */
 static struct vor_task *next_task(struct hand *hand)
 {
-    struct timespec until = after(IDLE_SECONDS);
+    double until = vor_clock_seconds() + IDLE_SECONDS;
     struct vor_crew *crew = hand->crew;
     struct vor_task *task;
     int is_late = 0;
@@ -107,7 +96,7 @@ static struct vor_task *next_task(struct hand *hand)
     pthread_mutex_lock(&crew->mutex);
     while ((task = pick(crew)) == NULL && !crew->closing && !is_late) {
         crew->unoccupied++;
-        is_late = pthread_cond_timedwait(&crew->ready, &crew->mutex, &until) == ETIMEDOUT;
+        is_late = vor_clock_wait(&crew->ready, &crew->mutex, until);
         crew->unoccupied--;
     }
     if (task != NULL) {
@@ -171,7 +160,6 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
                            struct vor_error *err)
 {
     struct vor_crew *crew = calloc(1, sizeof *crew + threads * sizeof crew->hand[0]);
-    pthread_condattr_t monotonic;
 
     assert(threads >= 1 && waiting_max >= 1);
     if (crew == NULL)
@@ -180,11 +168,8 @@ vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiti
     crew->waiting_max = crew->caller_waiting_max = waiting_max;
     crew->caller_running_max = crew->count = threads;
     pthread_mutex_init(&crew->mutex, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&crew->ready, &monotonic);
-    pthread_cond_init(&crew->idle, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    vor_clock_condition(&crew->ready);
+    vor_clock_condition(&crew->idle);
     *out = crew;
     return VOR_OK;
 }
@@ -268,11 +253,11 @@ int vor_crew_closing(struct vor_crew *crew)
 
 void vor_crew_settle(struct vor_crew *crew, double seconds)
 {
-    struct timespec at = after(seconds);
+    double until = vor_clock_seconds() + seconds;
     int late = 0;
 
     pthread_mutex_lock(&crew->mutex);
     while (!late && (crew->waiting > 0 || crew->running > 0))
-        late = pthread_cond_timedwait(&crew->idle, &crew->mutex, &at) == ETIMEDOUT;
+        late = vor_clock_wait(&crew->idle, &crew->mutex, until);
     pthread_mutex_unlock(&crew->mutex);
 }

@@ -11,7 +11,6 @@
 #include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <time.h>
 
 /* The store has one connection that writes, so a second thread only helps while the first one
  * removes files. */
@@ -159,19 +158,6 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
     return VOR_OK;
 }
 
-static void init_locks(struct vor_worker *worker)
-{
-    pthread_condattr_t monotonic;
-
-    pthread_mutex_init(&worker->claim, NULL);
-    pthread_mutex_init(&worker->mutex, NULL);
-    pthread_cond_init(&worker->ready, NULL);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&worker->changed, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-}
-
 vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_config *config,
                              struct vor_error *err)
 {
@@ -182,7 +168,10 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     if (worker == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the worker");
     worker->config = *config;
-    init_locks(worker);
+    pthread_mutex_init(&worker->claim, NULL);
+    pthread_mutex_init(&worker->mutex, NULL);
+    pthread_cond_init(&worker->ready, NULL);
+    vor_clock_condition(&worker->changed);
     if (config->budget == 0)
         worker->config.budget = UINT64_MAX;
     status = vor_uuid_make(&worker->owner, err);
@@ -221,7 +210,8 @@ void vor_worker_drain(struct vor_worker *worker, double seconds)
     pthread_mutex_unlock(&worker->claim);
     pthread_cond_broadcast(&worker->changed);
     pthread_cond_broadcast(&worker->ready);
-    while (worker->capacity.running > 0 && !vor_worker_wait_until(worker, deadline))
+    while (worker->capacity.running > 0 &&
+           !vor_clock_wait(&worker->changed, &worker->mutex, deadline))
         continue;
     abort_running(worker);
     while (worker->capacity.running > 0)

@@ -3,11 +3,9 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 
-#include <errno.h>
 #include <search.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* --- live jobs -------------------------------------------------------------------------------- */
 
@@ -111,21 +109,13 @@ void vor_found_free(struct vor_found *found)
 
 /* --- waiting and running ---------------------------------------------------------------------- */
 
-int vor_worker_wait_until(struct vor_worker *worker, double deadline)
-{
-    struct timespec at = {.tv_sec = (time_t)deadline};
-
-    at.tv_nsec = (long)((deadline - (double)at.tv_sec) * 1e9);
-    return pthread_cond_timedwait(&worker->changed, &worker->mutex, &at) == ETIMEDOUT;
-}
-
 int vor_worker_pause(struct vor_worker *worker, double seconds)
 {
     double deadline = vor_clock_seconds() + seconds;
     int down;
 
     pthread_mutex_lock(&worker->mutex);
-    while (!worker->draining && !vor_worker_wait_until(worker, deadline))
+    while (!worker->draining && !vor_clock_wait(&worker->changed, &worker->mutex, deadline))
         continue;
     down = worker->draining;
     pthread_mutex_unlock(&worker->mutex);

@@ -101,10 +101,6 @@ int64_t vor_worker_lease_until(void);
  * For the sweeper. */
 void vor_worker_renew(struct vor_worker *worker);
 
-/** Waits until something changed or the deadline (vor_clock_seconds) is over; the mutex is held.
- *  True when it is over. */
-int vor_worker_wait_until(struct vor_worker *worker, double deadline);
-
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
 int vor_worker_pause(struct vor_worker *worker, double seconds);
 

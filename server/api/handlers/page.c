@@ -38,14 +38,6 @@ static bool takes_gzip(const struct vor_request *request)
     return named >= 0 ? named > 0 : any > 0;
 }
 
-static int add_bytes(void *ctx, const void *bytes, size_t size)
-{
-    struct vor_text *text = ctx;
-
-    vor_text_append(text, bytes, size);
-    return text->failed ? -1 : 0;
-}
-
 void vor_page_headers(struct vor_request *request)
 {
     vor_reply_header(request, "Cache-Control", "no-cache");
@@ -67,7 +59,7 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
     vor_page_headers(request);
     if (!is_gzip) {
         struct vor_text text;
-        struct vor_sink sink = {&text, add_bytes};
+        struct vor_sink sink = {&text, vor_text_take};
         struct vor_error err;
 
         /* The same bytes for a client that does not read gzip. */

@@ -9,14 +9,6 @@
 
 enum { CLOUD_BYTES = 1 << 20, FILE_BYTES = 2 << 20 }; /* of VOR_PREVIEW_POINTS_MAX points; 1.2 MB */
 
-static int add_bytes(void *ctx, const void *bytes, size_t size)
-{
-    struct vor_text *text = ctx;
-
-    vor_text_append(text, bytes, size);
-    return text->failed ? -1 : 0;
-}
-
 static enum vor_next reply_none(struct vor_app *app, struct vor_request *request,
                                 const struct vor_uuid *id)
 {
@@ -37,7 +29,7 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
     struct vor_memory memory;
     struct vor_cloud cloud;
     struct vor_text text;
-    struct vor_sink sink = {&text, add_bytes};
+    struct vor_sink sink = {&text, vor_text_take};
     struct vor_error err;
     vor_status status;
 
