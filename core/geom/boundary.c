@@ -2,6 +2,8 @@
 
 #include "core/base/linalg.h"
 
+#include <string.h>
+
 /* Squared distance from x to the nearest of the points; *which is its index. */
 static double nearest2(const float *near, unsigned k, const double x[3], unsigned *which)
 {
@@ -56,27 +58,94 @@ double vor_boundary_end(const struct vor_surface *frame, const double seed[3], c
            (side[0] * seed[0] + side[1] * seed[1]);
 }
 
+/* The neighbours that say where the input ends: the nearest ones. The others of a fit to many reach
+ * around bends of the border. */
+struct ends {
+    unsigned k;
+    const float *near;
+    float own[3 * VOR_NEIGHBORS_FEWEST];
+    double center[2], reach; /* as a surface has them */
+};
+
+/* Copies the VOR_NEIGHBORS_FEWEST of more neighbours that are nearest to x. */
+static void copy_nearest(struct ends *out, const float *near, unsigned k, const double x[3])
+{
+    double distance2[VOR_NEIGHBORS_FEWEST];
+
+    memset(out->own, 0, sizeof out->own); /* gcc's analyzer cannot see that all are set */
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
+                       (double)near[3 * i + 2] - x[2]};
+        double d2 = vor_dot(d, d);
+        unsigned at = i < VOR_NEIGHBORS_FEWEST ? i : VOR_NEIGHBORS_FEWEST - 1;
+
+        if (at < i && !(d2 < distance2[at]))
+            continue;
+        for (; at > 0 && d2 < distance2[at - 1]; at--) {
+            distance2[at] = distance2[at - 1];
+            memcpy(&out->own[3 * at], &out->own[3 * (at - 1)], 3 * sizeof *near);
+        }
+        distance2[at] = d2;
+        memcpy(&out->own[3 * at], &near[3 * i], 3 * sizeof *near);
+    }
+    out->near = out->own;
+    out->k = VOR_NEIGHBORS_FEWEST;
+}
+
+/* Finds them around a seed. */
+static void choose_ends(struct ends *out, const struct vor_surface *surface, const float *near,
+                        unsigned k, const double seed[3])
+{
+    double at[VOR_NEIGHBORS_FEWEST][3], x[3], reach2 = 0;
+
+    out->k = k;
+    out->near = near;
+    memcpy(out->center, surface->center, sizeof out->center);
+    out->reach = surface->reach;
+    if (k <= VOR_NEIGHBORS_FEWEST)
+        return;
+    vor_surface_to_world(surface, seed, x);
+    copy_nearest(out, near, k, x);
+    memset(out->center, 0, sizeof out->center);
+    for (unsigned i = 0; i < out->k; i++) {
+        for (unsigned c = 0; c < 3; c++)
+            x[c] = (double)out->near[3 * i + c];
+        vor_surface_to_local(surface, x, at[i]);
+        out->center[0] += at[i][0] / out->k;
+        out->center[1] += at[i][1] / out->k;
+    }
+    for (unsigned i = 0; i < out->k; i++) {
+        double u = at[i][0] - out->center[0], v = at[i][1] - out->center[1];
+
+        reach2 = fmax(reach2, u * u + v * v);
+    }
+    out->reach = sqrt(reach2);
+}
+
 /* vor_boundary_end towards the side that the neighbours leave empty, away from their mean. */
-static double empty_side(const struct vor_surface *surface, const float *near, unsigned k,
+static double empty_side(const struct ends *ends, const struct vor_surface *surface,
                          const double seed[3], double side[2])
 {
-    double away[2] = {seed[0] - surface->center[0], seed[1] - surface->center[1]};
+    double away[2] = {seed[0] - ends->center[0], seed[1] - ends->center[1]};
     double length = sqrt(away[0] * away[0] + away[1] * away[1]);
 
     if (!(length > 0))
         return INFINITY;
     side[0] = away[0] / length;
     side[1] = away[1] / length;
-    return vor_boundary_end(surface, seed, side, near, k);
+    return vor_boundary_end(surface, seed, side, ends->near, ends->k);
 }
 
 double vor_boundary_room(const struct vor_surface *surface, const float *near, unsigned k,
                          const double seed[3], double radius, double side[2])
 {
-    double along = empty_side(surface, near, k, seed, side);
-    double open = (along / surface->reach - VOR_EDGE_SURE_BORDER) /
-                  (VOR_EDGE_SURE_INSIDE - VOR_EDGE_SURE_BORDER);
+    struct ends ends;
+    double along, open;
 
+    choose_ends(&ends, surface, near, k, seed);
+    along = empty_side(&ends, surface, seed, side);
+    open =
+        (along / ends.reach - VOR_EDGE_SURE_BORDER) / (VOR_EDGE_SURE_INSIDE - VOR_EDGE_SURE_BORDER);
     if (open >= 1)
         return INFINITY;
     return fmax(along, 0) + VOR_EDGE_ROOM * surface->spacing + fmax(open, 0) * radius;
@@ -86,9 +155,11 @@ int vor_boundary_beyond(const struct vor_surface *surface, const float *near, un
                         const double x[3])
 {
     double seed[3], side[2];
+    struct ends ends;
 
     vor_surface_to_local(surface, x, seed);
-    return empty_side(surface, near, k, seed, side) < 0;
+    choose_ends(&ends, surface, near, k, seed);
+    return empty_side(&ends, surface, seed, side) < 0;
 }
 
 double vor_boundary_spacing(const float *near, unsigned k, const double x[3])

@@ -5,6 +5,7 @@
 #ifndef VOR_INPUT_CONDITIONING_H
 #define VOR_INPUT_CONDITIONING_H
 
+#include "core/geom/surface.h"
 #include "core/report.h"
 
 #include <stddef.h>
@@ -30,12 +31,6 @@ struct vor_neighbors {
     float xyz[3 * VOR_NEIGHBORS_PLACES];   /**< normalised */
     unsigned char k[VOR_NEIGHBORS_PLACES]; /**< number at each place */
 };
-
-/** The smallest number that is chosen. With 10 / 20 / 40 neighbours everywhere, rms distance to the
- *  true surface in 1e-4 of its diagonal: igea 4.7 / 5.0 / 8.4, fandisk 6.7 / 5.7 / 9.4, bunny 5.1 /
- *  2.9 / 6.2, an upsampled cow 18.6 / 18.6 / 29.1 (inputs as in geom/boundary.h; means of three
- *  seeds, which differ by 3 %). */
-#define VOR_NEIGHBORS_FEWEST 20
 
 /** Sets the same number everywhere: 1 .. VOR_NEIGHBORS_MAX (geom/surface.h). */
 static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)

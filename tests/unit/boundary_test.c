@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { K = 20, SIDE = 25 };
+enum { K = 20, MANY = 150, SIDE = 25 };
 
 struct place {
-    float near[3 * K];
+    float near[3 * MANY];
     struct vor_surface surface;
     struct vor_border border;
 };
@@ -26,8 +26,8 @@ static int by_distance(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The K lattice points nearest to (x, y): those with x <= 0, or those outside a hole around 0. */
-static void gather(struct place *place, double x, double y, double hole)
+/* The k lattice points nearest to (x, y): those with x <= 0, or those outside a hole around 0. */
+static void gather(struct place *place, unsigned k, double x, double y, double hole)
 {
     static float all[SIDE * SIDE][3];
     size_t n = 0;
@@ -45,17 +45,17 @@ static void gather(struct place *place, double x, double y, double hole)
     origin_x = x;
     origin_y = y;
     qsort(all, n, sizeof all[0], by_distance);
-    memcpy(place->near, all, sizeof place->near);
-    vor_surface_fit(&place->surface, place->near, K);
+    memcpy(place->near, all, k * sizeof *all);
+    vor_surface_fit(&place->surface, place->near, k);
     ck_assert_int_ne(place->surface.kind, VOR_SURFACE_NONE);
-    place->border = (struct vor_border){&place->surface, place->near, K, 1};
+    place->border = (struct vor_border){&place->surface, place->near, k, 1};
 }
 
 static int outside(double x, double y, double hole, double spacings)
 {
     struct place place;
 
-    gather(&place, x, y, hole);
+    gather(&place, K, x, y, hole);
     return vor_boundary_outside(&place.border, spacings, (double[3]){x, y, 0});
 }
 
@@ -63,7 +63,7 @@ START_TEST(a_neighbour_is_within_a_distance_or_none_is)
 {
     struct place place;
 
-    gather(&place, -0.3, 0.2, 0);
+    gather(&place, K, -0.3, 0.2, 0);
     ck_assert_double_eq_tol(place.surface.spacing, 1, 0.1);
     ck_assert(vor_boundary_within(place.near, K, (double[3]){-1.4, 0.5, 0}, 1));
     ck_assert(vor_boundary_within(place.near, K, (double[3]){0.85, 0, 0}, 1));
@@ -97,11 +97,25 @@ START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 }
 END_TEST
 
+/* Whatever the number of neighbours that a fit takes: many reach around the hole. */
+START_TEST(a_place_in_a_wide_hole_is_beyond_the_end_of_the_input)
+{
+    struct place place;
+
+    for (unsigned k = K; k <= MANY; k += (MANY - K) / 2) {
+        gather(&place, k, 6, 0, 7);
+        ck_assert(vor_boundary_beyond(&place.surface, place.near, k, (double[3]){6, 0, 0}));
+        gather(&place, k, 8.1, 0.2, 7);
+        ck_assert(!vor_boundary_beyond(&place.surface, place.near, k, (double[3]){8.1, 0.2, 0}));
+    }
+}
+END_TEST
+
 static double room_at(double x, double y, double side[2], struct place *place)
 {
     double world[3] = {x, y, 0}, local[3];
 
-    gather(place, x, y, 0);
+    gather(place, K, x, y, 0);
     vor_surface_to_local(&place->surface, world, local);
     return vor_boundary_room(&place->surface, place->near, K, local, 1.5, side);
 }
@@ -162,6 +176,7 @@ void vt_suite(Suite *suite)
     vt_add(suite, a_neighbour_is_within_a_distance_or_none_is);
     vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
     vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
+    vt_add(suite, a_place_in_a_wide_hole_is_beyond_the_end_of_the_input);
     vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
     vt_add(suite, the_spacing_is_that_around_the_nearest_point);
 }
