@@ -95,8 +95,8 @@ static vor_status refuse_name(const struct vor_cloud *in, const char *name, stru
     vor_quote(quoted, sizeof quoted, name, strlen(name));
     return vor_fail_param(err, VOR_E_METRIC, "metric",
                           "the input has no tensors %s, want six scalars NAME_xx, NAME_xy, "
-                          "NAME_xz, NAME_yy, NAME_yz, NAME_zz, or NAME of six components; its "
-                          "tensors are %s",
+                          "NAME_xz, NAME_yy, NAME_yz, NAME_zz, or one attribute NAME with six "
+                          "components; its tensors are %s",
                           quoted, names);
 }
 

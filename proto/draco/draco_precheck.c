@@ -313,12 +313,11 @@ static void walk_kd_coders(struct walk *walk, unsigned level, uint32_t scalars)
         skip(walk, fixed(walk, 4, "the kd-tree"), "the kd-tree");
     most = walk->at + (uint64_t)scalars * SCALAR_TAIL_MAX;
     if (walk->status == VOR_OK && walk->size > most + VOR_DRACO_PADDING_MAX)
-        fail_at(
-            walk, (size_t)most,
-            vor_fail(
-                walk->err, VOR_E_FORMAT,
-                "the Draco stream ends before byte %zu of %zu, want at most %d more bytes, all 0",
-                (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
+        fail_at(walk, (size_t)most,
+                vor_fail(walk->err, VOR_E_FORMAT,
+                         "the Draco data ends before byte %zu of %zu; only up to %d zero bytes may "
+                         "follow it",
+                         (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
 }
 
 static void walk_point_cloud(struct walk *walk)
@@ -396,7 +395,7 @@ static void refuse_loose(struct walk *walk, uint32_t flags)
     size_t at = VERSION;
 
     if (walk->version != BITSTREAM(2, 3))
-        what = "is of another bitstream";
+        what = "has another version of the bitstream";
     if (walk->bytes[KIND] != POINT_CLOUD) {
         what = "is a mesh";
         at = KIND;

@@ -145,11 +145,11 @@ refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
 refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
 refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,
-    "$in: points is 49, want 50 to 800: upsample gives 1 to 16 for each of the input's 50";
+    "$in: points is 49, want 50 to 800: upsample gives 1 to 16 points for each of the 50 points of the input";
 refused 'more points to simplify to', ['simplify', $in, '-fo', $out, '-n', 51], 3,
     "$in: points is 51, want 1 to 50: simplify cannot give more points than the input has (50)";
 refused 'too many points to denoise to', ['denoise', $in, '-fo', $out, '-n', 801], 3,
-    "$in: points is 801, want 1 to 800: denoise gives up to 16 for each of the input's 50";
+    "$in: points is 801, want 1 to 800: denoise gives up to 16 points for each of the 50 points of the input";
 refused 'points and ratio', ['resample', $in, '-fo', $out, @points, '--ratio', 2], 2,
     'resample: give exactly one of the parameters points, ratio and spacing, not 2';
 refused 'a number of points out of range', ['resample', $in, '-fo', $out, '-n', 0], 2,

@@ -159,7 +159,7 @@ for my $case (
     ['denoise', 'pionts=5', 400, qr/^unknown parameter "pionts" of denoise; $names$/, 'pionts'],
     ['simplify', 'points=5&peak=1', 400, qr/^unknown parameter "peak" of simplify; $names$/, 'peak'],
     ['resample', 'points=5&p%c3%a9q=1', 400, qr/^unknown parameter "p\\xc3\\xa9q" of resample; $names$/, 'p\\xc3\\xa9q'],
-    ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 for each of the input's 600$/],
+    ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 points for each of the 600 points of the input$/],
     ['upsample', 'points=9601', 422, qr/^points is 9601, want 600 to 9600: /],
     ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and needs \d\d points, want 600 to 9600: upsample /],
     ['simplify', 'points=601', 422, qr/^points is 601, want 1 to 600: simplify cannot give more points than the input has \(600\)$/],
