@@ -5,9 +5,9 @@
 #include <string.h>
 
 enum {
-    BLOCK = 64,   /* points that far away count as one. Not measured. */
-    TASK = 16,    /* blocks of one task */
-    SAMPLES = 32, /* places on a piece where numbers are taken */
+    BLOCK = 64,     /* points that far away count as one. Not measured. */
+    TASK_SIZE = 16, /* blocks of one task */
+    SAMPLES = 32,   /* places on a piece where numbers are taken */
     PIECES = VOR_SPAN_JOINS + 1
 };
 
@@ -241,7 +241,7 @@ static vor_status measure(struct winding *winding, size_t c, int patches, const 
     list_members(winding, c, patches);
     cut(winding);
     memset(winding->number, 0, winding->samples * sizeof *winding->number);
-    status = vor_run_for(run, winding->blocks, TASK, make_blocks, winding, err);
+    status = vor_run_for(run, winding->blocks, TASK_SIZE, make_blocks, winding, err);
     if (status == VOR_OK)
         status = vor_run_for(run, winding->samples, 1, take_numbers, winding, err);
     return status;

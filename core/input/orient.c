@@ -1,6 +1,7 @@
 #include "core/input/orient.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/flip.h"
 #include "core/geom/surface.h"
 #include "core/geom/winding.h"
 #include "core/input/adjacency.h"
@@ -449,6 +450,8 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
 {
     float *area = vor_malloc(run->memory, orient->on->n, sizeof *area);
     struct vor_winding_points points = {orient->on->xyz, orient->normal, area, SMALL};
+    const struct vor_flip_how how = {
+        .doubt = OUTVOTE, .margin = AGREE, .closed = CLOSED, .apart = APART, .clean = APART / 4};
     vor_status status;
 
     if (area == NULL)
@@ -458,6 +461,9 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
     status = vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err);
     if (status == VOR_OK)
         status = mend(orient, &points, run, err);
+    if (status == VOR_OK)
+        status =
+            vor_flip_regions(&orient->span, orient->graph, orient->edge, &points, &how, run, err);
     vor_free(run->memory, area);
     if (status == VOR_OK) {
         out->components = orient->span.components;

@@ -1,5 +1,7 @@
 /* Which way surfaces face: outward, for any shape, anywhere; and what carried normals decide. */
 #include "core/base/linalg.h"
+#include "core/geom/flip.h"
+#include "core/input/adjacency.h"
 #include "core/input/orient.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_mesh.h"
@@ -250,6 +252,57 @@ START_TEST(sharp_prisms_face_outward)
 }
 END_TEST
 
+/* Half of a square faces the other way, though most edges across the line deny it: it is turned. On
+ * a sphere the same edges are wrong, as winding numbers show: nothing is turned. */
+START_TEST(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface)
+{
+    const struct vor_flip_how how = {
+        .doubt = 0.1, .margin = 0.5, .closed = 0.25, .apart = 0.06, .clean = 0.015};
+    struct vor_graph graph;
+    struct vor_span span = {.memory = &vt_memory, .n = N};
+    struct vor_winding_points points = {.least = 1};
+    struct vor_cloud cloud;
+    struct oriented oriented;
+    unsigned char *edge = calloc(N, VOR_ADJACENT), odd[N] = {0};
+    float area[N];
+    uint32_t component[N] = {0};
+    struct vt_engine engine;
+
+    (_i == 0 ? vt_cloud_square : vt_cloud_sphere)(&cloud, 1, N);
+    orient_on(&oriented, &cloud, 2);
+    points.xyz = oriented.domain.xyz;
+    points.normal = oriented.found.normal;
+    points.area = area;
+    span.components = 1;
+    span.component = component;
+    span.odd = odd;
+    vt_engine_open(&engine, 2);
+    vt_assert_ok(vor_graph_init(&graph, N, VOR_ADJACENT, &vt_memory, &vt_err));
+    vt_assert_ok(vor_graph_nearest(&graph, oriented.domain.knn, points.xyz, VOR_ADJACENT,
+                                   &engine.run, &vt_err));
+    for (size_t i = 0; i < N; i++) {
+        area[i] = _i == 0 ? 4.0F / N : 12.57F / N;
+        odd[i] = _i == 0 && points.xyz[3 * i] > 0;
+        for (size_t a = 0; a < graph.count[i]; a++) {
+            size_t j = graph.list[i * graph.most + a];
+            int across = (points.xyz[3 * i] > 0) != (points.xyz[3 * j] > 0);
+
+            if (across && (_i > 0 || (i + j) % 5 == 0))
+                edge[i * graph.most + a] = VOR_SPAN_TURNS;
+        }
+    }
+    vt_assert_ok(vor_flip_regions(&span, &graph, edge, &points, &how, &engine.run, &vt_err));
+    for (size_t i = 0; i < N; i++)
+        ck_assert_uint_eq(odd[i], odd[0]);
+    vor_graph_free(&graph);
+    vt_engine_close(&engine);
+    done(&oriented);
+    vor_cloud_free(&cloud);
+    free(edge);
+    vt_assert_no_leak();
+}
+END_TEST
+
 START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
 {
     static const double widths[] = {0.8, 0.2};
@@ -362,6 +415,8 @@ int main(void)
     vt_add_figures(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_figures(suite, meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)));
     vt_add_figures(suite, sharp_prisms_face_outward, VT_ONCE(6));
+    vt_add_loop(suite, regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface,
+                VT_ONCE(2));
     vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
                    VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
     vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
