@@ -75,7 +75,7 @@ static struct vor_lop_base base_of(const struct insertion *insertion, uint32_t i
 static float priority(const struct insertion *insertion, const struct vor_lop_base *base,
                       double clearance2)
 {
-    double turned = 2 - cosine(base->end[0], base->end[1]), least = 0;
+    double turned = 2 - fmax(cosine(base->end[0], base->end[1]), 0), least = 0;
 
     for (int c = 0; c < 3; c++)
         least = fmax(least, VOR_LOP_CLEARANCE_MIN * fabs((double)base->xyz[c]));

@@ -10,6 +10,8 @@
  *  pair whose later point came first, then that with the smaller partner. A pair whose base no side
  *  of the latent surface holds (lop/latent.h) comes after all others.
  *
+ *  Departure: normals more than 90 degrees apart count as 90 in P: most of them are those of bad
+ *  fits, which came first.
  *  Departure: a pair belongs to its later point. Points inserted look for partners within
  *  VOR_LOP_PARTNERS clearances, not sigma_p, and each keeps its VOR_LOP_PAIRS best: what is near
  * enough to matter, however dense the points become. Points that face away from both of a pair do
