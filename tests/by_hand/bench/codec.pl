@@ -1,7 +1,6 @@
 #!/usr/bin/perl
-# usage: codec.pl VORONOID OUTDIR: what denoising gains after a codec: 60,000 points of a mesh through Draco at 6 to 10 bits a
-# coordinate, decoded, and denoised to as many points; and the bytes with which decoding alone is as near to the mesh. Writes
-# OUTDIR/codec.md.
+# usage: codec.pl VORONOID OUTDIR: what a cloud gains after a codec, in D1 and D2 beside bytes: through Draco at 7 to 10 bits a
+# coordinate, decoded alone, and then restored, filtered or denoised; and the bytes that restoring saves. Writes OUTDIR/codec.md.
 use strict;
 use warnings;
 use utf8;
@@ -9,8 +8,12 @@ use lib 'tests/by_hand/bench';
 use Bench;
 
 my $points = 60_000;
-my @bits = 6 .. 10;   # of the table
-my @finer = 11 .. 14; # where decoding alone gets as near
+my @bits = 7 .. 10;
+my @after = (['restore'], ['denoise', '--filters', 'mls'], ['denoise']);
+my $slow = 8; # bits at which the last one is run too
+my @meshes = qw(igea armadillo cow fandisk);
+my @scans = qw(hippo1 b9_training building scannet office1);
+my ($voronoid) = @ARGV;
 my $out = begin('Codec');
 my ($folder) = yardstick() =~ m{^(.*)/};
 
@@ -24,85 +27,68 @@ sub must {
 
 sub python { return must('/usr/bin/python3', 'tests/by_hand/bench/codec.py', $folder, @_) }
 
-# The files of one cloud at so many bits: its Draco, that decoded, and that denoised.
-sub paths { my ($bits) = @_; return map { "$out/codec$bits.$_" } 'drc', 'ply', 'denoised.ply' }
+# A cloud that draco_encoder reads.
+sub cloud_of {
+    my ($name) = @_;
+    my $cloud = "$out/codec.cloud.ply";
+    my ($mesh, $scan) = (public("${name}_mesh"), public($name));
+    if (-r $mesh) { python('sample', $mesh, $points, $cloud) }
+    else {
+        ($scan) = map { chomp; $_ } must('tests/demo/scan.sh', "$name.ply") if !-r $scan;
+        python('plain', $scan, $cloud);
+    }
+    return $cloud;
+}
 
-# Codes the cloud at every number of bits: bytes by bits.
-sub code {
-    my ($cloud) = @_;
-    my %bytes;
-    for my $bits (@bits, @finer) {
-        my ($drc, $decoded) = paths($bits);
+# The share of bytes saved at equal dB, the one figure of decoding alone against that of restoring.
+sub saved {
+    my ($figure, @rows) = @_;
+    open my $to, '>', "$out/codec.saved" or die "$out: $!\n";
+    print $to "$_->{bytes} $_->{decoded}[$figure] $_->{bytes} $_->{restore}[$figure]\n" for @rows;
+    close $to or die "$out: $!\n";
+    my ($saved) = must('sh', '-c', "/usr/bin/python3 tests/by_hand/bench/codec.py $folder saved <$out/codec.saved");
+    unlink "$out/codec.saved";
+    return $saved;
+}
+
+sub pair { return sprintf '%.1f / %.1f', @{ $_[0] } }
+
+my (@table, @rates);
+for my $name (@meshes, @scans) {
+    next unless wanted("codec_$name");
+    my $cloud = cloud_of($name);
+    my (@rows, @files);
+    for my $bits (@bits) {
+        my ($drc, $decoded) = ("$out/codec.$bits.drc", "$out/codec.$bits.ply");
         must('draco_encoder', '-point_cloud', '-i', $cloud, '-o', $drc, '-qp', $bits, '-cl', 10);
         must('draco_decoder', '-i', $drc, '-o', $decoded);
-        $bytes{$bits} = -s $drc;
+        my %row = (bits => $bits, bytes => -s $drc, files => [$decoded]);
+        for my $after (@after[0 .. $#after - ($bits != $slow)]) {
+            my ($how, $result) = ("@$after", "$out/codec.$bits." . scalar(@{ $row{files} }) . '.ply');
+            my $run = timed($voronoid, @$after, $decoded, '--threads', 1, '-f', '-o', $result);
+            $row{us}{$how} = $run->{cpu};
+            push @{ $row{files} }, $result;
+        }
+        push @files, @{ $row{files} };
+        push @rows, \%row;
     }
-    return %bytes;
-}
-
-# Denoises what was coded at the table's numbers of bits, as a user of the codec would: the runs by bits.
-sub denoise {
-    my %runs;
-    for my $bits (@bits) {
-        my ($drc, undef, $denoised) = paths($bits);
-        $runs{$bits} = [map { process('denoise', $drc, $denoised, '--threads', 1) } 1 .. runs()];
-    }
-    return %runs;
-}
-
-# Distances from the mesh, decoded and denoised, and points that share a place: by bits.
-sub distances {
-    my ($mesh) = @_;
-    my @decoded = map { (paths($_))[1] } @bits, @finer;
-    my @lines = python('off', $mesh, @decoded, map { (paths($_))[2] } @bits);
-    my (%off, %shared, %denoised);
-    ($off{$_}, $shared{$_}) = split ' ', shift @lines for @bits, @finer;
-    ($denoised{$_}) = split ' ', shift @lines for @bits;
-    return (\%off, \%denoised, \%shared);
-}
-
-# Bytes with which decoding alone is as near, by the logarithm of the distance between two numbers of bits; undef beyond the last.
-sub bytes_for {
-    my ($distance, $off, $bytes) = @_;
-    my @all = (@bits, @finer);
-    for my $i (1 .. $#all) {
-        my ($a, $b) = @all[$i - 1, $i];
-        next if $off->{$b} > $distance;
-        my $share = log($off->{$a} / $distance) / log($off->{$a} / $off->{$b});
-        return $bytes->{$a} + $share * ($bytes->{$b} - $bytes->{$a});
-    }
-    return undef;
-}
-
-my (@table, %saved);
-for my $name (qw(igea armadillo cow)) {
-    next unless wanted("codec_$name");
-    my $mesh = public("${name}_mesh");
-    if (my $absent = missing("codec_$name", $mesh, yardstick())) {
-        push @table, $absent;
-        next;
-    }
-    my $cloud = "$out/codec.cloud.ply";
-    python('sample', $mesh, $points, $cloud);
-    my %bytes = code($cloud);
-    my %runs = denoise();
-    my ($off, $denoised, $shared) = distances($mesh);
-    for my $bits (@bits) {
-        my $alone = bytes_for($denoised->{$bits}, $off, \%bytes);
-        my $saved = defined $alone ? 100 * (1 - $bytes{$bits} / $alone) : undef;
-        push @{ $saved{$bits} }, $saved if defined $saved;
+    my @db = map { [split] } python('psnr', $cloud, @files);
+    my ($n) = map { /^element vertex (\d+)/ ? $1 : () } must('head', '-n', 20, $cloud);
+    for my $row (@rows) {
+        ($row->{decoded}, @$row{ map { "@$_" } @after }) = splice @db, 0, scalar @{ $row->{files} };
         push @table, [
-            $name, $bits, $bytes{$bits}, $shared->{$bits}, map({ sprintf '%.2e', $_->{$bits} } $off, $denoised),
-            defined $alone ? (sprintf('%.0f', $alone), sprintf('%.0f %%', $saved)) : ('-', '-'), spread('cpu', @{ $runs{$bits} }),
+            $name, $row->{bits}, $row->{bytes}, pair($row->{decoded}),
+            map { $row->{$_} ? sprintf('%s, %.1f us', pair($row->{$_}), 1e6 * $row->{us}{$_} / $n) : '-' } map { "@$_" } @after,
         ];
     }
-    unlink $cloud, map { paths($_) } @bits, @finer;
+    push @rates, [$name, $n, map { sprintf '%.1f %%', saved($_, @rows) } 0, 1];
+    unlink $cloud, @files, map { "$out/codec.$_.drc" } @bits;
 }
 exit 0 if !@table;
-my @said = map { sprintf '%d bits %.0f to %.0f %%', $_, (sort { $a <=> $b } @{ $saved{$_} })[0, -1] } grep { $saved{$_} } @bits;
-table(['cloud', 'bits', 'bytes', 'in a place with others', 'off, decoded', 'off, denoised', 'bytes for that by decoding alone', 'saved', 'cpu s'],
-    \@table, "$points points of each mesh, white noise by area, coded by Debian's draco_encoder (-cl 10) at so many bits a coordinate. off: rms "
-    . 'distance of the points from the mesh over its diagonal, after decoding alone and after voronoid denoise of the Draco file, to as '
-    . 'many points. bytes for that by decoding alone: between the two numbers of bits around it. '
-    . 'Saved: ' . join(', ', @said) . '. Below 0, the points that a fit puts on a white noise of samples lie farther off than the cells are wide.');
+table(['cloud', 'bits', 'bytes', 'decoded', map { "@$_" } @after], \@table,
+    "D1 / D2 in dB, peak as mpeg-pcc-dmetric's, and CPU time a point of the whole command, one thread. igea, armadillo, cow and fandisk: "
+    . "$points points of the mesh, white noise by area; the others are scans. Coded by Debian's draco_encoder (-cl 10).");
+table(['cloud', 'points', 'saved at equal D1', 'at equal D2'], \@rates,
+    "Bytes that restore saves over decoding alone, between $bits[0] and $bits[-1] bits (BD-rate). igea, hippo1 and b9_training had no part in the "
+    . 'choice of its limits.');
 finish('codec');

@@ -1,26 +1,70 @@
 #!/usr/bin/env python3
-"""What the codec's table needs of a mesh.
+"""What the codec's table needs; shares no code with the product.
 
 usage: codec.py YARDSTICK sample MESH N OUT.ply   N points of the mesh, white noise by area
-       codec.py YARDSTICK off MESH CLOUD.ply...   a line for each cloud: rms distance of its points from the mesh over the mesh's
-                                                  diagonal, and how many points share their place with another one
-YARDSTICK: the folder with cloudio.py and surface.py"""
+       codec.py YARDSTICK plain CLOUD OUT.ply   its positions alone, as float32
+       codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1 and D2 in dB against the cloud
+       codec.py YARDSTICK saved   of lines "bytes dB bytes dB" on standard input, of two ways to code: the share of bytes, in
+                                  percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes)
+YARDSTICK: the folder with cloudio.py. D1 and D2: those of mpeg-pcc-dmetric, with normals of the quadric through 20 points."""
 import sys
 import numpy as np
+from scipy.spatial import cKDTree
 
 sys.path.insert(0, sys.argv[1])
 from cloudio import read_ply, sample_mesh, write_ply, xyz  # noqa: E402
-from surface import Surface  # noqa: E402
 
 SEED = 60
+BLOCK = 20000
 
-v, f = read_ply(sys.argv[3])
-v = xyz(v)
+
+def normals(points, tree):
+    out = np.empty_like(points)
+    for at in range(0, len(points), BLOCK):
+        middle = points[at:at + BLOCK]
+        near = points[tree.query(middle, 20)[1]] - middle[:, None]
+        flat = near - near.mean(1, keepdims=True)
+        axes = np.linalg.eigh(np.einsum("nki,nkj->nij", flat, flat))[1]
+        w, u, v = np.moveaxis(np.einsum("nki,nij->nkj", near, axes), 2, 0)
+        size = np.abs(near).max((1, 2))[:, None] + 1e-300
+        w, u, v = w / size, u / size, v / size
+        terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], 2)
+        square = np.einsum("nki,nkj->nij", terms, terms) + 1e-9 * np.eye(6)
+        fit = np.linalg.solve(square, np.einsum("nki,nk->ni", terms, w)[:, :, None])[:, :, 0]
+        normal = axes[:, :, 0] - fit[:, 1:2] * axes[:, :, 1] - fit[:, 2:3] * axes[:, :, 2]
+        out[at:at + BLOCK] = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    return out
+
+
+def psnr(points, tree, normal, peak, decoded):
+    """The worse direction of each; a decoded point's normal is the mean of those whose nearest it is."""
+    to = tree.query(decoded)[1]
+    near = cKDTree(decoded).query(points)[1]
+    first = np.zeros(len(decoded), int)
+    first[near[::-1]] = np.arange(len(points))[::-1]
+    mean = np.zeros_like(decoded)
+    np.add.at(mean, near, normal * np.where((normal * normal[first[near]]).sum(1) < 0, -1, 1)[:, None])
+    mean /= np.maximum(np.bincount(near, minlength=len(decoded)), 1)[:, None]
+    there, back = decoded - points[to], points - decoded[near]
+    d1 = max((there ** 2).sum(1).mean(), (back ** 2).sum(1).mean())
+    d2 = max(((there * normal[to]).sum(1) ** 2).mean(), ((back * mean[near]).sum(1) ** 2).mean())
+    return [10 * np.log10(3 * peak ** 2 / d) for d in (d1, d2)]
+
+
 if sys.argv[2] == "sample":
-    write_ply(sys.argv[5], sample_mesh(v, f, int(sys.argv[4]), SEED)[0])
-    sys.exit()
-truth = Surface(v, f)
-for path in sys.argv[4:]:
-    x = xyz(read_ply(path)[0])
-    d = truth.distance(x) / truth.diagonal
-    print(float(np.sqrt((d * d).mean())), len(x) - len(np.unique(x, axis=0)))
+    v, f = read_ply(sys.argv[3])
+    write_ply(sys.argv[5], sample_mesh(xyz(v), f, int(sys.argv[4]), SEED)[0])
+elif sys.argv[2] == "plain":
+    write_ply(sys.argv[4], xyz(read_ply(sys.argv[3])[0]))
+elif sys.argv[2] == "saved":
+    a = np.array([line.split() for line in sys.stdin], float)
+    low, high = max(a[:, 1].min(), a[:, 3].min()), min(a[:, 1].max(), a[:, 3].max())
+    one, two = (np.polyint(np.polyfit(a[:, i + 1] - low, np.log(a[:, i]), 3)) for i in (0, 2))
+    areas = [np.polyval(p, high - low) - np.polyval(p, 0) for p in (one, two)]
+    print(100 * (1 - np.exp((areas[1] - areas[0]) / (high - low))))
+else:
+    points = np.unique(xyz(read_ply(sys.argv[3])[0]).astype(float), axis=0)
+    tree = cKDTree(points)
+    normal, peak = normals(points, tree), tree.query(points, 2)[0][:, 1].max()
+    for path in sys.argv[4:]:
+        print(*psnr(points, tree, normal, peak, np.unique(xyz(read_ply(path)[0]).astype(float), axis=0)))
