@@ -142,7 +142,7 @@ enum vor_setting_kind {
       "finish in this time run again after the next start")                                        \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
       "Draco files that the daemon accepts. any: all files that the Draco library can read; "      \
-      "strict: only point clouds of bitstream 2.3 without metadata, which use less code of the "   \
+      "strict: only point clouds of bitstream 2.3 without metadata, which need less code of the "  \
       "library")                                                                                   \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
       "Start even if the kernel does not support seccomp. The sandbox of the processes that "      \

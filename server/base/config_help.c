@@ -74,8 +74,9 @@ void vor_config_help(FILE *out)
         (void)fprintf(out, "      %s(env: %s)\n", setting.range, setting.variable);
     }
     vor_markup_wrap_string(out,
-                           "A flag overrides the environment, which overrides the file of "
-                           "--config. A variable with a name that ends in _FILE has the path of a "
-                           "file that contains the value. See also voronoid help settings.",
+                           "A flag overrides the environment variable of the same setting, and "
+                           "the variable overrides the file of --config. A variable with a "
+                           "name that ends in _FILE has the path of a file that contains the "
+                           "value. See also voronoid help settings.",
                            0);
 }

@@ -228,8 +228,9 @@ START_TEST(inputs_that_are_required_or_needed_must_come_along)
     vt_assert_ok(vor_spec_check_inputs(&spec, 3, &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "title", "of the third", &vt_err));
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 3, &vt_err));
-    ck_assert_str_eq(vt_err.message,
-                     "title is of the third, which needs a third, but the request has none");
+    ck_assert_str_eq(
+        vt_err.message,
+        "the parameter title is of the third, which needs a third, but the request has none");
     vt_assert_ok(vor_spec_check_inputs(&spec, 7, &vt_err));
 }
 END_TEST
