@@ -82,7 +82,9 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
  * 122. On kitti lists raise delta by 3 % (mean of five seeds). */
 #define PROBE_ROUND 1.3
 /* Share of the places with the signs from which on lists are made: half and double decide
- * differently about kitti (0.7 %) and cow (0.9 %). */
+ * differently about kitti (0.7 %) and cow (0.9 %). From half of it on they are made where the other
+ * sheet lies over: with lists at creases too, gears with two spots of thin walls have .00132 of
+ * their triangles across, without .0007. */
 #define PROBE_SHARE 0.0075
 #define PI 3.14159265358979
 /* Fewest points that were left out, and places of one task. */
@@ -256,6 +258,50 @@ static unsigned walk_to_sheet(struct vor_walk *walk, struct vor_surface *own,
     return 0;
 }
 
+/* Whether x, in the frame of the list's surface, lies over the n points of the list and not beside
+ * them. */
+static int lies_over(const struct vor_surface *own, const struct vor_domain *domain,
+                     const uint32_t *index, unsigned n, const double x[3])
+{
+    double su = 0, sv = 0;
+
+    for (unsigned j = 0; j < n; j++) {
+        const float *p = point(domain, index[j]);
+        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], u, v, l2;
+
+        vor_surface_to_local(own, at, local);
+        u = local[0] - x[0];
+        v = local[1] - x[1];
+        l2 = u * u + v * v;
+        if (l2 > 0) {
+            su += u / sqrt(l2);
+            sv += v / sqrt(l2);
+        }
+    }
+    return su * su + sv * sv < PROBE_INSIDE * PROBE_INSIDE * n * n;
+}
+
+/* Whether those of the nearest that the walk left out lie far off the list, and over it. */
+static int left_out_over(const struct vor_walk *walk, const struct vor_surface *own,
+                         const struct vor_domain *domain, const uint32_t *index, unsigned n)
+{
+    unsigned out = 0, far = 0, over = 0;
+
+    for (unsigned j = 0; j < at_most(domain, VOR_ADJACENT); j++) {
+        const float *p = point(domain, walk->index[j]);
+        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], off;
+
+        if (walk->reached[j])
+            continue;
+        vor_surface_to_local(own, at, local);
+        off = local[2] - vor_surface_height(own, local[0], local[1], NULL);
+        out++;
+        far += off * off > PROBE_FAR * PROBE_FAR * own->off2;
+        over += (unsigned)lies_over(own, domain, index, n, local);
+    }
+    return out >= PROBE_OUT && 2 * far >= out && over >= PROBE_OVER * out;
+}
+
 /* Cuts a list of n points to the nearest few where a surface fits these far better: lists of thin
  * parts hold points from round the corner. Returns how many are left. Fits to these few beside
  * lists of all n: armadillo's normals on the wrong side, ten draws of 30,000, 118 instead of 68. */
@@ -296,7 +342,8 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     }
     give_normals(&walk, make);
     n = walk_to_sheet(&walk, &own, &plain, domain, index);
-    if (n > 0) {
+    if (n > 0 &&
+        (domain->known.lists != VOR_LISTS_FEW || left_out_over(&walk, &own, domain, index, n))) {
         n = shorten(&own, domain, index, n);
         set_own(make, i, index, n, &own);
     }
@@ -409,7 +456,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
         if (status == VOR_OK)
             status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
     }
-    if (status == VOR_OK)
+    if (status == VOR_OK && make->domain->known.lists != VOR_LISTS_FEW)
         status = vor_run_for(run, n, BLOCK, rest_block, make, err);
     return status == VOR_OK ? vor_run_for(run, n, BLOCK, drop_block, make, err) : status;
 }
@@ -485,50 +532,6 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
     }
 }
 
-/* Whether x, in the frame of the list's surface, lies over the n points of the list and not beside
- * them. */
-static int lies_over(const struct vor_surface *own, const struct vor_domain *domain,
-                     const uint32_t *index, unsigned n, const double x[3])
-{
-    double su = 0, sv = 0;
-
-    for (unsigned j = 0; j < n; j++) {
-        const float *p = point(domain, index[j]);
-        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], u, v, l2;
-
-        vor_surface_to_local(own, at, local);
-        u = local[0] - x[0];
-        v = local[1] - x[1];
-        l2 = u * u + v * v;
-        if (l2 > 0) {
-            su += u / sqrt(l2);
-            sv += v / sqrt(l2);
-        }
-    }
-    return su * su + sv * sv < PROBE_INSIDE * PROBE_INSIDE * n * n;
-}
-
-/* Whether those of the nearest that the walk left out lie far off the list, and over it. */
-static int left_out_over(const struct vor_walk *walk, const struct vor_surface *own,
-                         const struct vor_domain *domain, const uint32_t *index, unsigned n)
-{
-    unsigned out = 0, far = 0, over = 0;
-
-    for (unsigned j = 0; j < at_most(domain, VOR_ADJACENT); j++) {
-        const float *p = point(domain, walk->index[j]);
-        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], off;
-
-        if (walk->reached[j])
-            continue;
-        vor_surface_to_local(own, at, local);
-        off = local[2] - vor_surface_height(own, local[0], local[1], NULL);
-        out++;
-        far += off * off > PROBE_FAR * PROBE_FAR * own->off2;
-        over += (unsigned)lies_over(own, domain, index, n, local);
-    }
-    return out >= PROBE_OUT && 2 * far >= out && over >= PROBE_OVER * out;
-}
-
 /* Whether n points lie in a disc, and not along a few scan lines. */
 static int is_round(const struct vor_surface *own, unsigned n)
 {
@@ -564,17 +567,20 @@ static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
             atomic_fetch_add(&probe->found, 1);
 }
 
-vor_status vor_adjacency_probe(int *pays, const struct vor_domain *domain,
+vor_status vor_adjacency_probe(enum vor_lists *lists, const struct vor_domain *domain,
                                const struct vor_run *run, struct vor_error *err)
 {
     struct probe probe = {.domain = domain};
     size_t places = domain->n < PLACES ? domain->n : PLACES;
-    vor_status status = VOR_OK;
+    vor_status status;
+    double share;
 
-    *pays = 0;
+    *lists = VOR_LISTS_NONE;
     if (domain->n < VOR_WALK_MOST)
         return VOR_OK;
     status = vor_run_for(run, places, PROBE_BLOCK, probe_block, &probe, err);
-    *pays = status == VOR_OK && (double)atomic_load(&probe.found) >= PROBE_SHARE * (double)places;
+    share = (double)atomic_load(&probe.found) / (double)places;
+    if (status == VOR_OK && share >= PROBE_SHARE / 2)
+        *lists = share >= PROBE_SHARE ? VOR_LISTS_LOCAL : VOR_LISTS_FEW;
     return status;
 }

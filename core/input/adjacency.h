@@ -25,20 +25,23 @@
 /** Neighbours that a point has at most. */
 #define VOR_ADJACENT 20
 
-/** Finds out whether lists pay for fits: whether at four or more of 1,024 places a second sheet
- * lies over or crosses that of the point. Creases, noise and steps of depth are none.
+/** Finds out whether lists pay for fits: at how many of 1,024 places a second sheet lies over or
+ * crosses that of the point. Creases, noise and steps of depth are none.
  *
- *  @param[out] pays  1 or 0
+ *  @param[out] lists  VOR_LISTS_LOCAL: at eight or more; VOR_LISTS_FEW: at four or more, which pays
+ *                     where triangles are to be made, that fits to two sheets spoil;
+ *                     VOR_LISTS_NONE
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(log n), on the run's pool. The same
  *  answer for any number of threads. */
-VOR_NODISCARD vor_status vor_adjacency_probe(int *pays, const struct vor_domain *domain,
+VOR_NODISCARD vor_status vor_adjacency_probe(enum vor_lists *lists, const struct vor_domain *domain,
                                              const struct vor_run *run, struct vor_error *err);
 
 /** Makes the lists of the domain's points. graph->own is 1 where fits are to be made to the
- *  list; elsewhere the nearest points lie on one surface, or the list helps a fit little.
+ *  list; elsewhere the nearest points lie on one surface, or the list helps a fit little. Where
+ *  known.lists is VOR_LISTS_FEW, only lists that leave out a sheet that lies over them are made.
  *
  *  @param[out] out  free with vor_graph_free; untouched on failure
  *

@@ -43,6 +43,7 @@ static inline void vor_neighbors_fix(struct vor_neighbors *out, unsigned k)
 enum vor_lists {
     VOR_LISTS_NONE,
     VOR_LISTS_LOCAL,     /**< input/adjacency.h */
+    VOR_LISTS_FEW,       /**< the same, and the nearest points where no second sheet shows */
     VOR_LISTS_SATELLITES /**< input/satellites.h */
 };
 

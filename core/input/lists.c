@@ -31,6 +31,7 @@ vor_status vor_lists_make(struct vor_domain *domain, const struct vor_run *run,
         return VOR_OK;
     switch (domain->known.lists) {
     case VOR_LISTS_LOCAL:
+    case VOR_LISTS_FEW:
         return make_local(domain, run, err);
     case VOR_LISTS_SATELLITES:
         return vor_satellites_make(&domain->graph, domain, run, err);

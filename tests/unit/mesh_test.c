@@ -347,6 +347,28 @@ START_TEST(two_spheres_an_input_spacing_apart_are_unsure)
 }
 END_TEST
 
+/* Regression: too few places showed two sheets, so fits mixed them where they are two spacings
+ * apart. */
+START_TEST(a_ball_two_spacings_within_another_is_apart_from_it)
+{
+    struct vor_cloud in;
+    struct vt_meshed meshed;
+
+    vt_cloud_sphere(&in, 3 + (uint64_t)_i, 3000);
+    for (size_t i = 0; i < in.n; i++)
+        for (size_t c = 0; c < 3 && i % 5 == 0; c++)
+            in.xyz[3 * i + c] = in.xyz[3 * i + c] / 2 + (c == 2 ? .35f : 0);
+    mesh_of(&meshed, &in, in.n);
+    assert_sound(&meshed);
+    ck_assert_int_eq(meshed.report.mesh_closed, VOR_YES);
+    ck_assert_double_eq(meshed.report.mesh_euler, 4);
+    ck_assert_uint_eq(meshed.report.mesh_components, 2);
+    vt_meshed_free(&meshed);
+    vor_cloud_free(&in);
+    vt_assert_no_leak();
+}
+END_TEST
+
 /* Six times the volume of a tetrahedron. */
 static double volume6_of(const float *a, const float *b, const float *c, const float *d)
 {
@@ -486,6 +508,7 @@ int main(void)
                    VT_SOAK_LOOPS(1, 2));
     vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
     vt_add_figures(suite, two_spheres_an_input_spacing_apart_are_unsure, 0);
+    vt_add_figures(suite, a_ball_two_spacings_within_another_is_apart_from_it, VT_SOAK_LOOPS(1, 3));
     vt_add_figures(suite, a_mesh_of_noisy_points_does_not_pass_through_itself,
                    VT_FEWER(VT_SOAK_LOOPS(1, 5)));
     vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
