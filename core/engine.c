@@ -1,5 +1,6 @@
 #include "core/engine.h"
 
+#include "core/align/align.h"
 #include "core/baselines/baselines.h"
 #include "core/cvt/cvt.h"
 #include "core/input/followed.h"
@@ -192,10 +193,10 @@ static vor_status run_mesh(struct vor_artefacts *out, const struct vor_artefacts
     return spread(out, in, spec, run, 1, err);
 }
 
-/* Hands out the points of the input, restored or as they are. */
-static vor_status keep_points(struct vor_artefacts *out, const struct vor_artefacts *in,
-                              const struct vor_spec *spec, const struct vor_run *run, int restores,
-                              struct vor_error *err)
+/* The processes that hand out the points of the input: restored, registered or as they are. */
+static vor_status run_points(struct vor_artefacts *out, const struct vor_artefacts *in,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
     const struct vor_run whole = vor_run_unstoppable(run);
@@ -209,8 +210,11 @@ static vor_status keep_points(struct vor_artefacts *out, const struct vor_artefa
     vor_mesh_init(&mesh, run->memory);
     status = vor_convert_cloud(&cloud, &mesh, report, vor_artefacts_cloud(in, "cloud"), spec,
                                &whole, err);
-    if (status == VOR_OK && restores)
+    if (status == VOR_OK && spec->process == vor_process_find("restore"))
         status = vor_restore_cloud(&cloud, report, spec, &whole, err);
+    if (status == VOR_OK && spec->process == vor_process_find("register"))
+        status = vor_align_cloud(&cloud, report, vor_artefacts_cloud(in, "reference"), spec, &whole,
+                                 err);
     report->seconds_index = vor_run_seconds(run);
     report->memory_peak_bytes = atomic_load(&run->memory->peak);
     if (status == VOR_OK)
@@ -218,20 +222,6 @@ static vor_status keep_points(struct vor_artefacts *out, const struct vor_artefa
     vor_mesh_free(&mesh);
     vor_cloud_free(&cloud);
     return status;
-}
-
-static vor_status run_convert(struct vor_artefacts *out, const struct vor_artefacts *in,
-                              const struct vor_spec *spec, const struct vor_run *run,
-                              struct vor_error *err)
-{
-    return keep_points(out, in, spec, run, 0, err);
-}
-
-static vor_status run_restore(struct vor_artefacts *out, const struct vor_artefacts *in,
-                              const struct vor_spec *spec, const struct vor_run *run,
-                              struct vor_error *err)
-{
-    return keep_points(out, in, spec, run, 1, err);
 }
 
 static vor_status run_measure(struct vor_artefacts *out, const struct vor_artefacts *in,
@@ -279,7 +269,8 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
 static const struct vor_process processes[] = {
     {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
     {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
-    {"convert", run_convert},      {"mesh", run_mesh},        {"restore", run_restore},
+    {"convert", run_points},       {"mesh", run_mesh},        {"restore", run_points},
+    {"register", run_points},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)
 #undef PROCESS_ROW

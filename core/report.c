@@ -74,6 +74,12 @@ static const char *const warning_sentences[VOR_WARNING_COUNT] = {
 #undef UNUSED_SENTENCE
 };
 
+static const char *const doubt_words[VOR_DOUBT_COUNT] = {
+#define DOUBT_WORD(id, word) (word),
+    VOR_DOUBT_TABLE(DOUBT_WORD)
+#undef DOUBT_WORD
+};
+
 static const char *const answered_words[] = {"no", "yes"};
 static const char *const loop_kind_words[] = {"hole", "rim"};
 static const char *const hole_outcome_words[] = {"filled", "rim", "too-long", "not-chosen",
@@ -96,6 +102,10 @@ static const char *const loop_why_words[] = {
 #define VOR_KIND_OF_LOOP_KIND(type, field) WORD_OF(loop_kind_words, 2)
 #define VOR_KIND_OF_LOOP_WHY(type, field) WORD_OF(loop_why_words, 3)
 #define VOR_KIND_OF_HOLE_OUTCOME(type, field) WORD_OF(hole_outcome_words, 5)
+#define VOR_KIND_OF_DOUBT(type, field) WORD_OF(doubt_words, VOR_DOUBT_COUNT)
+#define VOR_KIND_OF_MATRIX(type, field) .kind = VOR_MEMBER_NUMBERS, .word_count = 16
+#define VOR_KIND_OF_AXIS(type, field) .kind = VOR_MEMBER_NUMBERS, .word_count = 3
+#define VOR_KIND_OF_RUNNER_UP(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &runner_up_members
 #define VOR_KIND_OF_APART(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &apart_members
 #define VOR_KIND_OF_BASELINE(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &baseline_members
 #define VOR_KIND_OF_BOX(type, field) .kind = VOR_MEMBER_OBJECT, .inner = &box_members
@@ -118,6 +128,8 @@ static const char *const loop_why_words[] = {
 
 #define APART_ROW(...) VOR_MEMBER(struct vor_apart, __VA_ARGS__)
 static DESCRIBE(apart_members, struct vor_apart, VOR_APART_TABLE(APART_ROW));
+#define RUNNER_UP_ROW(...) VOR_MEMBER(struct vor_runner_up, __VA_ARGS__)
+static DESCRIBE(runner_up_members, struct vor_runner_up, VOR_RUNNER_UP_TABLE(RUNNER_UP_ROW));
 #define BASELINE_ROW(...) VOR_MEMBER(struct vor_baseline, __VA_ARGS__)
 static DESCRIBE(baseline_members, struct vor_baseline, VOR_BASELINE_TABLE(BASELINE_ROW));
 #define FITTED_ROW(...) VOR_MEMBER(struct vor_fitted, __VA_ARGS__)

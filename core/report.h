@@ -353,6 +353,7 @@ struct vor_stage_done {
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
       "The loops with the most edges, at most 32")                                                 \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
+    VOR_REGISTRATION_TABLE(X)                                                                      \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
       "Results of simple methods on the same input; present only with baselines=true. Absent "     \
       "also if the result is the filtered input or if the caller stopped the run")                 \

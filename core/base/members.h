@@ -19,6 +19,7 @@ enum vor_member_kind {
     VOR_MEMBER_U64,     /**< uint64_t: a number */
     VOR_MEMBER_REAL,    /**< double: a number, null when it is not finite */
     VOR_MEMBER_VECTOR,  /**< double[3]: the members x, y and z of an object */
+    VOR_MEMBER_NUMBERS, /**< an array of `word_count` doubles: an array */
     VOR_MEMBER_TEXT,    /**< char[VOR_MEMBER_TEXT_SIZE]: a string */
     VOR_MEMBER_WORD,    /**< an enum that counts from 0: one of `words`, null past the last */
     VOR_MEMBER_OBJECT,  /**< a struct that has a table of its own, `inner`: an object */
@@ -41,7 +42,7 @@ struct vor_member {
     enum vor_member_kind kind;
     size_t offset;                   /**< of the member in its struct */
     const char *const *words;        /**< WORD: words[0 .. word_count - 1] */
-    unsigned word_count;             /**< WORD */
+    unsigned word_count;             /**< WORD, NUMBERS */
     const struct vor_members *inner; /**< OBJECT, LIST */
     size_t count_offset;             /**< LIST: of the unsigned that says how many are in use */
 };

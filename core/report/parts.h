@@ -183,6 +183,73 @@ struct vor_hole_told {
       "Number of points without a closed Voronoi cell, as along a border. The other figures "      \
       "leave these points out")
 
+/** Why the pose of a registered cloud may be wrong: identifier, word. */
+#define VOR_DOUBT_TABLE(X)                                                                         \
+    X(NONE, "none")                                                                                \
+    X(SLIDE, "free-slide")                                                                         \
+    X(TURN, "free-turn")                                                                           \
+    X(SCALE, "free-scale")                                                                         \
+    X(POSE, "another-pose")                                                                        \
+    X(CONFLICT, "conflict")                                                                        \
+    X(OVERLAP, "little-overlap")
+
+enum vor_doubt {
+#define VOR_DOUBT_ENUM(id, word) VOR_DOUBT_##id,
+    VOR_DOUBT_TABLE(VOR_DOUBT_ENUM)
+#undef VOR_DOUBT_ENUM
+        VOR_DOUBT_COUNT
+};
+
+#define VOR_FIELD_DOUBT(field) enum vor_doubt field;
+#define VOR_FIELD_MATRIX(field) double field[16];
+#define VOR_FIELD_AXIS(field) double field[3];
+
+/** Where a registered cloud might lie. */
+#define VOR_RUNNER_UP_TABLE(X)                                                                     \
+    X(MATRIX, transform, "transform", "", "As registration.transform")                             \
+    X(REAL, score, "score", "", "As registration.score")
+
+struct vor_runner_up {
+    VOR_RUNNER_UP_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_RUNNER_UP(field) struct vor_runner_up field;
+
+/** How a registered cloud lies on its reference. */
+#define VOR_REGISTRATION_TABLE(X)                                                                  \
+    X(OPTIONAL, has_pose, "registration", "",                                                      \
+      "How the cloud lies on the reference; only for the process register")                        \
+    X(MATRIX, transform, "registration.transform", "",                                             \
+      "4 x 4 matrix, row by row, that moves a point (x, y, z, 1) of the cloud onto the reference") \
+    X(REAL, pose_scale, "registration.scale", "",                                                  \
+      "Factor by which the transform scales; 1 with scale=fixed")                                  \
+    X(REAL, pose_rms, "registration.rms", "unit of the reference",                                 \
+      "Root mean square distance of evenly spread points of the moved cloud to the surface of "    \
+      "the reference, where both overlap")                                                         \
+    X(REAL, pose_mse, "registration.mse", "unit of the reference^2", "The square of rms")          \
+    X(REAL, pose_overlap, "registration.overlap", "",                                              \
+      "Share of the cloud's surface that lies on the reference")                                   \
+    X(REAL, pose_covered, "registration.covered", "",                                              \
+      "Share of the reference's surface that the cloud lies on")                                   \
+    X(REAL, pose_conflict, "registration.conflict", "",                                            \
+      "Share of the surface near the other cloud that does not lie on it; 0 where all "            \
+      "overlapping "                                                                               \
+      "parts agree")                                                                               \
+    X(REAL, pose_trust, "registration.trust", "",                                                  \
+      "How far the pose can be relied on, 0 to 1: below 0.5 look at the result before using it")   \
+    X(DOUBT, pose_doubt, "registration.reason", "",                                                \
+      "Why trust is below 0.5, else none. free-slide, free-turn, free-scale: the cloud fits as "   \
+      "well after sliding along axis, turning about axis, or scaling; another-pose: runner_up "    \
+      "fits nearly as well; conflict: overlapping parts differ; little-overlap: too little of "    \
+      "either cloud lies on the other one")                                                        \
+    X(AXIS, pose_axis, "registration.axis", "",                                                    \
+      "Unit vector of the free motion, in the reference's coordinates; 0 unless reason is "        \
+      "free-slide or free-turn")                                                                   \
+    X(REAL, pose_score, "registration.score", "",                                                  \
+      "Mean share of both surfaces that lies on the other one, less for distance and conflict")    \
+    X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
+      "The next best pose that was found; all 0 if there is none")
+
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \

@@ -71,7 +71,9 @@ enum vor_level {
     X(NORMALS, BASIC, "Normals")                                                                   \
     X(SOUP, ADVANCED, "Cells for faces")                                                           \
     X(BASELINES, ADVANCED, "Baselines")                                                            \
-    X(PEAK, BASIC, "Peak of the PSNR")
+    X(PEAK, BASIC, "Peak of the PSNR")                                                             \
+    X(SCALE, BASIC, "Scale")                                                                       \
+    X(OVERLAP, ADVANCED, "Overlap")
 
 /** What parameters hang on: parameter, its name, another one, words of it with blanks between, when
  *  it has an effect. Without one of these words the parameter changes nothing: a form need not show

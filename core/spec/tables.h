@@ -83,6 +83,7 @@ enum vor_kind {
     X(OUTPUT, "The result")                                                                        \
     X(MESH, "Faces of the result")                                                                 \
     X(FORMAT, "File format")                                                                       \
+    X(ALIGN, "Registration")                                                                       \
     X(MEASURE, "Measurement")                                                                      \
     VOR_EXTRA_GROUPS(X)
 
@@ -315,6 +316,12 @@ enum vor_method_choice {
     X(PEAK, peak, REAL_OR_AUTO, MEASURE, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",          \
       "Peak value in the formulas of d1_psnr and d2_psnr. auto: the largest distance from a "      \
       "reference point to its nearest neighbour")                                                  \
+    X(SCALE, scale, CHOICE, ALIGN, "", 0, 0, VOR_SCALE_FIXED, "fixed free",                        \
+      "Whether the cloud may be scaled. fixed: both clouds have the same unit; free: the factor "  \
+      "is found, which is sure only if both clouds show the whole object")                         \
+    X(OVERLAP, overlap, REAL_OR_AUTO, ALIGN, "", 0.1, 1, VOR_UNSET, "",                            \
+      "Share of the cloud that has a counterpart in the reference. auto: found from the "          \
+      "distances")                                                                                 \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -345,6 +352,7 @@ enum { VOR_SIGMA_P_AUTO, VOR_SIGMA_P_PAPER }; /* words of the number sigmaP */
 enum { VOR_PHASES_BOTH, VOR_PHASES_RESAMPLE, VOR_PHASES_INSERT };
 enum { VOR_GAPS_KEEP, VOR_GAPS_FILL };
 enum { VOR_NORMALS_NEAREST, VOR_NORMALS_ORIENTED, VOR_NORMALS_FIT, VOR_NORMALS_DROP };
+enum { VOR_SCALE_FIXED, VOR_SCALE_FREE };
 enum { VOR_INPUT_NORMALS_AUTO, VOR_INPUT_NORMALS_USE, VOR_INPUT_NORMALS_ESTIMATE };
 
 /** One row of the table of parameters. */
@@ -392,6 +400,12 @@ struct vor_artefact_info {
      {"reference", VOR_ARTEFACT_CLOUD, 0,                                                          \
       "Reference cloud. Distances are measured from the cloud to the reference and back. Over "    \
       "HTTP, the reference is a part of a form"})
+#define VOR_CLOUD_ONTO_REFERENCE_IN                                                                \
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
+      "The point cloud that is moved; its format is detected from the data. Over HTTP it is a "    \
+      "part of a form"},                                                                           \
+     {"reference", VOR_ARTEFACT_CLOUD, 1,                                                          \
+      "The cloud that it is moved onto. Over HTTP it is a part of a form"})
 #define VOR_CLOUD_OUT                                                                              \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The resulting cloud"},                                      \
      {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
@@ -450,6 +464,10 @@ struct vor_artefact_info {
       "Restore a decoded point cloud",                                                             \
       "Moves the points of a cloud back towards the surface after a codec rounded them to a "      \
       "grid. Each point stays within its grid cell; order, attributes and faces stay the same")    \
+    X(REGISTER, register, 1, VOR_IN(READ) | VOR_IN(ALIGN) | VOR_IN(FORMAT), 0, 0, 0,               \
+      VOR_CLOUD_ONTO_REFERENCE_IN, VOR_CLOUD_OUT, "Register two point clouds",                     \
+      "Moves a cloud onto a reference that shows the same object or parts of it, from any pose, "  \
+      "and says how far the result can be relied on")                                              \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

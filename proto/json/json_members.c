@@ -102,6 +102,13 @@ static void put_member(struct vor_text *text, const char *name, const struct vor
         for (int c = 0; c < 3; c++)
             vor_json_put_double(text, axes[c], ((const double *)value)[c]);
         return;
+    case VOR_MEMBER_NUMBERS:
+        vor_json_key(text, name);
+        vor_json_begin_array(text);
+        for (unsigned i = 0; i < row->word_count; i++)
+            vor_json_double(text, ((const double *)value)[i]);
+        vor_json_end_array(text);
+        return;
     case VOR_MEMBER_TEXT:
         vor_json_put_string(text, name, value);
         return;
@@ -246,6 +253,13 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
     case VOR_MEMBER_VECTOR:
         vor_json_put_string(text, "type", "number");
         vor_json_put_bool(text, "nullable", 1);
+        return;
+    case VOR_MEMBER_NUMBERS:
+        vor_json_put_string(text, "type", "array");
+        vor_json_key(text, "items");
+        vor_json_begin_object(text);
+        vor_json_put_string(text, "type", "number");
+        vor_json_end_object(text);
         return;
     case VOR_MEMBER_TEXT:
         vor_json_put_string(text, "type", "string");

@@ -255,6 +255,7 @@ static void say_baselines(const struct vor_progress *progress, const struct vor_
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
     const struct vor_json *seconds = vor_json_get(report, "seconds");
+    const struct vor_json *pose = vor_json_get(report, "registration");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
     struct vor_report told = {0};
     double points = number_at(vor_json_get(report, "points"), "out"), sum = 0, number;
@@ -273,6 +274,10 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
     if (vor_process_takes(progress->cli->spec.process, VOR_PARAM_POINTS))
         (void)snprintf(line, sizeof line, "%.0f point%s, delta %.4f%s%s, %.1f s", points, plural,
                        number_at(report, "delta"), after, end, sum);
+    else if (pose != NULL)
+        (void)snprintf(line, sizeof line, "%.0f point%s, overlap %.2f, trust %.2f (%.16s), %.1f s",
+                       points, plural, number_at(pose, "overlap"), number_at(pose, "trust"),
+                       vor_json_get_string(vor_json_get(pose, "reason")), sum);
     else
         (void)snprintf(line, sizeof line, "%.0f point%s, %.1f s", points, plural, sum);
     vor_cli_say(progress->name != NULL ? progress->name : progress->cli->option[VOR_OPTION_OUTPUT],

@@ -13,6 +13,8 @@
 #define INSPECT 120.0 /* of the input, what inspect takes beside the index: 118 to 260 */
 #define CONVERT 24.0  /* of the input, what convert takes: 24 */
 #define RESTORE 36.0  /* of the input, what restore takes beside convert and the index: 36 */
+#define REGISTER 24.0 /* of each input, what register takes beside convert: 24 */
+#define SAMPLES 7e6   /* whatever the input, what register takes for samples and poses: 6e6 */
 #define DOUBLES                                                                                    \
     24.0            /* of the input, where it may be doubles that are kept: convert 24 beside what \
                        attributes are reckoned with, denoise 36 */
@@ -142,6 +144,8 @@ uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
             bytes += (INDEX + SHEETS + attributes) * points;
         if (spec->process == vor_process_find("restore"))
             bytes += (INDEX + RESTORE) * points;
+        if (spec->process == vor_process_find("register"))
+            bytes += REGISTER * points + SAMPLES / 2;
     }
     return (uint64_t)fmin(bytes, 9e18);
 }

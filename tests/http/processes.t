@@ -38,7 +38,7 @@ my %as = (
     simplify => { ask => 'ratio=0.25', out => $points / 4, ratio => 0.25, outliers => 'keep', same => 'ratio=0.25' },
 );
 my @listed = @{ json($daemon->get('/v1/processes'))->{processes} };
-is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect convert mesh restore)], 'the list has every process';
+is_deeply [map { $_->{id} } @listed], [qw(resample denoise upsample simplify measure inspect convert mesh restore register)], 'the list has every process';
 
 for my $process (grep { $as{ $_->{id} } } @listed) {
     my ($id, $wanted) = ($process->{id}, $as{ $process->{id} });

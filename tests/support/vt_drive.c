@@ -86,6 +86,8 @@ static void hash_values(struct vt_call *call, const struct vor_members *members,
         else if (row->kind != VOR_MEMBER_REQUEST && row->kind != VOR_MEMBER_TEXT) {
             if (row->kind == VOR_MEMBER_VECTOR)
                 size = 3 * sizeof(double);
+            else if (row->kind == VOR_MEMBER_NUMBERS)
+                size = row->word_count * sizeof(double);
             else if (row->kind != VOR_MEMBER_REAL && row->kind != VOR_MEMBER_U64)
                 size = sizeof(uint32_t);
             vt_call_hash(call, at, size);
@@ -138,7 +140,8 @@ vor_status vt_call_request(struct vt_call *call)
     vor_artefacts_init(&outputs, &vt_memory);
     inputs.item[inputs.count++] =
         (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *call->in};
-    if (strcmp(process, "measure") == 0) /* to the first half of itself */
+    if (strcmp(process, "measure") == 0 ||
+        strcmp(process, "register") == 0) /* to the first half of itself */
         inputs.item[inputs.count++] =
             (struct vor_artefact){.name = "reference",
                                   .kind = VOR_ARTEFACT_CLOUD,

@@ -199,6 +199,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("inspect holes", make_punched, 1200, 300, "inspect"),
     ROW("inspect sheets", make_waves, 1200, 300, "inspect outliers=keep intrinsic=satellites"),
     ROW("restore", make_voxels, 4000, 300, "restore"),
+    ROW("register", make_oriented, 4000, 300, "register scale=free"),
     {.name = "convert",
      .call = vt_call_request,
      .make = make_carrying,

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* The first four spread points and have a target, the last measures. */
-enum { PROCESSES = 9, SPREADING = 4 };
+enum { PROCESSES = 10, SPREADING = 4 };
 
 static struct vor_spec request_for(const char *process)
 {

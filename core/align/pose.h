@@ -1,0 +1,38 @@
+/** A similarity: it turns, scales and shifts. */
+#ifndef VOR_ALIGN_POSE_H
+#define VOR_ALIGN_POSE_H
+
+#include "core/base/linalg.h"
+
+/** x becomes scale * turn * x + shift. */
+struct vor_pose {
+    double turn[3][3]; /**< a rotation */
+    double scale;      /**< > 0 */
+    double shift[3];
+};
+
+/** Turns a vector, without scale and shift; out is not v. */
+static inline void vor_pose_turn(const struct vor_pose *pose, const double v[3], double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = vor_dot(pose->turn[c], v);
+}
+
+/** Moves a point; out is not x. */
+static inline void vor_pose_move(const struct vor_pose *pose, const double x[3], double out[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = pose->scale * vor_dot(pose->turn[c], x) + pose->shift[c];
+}
+
+/** How far two turns are apart: 1 minus the cosine of the angle between them. */
+static inline double vor_pose_turned(const struct vor_pose *a, const struct vor_pose *b)
+{
+    double trace = 0;
+
+    for (int c = 0; c < 3; c++)
+        trace += vor_dot(a->turn[c], b->turn[c]);
+    return (3 - trace) / 2;
+}
+
+#endif
