@@ -164,8 +164,8 @@ for my $case (
     ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and needs \d\d points, want 600 to 9600: upsample /],
     ['simplify', 'points=601', 422, qr/^points is 601, want 1 to 600: simplify cannot give more points than the input has \(600\)$/],
     ['simplify', 'spacing=0.1', 422, qr/^spacing is 0\.1 and needs 1\d\d\d points, want 1 to 600: simplify /],
-    ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: denoise gives up to 16 for each/],
-    ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: resample gives up to 16 for each/],
+    ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: denoise gives up to 16 points for each/],
+    ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: resample gives up to 16 points for each/],
 ) {
     my ($id, $query, $status, $detail, $parameter) = @$case;
     for my $path ("/v1/$id", "/v1/processes/$id/execution") {
