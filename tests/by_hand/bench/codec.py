@@ -2,7 +2,7 @@
 """What the codec's table needs; shares no code with the product.
 
 usage: codec.py YARDSTICK sample MESH N OUT.ply   N points of the mesh, white noise by area
-       codec.py YARDSTICK plain CLOUD OUT.ply   its positions alone, as float32
+       codec.py YARDSTICK plain CLOUD OUT.ply   its positions about their mean, as float32
        codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1 and D2 in dB against the cloud
        codec.py YARDSTICK saved   of lines "bytes dB bytes dB" on standard input, of two ways to code: the share of bytes, in
                                   percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes)
@@ -55,7 +55,8 @@ if sys.argv[2] == "sample":
     v, f = read_ply(sys.argv[3])
     write_ply(sys.argv[5], sample_mesh(xyz(v), f, int(sys.argv[4]), SEED)[0])
 elif sys.argv[2] == "plain":
-    write_ply(sys.argv[4], xyz(read_ply(sys.argv[3])[0]))
+    points = xyz(read_ply(sys.argv[3])[0])
+    write_ply(sys.argv[4], points - points.mean(0))
 elif sys.argv[2] == "saved":
     a = np.array([line.split() for line in sys.stdin], float)
     low, high = max(a[:, 1].min(), a[:, 3].min()), min(a[:, 1].max(), a[:, 3].max())
