@@ -372,6 +372,13 @@ proxy: ## install what is missing, build, and run the help's snippets for nginx,
 # Objects alone: libraries of arm64 are not asked for.
 FOR_ARM64 := config=arm64 CC=aarch64-linux-gnu-gcc CXX=aarch64-linux-gnu-g++ AR=aarch64-linux-gnu-ar
 
+SCALE_TESTS := unit/store_rows unit/store_queue unit/store_tenants property/store_model
+
+scale: ## install what is missing, build, and run the store's tests on a PostgreSQL and a pgbouncer that are started here
+	@docker/install.sh build test scale
+	@$(MAKE) --no-print-directory all $(addprefix $(B)/tests/,$(SCALE_TESTS))
+	@VORONOID=$(BIN) prove tests/scale/postgres.t
+
 cross: ## install what is missing, and compile core and proto for arm64; a warning fails
 	@docker/install.sh build cross
 	@$(MAKE) --no-print-directory $(FOR_ARM64) CFLAGS=-Werror CXXFLAGS=-Werror objects

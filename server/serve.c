@@ -95,13 +95,15 @@ static void pause_for(double seconds)
     (void)nanosleep(&pause, NULL); /* signals wait for the main thread */
 }
 
-/* A disk has failed: what is on it is not known any more, so that only a start finds out. Called on
- * a thread of the worker. Answers under way get a moment, jobs none: their rows cannot change. */
+/* A disk has failed: only a start finds out what is on it; or the store is another daemon's. Called
+ * on a thread of the worker. Answers under way get a moment, jobs none: rows cannot change. */
 static void fail(void *ctx, const struct vor_error *why)
 {
     struct daemon *daemon = ctx;
 
-    vor_log(VOR_LOG_ERROR, "a disk failed: the daemon exits and recovers when it starts again",
+    vor_log(VOR_LOG_ERROR,
+            "a disk failed, or another daemon has the store: the daemon exits and recovers when it "
+            "starts again",
             VOR_TEXT("error", why->message), VOR_COUNT("exit", VOR_EXIT_FAILED));
     if (daemon->app.http != NULL && !atomic_exchange(&daemon->app.draining, true))
         vor_http_quiesce(daemon->app.http);

@@ -47,8 +47,9 @@ enum vor_setting_kind {
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
       "Folder for jobs and their files. Default: $STATE_DIRECTORY, $XDG_STATE_HOME/voronoid or "   \
       "~/.local/state/voronoid")                                                                   \
-    X(STORE, "store", TEXT, "sqlite:PATH", 0, 0, "",                                               \
-      "Database of jobs. Default: jobs.sqlite in --data")                                          \
+    X(STORE, "store", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
+      "Database of jobs: sqlite:PATH, or postgresql://USER@HOST/DATABASE. Default: jobs.sqlite "   \
+      "in --data")                                                                                 \
     X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
       "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \

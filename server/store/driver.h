@@ -146,7 +146,7 @@ struct vor_store_driver {
     vor_status (*open)(struct vor_store **out, const char *place, long *holder,
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
-    vor_status (*check)(struct vor_store *store, struct vor_error *err);
+    vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
     vor_status (*insert)(struct vor_store *store, struct vor_job_view *row,
                          struct vor_ledger *ledger, struct vor_error *err);
     vor_status (*claim_next)(struct vor_store *store, const struct vor_claim *claim,

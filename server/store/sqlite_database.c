@@ -1,14 +1,9 @@
 #include "server/store/sqlite_database.h"
 
-#include "server/base/clock.h"
-#include "server/base/metrics.h"
-
 #include <assert.h>
-#include <ctype.h>
 #include <errno.h>
 #include <pthread.h>
 #include <sqlite3.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -31,15 +26,11 @@ struct connection {
 };
 
 struct vor_sqlite {
+    struct vor_sql base;
     atomic_int broken;
     atomic_uint next_reader; /* to wait for where none is free */
     struct connection writer, reader[READERS];
     int is_lazy; /* the writer's transaction need not be durable */
-};
-
-struct vor_sqlite_row {
-    sqlite3_stmt *statement;
-    int column; /* the next one */
 };
 
 enum { BUSY_MS = 5000 };
@@ -155,22 +146,21 @@ vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_err
     return status;
 }
 
-static int bind_all(sqlite3_stmt *statement, const char *types, va_list *args)
+static int bind_all(sqlite3_stmt *statement, const struct vor_sql_values *values)
 {
     int code = SQLITE_OK;
 
-    for (int at = 1; *types != '\0' && code == SQLITE_OK; at++, types++) {
-        if (*types == 't') {
-            code = sqlite3_bind_text(statement, at, va_arg(*args, const char *), -1, SQLITE_STATIC);
-        } else if (*types == 'i') {
-            code = sqlite3_bind_int64(statement, at, va_arg(*args, int64_t));
-        } else if (*types == 'r') {
-            code = sqlite3_bind_double(statement, at, va_arg(*args, double));
-        } else {
-            const void *bytes = va_arg(*args, const void *);
+    for (int at = 0; at < (int)values->count && code == SQLITE_OK; at++) {
+        const struct vor_sql_value *value = &values->value[at];
 
-            code = sqlite3_bind_blob64(statement, at, bytes, va_arg(*args, size_t), SQLITE_STATIC);
-        }
+        if (value->type == 't')
+            code = sqlite3_bind_text(statement, at + 1, value->bytes, -1, SQLITE_STATIC);
+        else if (value->type == 'i')
+            code = sqlite3_bind_int64(statement, at + 1, value->number);
+        else if (value->type == 'r')
+            code = sqlite3_bind_double(statement, at + 1, value->real);
+        else
+            code = sqlite3_bind_blob64(statement, at + 1, value->bytes, value->size, SQLITE_STATIC);
     }
     return code;
 }
@@ -198,12 +188,12 @@ static int prepare(sqlite3_stmt **out, struct connection *connection, const char
 
 /* Binds the parameters of a statement and takes its first step; finish has to follow. */
 static int start(sqlite3_stmt **out, struct connection *connection, const char *sql,
-                 const char *types, va_list *args)
+                 const struct vor_sql_values *values)
 {
     int code = prepare(out, connection, sql);
 
     if (code == SQLITE_OK)
-        code = bind_all(*out, types, args);
+        code = bind_all(*out, values);
     return code == SQLITE_OK ? sqlite3_step(*out) : code;
 }
 
@@ -216,60 +206,32 @@ static void finish(sqlite3_stmt *statement)
     (void)sqlite3_clear_bindings(statement);
 }
 
-int64_t vor_sqlite_number(struct vor_sqlite_row *row)
+static int64_t number_of(void *of, int column)
 {
-    return sqlite3_column_int64(row->statement, row->column++);
+    return sqlite3_column_int64(of, column);
 }
 
-double vor_sqlite_real(struct vor_sqlite_row *row)
+static double real_of(void *of, int column)
 {
-    return sqlite3_column_double(row->statement, row->column++);
+    return sqlite3_column_double(of, column);
 }
 
-const char *vor_sqlite_text(struct vor_sqlite_row *row)
+static const char *text_of(void *of, int column)
 {
-    return (const char *)sqlite3_column_text(row->statement, row->column++);
+    return (const char *)sqlite3_column_text(of, column);
 }
 
-const void *vor_sqlite_bytes(struct vor_sqlite_row *row, size_t *size)
+static const void *bytes_of(void *of, int column, size_t *size)
 {
-    const void *bytes = sqlite3_column_blob(row->statement, row->column);
+    const void *bytes = sqlite3_column_blob(of, column);
 
-    *size = (size_t)sqlite3_column_bytes(row->statement, row->column++);
+    *size = (size_t)sqlite3_column_bytes(of, column);
     return bytes;
 }
 
-void vor_sqlite_copy(struct vor_sqlite_row *row, char *out, size_t size)
+static struct vor_sqlite *of_sql(struct vor_sql *db)
 {
-    const char *text = vor_sqlite_text(row);
-
-    (void)snprintf(out, size, "%s", text != NULL ? text : "");
-}
-
-int vor_sqlite_take_number(void *ctx, struct vor_sqlite_row *row)
-{
-    *(int64_t *)ctx = vor_sqlite_number(row);
-    return 1;
-}
-
-/* A change: who gets the rows that it returns (each may be NULL), and how many it changed. */
-struct change {
-    void (*each)(void *ctx, struct vor_sqlite_row *row);
-    void *ctx;
-    int rows;
-};
-
-/* The first word of a statement, as it is called in /metrics: "UPDATE job ..." is an update. */
-static void count(const char *sql, double began, vor_status status)
-{
-    size_t length = strspn(sql, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
-    char word[16] = "";
-
-    for (size_t i = 0; i < length && i < sizeof word - 1; i++)
-        word[i] = (char)tolower((unsigned char)sql[i]);
-    vor_metric_observe(VOR_METRIC_STORE_SECONDS, vor_clock_seconds() - began,
-                       VOR_LABELS("sqlite", word));
-    vor_metric_add(VOR_METRIC_STORE_ERRORS, status != VOR_OK, NULL);
+    return (struct vor_sqlite *)db;
 }
 
 static vor_status refuse(struct vor_error *err)
@@ -277,58 +239,32 @@ static vor_status refuse(struct vor_error *err)
     return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
 }
 
-static vor_status change(struct vor_sqlite *db, struct change *change, struct vor_error *err,
-                         const char *sql, const char *types, va_list *args)
+static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changing,
+                         struct vor_error *err, const char *sql,
+                         const struct vor_sql_values *values)
 {
-    struct vor_sqlite_row row = {0};
-    double began = vor_clock_seconds();
+    struct vor_sqlite *db = of_sql(sql_db);
+    struct vor_sql_row row = {.engine = sql_db->engine};
+    sqlite3_stmt *statement = NULL;
     vor_status status = VOR_OK;
     int code;
 
     if (vor_sqlite_broken(db))
         return refuse(err);
     pthread_mutex_lock(&db->writer.mutex);
-    code = start(&row.statement, &db->writer, sql, types, args);
-    for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
+    code = start(&statement, &db->writer, sql, values);
+    row.of = statement;
+    for (; code == SQLITE_ROW; code = sqlite3_step(statement)) {
         row.column = 0;
-        if (change->each != NULL)
-            change->each(change->ctx, &row);
+        if (changing->each != NULL)
+            changing->each(changing->ctx, &row);
     }
     if (code == SQLITE_DONE)
-        change->rows = sqlite3_changes(db->writer.handle);
+        changing->rows = sqlite3_changes(db->writer.handle);
     else
         status = fail(db, &db->writer, code, err);
-    finish(row.statement);
+    finish(statement);
     pthread_mutex_unlock(&db->writer.mutex);
-    count(sql, began, status);
-    return status;
-}
-
-vor_status vor_sqlite_change(struct vor_sqlite *db, int *rows, struct vor_error *err,
-                             const char *sql, const char *types, ...)
-{
-    struct change plain = {.each = NULL};
-    vor_status status;
-    va_list args;
-
-    va_start(args, types);
-    status = change(db, &plain, err, sql, types, &args);
-    va_end(args);
-    *rows = plain.rows;
-    return status;
-}
-
-vor_status vor_sqlite_change_each(struct vor_sqlite *db,
-                                  void (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
-                                  struct vor_error *err, const char *sql, const char *types, ...)
-{
-    struct change returning = {.each = each, .ctx = ctx};
-    vor_status status;
-    va_list args;
-
-    va_start(args, types);
-    status = change(db, &returning, err, sql, types, &args);
-    va_end(args);
     return status;
 }
 
@@ -340,12 +276,13 @@ static void release_writer(struct vor_sqlite *db)
     pthread_mutex_unlock(&db->writer.mutex);
 }
 
-vor_status vor_sqlite_begin(struct vor_sqlite *db, enum vor_sqlite_how how, struct vor_error *err)
+static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor_error *err)
 {
+    struct vor_sqlite *db = of_sql(sql_db);
     vor_status status;
 
     pthread_mutex_lock(&db->writer.mutex);
-    db->is_lazy = how == VOR_SQLITE_LAZY;
+    db->is_lazy = how == VOR_SQL_LAZY;
     status = vor_sqlite_broken(db) ? refuse(err)
                                    : run(db, &db->writer,
                                          db->is_lazy ? "PRAGMA synchronous=NORMAL; BEGIN IMMEDIATE"
@@ -356,8 +293,10 @@ vor_status vor_sqlite_begin(struct vor_sqlite *db, enum vor_sqlite_how how, stru
     return status;
 }
 
-vor_status vor_sqlite_end(struct vor_sqlite *db, vor_status status, struct vor_error *err)
+static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_error *err)
 {
+    struct vor_sqlite *db = of_sql(sql_db);
+
     if (status == VOR_OK)
         status = run(db, &db->writer, "COMMIT", err);
     if (status != VOR_OK && !sqlite3_get_autocommit(db->writer.handle))
@@ -379,29 +318,44 @@ static struct connection *take_reader(struct vor_sqlite *db)
     return reader;
 }
 
-vor_status vor_sqlite_query(struct vor_sqlite *db,
-                            int (*each)(void *ctx, struct vor_sqlite_row *row), void *ctx,
-                            struct vor_error *err, const char *sql, const char *types, ...)
+static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vor_sql_row *row),
+                        void *ctx, struct vor_error *err, const char *sql,
+                        const struct vor_sql_values *values)
 {
-    struct vor_sqlite_row row = {0};
-    double began = vor_clock_seconds();
+    struct vor_sqlite *db = of_sql(sql_db);
+    struct vor_sql_row row = {.engine = sql_db->engine};
     struct connection *reader = take_reader(db);
+    sqlite3_stmt *statement = NULL;
     vor_status status = VOR_OK;
-    va_list args;
-    int code;
+    int code = start(&statement, reader, sql, values);
 
-    va_start(args, types);
-    code = start(&row.statement, reader, sql, types, &args);
-    va_end(args);
-    for (; code == SQLITE_ROW; code = sqlite3_step(row.statement)) {
+    row.of = statement;
+    for (; code == SQLITE_ROW; code = sqlite3_step(statement)) {
         row.column = 0;
         if (!each(ctx, &row))
             break;
     }
     if (code != SQLITE_ROW && code != SQLITE_DONE)
         status = fail(db, reader, code, err);
-    finish(row.statement);
+    finish(statement);
     pthread_mutex_unlock(&reader->mutex);
-    count(sql, began, status);
     return status;
+}
+
+static const struct vor_sql_engine engine = {
+    .name = "sqlite",
+    .number = number_of,
+    .real = real_of,
+    .text = text_of,
+    .bytes = bytes_of,
+    .begin = begin,
+    .end = end,
+    .change = change,
+    .query = query,
+};
+
+struct vor_sql *vor_sqlite_sql(struct vor_sqlite *db)
+{
+    db->base.engine = &engine;
+    return &db->base;
 }

@@ -155,8 +155,8 @@ static const struct {
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
     int64_t version = -1;
-    vor_status status =
-        vor_sqlite_query(db, vor_sqlite_take_number, &version, err, "PRAGMA user_version", "");
+    vor_status status = vor_sql_query(vor_sqlite_sql(db), vor_sql_take_number, &version, err,
+                                      "PRAGMA user_version", "");
 
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
         if (version != steps[i].from)

@@ -2,13 +2,15 @@
 
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
+#include "server/store/postgres.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <stdio.h>
+#include <string.h>
 
-static const struct vor_store_driver *const drivers[] = {&vor_store_sqlite};
+static const struct vor_store_driver *const drivers[] = {&vor_store_sqlite, &vor_store_postgres};
 
 const struct vor_store_driver *vor_store_driver_at(unsigned index)
 {
@@ -24,7 +26,10 @@ static vor_status refuse(const char *where, struct vor_error *err)
     for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL && at < sizeof forms; i++)
         at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
                                driver->scheme, driver->place);
-    return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.80s\", want %s", where, forms);
+    /* What follows the scheme may hold a password. */
+    return vor_fail_param(err, VOR_E_PARAM, "store", "store is \"%.*s%s\", want %s",
+                          (int)strcspn(where, ":"), where, strchr(where, ':') != NULL ? ":..." : "",
+                          forms);
 }
 
 /* What SQLite takes to open a file that was closed in order: 32 KiB of memory that connections
@@ -78,6 +83,8 @@ vor_status vor_store_open(struct vor_store **out, const char *where, long *holde
     const struct vor_store_driver *driver;
 
     *holder = 0;
+    if (strncmp(where, "postgresql://", 13) == 0) /* the other form of its URIs */
+        return open_with(&vor_store_postgres, out, where, holder, err);
     for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL; i++) {
         const char *place = vor_storage_place(where, driver->scheme);
 

@@ -46,11 +46,14 @@ void vor_store_close(struct vor_store *store);
  * were before. A driver that cannot know says no. */
 int vor_store_is_damaged(const struct vor_store *store);
 
-/** Is it in working order? For /readyz. */
-VOR_NODISCARD static inline vor_status vor_store_check(struct vor_store *store,
+/** Is it in working order? For /readyz.
+ *
+ *  @param[out] is_lost  where it is not: only a start of the daemon helps, because its disk failed
+ * or another daemon has it; else it may come back */
+VOR_NODISCARD static inline vor_status vor_store_check(struct vor_store *store, int *is_lost,
                                                        struct vor_error *err)
 {
-    return store->driver->check(store, err);
+    return store->driver->check(store, is_lost, err);
 }
 
 /** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.

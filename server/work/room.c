@@ -9,7 +9,8 @@
 
 vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
 {
-    vor_status status = vor_store_check(worker->config.store, err);
+    int is_lost;
+    vor_status status = vor_store_check(worker->config.store, &is_lost, err);
 
     if (status == VOR_OK && atomic_load(&worker->is_late))
         return vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
@@ -18,12 +19,13 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
     return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;
 }
 
-/* VOR_OK as long as no disk has failed. */
+/* VOR_OK as long as no disk has failed and the store is ours; one that is away may come back. */
 static vor_status check_disks(struct vor_worker *worker, struct vor_error *err)
 {
-    vor_status status = vor_store_check(worker->config.store, err);
+    int is_lost = 0;
+    vor_status status = vor_store_check(worker->config.store, &is_lost, err);
 
-    return status == VOR_OK ? vor_blobs_check(worker->config.blobs, err) : status;
+    return is_lost ? status : vor_blobs_check(worker->config.blobs, err);
 }
 
 static void look_at_reserve(struct vor_worker *worker)

@@ -38,7 +38,7 @@ step()
 # Node and npm may come from elsewhere than Debian, whose npm then cannot be installed.
 packages()
 {
-    local stages=(gate build demo test page lint cross)
+    local stages=(gate build demo test page lint cross scale)
     { command -v node && command -v npm; } >/dev/null || stages+=(contract)
     [ -z "$long" ] || stages+=(arm64 torture)
     docker/install.sh "${stages[@]}"
@@ -63,6 +63,7 @@ if [ -n "$long" ]; then
 else
     step "static analysis" make static
 fi
+step "jobs in PostgreSQL" make scale
 step "openapi.yaml in other programs" make contract
 step "core and proto for arm64" make cross
 step "the image's file system" make image

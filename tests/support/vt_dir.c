@@ -82,13 +82,30 @@ struct vor_blobs *vt_dir_blobs(const char *path)
     return blobs;
 }
 
+/* "postgres:" and the server of VT_POSTGRES, with a database that is the directory's. */
+static void write_postgres(char *out, size_t size, const char *path)
+{
+    const char *server = getenv("VT_POSTGRES"), *name = strrchr(path, '/') + 1;
+    char command[768];
+
+    ck_assert_msg(server != NULL, "VT_POSTGRES has to name a server");
+    (void)snprintf(command, sizeof command,
+                   "psql -qX '%s dbname=postgres' -c 'CREATE DATABASE \"%s\"' 2>/dev/null", server,
+                   name);
+    (void)!system(command); /* fails where it is there */
+    (void)snprintf(out, size, "postgres:%s dbname=%s", server, name);
+}
+
 struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const char *path)
 {
     struct vor_store *store = NULL;
     char where[512];
     long holder;
 
-    (void)snprintf(where, sizeof where, "%s:%s/jobs.%s", driver->scheme, path, driver->scheme);
+    if (driver->is_file)
+        (void)snprintf(where, sizeof where, "%s:%s/jobs.%s", driver->scheme, path, driver->scheme);
+    else
+        write_postgres(where, sizeof where, path);
     vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
     return store;
 }

@@ -92,7 +92,7 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     struct vor_store *store;
     vor_status status = VOR_OK;
     int64_t rows = 0;
-    int found;
+    int found, is_lost;
 
     ck_assert(small_disk(dir, 1000));
     store = vt_dir_store(dir);
@@ -105,7 +105,7 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     ck_assert_int_ge(rows, 10);
     ck_assert_int_eq(status, VOR_E_IO);
     ck_assert_msg(vor_error_storage_full(&vt_err), "%s", vt_err.message);
-    vt_assert_ok(vor_store_check(store, &vt_err)); /* full is not out of order */
+    vt_assert_ok(vor_store_check(store, &is_lost, &vt_err)); /* full is not out of order */
     vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
     ck_assert(!found);
     make_room(dir);

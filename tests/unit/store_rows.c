@@ -435,11 +435,11 @@ START_TEST(what_was_answered_before_a_kill_is_there_after_it)
     };
     struct vor_store *store;
     struct vor_job_view row;
-    int found;
+    int found, is_lost;
 
     vt_killed(act_until_killed, &killed);
     store = vt_dir_store(killed.dir);
-    vt_assert_ok(vor_store_check(store, &vt_err));
+    vt_assert_ok(vor_store_check(store, &is_lost, &vt_err));
     vt_assert_ok(vor_store_get(store, &killed.row.id, NULL, &row, &found, &vt_err));
     ck_assert_int_eq(found, killed.point != AFTER_REMOVE);
     if (found)

@@ -1,0 +1,97 @@
+#include "server/store/postgres.h"
+
+#include "server/store/postgres_database.h"
+#include "server/store/postgres_schema.h"
+#include "server/store/sql_verbs.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The driver's store. */
+struct postgres_store {
+    struct vor_sql_store base; /* its db is server's base */
+    struct vor_postgres *server;
+};
+
+static void close_store(struct vor_store *store)
+{
+    vor_postgres_close(((struct postgres_store *)store)->server);
+    free(store);
+}
+
+static vor_status open_server(struct postgres_store *store, const char *where, long *holder,
+                              struct vor_error *err)
+{
+    vor_status status = vor_postgres_open(&store->server, where, err);
+    int held = 0;
+
+    if (status != VOR_OK)
+        return status;
+    store->base.db = vor_postgres_sql(store->server);
+    status = vor_postgres_hold(store->server, &held, err);
+    if (status == VOR_OK && !held) {
+        *holder = -1;
+        return vor_fail(err, VOR_E_IO, "another daemon has the job store");
+    }
+    return status == VOR_OK ? vor_postgres_prepare_schema(store->server, err) : status;
+}
+
+/* The connection string of a place: //HOST/DATABASE is the rest of a URI. */
+static char *where_of(const char *place)
+{
+    size_t size = strlen(place) + sizeof "postgres:";
+    char *where = malloc(size);
+
+    if (where != NULL)
+        (void)snprintf(where, size, "%s%s", strncmp(place, "//", 2) == 0 ? "postgres:" : "", place);
+    return where;
+}
+
+static vor_status open_store(struct vor_store **out, const char *place, long *holder,
+                             struct vor_error *err)
+{
+    struct postgres_store *store = calloc(1, sizeof *store);
+    char *where = where_of(place);
+    vor_status status;
+
+    if (store == NULL || where == NULL) {
+        free(where);
+        free(store);
+        return vor_fail(err, VOR_E_NOMEM, "the job store");
+    }
+    status = open_server(store, where, holder, err);
+    free(where);
+    if (status != VOR_OK) {
+        close_store(&store->base.base);
+        return status;
+    }
+    *out = &store->base.base;
+    return VOR_OK;
+}
+
+/* A server that is away may come back. One that was started anew has forgotten whose the tables
+ * are: the first daemon that asks then has them. */
+static vor_status check(struct vor_store *store, int *is_lost, struct vor_error *err)
+{
+    int64_t rows;
+    int held = 0;
+    vor_status status = vor_postgres_hold(((struct postgres_store *)store)->server, &held, err);
+
+    *is_lost = status == VOR_OK && !held;
+    if (*is_lost)
+        return vor_fail(err, VOR_E_IO, "another daemon has the job store");
+    if (status != VOR_OK)
+        return status;
+    return vor_sql_query(vor_sql_of(store), vor_sql_take_number, &rows, err,
+                         "SELECT seq FROM job LIMIT 1", "");
+}
+
+const struct vor_store_driver vor_store_postgres = {
+    .scheme = "postgres",
+    .place = "URI",
+    .open = open_store,
+    .close = close_store,
+    .check = check,
+    VOR_SQL_VERBS,
+};

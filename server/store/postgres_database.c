@@ -1,0 +1,467 @@
+#include "server/store/postgres_database.h"
+
+#include "server/store/postgres_library.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As many readers as SQLite has. */
+enum { READERS = 4, STATEMENT_SIZE = 4096, NUMBER_SIZE = 32 };
+
+struct connection {
+    PGconn *handle;        /* NULL before it is needed */
+    pthread_mutex_t mutex; /* recursive: a transaction has several statements */
+};
+
+struct vor_postgres {
+    struct vor_sql base;
+    const struct vor_pg *pg;
+    char *where;
+    atomic_uint next_reader; /* to wait for where none is free */
+    struct connection writer, lock, reader[READERS];
+    int in_transaction; /* of the writer */
+    int is_locked;      /* the lock was got on the connection that it has */
+};
+
+/* What a row is read from: the answer to a statement. */
+struct answer {
+    struct vor_postgres *db;
+    PGresult *result;
+    int row;
+    unsigned char *bytes; /* of the last column of bytes */
+};
+
+/* The first line of a reason, without the blank or newline at its end. */
+static vor_status fail(struct vor_error *err, const char *why, const char *state)
+{
+    size_t length = strcspn(why, "\n");
+
+    (void)vor_fail(err, VOR_E_IO, "the job store: %.*s", (int)length, why);
+    if (err != NULL)
+        err->got = state != NULL && atoi(state) == VOR_PG_DISK_FULL ? ENOSPC : 0;
+    return VOR_E_IO;
+}
+
+static vor_status fail_result(const struct vor_postgres *db, const struct connection *connection,
+                              const PGresult *result, struct vor_error *err)
+{
+    enum { SEVERITY_PRIMARY = 'M', SQLSTATE = 'C' };
+    const char *why = result != NULL ? db->pg->resultErrorField(result, SEVERITY_PRIMARY) : NULL;
+
+    return fail(err, why != NULL ? why : db->pg->errorMessage(connection->handle),
+                result != NULL ? db->pg->resultErrorField(result, SQLSTATE) : NULL);
+}
+
+/* Notices and warnings, which libpq would print. */
+static void ignore(void *ctx, const char *message)
+{
+    (void)ctx;
+    (void)message;
+}
+
+/* Makes a connection, or anew where it broke. Call with its mutex held, as all that follow. */
+static vor_status connect_to(struct vor_postgres *db, struct connection *connection,
+                             struct vor_error *err)
+{
+    static const char *const names[] = {"client_encoding", "fallback_application_name",
+                                        "connect_timeout", "tcp_user_timeout",
+                                        "dbname",          NULL};
+    const char *const values[] = {"UTF8", "voronoid", "5", "10000", db->where, NULL};
+    vor_status status;
+
+    if (connection->handle != NULL && db->pg->status(connection->handle) == VOR_PG_OK)
+        return VOR_OK;
+    db->pg->finish(connection->handle);
+    connection->handle = db->pg->connectdbParams(names, values, 1);
+    if (connection->handle == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the job store");
+    (void)db->pg->setNoticeProcessor(connection->handle, ignore, NULL);
+    if (db->pg->status(connection->handle) == VOR_PG_OK)
+        return VOR_OK;
+    status = fail(err, db->pg->errorMessage(connection->handle), NULL);
+    db->pg->finish(connection->handle);
+    connection->handle = NULL;
+    return status;
+}
+
+static vor_status run(struct vor_postgres *db, struct connection *connection, const char *sql,
+                      struct vor_error *err)
+{
+    PGresult *result = db->pg->exec(connection->handle, sql);
+    int code = db->pg->resultStatus(result);
+    vor_status status = VOR_OK;
+
+    if (code != VOR_PG_COMMAND_OK && code != VOR_PG_TUPLES_OK)
+        status = fail_result(db, connection, result, err);
+    db->pg->clear(result);
+    return status;
+}
+
+/* A first statement, which may be tried again where the connection has broken since the last. */
+static vor_status run_first(struct vor_postgres *db, struct connection *connection, const char *sql,
+                            struct vor_error *err)
+{
+    vor_status status = connect_to(db, connection, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = run(db, connection, sql, err);
+    if (status == VOR_OK || db->pg->status(connection->handle) == VOR_PG_OK)
+        return status;
+    status = connect_to(db, connection, err);
+    return status == VOR_OK ? run(db, connection, sql, err) : status;
+}
+
+/* Writes a statement in PostgreSQL's words: ?1 is $1, a ? without a number the next one, and
+ * INDEXED BY with its name goes. */
+static int translate(char *out, size_t size, const char *sql)
+{
+    static const char hint[] = "INDEXED BY ";
+    size_t at = 0;
+    int next = 1;
+
+    while (*sql != '\0' && at + NUMBER_SIZE < size) {
+        if (strncmp(sql, hint, sizeof hint - 1) == 0) {
+            sql += sizeof hint - 1;
+            sql += strcspn(sql, " )");
+        } else if (*sql != '?') {
+            out[at++] = *sql++;
+        } else if (sql[1] >= '0' && sql[1] <= '9') {
+            out[at++] = '$';
+            sql++;
+        } else {
+            at += (size_t)snprintf(out + at, size - at, "$%d", next++);
+            sql++;
+        }
+    }
+    out[at] = '\0';
+    return *sql == '\0';
+}
+
+/* Values as libpq takes them. */
+struct parameters {
+    unsigned type[VOR_SQL_VALUES_MAX];
+    const char *value[VOR_SQL_VALUES_MAX];
+    int length[VOR_SQL_VALUES_MAX], format[VOR_SQL_VALUES_MAX];
+    char number[VOR_SQL_VALUES_MAX][NUMBER_SIZE];
+};
+
+static void write_parameters(struct parameters *out, const struct vor_sql_values *values)
+{
+    memset(out, 0, sizeof *out);
+    for (unsigned at = 0; at < values->count; at++) {
+        const struct vor_sql_value *value = &values->value[at];
+
+        out->value[at] = out->number[at];
+        if (value->type == 'i') {
+            out->type[at] = VOR_PG_INT8;
+            (void)snprintf(out->number[at], NUMBER_SIZE, "%" PRId64, value->number);
+        } else if (value->type == 'r') {
+            out->type[at] = VOR_PG_FLOAT8;
+            (void)snprintf(out->number[at], NUMBER_SIZE, "%.17g", value->real);
+        } else {
+            out->type[at] = value->type == 't' ? VOR_PG_TEXT : VOR_PG_BYTEA;
+            out->format[at] = value->type == 'b';
+            out->value[at] = value->bytes;
+            out->length[at] = (int)value->size;
+        }
+    }
+}
+
+/* Runs a statement on a connection that is there. */
+static vor_status ask(struct answer *out, struct vor_postgres *db, struct connection *connection,
+                      const char *sql, const struct vor_sql_values *values, struct vor_error *err)
+{
+    char text[STATEMENT_SIZE];
+    struct parameters with;
+    int code;
+
+    *out = (struct answer){.db = db};
+    if (!translate(text, sizeof text, sql))
+        return vor_fail(err, VOR_E_IO, "the job store: a statement is too long");
+    write_parameters(&with, values);
+    out->result = db->pg->execParams(connection->handle, text, (int)values->count, with.type,
+                                     with.value, with.length, with.format, 0);
+    code = db->pg->resultStatus(out->result);
+    if (code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK)
+        return VOR_OK;
+    return fail_result(db, connection, out->result, err);
+}
+
+static void end_answer(struct answer *answer)
+{
+    answer->db->pg->freemem(answer->bytes);
+    answer->db->pg->clear(answer->result);
+}
+
+static const char *text_of(void *of, int column)
+{
+    const struct answer *answer = of;
+    const struct vor_pg *pg = answer->db->pg;
+
+    return pg->getisnull(answer->result, answer->row, column)
+               ? NULL
+               : pg->getvalue(answer->result, answer->row, column);
+}
+
+/* True is 1. */
+static int64_t number_of(void *of, int column)
+{
+    const char *text = text_of(of, column);
+
+    if (text == NULL)
+        return 0;
+    return strcmp(text, "t") == 0 ? 1 : strtoll(text, NULL, 10);
+}
+
+static double real_of(void *of, int column)
+{
+    const char *text = text_of(of, column);
+
+    return text != NULL ? strtod(text, NULL) : 0;
+}
+
+static const void *bytes_of(void *of, int column, size_t *size)
+{
+    struct answer *answer = of;
+    const char *text = text_of(of, column);
+
+    answer->db->pg->freemem(answer->bytes);
+    answer->bytes = text != NULL ? answer->db->pg->unescapeBytea((const void *)text, size) : NULL;
+    if (answer->bytes == NULL)
+        *size = 0;
+    return answer->bytes;
+}
+
+static struct vor_postgres *of_sql(struct vor_sql *db)
+{
+    return (struct vor_postgres *)db;
+}
+
+/* All are durable: the server may die and this process go on, which would then have what the store
+ * has forgotten. */
+static vor_status begin(struct vor_sql *sql_db, VOR_UNUSED enum vor_sql_how how,
+                        struct vor_error *err)
+{
+    struct vor_postgres *db = of_sql(sql_db);
+    vor_status status;
+
+    pthread_mutex_lock(&db->writer.mutex);
+    status = run_first(db, &db->writer, "BEGIN", err);
+    if (status != VOR_OK) {
+        pthread_mutex_unlock(&db->writer.mutex);
+        return status;
+    }
+    db->in_transaction = 1;
+    return VOR_OK;
+}
+
+static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_error *err)
+{
+    struct vor_postgres *db = of_sql(sql_db);
+
+    if (status == VOR_OK)
+        status = run(db, &db->writer, "COMMIT", err);
+    else
+        (void)run(db, &db->writer, "ROLLBACK", NULL);
+    db->in_transaction = 0;
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+/* Within a transaction. */
+static vor_status change_in(struct vor_postgres *db, struct vor_sql_changing *changing,
+                            struct vor_error *err, const char *sql,
+                            const struct vor_sql_values *values)
+{
+    struct vor_sql_row row = {.engine = db->base.engine};
+    struct answer answer;
+    vor_status status = ask(&answer, db, &db->writer, sql, values, err);
+    int rows = status == VOR_OK ? db->pg->ntuples(answer.result) : 0;
+
+    row.of = &answer;
+    for (; answer.row < rows && changing->each != NULL; answer.row++) {
+        row.column = 0;
+        changing->each(changing->ctx, &row);
+    }
+    if (status == VOR_OK)
+        changing->rows = atoi(db->pg->cmdTuples(answer.result));
+    end_answer(&answer);
+    return status;
+}
+
+static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changing,
+                         struct vor_error *err, const char *sql,
+                         const struct vor_sql_values *values)
+{
+    struct vor_postgres *db = of_sql(sql_db);
+    vor_status status = VOR_OK;
+    int is_alone;
+
+    pthread_mutex_lock(&db->writer.mutex);
+    is_alone = !db->in_transaction;
+    if (is_alone)
+        status = begin(sql_db, VOR_SQL_DURABLE, err);
+    if (status == VOR_OK) {
+        status = change_in(db, changing, err, sql, values);
+        if (is_alone)
+            status = end(sql_db, status, err);
+    }
+    pthread_mutex_unlock(&db->writer.mutex);
+    return status;
+}
+
+/* A connection to read by, locked. */
+static struct connection *take_reader(struct vor_postgres *db)
+{
+    struct connection *reader;
+
+    for (unsigned i = 0; i < READERS; i++)
+        if (pthread_mutex_trylock(&db->reader[i].mutex) == 0)
+            return &db->reader[i];
+    reader = &db->reader[atomic_fetch_add(&db->next_reader, 1) % READERS];
+    pthread_mutex_lock(&reader->mutex);
+    return reader;
+}
+
+static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vor_sql_row *row),
+                        void *ctx, struct vor_error *err, const char *sql,
+                        const struct vor_sql_values *values)
+{
+    struct vor_postgres *db = of_sql(sql_db);
+    struct vor_sql_row row = {.engine = sql_db->engine};
+    struct connection *reader = take_reader(db);
+    struct answer answer = {.db = db};
+    vor_status status = connect_to(db, reader, err);
+    int rows = 0;
+
+    if (status == VOR_OK)
+        status = ask(&answer, db, reader, sql, values, err);
+    if (status != VOR_OK && answer.result != NULL &&
+        db->pg->status(reader->handle) != VOR_PG_OK) { /* it has broken since the last question */
+        end_answer(&answer);
+        answer.result = NULL;
+        status = connect_to(db, reader, err);
+        if (status == VOR_OK)
+            status = ask(&answer, db, reader, sql, values, err);
+    }
+    if (status == VOR_OK)
+        rows = db->pg->ntuples(answer.result);
+    row.of = &answer;
+    for (; answer.row < rows; answer.row++) {
+        row.column = 0;
+        if (!each(ctx, &row))
+            break;
+    }
+    end_answer(&answer);
+    pthread_mutex_unlock(&reader->mutex);
+    return status;
+}
+
+static const struct vor_sql_engine engine = {
+    .name = "postgres",
+    .number = number_of,
+    .real = real_of,
+    .text = text_of,
+    .bytes = bytes_of,
+    .begin = begin,
+    .end = end,
+    .change = change,
+    .query = query,
+};
+
+struct vor_sql *vor_postgres_sql(struct vor_postgres *db)
+{
+    return &db->base;
+}
+
+vor_status vor_postgres_run(struct vor_postgres *db, const char *sql, struct vor_error *err)
+{
+    vor_status status = begin(&db->base, VOR_SQL_DURABLE, err);
+
+    if (status != VOR_OK)
+        return status;
+    return end(&db->base, run(db, &db->writer, sql, err), err);
+}
+
+/* The first number is ours, the second stands for the schema: several may share a database. */
+#define TRY_LOCK                                                                                   \
+    "SELECT CASE WHEN pg_try_advisory_lock(1987015279, hashtext(current_schema())) THEN 1 ELSE 0 " \
+    "END"
+
+vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_error *err)
+{
+    static const struct vor_sql_values none;
+    struct answer answer = {.db = db};
+    vor_status status = VOR_OK;
+
+    pthread_mutex_lock(&db->lock.mutex);
+    if (db->is_locked) /* a question shows whether the connection is there */
+        status = run(db, &db->lock, "SELECT 1", err);
+    *held = db->is_locked && status == VOR_OK;
+    if (!*held) {
+        db->is_locked = 0;
+        status = connect_to(db, &db->lock, err);
+        if (status == VOR_OK)
+            status = ask(&answer, db, &db->lock, TRY_LOCK, &none, err);
+        if (status == VOR_OK)
+            *held = db->is_locked = (int)number_of(&answer, 0);
+        end_answer(&answer);
+    }
+    pthread_mutex_unlock(&db->lock.mutex);
+    return status;
+}
+
+static void disconnect(struct vor_postgres *db, struct connection *connection)
+{
+    if (connection->handle != NULL)
+        db->pg->finish(connection->handle);
+    pthread_mutex_destroy(&connection->mutex);
+}
+
+void vor_postgres_close(struct vor_postgres *db)
+{
+    if (db == NULL)
+        return;
+    for (int i = 0; i < READERS; i++)
+        disconnect(db, &db->reader[i]);
+    disconnect(db, &db->writer);
+    disconnect(db, &db->lock);
+    free(db->where);
+    free(db);
+}
+
+vor_status vor_postgres_open(struct vor_postgres **out, const char *where, struct vor_error *err)
+{
+    struct vor_postgres *db = calloc(1, sizeof *db);
+    pthread_mutexattr_t recursive;
+    vor_status status;
+
+    if (db == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the job store");
+    db->base.engine = &engine;
+    atomic_init(&db->next_reader, 0);
+    pthread_mutexattr_init(&recursive);
+    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
+    pthread_mutex_init(&db->writer.mutex, &recursive);
+    pthread_mutexattr_destroy(&recursive);
+    pthread_mutex_init(&db->lock.mutex, NULL);
+    for (int i = 0; i < READERS; i++)
+        pthread_mutex_init(&db->reader[i].mutex, NULL);
+    db->where = strdup(where);
+    status =
+        db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "the job store");
+    if (status == VOR_OK)
+        status = connect_to(db, &db->writer, err);
+    if (status != VOR_OK) {
+        vor_postgres_close(db);
+        return status;
+    }
+    *out = db;
+    return VOR_OK;
+}

@@ -1,0 +1,130 @@
+#include "server/store/postgres_schema.h"
+
+/* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
+enum { SCHEMA_VERSION = 1 };
+
+/* clang-format off */
+
+/* What statements use of SQLite's functions. */
+#define FUNCTIONS                                                                                  \
+    "CREATE FUNCTION max(bigint, bigint) RETURNS bigint IMMUTABLE LANGUAGE sql"                    \
+    " AS 'SELECT greatest($1, $2)';"                                                               \
+    "CREATE FUNCTION max(bigint, bigint, bigint, bigint) RETURNS bigint IMMUTABLE LANGUAGE sql"    \
+    " AS 'SELECT greatest($1, $2, $3, $4)';"                                                       \
+    "CREATE FUNCTION min(bigint, bigint) RETURNS bigint IMMUTABLE LANGUAGE sql"                    \
+    " AS 'SELECT least($1, $2)';"                                                                  \
+    "CREATE FUNCTION instr(text, text) RETURNS bigint IMMUTABLE LANGUAGE sql"                      \
+    " AS 'SELECT strpos($1, $2)';"
+
+#define TABLES                                                                                     \
+    "CREATE TABLE voronoid_schema (version bigint NOT NULL);"                                      \
+    "CREATE TABLE job ("                                                                           \
+    " seq bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, id text NOT NULL UNIQUE,"               \
+    " process_id text NOT NULL, status text NOT NULL"                                              \
+    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"                \
+    " progress bigint NOT NULL DEFAULT 0, message text NOT NULL DEFAULT '',"                       \
+    " request text NOT NULL, metrics text, problem text,"                                          \
+    " input_format bigint NOT NULL, input_points bigint NOT NULL, input_bytes bigint NOT NULL,"    \
+    " input_sha256 text NOT NULL, input_seconds double precision NOT NULL,"                        \
+    " output_format bigint NOT NULL DEFAULT 0, output_points bigint NOT NULL DEFAULT 0,"           \
+    " output_bytes bigint NOT NULL DEFAULT 0, output_sha256 text NOT NULL DEFAULT '',"             \
+    " report_bytes bigint NOT NULL DEFAULT 0,"                                                     \
+    " attempt bigint NOT NULL DEFAULT 0, crashes bigint NOT NULL DEFAULT 0,"                       \
+    " created bigint NOT NULL, started bigint NOT NULL DEFAULT 0, updated bigint NOT NULL,"        \
+    " finished bigint NOT NULL DEFAULT 0, expires bigint NOT NULL DEFAULT 0,"                      \
+    " expired bigint NOT NULL DEFAULT 0, inputs text, outputs text,"                               \
+    " name text NOT NULL DEFAULT '', principal text NOT NULL DEFAULT '', idem_key text,"           \
+    " fingerprint text NOT NULL DEFAULT '', kept bigint NOT NULL DEFAULT 0,"                       \
+    " held bigint NOT NULL DEFAULT 0, alone bigint NOT NULL DEFAULT 0,"                            \
+    " traceparent text NOT NULL DEFAULT '', turn bigint NOT NULL DEFAULT 0,"                       \
+    " memory bigint NOT NULL DEFAULT 0, decoded bigint NOT NULL DEFAULT 0,"                        \
+    " owner text NOT NULL DEFAULT '', lease bigint NOT NULL DEFAULT 0);"                           \
+    "CREATE TABLE job_blob (seq bigint PRIMARY KEY, report text);"                                 \
+    "CREATE TABLE event (seq bigint, attempt bigint, last bigint, data bytea NOT NULL,"            \
+    " PRIMARY KEY (seq, attempt, last));"                                                          \
+    "CREATE TABLE ledger (principal text PRIMARY KEY, jobs bigint NOT NULL, kept bigint NOT NULL," \
+    " held bigint NOT NULL, turn bigint NOT NULL DEFAULT -1);"                                     \
+    "CREATE TABLE round (number bigint PRIMARY KEY, jobs bigint NOT NULL,"                         \
+    " decoded bigint NOT NULL);"
+
+#define INDEXES                                                                                    \
+    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
+    "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
+    "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
+    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
+    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
+    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
+    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
+    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"                           \
+    "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
+    "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"
+
+#define WAITS(row) "(" row ".status = 'accepted')::int"
+#define LIVES(row) "(" row ".status IN ('accepted', 'running'))::int"
+#define COUNT(row, by)                                                                             \
+    " INSERT INTO round SELECT place, " by ", (" by ") * " row ".decoded"                          \
+    " FROM (VALUES (" row ".turn), (-1 - (" row ".turn >> 8))) AS places (place)"                  \
+    " WHERE " by " <> 0 ON CONFLICT (number) DO UPDATE SET jobs = round.jobs + excluded.jobs,"     \
+    " decoded = round.decoded + excluded.decoded;"                                                 \
+    " DELETE FROM round WHERE number IN (" row ".turn, -1 - (" row ".turn >> 8)) AND jobs = 0;"
+#define FUNCTION(name, body)                                                                       \
+    "CREATE FUNCTION " name "() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN" body                 \
+    " RETURN NULL; END $$;"
+
+#define TRIGGERS                                                                                   \
+    FUNCTION("job_added",                                                                          \
+             " INSERT INTO ledger AS had (principal, jobs, kept, held)"                            \
+             " VALUES (new.principal, " LIVES("new") ", new.kept, new.held)"                       \
+             " ON CONFLICT (principal) DO UPDATE SET jobs = had.jobs + excluded.jobs,"             \
+             " kept = had.kept + excluded.kept, held = had.held + excluded.held;"                  \
+             COUNT("new", WAITS("new")))                                                           \
+    "CREATE TRIGGER job_added AFTER INSERT ON job FOR EACH ROW EXECUTE FUNCTION job_added();"      \
+    FUNCTION("job_changed",                                                                        \
+             " UPDATE ledger SET jobs = jobs + " LIVES("new") " - " LIVES("old") ","               \
+             " kept = kept + new.kept - old.kept, held = held + new.held - old.held,"              \
+             " turn = CASE new.status WHEN 'running' THEN greatest(turn, new.turn) ELSE turn END"  \
+             " WHERE principal = new.principal;"                                                   \
+             COUNT("new", WAITS("new") " - " WAITS("old")))                                        \
+    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job FOR EACH ROW"            \
+    " WHEN (new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status)"             \
+    " EXECUTE FUNCTION job_changed();"                                                             \
+    FUNCTION("job_expired", " DELETE FROM job_blob WHERE seq = new.seq;"                           \
+                            " DELETE FROM event WHERE seq = new.seq;")                             \
+    "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job FOR EACH ROW"                       \
+    " WHEN (new.expired <> 0) EXECUTE FUNCTION job_expired();"                                     \
+    FUNCTION("job_removed",                                                                        \
+             " UPDATE ledger SET jobs = jobs - " LIVES("old") ", kept = kept - old.kept,"          \
+             " held = held - old.held WHERE principal = old.principal;"                            \
+             " DELETE FROM job_blob WHERE seq = old.seq;"                                          \
+             " DELETE FROM event WHERE seq = old.seq;")                                            \
+    "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"
+
+/* clang-format on */
+
+vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error *err)
+{
+    struct vor_sql *sql = vor_postgres_sql(db);
+    int64_t found = 0, version = 0;
+    vor_status status =
+        vor_sql_query(sql, vor_sql_take_number, &found, err,
+                      "SELECT CASE WHEN to_regclass('voronoid_schema') IS NOT NULL THEN 1"
+                      " WHEN to_regclass('job') IS NULL THEN 0 ELSE -1 END",
+                      "");
+
+    if (status == VOR_OK && found < 0)
+        return vor_fail(err, VOR_E_IO,
+                        "the job store: the table \"job\" of this database is another program's; "
+                        "choose an empty schema or database");
+    if (status == VOR_OK && found == 0)
+        status = vor_postgres_run(
+            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);", err);
+    if (status == VOR_OK)
+        status = vor_sql_query(sql, vor_sql_take_number, &version, err,
+                               "SELECT version FROM voronoid_schema", "");
+    if (status == VOR_OK && version != SCHEMA_VERSION)
+        return vor_fail(err, VOR_E_IO,
+                        "the job store has schema %lld, this version reads %d: start the version "
+                        "that wrote it, or choose another schema or database",
+                        (long long)version, SCHEMA_VERSION);
+    return status;
+}

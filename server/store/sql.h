@@ -1,0 +1,116 @@
+/** A database that speaks SQL: one connection that writes and some that read, so that no reader
+ *  waits for a durable change, or for another reader. Each kind of database is a table of functions
+ *  (struct vor_sql_engine) that its own files declare; statements are the same for all. Statements
+ *  are literals, in the words of SQLite: ?1, max(a, b), INDEXED BY. An engine that has others
+ *  translates them. Only drivers of stores include this. Thread-safe. */
+#ifndef VOR_SERVER_STORE_SQL_H
+#define VOR_SERVER_STORE_SQL_H
+
+#include "core/base/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** What a database begins with. */
+struct vor_sql {
+    const struct vor_sql_engine *engine;
+};
+
+/** A row that a statement returns: its columns, one after the other. Texts and bytes last until the
+ *  function that got the row returns. */
+struct vor_sql_row {
+    const struct vor_sql_engine *engine;
+    void *of;   /**< the engine's */
+    int column; /**< the next one */
+};
+
+/** Whether a kill of the process alone undoes nothing (lazy), or a crash of the machine either. */
+enum vor_sql_how { VOR_SQL_DURABLE, VOR_SQL_LAZY };
+
+/** The values of a statement's parameters, from the first on; borrowed. */
+enum { VOR_SQL_VALUES_MAX = 24 };
+struct vor_sql_values {
+    unsigned count;
+    struct vor_sql_value {
+        char type; /**< as in the types of vor_sql_change */
+        int64_t number;
+        double real;
+        const void *bytes; /**< of a text, with its NUL; NULL for null */
+        size_t size;       /**< of bytes that are no text */
+    } value[VOR_SQL_VALUES_MAX];
+};
+
+/** A change: who gets the rows that it returns (each may be NULL), and how many it changed. */
+struct vor_sql_changing {
+    void (*each)(void *ctx, struct vor_sql_row *row);
+    void *ctx;
+    int rows;
+};
+
+/** The functions of an engine; each does what the function below with its name promises. */
+struct vor_sql_engine {
+    const char *name; /**< label of the metrics */
+    int64_t (*number)(void *of, int column);
+    double (*real)(void *of, int column);
+    const char *(*text)(void *of, int column);
+    const void *(*bytes)(void *of, int column, size_t *size);
+    vor_status (*begin)(struct vor_sql *db, enum vor_sql_how how, struct vor_error *err);
+    vor_status (*end)(struct vor_sql *db, vor_status status, struct vor_error *err);
+    vor_status (*change)(struct vor_sql *db, struct vor_sql_changing *changing,
+                         struct vor_error *err, const char *sql,
+                         const struct vor_sql_values *values);
+    vor_status (*query)(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
+                        void *ctx, struct vor_error *err, const char *sql,
+                        const struct vor_sql_values *values);
+};
+
+/** The next column of a row. */
+int64_t vor_sql_number(struct vor_sql_row *row);
+double vor_sql_real(struct vor_sql_row *row);
+const char *vor_sql_text(struct vor_sql_row *row); /**< NULL for null */
+const void *vor_sql_bytes(struct vor_sql_row *row, size_t *size);
+/** The next text into a place of so many bytes, cut where it is longer; "" for null. */
+void vor_sql_copy(struct vor_sql_row *row, char *out, size_t size);
+/** For a query of one number: ctx is an int64_t. */
+int vor_sql_take_number(void *ctx, struct vor_sql_row *row);
+
+/** Makes what follows on this thread, up to the end, one change: durable when VOR_OK is returned,
+ * or none of it happened.
+ *
+ *  @param[in] status  of what was done between; unless it is VOR_OK all is taken back, and it is
+ *                     what is returned
+ *
+ *  @param[in] how     a lazy change is durable once a durable one has followed
+ *
+ *  @retval VOR_E_IO   of begin: nothing has begun, and no end may follow */
+VOR_NODISCARD vor_status vor_sql_begin(struct vor_sql *db, enum vor_sql_how how,
+                                       struct vor_error *err);
+VOR_NODISCARD vor_status vor_sql_end(struct vor_sql *db, vor_status status, struct vor_error *err);
+
+/** One statement, one transaction unless one has begun: durable when VOR_OK is returned. `types`
+ * says what follows, for the statement's parameters from the first on: t text (or NULL), i int64_t,
+ * r double, b bytes (pointer or NULL, then size_t); all borrowed for the call.
+ *
+ *  @param[out] rows  how many the statement changed
+ *
+ *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
+VOR_NODISCARD vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vor_error *err,
+                                        const char *sql, const char *types, ...);
+
+/** The same for a statement with RETURNING, or a SELECT within a transaction: each gets every row
+ * that it returns, before the change is durable. What each got is void unless VOR_OK is returned.
+ */
+VOR_NODISCARD vor_status vor_sql_change_each(struct vor_sql *db,
+                                             void (*each)(void *ctx, struct vor_sql_row *row),
+                                             void *ctx, struct vor_error *err, const char *sql,
+                                             const char *types, ...);
+
+/** Calls each for every row while it answers not 0. each must not query the same database.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_sql_query(struct vor_sql *db,
+                                       int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
+                                       struct vor_error *err, const char *sql, const char *types,
+                                       ...);
+
+#endif

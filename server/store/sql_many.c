@@ -1,0 +1,182 @@
+/* Questions about many jobs and changes of them at once: what time, quotas and a crash do to them.
+ */
+#include "server/store/sql_verbs.h"
+
+#include "server/store/row_text.h"
+
+static void take_evicted(void *ctx, struct vor_sql_row *row)
+{
+    struct vor_evictions *evictions = ctx;
+    struct vor_evicted *one = &evictions->job[evictions->count++];
+
+    vor_sql_copy(row, one->id.text, sizeof one->id.text);
+    vor_sql_copy(row, one->process, sizeof one->process);
+}
+
+#define EXPIRE "UPDATE job SET expired = 1, report_bytes = 0, idem_key = NULL, kept = 0, held = 0"
+
+/* ?1 is the limit, ?2 how many at most. A job before others, in the order in which they ended,
+ * gives up its uploads before them: it follows while what those before it keep is less than what is
+ * too much. Results the other way round: jobs that ended last keep theirs as long as they fit
+ * together. */
+static const struct {
+    const char *total; /* nothing is too much while this is not above the limit; NULL: ask anyway */
+    const char *sql;
+} evictions_by[] = {
+    [VOR_EVICT_EXPIRED] = {NULL,
+                           EXPIRE " WHERE seq IN (SELECT seq FROM job WHERE expires > 0"
+                                  " AND expires <= ?1 AND expired = 0 ORDER BY expires LIMIT ?2)"
+                                  " RETURNING id, process_id"},
+    [VOR_EVICT_UPLOADS] = {"SELECT sum(kept) FROM ledger",
+                           "UPDATE job SET kept = 0 WHERE seq IN"
+                           " (SELECT seq FROM (SELECT seq, sum(kept) OVER (ORDER BY finished, seq)"
+                           " - kept AS earlier FROM job WHERE kept > 0 AND finished > 0) AS ended"
+                           " WHERE earlier < (SELECT sum(kept) FROM ledger) - ?1"
+                           " ORDER BY earlier LIMIT ?2) RETURNING id, process_id"},
+    [VOR_EVICT_RESULTS] = {"SELECT sum(held) FROM ledger", EXPIRE
+                           " WHERE seq IN (SELECT seq FROM (SELECT seq, held,"
+                           " sum(held) OVER (ORDER BY finished DESC, seq DESC) AS later"
+                           " FROM job WHERE held > 0) AS ended WHERE later > ?1 AND later > held"
+                           " ORDER BY later DESC LIMIT ?2) RETURNING id, process_id"},
+};
+
+vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
+                         struct vor_evictions *evictions, struct vor_error *err)
+{
+    struct vor_sql *db = vor_sql_of(store);
+    int64_t total = INT64_MAX;
+    vor_status status = VOR_OK;
+    int forgotten;
+
+    evictions->count = 0;
+    if (evictions_by[why].total != NULL)
+        status = vor_sql_query(db, vor_sql_take_number, &total, err, evictions_by[why].total, "");
+    if (status != VOR_OK || total <= limit)
+        return status;
+    status = vor_sql_change_each(db, take_evicted, evictions, err, evictions_by[why].sql, "ii",
+                                 limit, (int64_t)evictions->max);
+    if (status == VOR_OK && why == VOR_EVICT_EXPIRED)
+        status = vor_sql_change(db, &forgotten, err,
+                                "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
+                                " AND expired = 1 AND expires + (expires - finished) <= ?1",
+                                "i", limit);
+    if (status != VOR_OK)
+        evictions->count = 0;
+    return status;
+}
+
+vor_status vor_sql_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
+                                  struct vor_error *err)
+{
+    int changed;
+
+    return vor_sql_change(vor_sql_of(store), &changed, err,
+                          "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0", "t", id->text);
+}
+
+vor_status vor_sql_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+{
+    int changed;
+
+    return vor_sql_change(vor_sql_of(store), &changed, err,
+                          "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0", "i",
+                          by_ms);
+}
+
+/* By indexes. The newest is that of the last one to be accepted, of the last one to end, or of one
+ * that ran. */
+vor_status vor_sql_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
+{
+    *newest_ms = 0;
+    return vor_sql_query(
+        vor_sql_of(store), vor_sql_take_number, newest_ms, err,
+        "SELECT max(updated) FROM job WHERE seq IN (SELECT max(seq) FROM job"
+        " UNION SELECT * FROM (SELECT seq FROM job WHERE expires > 0 ORDER BY expires DESC LIMIT 1)"
+        " AS last"
+        " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)",
+        "");
+}
+
+static int take_piece(void *ctx, struct vor_sql_row *row)
+{
+    const struct vor_event_query *query = ctx;
+    struct vor_event_piece piece = {.last = (uint32_t)vor_sql_number(row)};
+
+    piece.data = vor_sql_bytes(row, &piece.size);
+    return query->each(query->ctx, &piece);
+}
+
+vor_status vor_sql_events(struct vor_store *store, const struct vor_uuid *id,
+                          const struct vor_event_query *query, struct vor_error *err)
+{
+    struct vor_event_query asked = *query;
+
+    return vor_sql_query(vor_sql_of(store), take_piece, &asked, err,
+                         "SELECT last, data FROM event WHERE seq = (SELECT seq FROM job"
+                         " WHERE id = ?) AND attempt = ? AND last > ? ORDER BY last",
+                         "tii", id->text, (int64_t)query->attempt, (int64_t)query->after);
+}
+
+static int take_waiting(void *ctx, struct vor_sql_row *row)
+{
+    struct vor_waiting *waiting = ctx;
+
+    waiting->jobs = (uint64_t)vor_sql_number(row);
+    waiting->decoded = (uint64_t)vor_sql_number(row);
+    waiting->oldest_ms = vor_sql_number(row);
+    return 1;
+}
+
+vor_status vor_sql_waiting(struct vor_store *store, struct vor_waiting *out, struct vor_error *err)
+{
+    *out = (struct vor_waiting){.jobs = 0};
+    return vor_sql_query(
+        vor_sql_of(store), take_waiting, out, err,
+        "SELECT coalesce(sum(jobs), 0), coalesce(sum(decoded), 0), coalesce((SELECT created FROM"
+        " job INDEXED BY job_ready WHERE status = 'accepted' ORDER BY turn, seq LIMIT 1), 0)"
+        " FROM round WHERE number < 0",
+        "");
+}
+
+static void take_leased(void *ctx, struct vor_sql_row *row)
+{
+    struct vor_renewal *renewal = ctx;
+
+    if (renewal->count < renewal->max) {
+        struct vor_leased *job = &renewal->job[renewal->count];
+
+        vor_sql_copy(row, job->id.text, sizeof job->id.text);
+        job->attempt = (uint32_t)vor_sql_number(row);
+    }
+    renewal->count++;
+}
+
+vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
+                         struct vor_error *err)
+{
+    struct vor_sql *db = vor_sql_of(store);
+    vor_status status = vor_sql_begin(db, VOR_SQL_LAZY, err);
+
+    renewal->count = 0;
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change_each(db, take_leased, renewal, err,
+                                 "UPDATE job SET lease = ?2 WHERE status = 'running'"
+                                 " AND expired = 0 AND owner = ?1 RETURNING id, attempt",
+                                 "ti", renewal->owner, renewal->until_ms);
+    return vor_sql_end(db, status, err);
+}
+
+vor_status vor_sql_reap(struct vor_store *store, const char *owner, int64_t until_ms,
+                        int64_t now_ms, uint64_t *reaped, struct vor_error *err)
+{
+    int changed = 0;
+    vor_status status = vor_sql_change(vor_sql_of(store), &changed, err,
+                                       "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
+                                       " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
+                                       " AND lease <= ?3",
+                                       "tii", owner, now_ms, until_ms);
+
+    *reaped = (uint64_t)changed;
+    return status;
+}

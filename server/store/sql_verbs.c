@@ -1,0 +1,493 @@
+/* Verbs about one job. */
+#include "server/store/sql_verbs.h"
+
+#include "server/store/row_text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- changes ---------------------------------------------------------------------------------- */
+
+static void take_seq(void *ctx, struct vor_sql_row *row)
+{
+    *(int64_t *)ctx = vor_sql_number(row);
+}
+
+static void take_ledger(void *ctx, struct vor_sql_row *row)
+{
+    struct vor_ledger *ledger = ctx;
+
+    ledger->jobs = (uint64_t)vor_sql_number(row);
+    ledger->bytes = (uint64_t)vor_sql_number(row);
+}
+
+#define SELECT_LEDGER "SELECT jobs, kept + held FROM ledger WHERE principal = ?"
+
+static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
+                             const struct vor_row_text *text, struct vor_error *err)
+{
+    const struct vor_job_input *input = &row->input[0];
+    char traceparent[VOR_TRACEPARENT_SIZE];
+    int64_t seq = 0;
+    vor_status status = vor_sql_change_each(
+        vor_sql_of(store), take_seq, &seq, err,
+        "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
+        " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
+        " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, turn)"
+        " VALUES (?1, ?2, 'accepted', ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?11, ?12, ?13, ?14,"
+        " ?15, ?16, ?17, ?18, ?19, max((SELECT coalesce(max(turn), 0) FROM ledger),"
+        " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE status = 'accepted'),"
+        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE status = 'accepted'"
+        "  AND principal = ?14),"
+        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14), 0))) RETURNING seq",
+        "tttttiiitritttttiii", row->id.text, row->process, row->message, text->request.data,
+        text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
+        input->sha256, input->seconds, row->created, row->name,
+        vor_span_text(&row->span, traceparent), row->key.principal,
+        row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept,
+        (int64_t)row->memory, (int64_t)row->decoded);
+
+    if (status == VOR_OK)
+        row->seq = seq;
+    return status;
+}
+
+vor_status vor_sql_insert(struct vor_store *store, struct vor_job_view *row,
+                          struct vor_ledger *ledger, struct vor_error *err)
+{
+    struct vor_row_text text;
+    vor_status status = vor_row_write(&text, row, err);
+
+    if (status == VOR_OK)
+        status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
+    if (status != VOR_OK)
+        goto done;
+    if (ledger != NULL) {
+        ledger->jobs = ledger->bytes = 0;
+        status = vor_sql_change_each(vor_sql_of(store), take_ledger, ledger, err, SELECT_LEDGER,
+                                     "t", row->key.principal);
+        ledger->is_over = !vor_ledger_fits(ledger, row->kept);
+    }
+    if (status == VOR_OK && (ledger == NULL || !ledger->is_over))
+        status = insert_row(store, row, &text, err);
+    status = vor_sql_end(vor_sql_of(store), status, err);
+done:
+    vor_row_text_free(&text);
+    return status;
+}
+
+static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t attempt,
+                             const struct vor_event_piece *piece, struct vor_error *err)
+{
+    int rows;
+
+    if (piece->size == 0)
+        return VOR_OK;
+    return vor_sql_change(vor_sql_of(store), &rows, err, "INSERT INTO event VALUES (?, ?, ?, ?)",
+                          "iiib", seq, (int64_t)attempt, (int64_t)piece->last, piece->data,
+                          piece->size);
+}
+
+vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_view *row,
+                                 const struct vor_lease *lease, const struct vor_event_piece *piece,
+                                 int *changed, struct vor_error *err)
+{
+    struct vor_row_text text;
+    int64_t seq = 0;
+    vor_status status = vor_row_write(&text, row, err);
+
+    *changed = 0;
+    if (status == VOR_OK)
+        status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
+    if (status == VOR_OK) {
+        status = vor_sql_change_each(
+            vor_sql_of(store), take_seq, &seq, err,
+            "UPDATE job SET progress = max(progress, ?4), metrics = ?5, updated = ?6"
+            " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running' RETURNING seq",
+            "tititi", row->id.text, (int64_t)lease->attempt, lease->owner, (int64_t)row->progress,
+            text.metrics.data, row->updated);
+        if (status == VOR_OK && seq != 0)
+            status = add_events(store, seq, lease->attempt, piece, err);
+        status = vor_sql_end(vor_sql_of(store), status, err);
+    }
+    *changed = status == VOR_OK && seq != 0;
+    vor_row_text_free(&text);
+    return status;
+}
+
+static void take_crashes(void *ctx, struct vor_sql_row *row)
+{
+    struct vor_hand_back *run = ctx;
+
+    run->changed = 1;
+    run->crashes = (unsigned)vor_sql_number(row);
+    run->is_over = vor_sql_number(row) != 0;
+}
+
+vor_status vor_sql_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                             struct vor_hand_back *run, struct vor_error *err)
+{
+    run->changed = run->is_over = 0;
+    run->crashes = 0;
+    return vor_sql_change_each(
+        vor_sql_of(store), take_crashes, run, err,
+        "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3, status = CASE"
+        " WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running' ELSE 'accepted' END WHERE"
+        " id = ?1 AND attempt = ?2 AND owner = ?7 AND status = 'running'"
+        " RETURNING crashes, status = 'running'",
+        "tiiiiit", id->text, (int64_t)run->lease.attempt, run->now_ms,
+        (int64_t)(run->is_crash != 0), (int64_t)(run->is_crash && run->was_alone),
+        (int64_t)run->most, run->lease.owner);
+}
+
+/* Bytes of the outputs that are blobs. */
+static uint64_t held_bytes(const struct vor_job_view *row)
+{
+    const struct vor_artefact_info *outputs = row->spec.process->outputs;
+    uint64_t bytes = 0;
+
+    for (unsigned i = 0; row->status == VOR_JOB_SUCCESSFUL && outputs[i].name != NULL; i++)
+        bytes += vor_output_in_row(&outputs[i]) ? 0 : row->output[i].bytes;
+    return bytes;
+}
+
+/* The row itself; *seq stays 0 where nothing was changed. */
+static vor_status finish_row(struct vor_store *store, const struct vor_job_view *row,
+                             const struct vor_lease *lease, const struct vor_store_ending *ending,
+                             int64_t *seq, struct vor_error *err)
+{
+    const struct vor_job_output *output = &row->output[0];
+    struct vor_row_text text;
+    vor_status status = vor_row_write(&text, row, err);
+
+    if (status == VOR_OK)
+        status = vor_sql_change_each(
+            vor_sql_of(store), take_seq, seq, err,
+            "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
+            " problem = ?7, report_bytes = ?8, output_format = ?9,"
+            " output_points = ?10, output_bytes = ?11, output_sha256 = ?12,"
+            " updated = ?13, finished = ?13, expires = ?14, attempt = ?15, outputs = ?16,"
+            " kept = min(kept, ?17), held = ?18"
+            " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
+            " ELSE status = 'running' AND attempt = ?2 AND owner = ?19 END RETURNING seq",
+            "tititttiiiitiiitiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
+            vor_job_status_word(row->status), (int64_t)row->progress, row->message,
+            text.metrics.data, text.problem.data,
+            (int64_t)(ending->report != NULL ? strlen(ending->report) : 0), (int64_t)output->format,
+            (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
+            row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept,
+            (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
+    vor_row_text_free(&text);
+    return status;
+}
+
+vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *row,
+                          const struct vor_lease *lease, const struct vor_store_ending *ending,
+                          int *changed, struct vor_error *err)
+{
+    int64_t seq = 0;
+    int rows;
+    vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
+
+    *changed = 0;
+    if (status != VOR_OK)
+        return status;
+    status = finish_row(store, row, lease, ending, &seq, err);
+    if (status == VOR_OK && seq != 0)
+        status = add_events(store, seq, row->attempt, &ending->events, err);
+    if (status == VOR_OK && seq != 0 && ending->report != NULL)
+        status = vor_sql_change(vor_sql_of(store), &rows, err, "INSERT INTO job_blob VALUES (?, ?)",
+                                "it", seq, ending->report);
+    status = vor_sql_end(vor_sql_of(store), status, err);
+    *changed = status == VOR_OK && seq != 0;
+    return status;
+}
+
+vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                          struct vor_error *err)
+{
+    return vor_sql_change(vor_sql_of(store), changed, err,
+                          "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')",
+                          "t", id->text);
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+#define ROW_COLUMNS                                                                                \
+    "id, seq, process_id, status, progress, message, request, metrics, problem, inputs, outputs,"  \
+    " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
+    " output_format, output_points, output_bytes, output_sha256,"                                  \
+    " report_bytes,"                                                                               \
+    " attempt, created, started, updated, finished, expires, expired,"                             \
+    " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded"
+
+/* How many leave before a row that waits: in rounds of 256 turns, in turns, in its own turn; -1 for
+ * others. */
+#define SUM_OF_ROUNDS " coalesce((SELECT sum(jobs) FROM round WHERE number "
+#define POSITION                                                                                   \
+    ", CASE status WHEN 'accepted' THEN" SUM_OF_ROUNDS                                             \
+    "BETWEEN -(job.turn >> 8) AND -1), 0) +" SUM_OF_ROUNDS                                         \
+    ">= job.turn >> 8 << 8 AND number < job.turn), 0) +"                                           \
+    " (SELECT count(*) FROM job AS other INDEXED BY job_ready WHERE other.status = 'accepted'"     \
+    " AND other.turn = job.turn AND other.seq < job.seq) ELSE -1 END"
+
+/* How far a job got, as far as its row tells. */
+static enum vor_stage stage_of(const struct vor_job_view *row)
+{
+    if (row->status == VOR_JOB_ACCEPTED || row->started == 0)
+        return VOR_STAGE_QUEUED;
+    if (row->status == VOR_JOB_SUCCESSFUL)
+        return VOR_STAGE_ENCODE;
+    return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
+}
+
+/* The columns of the main input and the main output. */
+static void read_main(struct vor_job_view *out, struct vor_sql_row *from)
+{
+    struct vor_job_input *input = &out->input[0];
+    struct vor_job_output *output = &out->output[0];
+
+    input->format = (unsigned)vor_sql_number(from);
+    input->points = (uint64_t)vor_sql_number(from);
+    input->bytes = (uint64_t)vor_sql_number(from);
+    vor_sql_copy(from, input->sha256, sizeof input->sha256);
+    input->seconds = vor_sql_real(from);
+    output->format = (unsigned)vor_sql_number(from);
+    output->points = (uint64_t)vor_sql_number(from);
+    output->bytes = (uint64_t)vor_sql_number(from);
+    vor_sql_copy(from, output->sha256, sizeof output->sha256);
+}
+
+/* The length of the output that is kept in the row. */
+static void read_length(struct vor_job_view *out, struct vor_sql_row *from)
+{
+    const struct vor_artefact_info *outputs = out->spec.process->outputs;
+    uint64_t length = (uint64_t)vor_sql_number(from);
+
+    for (unsigned i = 0; outputs[i].name != NULL; i++)
+        if (vor_output_in_row(&outputs[i]))
+            out->output[i].bytes = length;
+}
+
+static void read_row(struct vor_job_view *out, struct vor_sql_row *row)
+{
+    struct vor_row_columns columns;
+    const char *span;
+
+    *out = (struct vor_job_view){.eta_seconds = -1};
+    vor_sql_copy(row, out->id.text, sizeof out->id.text);
+    out->seq = vor_sql_number(row);
+    vor_sql_copy(row, out->process, sizeof out->process);
+    out->status = vor_job_status_find(vor_sql_text(row));
+    out->progress = (int)vor_sql_number(row);
+    vor_sql_copy(row, out->message, sizeof out->message);
+    columns.request = vor_sql_text(row);
+    columns.metrics = vor_sql_text(row);
+    columns.problem = vor_sql_text(row);
+    columns.inputs = vor_sql_text(row);
+    columns.outputs = vor_sql_text(row);
+    vor_row_read(out, &columns);
+    read_main(out, row);
+    read_length(out, row);
+    out->attempt = (uint32_t)vor_sql_number(row);
+    if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
+        out->attempt++;
+    out->created = vor_sql_number(row);
+    out->started = vor_sql_number(row);
+    out->updated = vor_sql_number(row);
+    out->finished = vor_sql_number(row);
+    out->expires = vor_sql_number(row);
+    out->expired = (int)vor_sql_number(row);
+    vor_sql_copy(row, out->name, sizeof out->name);
+    span = vor_sql_text(row);
+    if (span != NULL)
+        (void)vor_span_parse(&out->span, span);
+    vor_sql_copy(row, out->key.principal, sizeof out->key.principal);
+    vor_sql_copy(row, out->key.text, sizeof out->key.text);
+    vor_sql_copy(row, out->key.fingerprint, sizeof out->key.fingerprint);
+    out->kept = (uint64_t)vor_sql_number(row);
+    out->alone = (int)vor_sql_number(row);
+    out->memory = (uint64_t)vor_sql_number(row);
+    out->decoded = (uint64_t)vor_sql_number(row);
+    out->queue_position = (long)vor_sql_number(row);
+    out->stage = stage_of(out);
+}
+
+struct taken {
+    struct vor_job_view *row;
+    int found;
+};
+
+static int take_row(void *ctx, struct vor_sql_row *row)
+{
+    struct taken *taken = ctx;
+
+    read_row(taken->row, row);
+    taken->found = 1;
+    return 0;
+}
+
+vor_status vor_sql_get(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                       struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    struct taken taken = {.row = out};
+    vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
+                                      "SELECT " ROW_COLUMNS POSITION " FROM job WHERE id = ?1"
+                                      " AND (?2 IS NULL OR principal = ?2)",
+                                      "tt", id->text, tenant);
+
+    *found = taken.found;
+    return status;
+}
+
+vor_status vor_sql_find_key(struct vor_store *store, const struct vor_job_key *key,
+                            struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    struct taken taken = {.row = out};
+    vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
+                                      "SELECT " ROW_COLUMNS POSITION
+                                      " FROM job WHERE principal = ? AND idem_key = ?",
+                                      "tt", key->principal, key->text);
+
+    *found = taken.found;
+    return status;
+}
+
+struct report {
+    char *text;
+    int failed;
+};
+
+static int take_report(void *ctx, struct vor_sql_row *row)
+{
+    struct report *report = ctx;
+
+    const char *text = vor_sql_text(row);
+
+    report->text = text != NULL ? strdup(text) : NULL;
+    report->failed = report->text == NULL;
+    return 0;
+}
+
+vor_status vor_sql_report(struct vor_store *store, const struct vor_uuid *id, char **report,
+                          struct vor_error *err)
+{
+    struct report read = {.text = NULL};
+    vor_status status = vor_sql_query(vor_sql_of(store), take_report, &read, err,
+                                      "SELECT report FROM job_blob WHERE report IS NOT NULL"
+                                      " AND seq = (SELECT seq FROM job WHERE id = ?)",
+                                      "t", id->text);
+
+    *report = read.text;
+    return read.failed ? vor_fail(err, VOR_E_NOMEM, "the report of a job") : status;
+}
+
+struct listing {
+    int (*each)(void *ctx, const struct vor_job_view *row);
+    void *ctx;
+};
+
+static int list_row(void *ctx, struct vor_sql_row *statement)
+{
+    struct listing *listing = ctx;
+    struct vor_job_view row;
+
+    read_row(&row, statement);
+    return listing->each(listing->ctx, &row);
+}
+
+/* ",accepted,running," of a set of statuses; "" for all. */
+static void status_words(char *out, size_t size, unsigned statuses)
+{
+    size_t at = 0;
+
+    out[0] = '\0';
+    for (int i = 0; i < VOR_JOB_STATUSES; i++)
+        if (statuses & (1u << i))
+            at += (size_t)snprintf(out + at, size - at, "%s%s,", at == 0 ? "," : "",
+                                   vor_job_status_word((enum vor_job_status)i));
+}
+
+/* Milliseconds that a started job has run; ?9 is now. */
+#define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
+
+/* The rows of a list, found in an index alone. */
+#define LIST(index, first)                                                                         \
+    "SELECT " ROW_COLUMNS POSITION " FROM job WHERE seq IN (SELECT seq FROM job INDEXED BY " index \
+    " WHERE expired = 0" first " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"             \
+    " AND (?2 IS NULL OR process_id = ?2) AND seq < ?3"                                            \
+    " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"                                             \
+    " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"                                        \
+    " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
+    " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
+    " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
+
+vor_status vor_sql_list(struct vor_store *store, const struct vor_job_filter *filter,
+                        int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                        struct vor_error *err)
+{
+    struct listing listing = {.each = each, .ctx = ctx};
+    char statuses[64];
+
+    status_words(statuses, sizeof statuses, filter->statuses);
+    return vor_sql_query(vor_sql_of(store), list_row, &listing, err,
+                         filter->name != NULL     ? LIST("job_named", " AND name = ?10")
+                         : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
+                                                  : LIST("job_listed", ""),
+                         "ttiiiiiiitti", statuses, filter->process,
+                         filter->before_seq > 0 ? filter->before_seq : INT64_MAX,
+                         (int64_t)filter->limit, filter->created_from, filter->created_to,
+                         filter->duration_min, filter->duration_max, filter->now, filter->name,
+                         filter->tenant, (int64_t)filter->is_kept);
+}
+
+static void take_claimed(void *ctx, struct vor_sql_row *row)
+{
+    (void)take_row(ctx, row);
+}
+
+vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *claim,
+                              struct vor_job_view *out, int *found, struct vor_error *err)
+{
+    int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
+    struct taken taken = {.row = out};
+    int rows;
+    vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
+
+    *found = 0;
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change_each(
+        vor_sql_of(store), take_claimed, &taken, err,
+        "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1,"
+        " lease = ?5"
+        " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE status = 'accepted'"
+        " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS
+        ", -1",
+        "tiiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
+        claim->until_ms);
+    if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
+        status = vor_sql_change(vor_sql_of(store), &rows, err,
+                                "DELETE FROM event WHERE attempt < ?2"
+                                " AND seq = (SELECT seq FROM job WHERE id = ?1)",
+                                "ti", out->id.text, (int64_t)out->attempt);
+    status = vor_sql_end(vor_sql_of(store), status, err);
+    *found = status == VOR_OK && taken.found;
+    return status;
+}
+
+static int take_ledger_of(void *ctx, struct vor_sql_row *row)
+{
+    take_ledger(ctx, row);
+    return 1;
+}
+
+vor_status vor_sql_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
+                          struct vor_error *err)
+{
+    ledger->jobs = ledger->bytes = 0;
+    return vor_sql_query(vor_sql_of(store), take_ledger_of, ledger, err, SELECT_LEDGER, "t",
+                         tenant);
+}
