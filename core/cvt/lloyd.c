@@ -5,6 +5,7 @@
 #include "core/opt/anderson.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/fixed.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 

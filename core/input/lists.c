@@ -119,6 +119,12 @@ static void fit_to(struct vor_surface *out, const struct vor_domain *domain, uin
     vor_surface_fit(out, near, count);
 }
 
+int vor_lists_are(const struct vor_domain *domain, unsigned k)
+{
+    return domain->known.lists != VOR_LISTS_NONE && vor_graph_is(&domain->graph) &&
+           k <= VOR_ADJACENT;
+}
+
 struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
                                       const struct vor_domain *domain, const double x[3],
                                       unsigned k, const uint32_t *index)
@@ -127,9 +133,8 @@ struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
     struct vor_surface second;
     uint32_t other;
 
-    if (domain->known.lists == VOR_LISTS_NONE || !vor_graph_is(&domain->graph) ||
-        k > VOR_ADJACENT) {
-        fitted.sheet = vor_sheets_fit(out, near, domain, x, k);
+    if (!vor_lists_are(domain, k)) {
+        fitted.sheet = vor_sheets_fit(out, near, domain, x, k, NULL);
         return fitted;
     }
     if (!domain->graph.own[index[0]]) {

@@ -66,8 +66,8 @@ static void gather_nearest(struct hood *out, const struct vor_domain *domain, co
         return;
     vor_surface_fit(&out->surface, out->near, out->k);
     if (vor_layers_possible(&out->surface))
-        (void)vor_sheets_gather(out->near, domain,
-                                (double[3]){(double)x[0], (double)x[1], (double)x[2]}, out->k);
+        (void)vor_sheets_gather(
+            out->near, domain, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, out->k, NULL);
 }
 
 static void gather(struct hood *out, const struct pass *pass, size_t i)

@@ -88,7 +88,7 @@ static double variance_of(struct vor_surface *surface, const struct vor_domain *
     double sum = 0;
 
     memcpy(own, near, 3 * k * sizeof *own);
-    (void)vor_sheets_fit(surface, own, domain, x, k);
+    (void)vor_sheets_fit(surface, own, domain, x, k, NULL);
     for (unsigned j = 0; surface->kind != VOR_SURFACE_NONE && j < k; j++) {
         double y[3] = {(double)own[3 * j], (double)own[3 * j + 1], (double)own[3 * j + 2]};
         double local[3], off;

@@ -393,7 +393,7 @@ static void pull_point(struct pull *pull, size_t i)
     for (unsigned j = 0; j < k; j++)
         memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
     (void)vor_sheets_fit(&surface, near, domain,
-                         (double[3]){(double)root[0], (double)root[1], (double)root[2]}, k);
+                         (double[3]){(double)root[0], (double)root[1], (double)root[2]}, k, NULL);
     put_near(&surface, x);
     for (size_t c = 0; c < 3; c++)
         pull->foot[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));

@@ -77,18 +77,18 @@ static void copy(float *near, const struct vor_domain *domain, const uint32_t *i
 struct wide {
     unsigned most;
     uint32_t index[VOR_NEIGHBORS_MAX];
-    float near[3 * VOR_NEIGHBORS_MAX];
+    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
 };
 
 static void gather_wide(struct wide *out, const struct vor_domain *domain, const double x[3],
                         unsigned k)
 {
-    float query[3] = {(float)x[0], (float)x[1], (float)x[2]}, distance2[VOR_NEIGHBORS_MAX];
+    float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
     unsigned want = (unsigned)fmax(WIDE * k, WIDE_LEAST);
 
     out->most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
     memset(out->near, 0, sizeof out->near); /* clang-analyzer cannot see that most >= 1 */
-    vor_knn_search(domain->knn, query, 1, out->most, out->index, distance2);
+    vor_knn_search(domain->knn, query, 1, out->most, out->index, out->distance2);
     copy(out->near, domain, out->index, out->most);
 }
 
@@ -150,11 +150,12 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const 
     return take_layer(list, &layers, &wide, x, k);
 }
 
-int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k)
+int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k,
+                      struct vor_layer *layer)
 {
     struct wide wide;
     struct vor_layers layers = {.count = 1};
-    uint32_t list[VOR_NEIGHBORS_MAX];
+    struct vor_layer own = {.count = 0};
     unsigned n;
 
     gather_wide(&wide, domain, x, k);
@@ -162,19 +163,22 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
         (void)attempt_it(&layers, wide.near, wide.most, i);
     if (layers.count == 1)
         return 0;
-    n = take_layer(list, &layers, &wide, x, k);
-    copy(near, domain, list, n);
+    layer = layer != NULL ? layer : &own;
+    layer->count = take_layer(layer->index, &layers, &wide, x, wide.most);
+    layer->reach = sqrtf(wide.distance2[wide.most - 1]);
+    n = least(k, layer->count);
+    copy(near, domain, layer->index, n);
     for (unsigned j = n; j < k; j++)
         memcpy(&near[3 * j], &near[3 * (j - n)], 3 * sizeof *near);
     return 1;
 }
 
 int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
-                   const double x[3], unsigned k)
+                   const double x[3], unsigned k, struct vor_layer *layer)
 {
     vor_surface_fit(out, near, k);
     if (!domain->known.sheets || !vor_layers_possible(out) ||
-        !vor_sheets_gather(near, domain, x, k))
+        !vor_sheets_gather(near, domain, x, k, layer))
         return 0;
     vor_surface_fit(out, near, k);
     return 1;

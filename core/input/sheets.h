@@ -25,16 +25,25 @@
 VOR_NODISCARD vor_status vor_sheets_find(int *out, const struct vor_domain *domain,
                                          const struct vor_run *run, struct vor_error *err);
 
+/** The layer that a place is nearest to. */
+struct vor_layer {
+    unsigned count;                    /**< its points around the place; 0: there are no layers */
+    float reach;                       /**< none that is nearer than this is missing */
+    uint32_t index[VOR_NEIGHBORS_MAX]; /**< of these points, the nearest first */
+};
+
 /** Looks for layers among the 2.25 k points nearest to x (at least 75, at most VOR_NEIGHBORS_MAX).
  *
- *  @param[out] near  k x 3 floats: the points nearest to x of the layer that x is nearest to, the
- *                    nearest first; they are repeated if the layer has fewer. Untouched without
- *                    layers
+ *  @param[out] near   k x 3 floats: the points nearest to x of the layer that x is nearest to, the
+ *                     nearest first; they are repeated if the layer has fewer. Untouched without
+ *                     layers
+ *  @param[out] layer  what was found; count stays as it is without layers; may be NULL
  *
  *  @return whether there are layers
  *
  *  One search; O(k log n + k^2). Cannot fail. Thread-safe. */
-int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k);
+int vor_sheets_gather(float *near, const struct vor_domain *domain, const double x[3], unsigned k,
+                      struct vor_layer *layer);
 
 enum { VOR_SHEETS_RECENT = 4 };
 
@@ -61,12 +70,13 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const 
 /** vor_surface_fit to k points around x; if the domain has sheets and the points form layers, to k
  *  points of the layer that x is nearest to.
  *
- *  @param[in,out] near  k x 3 floats, nearest first; those of the layer when it returns 1
+ *  @param[in,out] near   k x 3 floats, nearest first; those of the layer when it returns 1
+ *  @param[out]    layer  what was found; count stays as it is without; may be NULL
  *
  *  @return whether the fit is to a layer
  *
  *  O(k), as vor_sheets_gather where layers are possible. Cannot fail. Thread-safe. */
 int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain *domain,
-                   const double x[3], unsigned k);
+                   const double x[3], unsigned k, struct vor_layer *layer);
 
 #endif

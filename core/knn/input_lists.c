@@ -40,10 +40,12 @@ vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n,
 
     lists.wide = width(&lists, of->most);
     lists.k = vor_calloc(memory, n, sizeof *lists.k);
+    lists.has = vor_calloc(memory, n, sizeof *lists.has);
     lists.list = vor_malloc(memory, n, lists.wide * sizeof *lists.list);
     lists.anchor = vor_malloc(memory, n, 3 * sizeof *lists.anchor);
     lists.reach = vor_malloc(memory, n, sizeof *lists.reach);
-    if (lists.k == NULL || lists.list == NULL || lists.anchor == NULL || lists.reach == NULL) {
+    if (lists.k == NULL || lists.has == NULL || lists.list == NULL || lists.anchor == NULL ||
+        lists.reach == NULL) {
         vor_input_lists_free(&lists);
         return vor_fail(err, VOR_E_NOMEM, "lists of %u neighbours for %zu points", lists.wide, n);
     }
@@ -66,7 +68,7 @@ void vor_input_lists_free(struct vor_input_lists *lists)
 {
     if (lists->memory == NULL)
         return;
-    VOR_FREE_ALL(lists->memory, lists->reach, lists->anchor, lists->list, lists->k);
+    VOR_FREE_ALL(lists->memory, lists->reach, lists->anchor, lists->list, lists->has, lists->k);
     memset(lists, 0, sizeof *lists);
 }
 
@@ -106,14 +108,15 @@ static unsigned nearest(const float *distance2, unsigned begin, unsigned end)
     return at;
 }
 
-/* Moves the k nearest of the list to its front by exchanging the farthest of the front with the
- * nearest of the rest; a query that moved a little needs none or one or two exchanges. Returns
- * their number; *last is the distance of the farthest of the front. */
-static unsigned select(const struct vor_input_lists *lists, uint32_t *list, unsigned k,
-                       const float x[3], float *last)
+/* Moves the k nearest of the list's entries to its front by exchanging the farthest of the front
+ * with the nearest of the rest; a query that moved a little needs none or one or two exchanges.
+ * Returns their number; *last is the distance of the farthest of the front. */
+static unsigned select(const struct vor_input_lists *lists, size_t i, unsigned k, const float x[3],
+                       float *last)
 {
+    uint32_t *list = &lists->list[i * lists->wide];
     float distance2[WIDE_MAX];
-    unsigned exchanged = 0, wide = width(lists, k), out, in;
+    unsigned exchanged = 0, wide = lists->has[i], out, in;
 
     memset(distance2, 0, wide * sizeof *distance2); /* clang-analyzer cannot see that k >= 1 */
     for (unsigned j = 0; j < wide; j++)
@@ -147,7 +150,7 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
 
         if (moved < lists->reach[i]) {
             float last;
-            unsigned exchanged = select(lists, list, k, x, &last);
+            unsigned exchanged = select(lists, i, vor_input_lists_count(lists, i), x, &last);
 
             /* A point that is not in the list is at least reach - moved away. */
             if ((last + moved) * ROUNDING <= lists->reach[i])
@@ -155,20 +158,36 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
         }
     }
     /* The points of the list that is given up are still as many, so far from here at most. */
-    if (lists->reach[i] >= 0 && wide <= width(lists, lists->k[i]))
+    if (lists->reach[i] >= 0 && wide <= lists->has[i])
         within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
     vor_knn_search_within(lists->knn, x, wide, within, &lists->list[i * lists->wide], distance2);
     memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
     lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
     lists->k[i] = (uint16_t)k;
+    lists->has[i] = (uint16_t)wide;
     return VOR_INPUT_LISTS_ANEW;
+}
+
+void vor_input_lists_narrow(struct vor_input_lists *lists, size_t i, const float x[3],
+                            const uint32_t *index, unsigned count, float reach)
+{
+    unsigned wide = width(lists, lists->k[i]), has = count < wide ? count : wide;
+    uint32_t *list = &lists->list[i * lists->wide];
+
+    assert(count >= 1 && lists->reach[i] >= 0);
+    memcpy(list, index, has * sizeof *list);
+    memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
+    lists->has[i] = (uint16_t)has;
+    lists->reach[i] = reach;
+    if (has < count)
+        lists->reach[i] = sqrtf(squared(&lists->reference[3 * (size_t)index[has - 1]], x));
 }
 
 unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
                                 unsigned k, uint32_t *index)
 {
     const uint32_t *list = &lists->list[i * lists->wide];
-    unsigned wide = width(lists, lists->k[i]), count = 0;
+    unsigned wide = lists->has[i], count = 0;
     float distance2[WIDE_MAX], sure;
 
     assert(k >= 1 && k <= WIDE_MAX);

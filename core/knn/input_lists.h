@@ -19,6 +19,7 @@ struct vor_input_lists {
     unsigned most, wide;    /* most neighbours of an answer; entries of a list for that many */
     int still;              /* queries hardly move */
     uint16_t *k;            /* n: neighbours that each list answers */
+    uint16_t *has;          /* n: entries of each list */
     uint32_t *list;         /* n x wide, the k nearest first */
     float *anchor;          /* n x 3: where the query was when its list was made */
     float *reach;           /* n: points not in the list are at least this far from the anchor; < 0:
@@ -40,7 +41,7 @@ struct vor_input_lists_of {
  *
  *  @param[out] out  free with vor_input_lists_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM (6 most + 26) n bytes do not fit, of still queries (4 most + 26) n */
+ *  @retval VOR_E_NOMEM (6 most + 28) n bytes do not fit, of still queries (4 most + 28) n */
 VOR_NODISCARD vor_status vor_input_lists_init(struct vor_input_lists *out, size_t n,
                                               const struct vor_input_lists_of *of,
                                               struct vor_memory *memory, struct vor_error *err);
@@ -62,14 +63,30 @@ enum vor_input_lists_found {
 /** Finds the k <= most nearest reference points of query i, which is at x now. Exact. A list is
  *  made for one k; another k makes it anew.
  *
- *  @param[out] index  k points, the nearest first, the others in no order; valid until the next
- *                     search for i
+ *  @param[out] index  vor_input_lists_count points, k but for lists that were narrowed: the nearest
+ *                     first, the others in no order; valid until the next search for i
  *
  *  Cannot fail. O(k), O(k log m) with a new list. Different threads may ask for different queries;
  *  the answer depends only on the moves and ks of query i. */
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
                                                   const uint32_t **index);
+
+/** Leaves only some of the points around query i to its list, until that is made anew: searches
+ * find the nearest of those, and fewer than k where there are fewer.
+ *
+ *  @param[in] x      where the query is
+ *  @param[in] index  count >= 1 points, the nearest first: all that it may find within `reach` of x
+ *
+ *  i has been searched for. O(k). */
+void vor_input_lists_narrow(struct vor_input_lists *lists, size_t i, const float x[3],
+                            const uint32_t *index, unsigned count, float reach);
+
+/** How many points the last search for query i found. O(1). */
+static inline unsigned vor_input_lists_count(const struct vor_input_lists *lists, size_t i)
+{
+    return lists->has[i] < lists->k[i] ? lists->has[i] : lists->k[i];
+}
 
 /** Finds the reference points nearest to any x near query i, as far as the list of i holds them for
  *  certain.
@@ -82,8 +99,8 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
 unsigned vor_input_lists_around(const struct vor_input_lists *lists, size_t i, const float x[3],
                                 unsigned k, uint32_t *index);
 
-/** The reference point that was nearest to query i in its last search; there has been one:
- *  lists->reach[i] >= 0. */
+/** The reference point that was nearest to query i in its last search, of those that its list was
+ *  left; there has been one: lists->reach[i] >= 0. */
 static inline uint32_t vor_input_lists_first(const struct vor_input_lists *lists, size_t i)
 {
     return lists->list[i * lists->wide];

@@ -83,7 +83,7 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
             continue;
         }
         (void)vor_seeds_fit(seeds, scratch, i);
-        transfer->nearest[i] = seeds->domain->source[vor_input_lists_first(&seeds->input_lists, i)];
+        transfer->nearest[i] = seeds->domain->source[vor_seeds_nearest(seeds, i)];
         if (transfer->normal != NULL)
             make_normal(transfer, scratch, i);
     }

@@ -225,3 +225,26 @@ vor_status vor_seeds_add_sites(struct vor_seeds *seeds, const struct vor_sites *
     }
     return status;
 }
+
+int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
+                     const double x[3], const double y[3])
+{
+    double fence = seeds->fence * vor_wanted_at(&seeds->wanted, i);
+
+    for (unsigned j = 0; seeds->fixed > 0 && j < scratch->crowd.count; j++) {
+        size_t other = scratch->crowd.index[j];
+        double was2 = 0, is2 = 0;
+
+        if (other < vor_seeds_moving(seeds))
+            continue;
+        for (size_t c = 0; c < 3; c++) {
+            double at = (double)seeds->xyz[3 * other + c];
+
+            was2 += (x[c] - at) * (x[c] - at);
+            is2 += (y[c] - at) * (y[c] - at);
+        }
+        if (is2 < fence * fence && is2 < was2)
+            return 1;
+    }
+    return 0;
+}

@@ -143,26 +143,40 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds)
     return counts;
 }
 
+/* Gathers k points; of `count`, if they are fewer, again and again. */
 static void gather(const struct vor_seeds *seeds, struct vor_place *place, const uint32_t *index,
-                   unsigned k)
+                   unsigned count, unsigned k)
 {
     place->k = k;
-    for (unsigned j = 0; j < k; j++)
+    for (unsigned j = 0; j < count; j++)
         memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
                3 * sizeof *place->near);
+    for (unsigned j = count; j < k; j++)
+        memcpy(&place->near[3 * j], &place->near[3 * (j - count)], 3 * sizeof *place->near);
 }
 
-/* vor_lists_fit, which looks for layers where the domain has sheets. Where only a thinned one has
- * them, this looks on the whole too: its neighbours reach over to another sheet at the border. */
+/* Fits to a list or, where the domain has sheets, to a layer. Where only a thinned one has them,
+ * this looks on the whole too: its neighbours reach over to another sheet at the border.
+ *
+ * layer  count is above 0 where the points are of one; else set where there is one */
 static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct vor_place *place,
                                            struct vor_surface *out, const double x[3],
-                                           const uint32_t *index)
+                                           const uint32_t *index, struct vor_layer *layer)
 {
     const struct vor_domain *domain = seeds->domain;
-    struct vor_lists_fitted fitted = vor_lists_fit(out, place->near, domain, x, place->k, index);
+    struct vor_lists_fitted fitted = {1, VOR_LISTS_NO_ROOT};
 
+    /* cppcheck-suppress ctuuninitvar; count is set */
+    if (layer->count > 0) {
+        vor_surface_fit(out, place->near, place->k);
+        return fitted;
+    }
+    if (vor_lists_are(domain, place->k))
+        fitted = vor_lists_fit(out, place->near, domain, x, place->k, index);
+    else
+        fitted.sheet = vor_sheets_fit(out, place->near, domain, x, place->k, layer);
     if (!fitted.sheet && seeds->sheets && !domain->known.sheets && vor_layers_possible(out) &&
-        vor_sheets_gather(place->near, domain, x, place->k)) {
+        vor_sheets_gather(place->near, domain, x, place->k, layer)) {
         vor_surface_fit(out, place->near, place->k);
         fitted.sheet = 1;
     }
@@ -174,15 +188,15 @@ static struct vor_lists_fitted fit_quadric(const struct vor_seeds *seeds, struct
  * spacing that they were found with. */
 static struct vor_lists_fitted fit(const struct vor_seeds *seeds, struct vor_place *place,
                                    struct vor_surface *out, const double x[3],
-                                   const uint32_t *index)
+                                   const uint32_t *index, struct vor_layer *layer)
 {
     struct vor_lists_fitted fitted = {.root = VOR_LISTS_NO_ROOT};
     double spacing = 0;
 
     if (!seeds->policy.planes)
-        return fit_quadric(seeds, place, out, x, index);
+        return fit_quadric(seeds, place, out, x, index, layer);
     if (seeds->sheets || vor_graph_is(&seeds->domain->graph)) {
-        fitted = fit_quadric(seeds, place, out, x, index);
+        fitted = fit_quadric(seeds, place, out, x, index, layer);
         spacing = out->spacing;
     }
     vor_surface_fit_as(out, place->near, place->k, VOR_SURFACE_PLANE);
@@ -222,27 +236,42 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
     enum vor_input_lists_found found = search(seeds, scratch, i, &index);
 
     scratch->interior = 0;
-    gather(seeds, here, index, last->k);
-    /* With layers the sheet may change though the points are the same, as another may be nearest.
-     * With lists a seed keeps its sheet until the points are others: else seeds between two sheets
-     * change from one to the other again and again. Kept / not: shell60k to 240,000 delta_sheet
-     * 0.078 / 0.080, arma2 0.097 / 0.100, 6 % less CPU. */
-    if (found != VOR_INPUT_LISTS_SAME || last->refined ||
-        (last->layered && last->root == VOR_LISTS_NO_ROOT)) {
+    gather(seeds, here, index, vor_input_lists_count(&seeds->input_lists, i), last->k);
+    /* A seed keeps its sheet until the points are others: else seeds between two sheets change from
+     * one to the other again and again. Kept / not: shell60k to 240,000 delta_sheet 0.078 / 0.080,
+     * arma2 0.097 / 0.100, 6 % less CPU. */
+    if (found != VOR_INPUT_LISTS_SAME || last->refined) {
         struct vor_lists_fitted fitted;
+        struct vor_layer layer;
+        int kept = found != VOR_INPUT_LISTS_ANEW && last->narrow;
         double at[3];
 
+        layer.count = kept ? last->k : 0;
         vor_seeds_position(seeds, i, at);
-        fitted = fit(seeds, here, &last->surface, at, index);
+        fitted = fit(seeds, here, &last->surface, at, index, &layer);
+        if (!kept && layer.count > 0)
+            vor_input_lists_narrow(&seeds->input_lists, i, x, layer.index, layer.count,
+                                   layer.reach);
+        last->narrow = layer.count > 0;
         last->layered = (unsigned char)fitted.sheet;
         last->root = fitted.root;
-    } else if (last->layered)
+    } else if (last->layered && last->root != VOR_LISTS_NO_ROOT)
         vor_lists_points(here->near, seeds->domain, last->root, last->k);
     last->refined = 0;
     last->interior = 0;
     memcpy(last->place, x, sizeof last->place);
     here->surface = last->surface;
     return here->surface.kind;
+}
+
+uint32_t vor_seeds_nearest(const struct vor_seeds *seeds, size_t i)
+{
+    uint32_t index = vor_input_lists_first(&seeds->input_lists, i);
+    float distance2;
+
+    if (seeds->last_fit[i].narrow)
+        vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+    return index;
 }
 
 /* Whether the input surrounds the seed, at x, with no border near it. */
@@ -302,12 +331,14 @@ enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
     uint32_t index[VOR_NEIGHBORS_MAX];
     float distance2[VOR_NEIGHBORS_MAX];
+    struct vor_layer layer;
     unsigned k = asked(seeds, query);
 
     vor_knn_search(seeds->domain->knn, query, 1, k, index, distance2);
     scratch->queries++;
-    gather(seeds, place, index, k);
-    (void)fit(seeds, place, &place->surface, x, index);
+    gather(seeds, place, index, k, k);
+    layer.count = 0;
+    (void)fit(seeds, place, &place->surface, x, index, &layer);
     return place->surface.kind;
 }
 
@@ -364,7 +395,8 @@ static int goes_on(const struct vor_seeds *seeds, size_t i, const double foot[3]
     uint32_t index[VOR_NEIGHBORS_MAX];
 
     memset(index, 0, k * sizeof *index); /* clang-analyzer cannot see that k >= 1 */
-    gather(seeds, &around, index, vor_input_lists_around(&seeds->input_lists, i, at, k, index));
+    k = vor_input_lists_around(&seeds->input_lists, i, at, k, index);
+    gather(seeds, &around, index, k, k);
     return vor_boundary_goes_on(around.near, around.k, foot, way, INFINITY);
 }
 
@@ -560,27 +592,4 @@ enum vor_surface_kind vor_seeds_cell(struct vor_seeds *seeds, struct vor_scratch
     vor_seeds_crowd(seeds, scratch, i);
     vor_seeds_clip(seeds, scratch, i, 0);
     return kind;
-}
-
-int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
-                     const double x[3], const double y[3])
-{
-    double fence = seeds->fence * vor_wanted_at(&seeds->wanted, i);
-
-    for (unsigned j = 0; seeds->fixed > 0 && j < scratch->crowd.count; j++) {
-        size_t other = scratch->crowd.index[j];
-        double was2 = 0, is2 = 0;
-
-        if (other < vor_seeds_moving(seeds))
-            continue;
-        for (size_t c = 0; c < 3; c++) {
-            double at = (double)seeds->xyz[3 * other + c];
-
-            was2 += (x[c] - at) * (x[c] - at);
-            is2 += (y[c] - at) * (y[c] - at);
-        }
-        if (is2 < fence * fence && is2 < was2)
-            return 1;
-    }
-    return 0;
 }

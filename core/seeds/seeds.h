@@ -47,6 +47,7 @@ struct vor_last_fit {
     uint32_t root;              /**< input point whose list it is to, or VOR_LISTS_NO_ROOT */
     unsigned char interior : 1; /**< no border of the input is near that place */
     unsigned char layered : 1;  /**< fitted to one of several sheets */
+    unsigned char narrow : 1;   /**< its list of input points has only those of its sheet */
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
@@ -134,6 +135,10 @@ VOR_NODISCARD vor_status vor_seeds_index(struct vor_seeds *seeds, const struct v
  *  points gave it before. Returns its kind. O(k), O(k log n) when a list is made anew. */
 enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i);
 
+/** The input point nearest to seed i, which vor_seeds_fit was called for where it is now, on
+ *  whichever sheet. O(1); O(log n) where the seed has a sheet of several. */
+uint32_t vor_seeds_nearest(const struct vor_seeds *seeds, size_t i);
+
 /** When a last fit may be used again. */
 struct vor_recall {
     double slack;   /**< input spacings that a seed may move from its last fit */
@@ -206,11 +211,6 @@ static inline size_t vor_seeds_moving(const struct vor_seeds *seeds)
 {
     return seeds->n - seeds->fixed;
 }
-
-/** Whether seed i, which moves from x to y, ends within the fence of one that does not move, and
- *  nearer to it than it began. scratch->crowd was gathered around it. O(crowd). */
-int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
-                     const double x[3], const double y[3]);
 
 /** Whether surfaces are fitted to the whole domain. */
 static inline int vor_seeds_on_whole(const struct vor_seeds *seeds)

@@ -18,8 +18,8 @@
 #define DOUBLES                                                                                    \
     24.0            /* of the input, where it may be doubles that are kept: convert 24 beside what \
                        attributes are reckoned with, denoise 36 */
-#define START 391.0 /* of the result and 6 a neighbour, twice where it begins from cells */
-#define ITERATE 500.0   /* likewise, once */
+#define START 393.0 /* of the result and 6 a neighbour, twice where it begins from cells */
+#define ITERATE 502.0   /* likewise, once */
 #define DENSITY 50.0    /* of the result, with a density: 51 */
 #define METRIC 268.0    /* of the result, with a metric: 268 */
 #define DESCEND 1060.0  /* of the result, where an energy is minimised */
@@ -31,7 +31,7 @@
  * neighbours than are reckoned with: 720, 890. */
 #define WLOP_IN 480.0
 #define EAR_IN 500.0
-#define PROJECTED 540.0
+#define PROJECTED 542.0
 #define SAMPLED 0.5 /* of the input's points, those that ear projects */
 
 /* Bytes whatever the points: some, and those of each thread's scratch. */

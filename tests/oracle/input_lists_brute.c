@@ -189,8 +189,48 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
 }
 END_TEST
 
+/* A list that was left every other of the points around finds the nearest of these, though fewer
+ * than it was asked for, until it is made anew. */
+START_TEST(a_narrowed_list_finds_the_nearest_of_its_own)
+{
+    unsigned k = 20, count = _i == 0 ? 45 : 15;
+    struct walk walk;
+
+    start(&walk, 3, 1000, k, 0);
+    for (size_t i = 0; i < QUERIES; i++) {
+        uint32_t around[90], own[45];
+        float d2[90], x[3];
+        const uint32_t *index;
+
+        (void)check_query(&walk, i);
+        vt_knn_brute(walk.cloud.xyz, 1000, walk.at[i], 1, 90, around, d2);
+        for (unsigned j = 0; j < count; j++)
+            own[j] = around[2 * j];
+        vor_input_lists_narrow(&walk.near, i, walk.at[i], own, count, sqrtf(d2[89]));
+        for (size_t c = 0; c < 3; c++)
+            x[c] = walk.at[i][c] + 0.003F;
+        if (vor_input_lists_search(&walk.near, i, x, k, &index) == VOR_INPUT_LISTS_ANEW)
+            continue;
+        ck_assert_uint_eq(vor_input_lists_count(&walk.near, i), count < k ? count : k);
+        for (unsigned j = 0; j < count; j++) {
+            unsigned in = 0, nearer = 0;
+
+            for (unsigned other = 0; other < count; other++)
+                nearer += distance2(&walk, own[other], x) < distance2(&walk, own[j], x);
+            for (unsigned m = 0; m < vor_input_lists_count(&walk.near, i); m++)
+                in += index[m] == own[j];
+            ck_assert_uint_eq(in, nearer < k);
+        }
+        walk.kept++;
+    }
+    ck_assert_uint_ge(walk.kept, QUERIES / 2);
+    end(&walk);
+}
+END_TEST
+
 void vt_suite(Suite *suite)
 {
+    vt_add_loop(suite, a_narrowed_list_finds_the_nearest_of_its_own, 2);
     vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
     vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
     vt_add_loop(suite, what_a_list_tells_of_places_around_is_true, 4);

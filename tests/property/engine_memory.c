@@ -11,10 +11,10 @@ enum { RECORDS = 160, CALLS = 3 }; /* CALLS of the allocator for one index */
  * own, where the input is not ten times as many; or while iterating the candidates, the momentum
  * and a second index of them; a bench for each thread and set. */
 #define EACH_IN(own) ((own) > 0 ? 77 : 69) /* the start keeps fits of its own */
-#define EACH_SEED(k) (6 * (k) + 393)
-#define EACH_ITERATED(k) (6 * (k) + 500)
+#define EACH_SEED(k) (6 * (k) + 395)
+#define EACH_ITERATED(k) (6 * (k) + 502)
 #define EACH_THREAD (200 << 10)
-#define ELSE (16 << 10)
+#define ELSE (17 << 10)
 
 static size_t bound_of(size_t in, size_t out, size_t k, size_t threads)
 {
