@@ -34,7 +34,7 @@ my $padded = $daemon->post('/v1/convert', $draco . "\0" x 7);
 is $padded->{status}, 200, 'a Draco stream may be padded';
 my $more = $daemon->post('/v1/convert', $draco . "\0" x 8);
 is_problem($more, 422, 'undecodable-cloud', 'more bytes behind it are refused');
-like json($more)->{detail}, qr/ends after @{[length $draco]} bytes/, 'with their place';
+like json($more)->{detail}, qr/ends after @{[length $draco]} of @{[8 + length $draco]} bytes/, 'with their place';
 
 # A caller who leaves while its upload is read: 20 MB of digits take a second and more.
 my $line = join(' ', ('0.12345678901234567890') x 3) . "\n";

@@ -74,7 +74,7 @@ static float to_line2(const struct twin *twin, size_t i, size_t j, size_t k)
 
 static float key_of(const struct twin *twin, size_t i, size_t j, float clearance2)
 {
-    double turned = 2 - cosine(normal(twin, i), normal(twin, j)), least = 0;
+    double turned = 2 - fmax(cosine(normal(twin, i), normal(twin, j)), 0), least = 0;
     float m[3];
 
     middle(twin, i, j, m);
