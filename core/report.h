@@ -76,10 +76,11 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Largest number of steps that the stage may have; 0 if this is not known")                   \
     X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "Iteration of the most even result so far, which a run that ends now would return")          \
-    X(U32, best_polish, "best.polish", "", "Polish step of the most even result so far")           \
+      "Iteration that gave the most even result so far, which a run that ends now would return")   \
+    X(U32, best_polish, "best.polish", "",                                                         \
+      "Number of the polish step that gave the most even result so far")                           \
     X(REAL, best_delta, "best.delta", "",                                                          \
-      "delta of the most even result so far; in the last record of a run, delta of the report")    \
+      "delta of the most even result so far; in the last record, the same as delta in the report") \
     X(REAL, best_sigma, "best.sigma", "unit of the cloud", "sigma of the most even result so far") \
     X(REAL, best_epsilon, "best.epsilon", "", "epsilon of the most even result so far")
 
@@ -155,8 +156,8 @@ struct vor_stage_done {
       "Warnings about parameters that had no effect and about problems of the input. Most runs "   \
       "have none")                                                                                 \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages of the run, in order. The time of each stage, except baselines, is also included "   \
-      "in the report's member seconds")                                                            \
+      "Stages of the run, in order. The times in the member seconds of the report include the "    \
+      "time of every stage except the stage baselines")                                            \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
     X(REAL, seconds_init, "seconds.init", "s", "Time to place the first points")                   \
@@ -184,8 +185,8 @@ struct vor_stage_done {
       "Number of outliers among the input points; they were ignored or moved onto the surface")    \
     X(U64, parts, "components", "", "Number of separate parts of the input")                       \
     X(U64, islands, "islands.components", "",                                                      \
-      "Number of islands: separate parts with fewer than twice as many points as a local "         \
-      "surface is fitted to (neighbors)")                                                          \
+      "Number of islands: separate parts with fewer than twice the number of points that a "       \
+      "local surface is fitted to (neighbors)")                                                    \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Number of points of the result on islands; each is at the position of an input point. 0 "   \
@@ -202,8 +203,8 @@ struct vor_stage_done {
     X(U64, holes_not_closed, "holes.not_closed", "", "Number of loops that could not be closed")   \
     X(U64, holes_points, "holes.points", "points", "Number of points added in holes")              \
     X(HOLES, holes, "holes.each", "",                                                              \
-      "At most 100 loops. If there are more, the loops that could not be closed come first, "      \
-      "then the longest")                                                                          \
+      "At most 100 loops. If there are more, those that could not be closed are listed, and the "  \
+      "longest of the others")                                                                     \
     X(OPTIONAL, has_density, "density", "",                                                        \
       "How well the result follows the requested density; only present if the request has one")    \
     X(REAL, density_span, "density.span", "",                                                      \
@@ -219,8 +220,8 @@ struct vor_stage_done {
       "Ratio of length to width that the metric requests for cells: 95th percentile over the "     \
       "surface")                                                                                   \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Median of the ratio of length to width of the cells of the result: the square root of "     \
-      "the ratio of a cell's principal second moments")                                            \
+      "Median of length / width of the cells of the result. For each cell, this is the square "    \
+      "root of the ratio of its principal second moments")                                         \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
       "Median of the relative difference between the ratio of length to width of a cell and the "  \
       "ratio that the metric requests there")                                                      \
@@ -236,8 +237,8 @@ struct vor_stage_done {
       "Energy after an iteration divided by the energy before the iteration: the largest value "   \
       "of all iterations, below 1")                                                                \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
-      "Median of the ratio of length to width of the cells, the square root of the ratio of a "    \
-      "cell's principal second moments; 1 for squares and regular hexagons")                       \
+      "Median of length / width of the cells. For each cell, this is the square root of the "      \
+      "ratio of its principal second moments; 1 for squares and regular hexagons")                 \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the input's coordinates were rounded to; 0 if no grid was found")     \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
@@ -261,14 +262,14 @@ struct vor_stage_done {
       "Distances from all points of the result to the nearest input point. Only the input "        \
       "points that count in ref_to_out are used")                                                  \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Number of points of the result at borders of the input, for any value of the parameter "    \
+      "Number of points of the result at borders of the input, for every value of the parameter "  \
       "boundary: 0 on a closed smooth surface, else about the length of the border divided by "    \
       "the spacing")                                                                               \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
       "In each entry, neighbors is a number of input points, and points is the number of points "  \
       "of the result that have a surface fitted to this number of input points. Entries are "      \
-      "sorted by neighbors. All points together are points.out")                                   \
+      "sorted by neighbors. The numbers of points add up to points.out")                           \
     X(U64, held, "held", "points",                                                                 \
       "Number of points that were kept from moving beyond the border in the last iteration")       \
     X(U64, held_ever, "held_ever", "points",                                                       \
@@ -302,8 +303,7 @@ struct vor_stage_done {
       "Mean number of triangles in the local surface that a Voronoi cell is cut from, over all "   \
       "cells that were computed")                                                                  \
     X(U64, queries, "queries", "",                                                                 \
-      "Number of searches for nearest neighbours, among the points of the input or of the "        \
-      "result")                                                                                    \
+      "Number of searches for nearest neighbours among the points of the input or result")         \
     X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
       "How often the neighbour lists of all points were rebuilt")                                  \
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
@@ -444,8 +444,7 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, hausdorff_relative, "input.hausdorff_relative", "",                                    \
       "Hausdorff distance divided by the diagonal of the reference's bounding box")                \
     X(REAL, chamfer, "input.chamfer", "unit of the cloud",                                         \
-      "Chamfer distance: out_to_ref_mean plus ref_to_out_mean (of distances, not of "              \
-      "their squares)")                                                                            \
+      "Chamfer distance: out_to_ref_mean plus ref_to_out_mean (of distances, not their squares)")  \
     X(REAL, d1_mse, "input.d1_mse", "unit of the cloud^2",                                         \
       "Mean squared point-to-point error, in the direction in which it is larger")                 \
     X(REAL, d1_psnr, "input.d1_psnr", "dB",                                                        \
@@ -541,9 +540,10 @@ struct vor_loop_told {
       "Number of separate parts. Two parts are separate if none of their points are neighbours")   \
     X(U64, largest, "components.largest", "points", "Number of points of the largest part")        \
     X(U64, small, "components.small", "",                                                          \
-      "Number of small parts: parts with fewer than twice as many points as a local surface is "   \
-      "fitted to (neighbors)")                                                                     \
-    X(U64, small_points, "components.small_points", "points", "Number of points of small parts")   \
+      "Number of small parts: parts with fewer than twice the number of points that a local "      \
+      "surface is fitted to (neighbors)")                                                          \
+    X(U64, small_points, "components.small_points", "points",                                      \
+      "Number of points in all small parts together")                                              \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
       "Mean distance from a point to its nearest neighbour")                                       \
     X(REAL, spacing_p01, "spacing.p01", "unit of the cloud",                                       \
@@ -556,12 +556,12 @@ struct vor_loop_told {
       "Root mean square distance from points to the local surface that is fitted to them; the "    \
       "median of 512 places")                                                                      \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "Number of points that neighbors=auto fits a local surface to in most places")               \
+      "Number of points that most local surfaces are fitted to with neighbors=auto")               \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the coordinates were rounded to; 0 if no grid was found")             \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
       "Whether the grid is so coarse, compared with the distance between points, that a run "      \
-      "would move points within their grid cells")                                                 \
+      "would correct the rounding: it would move points, each within its grid cell")               \
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
       "Whether much of the surface has layers (sheets) so close together that a local fit could "  \
       "mix their points")                                                                          \
@@ -569,7 +569,8 @@ struct vor_loop_told {
       "Share of the points that are fitted only to points of their own sheet; the other points "   \
       "are fitted to the nearest points of any sheet")                                             \
     X(U64, edge_points, "edges.points", "points", "Number of points that lie on a sharp edge")     \
-    X(REAL, edge_length, "edges.length", "unit of the cloud", "Estimated length of all edges")     \
+    X(REAL, edge_length, "edges.length", "unit of the cloud",                                      \
+      "Estimated total length of all sharp edges")                                                 \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
       "Area of the surface: the sum of the areas of the points' Voronoi cells")                    \
     X(U64, border_loops, "border.loops", "",                                                       \

@@ -28,8 +28,8 @@ static vor_status check_step(const double origin[3], const struct vor_spec *spec
         return VOR_OK;
     return vor_fail_param(
         err, VOR_E_ORIGIN, "origin",
-        "with origin=%.160s, float32 has steps of %g at the farthest point, want at most %.3g, "
-        "the spacing of the result divided by %d: use origin=auto or origin=relative",
+        "with origin=%.160s, float32 has steps of %g at the farthest point, want at most %.3g "
+        "(1/%d of the spacing of the result): use origin=auto or origin=relative",
         vor_spec_text(spec, VOR_PARAM_ORIGIN, text), step, most, VOR_ORIGIN_STEPS_LEAST);
 }
 

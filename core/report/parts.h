@@ -72,8 +72,8 @@ enum vor_oriented {
       "Connected parts of the input have only one side, so that their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface for any value of neighbors. There the result may be "      \
-      "farther from the surface than the input")                                                   \
+      "Noise hides parts of the surface for every value of the parameter neighbors. There the "    \
+      "result may be farther from the surface than the input")                                     \
     X(NOT_RESTORED, "lattice",                                                                     \
       "The points were not moved because no grid was found, or because the grid cells are "        \
       "smaller than a tenth of the spacing")
@@ -226,15 +226,15 @@ struct vor_runner_up {
     X(REAL, pose_rms, "registration.rms", "unit of the reference",                                 \
       "Root mean square distance of evenly spread points of the moved cloud to the surface of "    \
       "the reference, where both overlap")                                                         \
-    X(REAL, pose_mse, "registration.mse", "unit of the reference^2", "The square of rms")          \
+    X(REAL, pose_mse, "registration.mse", "unit of the reference^2",                               \
+      "The square of rms, in squared units of the reference")                                      \
     X(REAL, pose_overlap, "registration.overlap", "",                                              \
       "Share of the cloud's surface that lies on the reference")                                   \
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Share of the surface near the other cloud that does not lie on it; 0 where all "            \
-      "overlapping "                                                                               \
-      "parts agree")                                                                               \
+      "Of each cloud's surface that is near the other cloud, the share that does not lie on the "  \
+      "other surface; mean of both clouds. 0 if all overlapping parts agree")                      \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be relied on, 0 to 1: below 0.5 look at the result before using it")   \
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
@@ -246,14 +246,15 @@ struct vor_runner_up {
       "Unit vector of the free motion, in the reference's coordinates; 0 unless reason is "        \
       "free-slide or free-turn")                                                                   \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Mean share of both surfaces that lies on the other one, less for distance and conflict")    \
+      "Score of the pose, higher is better: the share of each surface that lies on the other "     \
+      "one, averaged over the two surfaces, and reduced where they are apart or in conflict")      \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "The next best pose that was found; all 0 if there is none")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: as many as the result has, but not more than the input has. A voxel "     \
+      "Number of points: the same as the result has, but not more than the input has. A voxel "    \
       "grid gives only about this number")                                                         \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
@@ -263,8 +264,8 @@ struct vor_runner_up {
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points that have six Voronoi neighbours")    \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
-      "Distances from the input to the points of this method, computed like ref_to_out of the "    \
-      "result")
+      "Distances from the input to the points that this method made, computed in the same way "    \
+      "as the report's member ref_to_out")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

@@ -83,8 +83,8 @@ static void skip(struct walk *walk, uint32_t count, const char *what)
     if (walk->status == VOR_OK && walk->size - walk->at < count)
         fail_at(walk, walk->size,
                 vor_fail(walk->err, VOR_E_FORMAT,
-                         "the Draco file ends after %zu bytes, within %u bytes of %s", walk->size,
-                         count, what));
+                         "the Draco file ends after %zu bytes, in the middle of %s (%u bytes)",
+                         walk->size, what, count));
     if (walk->status == VOR_OK)
         walk->at += count;
 }

@@ -111,7 +111,9 @@ vor_status vor_config_file_value(char *out, size_t size, const char *variable, c
     if (got > 0 && out[got - 1] == '\r')
         out[--got] = '\0';
     if (strlen(out) != got || has_control(out))
-        return vor_fail(err, VOR_E_PARAM, "%.60s: %.200s holds a control byte, want one value",
+        return vor_fail(err, VOR_E_PARAM,
+                        "%.60s: %.200s holds a control byte (such as a line break), want a single "
+                        "line without any",
                         variable, path);
     return VOR_OK;
 }

@@ -27,8 +27,9 @@ vor_status vor_self_test_judge(const struct vor_cloud *made, double delta, struc
             sum += at * at;
         }
         if (!(fabs(sqrt(sum) - 1) <= off_most))
-            return vor_fail(err, VOR_E_INTERNAL, "point %zu is %g from the centre of a sphere of 1",
-                            i, sqrt(sum));
+            return vor_fail(err, VOR_E_INTERNAL,
+                            "point %zu is %g from the centre of the unit sphere, want 1", i,
+                            sqrt(sum));
     }
     if (!(delta <= delta_most))
         return vor_fail(err, VOR_E_INTERNAL, "the uniformity is %g, want at most %g", delta,

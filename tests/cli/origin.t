@@ -68,7 +68,7 @@ is $code, 3, 'absolute is refused where float32 is too coarse';
 like $err, qr/^voronoid: \S+sheet\.ply: with origin=absolute, float32 has steps of 0\.5 /, 'with the step, before the work';
 ($code, undef, $err) = run(['resample', "$dir/sheet.ply", '-n', 300, @quick, '--origin', 'absolute', '-fo', "$dir/c.drc"]);
 is $code, 3, 'also after it, where the estimate was not sure';
-like $err, qr/^voronoid: \S+c\.drc: with origin=absolute, float32 has steps of 0\.5 .* want at most 0\.[23]\d+, the spacing/,
+like $err, qr/^voronoid: \S+c\.drc: with origin=absolute, float32 has steps of 0\.5 .* want at most 0\.[23]\d+ \(1\/\d+ of the spacing/,
     'with the step';
 is slurp("$dir/c.drc"), 'as it was', 'and what lay there still does';
 ($code) = run(['resample', "$dir/sheet.ply", '-n', 60, @quick, '--origin', 'absolute', '--quiet', '-fo', "$dir/c.drc"]);

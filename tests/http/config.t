@@ -101,7 +101,7 @@ like +(Vt::run('--config', $dir, '--check-config'))[1], qr{^voronoid: \Q$dir\E c
     local $ENV{VORONOID_QUEUE} = '3';
     like +(check())[1], qr/VORONOID_QUEUE and VORONOID_QUEUE_FILE are both given/, 'a value and a file are one too many';
     delete local $ENV{VORONOID_QUEUE};
-    for my $case (["12\r\n", undef], ["1\n2\n", qr/holds a control byte, want one value/],
+    for my $case (["12\r\n", undef], ["1\n2\n", qr/holds a control byte \(such as a line break\), want a single line/],
         ["1\0", qr/holds a control byte/], ['1' x 2000, qr/has 1024 bytes or more, want a value of at most 1023/]) {
         $ENV{VORONOID_QUEUE_FILE} = file($case->[0]);
         my ($failed, $said) = check();

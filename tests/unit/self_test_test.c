@@ -66,7 +66,7 @@ START_TEST(what_is_wrong_is_told)
     cloud.xyz[4] = 0;
     cloud.xyz[5] = 1.5F;
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));
-    ck_assert_str_eq(vt_err.message, "point 1 is 1.5 from the centre of a sphere of 1");
+    ck_assert_str_eq(vt_err.message, "point 1 is 1.5 from the centre of the unit sphere, want 1");
     cloud.n--;
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));
     ck_assert_str_eq(vt_err.message, "149 points instead of 150");
