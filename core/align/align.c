@@ -9,8 +9,7 @@
 
 enum {
     /* Poses that every third sample refines, of those that every fourth sample finds good, and
-     * poses that all samples refine. With 6 / 16 of the first, 19 / 20 of 20 halves of depth scans
-     * are right. */
+     * poses that all samples refine. */
     MIDDLING = 16,
     LAST = 3,
     FEWEST = 6
