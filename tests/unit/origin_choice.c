@@ -97,7 +97,7 @@ START_TEST(an_origin_that_leaves_float32_too_coarse_is_refused_with_its_step)
         ck_assert(origin[0] == 7);
         ck_assert_str_eq(vt_err.parameter, "origin");
         ck_assert_ptr_nonnull(strstr(vt_err.message, w == 0 ? " 0.0625 " : " 0.125 "));
-        ck_assert_ptr_nonnull(strstr(vt_err.message, "at most 0.0625, the spacing"));
+        ck_assert_ptr_nonnull(strstr(vt_err.message, "at most 0.0625 (1/20 of the spacing"));
         ck_assert_ptr_nonnull(strstr(vt_err.message, words[w]));
     }
     ck_assert_int_eq(vor_status_http(VOR_E_ORIGIN), 422);
