@@ -112,13 +112,15 @@ static uint32_t best_beside(const struct flip *flip, size_t i)
 }
 
 /* Lets the points between regions join those beside them, ring by ring. */
-static void join_beside(struct flip *flip)
+static vor_status join_beside(struct flip *flip, const struct vor_run *run, struct vor_error *err)
 {
     size_t n = flip->graph->n, joined;
+    vor_status status;
 
     do {
         joined = 0;
-        for (size_t i = 0; i < n; i++) {
+        status = vor_run_answered(vor_run_poll(run), err);
+        for (size_t i = 0; i < n && status == VOR_OK; i++) {
             uint32_t root = flip->between[i] ? best_beside(flip, i) : (uint32_t)i;
 
             if (root == i)
@@ -128,6 +130,7 @@ static void join_beside(struct flip *flip)
             joined++;
         }
     } while (joined > 0);
+    return status;
 }
 
 static int by_regions(const void *x, const void *y)
@@ -273,7 +276,9 @@ static vor_status find_and_turn(struct flip *flip, const struct vor_run *run, st
     if (status != VOR_OK)
         return status;
     join_sure(flip);
-    join_beside(flip);
+    status = join_beside(flip, run, err);
+    if (status != VOR_OK)
+        return status;
     number_regions(flip);
     flip->bonds = list_bonds(NULL, flip);
     if (flip->bonds == 0)

@@ -34,8 +34,9 @@ struct vor_flip_how {
  *                      are lost
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; likewise
  *
- *  O(n most), and of the regions that are turned O(their edges to others); where any is,
- *  vor_winding_find. The same signs for any number of threads. */
+ *  O(n most), n for each ring of points around a region that belong to none by themselves, and of
+ *  the regions that are turned O(their edges to others); where any is, vor_winding_find. The same
+ * signs for any number of threads. */
 VOR_NODISCARD vor_status vor_flip_regions(struct vor_span *span, const struct vor_graph *graph,
                                           const unsigned char *edge,
                                           const struct vor_winding_points *points,
