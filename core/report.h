@@ -76,7 +76,8 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Largest number of steps that the stage may have; 0 if this is not known")                   \
     X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "Iteration that gave the most even result so far, which a run that ends now would return")   \
+      "Number of the iteration that gave the most even result so far. A run that ended now "       \
+      "would return that result")                                                                  \
     X(U32, best_polish, "best.polish", "",                                                         \
       "Number of the polish step that gave the most even result so far")                           \
     X(REAL, best_delta, "best.delta", "",                                                          \
@@ -154,17 +155,19 @@ struct vor_stage_done {
     X(STOPPED, stopped, "stopped", "", "Why the run ended")                                        \
     X(WARNINGS, warnings, "warnings", "",                                                          \
       "Warnings about parameters that had no effect and about problems of the input. Most runs "   \
-      "have none")                                                                                 \
+      "have no warnings")                                                                          \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages of the run, in order. The times in the member seconds of the report include the "    \
-      "time of every stage except the stage baselines")                                            \
+      "Stages of the run, in order. The report's member seconds includes the times of all "        \
+      "stages except baselines")                                                                   \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
     X(REAL, seconds_init, "seconds.init", "s", "Time to place the first points")                   \
     X(REAL, seconds_iterate, "seconds.iterate", "s",                                               \
-      "Time of the iterations, or of the corresponding stages of other methods")                   \
+      "Time of the iterations or, with method=wlop or method=ear, of the projection steps and "    \
+      "insertions")                                                                                \
     X(REAL, seconds_polish, "seconds.polish", "s",                                                 \
-      "Time of the polish, and of moving points outside the input onto it")                        \
+      "Time of the polish, and of the last step, which moves points that lie outside the input "   \
+      "onto its surface")                                                                          \
     X(REAL, seconds_write, "seconds.write", "s", "Time to encode the result")                      \
     X(U64, memory_peak_bytes, "memory_peak_bytes", "bytes", "Peak memory of the job")              \
     X(U64, invalid, "invalid", "points",                                                           \
@@ -172,11 +175,11 @@ struct vor_stage_done {
       "does not include them")                                                                     \
     X(U64, faces, "faces", "",                                                                     \
       "Number of faces that the file of the input declares; a triangle strip counts as one. "      \
-      "With sample=faces, these faces are resampled")                                              \
+      "Points are drawn from these faces if the request has sample=faces")                         \
     X(U64, samples, "samples", "points",                                                           \
-      "Number of points drawn from the faces of the input; 0 unless sample=faces. If there are "   \
-      "drawn points, all figures about input points, except points.in, are about the drawn "       \
-      "points")                                                                                    \
+      "Number of points drawn from the faces of the input; 0 unless sample=faces. With "           \
+      "sample=faces, all figures about input points, except points.in, are about the points "      \
+      "that were drawn from the faces")                                                            \
     X(DROPPED, dropped, "dropped", "",                                                             \
       "Contents of the input file that are missing from the result file: faces, other elements "   \
       "and lists of a PLY file, attributes that the request drops, and comments if the format "    \
@@ -203,31 +206,33 @@ struct vor_stage_done {
     X(U64, holes_not_closed, "holes.not_closed", "", "Number of loops that could not be closed")   \
     X(U64, holes_points, "holes.points", "points", "Number of points added in holes")              \
     X(HOLES, holes, "holes.each", "",                                                              \
-      "At most 100 loops. If there are more, those that could not be closed are listed, and the "  \
-      "longest of the others")                                                                     \
+      "Border loops of the input, at most 100: the loops that could not be closed, and the "       \
+      "longest of the other loops")                                                                \
     X(OPTIONAL, has_density, "density", "",                                                        \
-      "How well the result follows the requested density; only present if the request has one")    \
+      "How well the result follows the requested density; present only if the request has a "      \
+      "density")                                                                                   \
     X(REAL, density_span, "density.span", "",                                                      \
       "Ratio of the 95th to the 5th percentile of the density on the surface, after the "          \
       "parameters contrast and grading were applied")                                              \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest target spacing")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest target spacing")    \
     X(OPTIONAL, has_metric, "metric", "",                                                          \
-      "How well the result follows the requested metric; only present if the request has one")     \
+      "How well the result follows the requested metric; present only if the request has a "       \
+      "metric")                                                                                    \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Ratio of length to width that the metric requests for cells: the median over the surface")  \
+      "Ratio of length to width that the metric requests for cells: median over the surface")      \
     X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
       "Ratio of length to width that the metric requests for cells: 95th percentile over the "     \
       "surface")                                                                                   \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Median of length / width of the cells of the result. For each cell, this is the square "    \
-      "root of the ratio of its principal second moments")                                         \
+      "Ratio of length to width of the cells of the result: median over the cells. The ratio of "  \
+      "a cell is the square root of the ratio of its principal second moments")                    \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "Median of the relative difference between the ratio of length to width of a cell and the "  \
-      "ratio that the metric requests there")                                                      \
+      "Relative difference between the ratio of length to width of a cell and the ratio that "     \
+      "the metric requests for this cell: median over the cells")                                  \
     X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
-      "90th percentile of the relative difference between the ratio of length to width of a "      \
-      "cell and the ratio that the metric requests there")                                         \
+      "Relative difference between the ratio of length to width of a cell and the ratio that "     \
+      "the metric requests for this cell: 90th percentile over the cells")                         \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; present only with metric=lp or cells=euclid")                 \
     X(U64, descent_steps, "descent.steps", "",                                                     \
@@ -237,13 +242,14 @@ struct vor_stage_done {
       "Energy after an iteration divided by the energy before the iteration: the largest value "   \
       "of all iterations, below 1")                                                                \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
-      "Median of length / width of the cells. For each cell, this is the square root of the "      \
-      "ratio of its principal second moments; 1 for squares and regular hexagons")                 \
+      "Ratio of length to width of the cells: median over the cells. The ratio of a cell is the "  \
+      "square root of the ratio of its principal second moments, which is 1 for squares and "      \
+      "regular hexagons")                                                                          \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the input's coordinates were rounded to; 0 if no grid was found")     \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
-      "Number of input points that were moved within their grid cell. 0 if the cells are small "   \
-      "compared with the distance between input points")                                           \
+      "Number of input points that were moved within their grid cell. 0 if the grid cells are "    \
+      "small compared with the distance between input points")                                     \
     X(ORIENTED, orientation, "orientation", "",                                                    \
       "How the normals of the result were oriented. not-asked: they are copied from the input, "   \
       "or the result has none; carried: they are on the side of the input's normals; "             \
@@ -255,16 +261,17 @@ struct vor_stage_done {
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from points of the input to the nearest point of the result. Points at the "      \
       "same position count once; outliers that were ignored do not count. Points that were "       \
-      "moved within their grid cell are measured from their new position. If there are more "      \
-      "than 200000 points, only 200000 are measured, at equal steps along a curve through the "    \
-      "input: mean and rms are then estimates, and max is a lower bound")                          \
+      "moved within their grid cell are measured from their new position. Of more than 200000 "    \
+      "points, only 200000 are measured, at equal steps along a curve through the input: mean "    \
+      "and rms are then estimates, and max is a lower bound")                                      \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
-      "Distances from all points of the result to the nearest input point. Only the input "        \
-      "points that count in ref_to_out are used")                                                  \
+      "Distances from all points of the result to the nearest input point. The input points are "  \
+      "those of ref_to_out: outliers that were ignored do not count, and points that were moved "  \
+      "within their grid cell have their new position")                                            \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Number of points of the result at borders of the input, for every value of the parameter "  \
-      "boundary: 0 on a closed smooth surface, else about the length of the border divided by "    \
-      "the spacing")                                                                               \
+      "Number of points of the result at borders of the input: 0 on a closed smooth surface, "     \
+      "else about the length of the border divided by the spacing. They are counted for every "    \
+      "value of the parameter boundary")                                                           \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
       "In each entry, neighbors is a number of input points, and points is the number of points "  \
@@ -275,8 +282,8 @@ struct vor_stage_done {
     X(U64, held_ever, "held_ever", "points",                                                       \
       "Number of points that were kept from moving beyond the border in at least one iteration")   \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
-      "Number of points that got a plane instead of a curved surface in the last iteration, "      \
-      "because no quadric could be fitted; 0 with patch=plane")                                    \
+      "Number of points for which the last iteration fitted a plane, because no curved surface "   \
+      "(quadric) could be fitted; 0 with patch=plane")                                             \
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
       "Number of points that did not move in the last iteration, because no surface could be "     \
       "fitted")                                                                                    \
@@ -320,8 +327,8 @@ struct vor_stage_done {
       "Number of points of the result that are corners of triangles")                              \
     X(U64, mesh_components, "mesh.components", "", "Number of connected components")               \
     X(REAL, mesh_euler, "mesh.euler", "",                                                          \
-      "Euler characteristic: number of points minus edges plus triangles. Each closed component "  \
-      "without handles adds 2")                                                                    \
+      "Euler characteristic: number of points, minus number of edges, plus number of triangles. "  \
+      "A closed component without handles, such as a sphere, adds 2")                              \
     X(ANSWERED, mesh_closed, "mesh.closed", "", "Whether every edge belongs to two triangles")     \
     X(ANSWERED, mesh_manifold, "mesh.manifold", "",                                                \
       "Whether each edge belongs to at most two triangles and the triangles at each point form "   \
@@ -333,7 +340,7 @@ struct vor_stage_done {
       "Mean quality of the triangles. The quality of a triangle with area S, half perimeter p "    \
       "and longest edge h is 6 S / (sqrt(3) p h); it is 1 if all edges have the same length")      \
     X(REAL, mesh_quality_p001, "mesh.quality_p001", "",                                            \
-      "Quality below which one triangle in a thousand lies")                                       \
+      "0.1th percentile of the quality: one triangle in a thousand has a lower quality")           \
     X(REAL, mesh_quality_min, "mesh.quality_min", "", "Lowest quality of a triangle")              \
     X(REAL, mesh_angle_min, "mesh.angle_min", "degrees", "Smallest angle of a triangle")           \
     X(U64, mesh_loops, "mesh.loops", "",                                                           \
@@ -343,20 +350,20 @@ struct vor_stage_done {
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Number of triangles that may connect two layers of the surface (sheets) that cross or "     \
       "are too close together. A triangle counts if the surface fitted at one corner misses "      \
-      "another corner by more than a fifth of the distance between the two corners. If no "        \
-      "sheets of the input are so close together, a triangle counts if one of its edges is "       \
+      "another corner by more than a fifth of the distance between the two corners. If the "       \
+      "input has no sheets that are close together, a triangle counts if one of its edges is "     \
       "longer than the distance from an end of the edge to another sheet")                         \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out because the input has several layers (sheets) "      \
       "nearly everywhere: triangles where two sheets meet, triangles that pass through others, "   \
-      "and fragments that become separate as a result")                                            \
+      "and fragments that are no longer connected to the mesh")                                    \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
-      "The loops with the most edges, at most 32")                                                 \
+      "Border loops of the mesh, at most 32: the loops with the most edges")                       \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
     VOR_REGISTRATION_TABLE(X)                                                                      \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
-      "Results of simple methods on the same input; present only with baselines=true. Absent "     \
-      "also if the result is the filtered input or if the caller stopped the run")                 \
+      "Results of simple methods on the same input. Present only with baselines=true, unless "     \
+      "the result is the filtered input or the caller stopped the run")                            \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
@@ -505,11 +512,11 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
     X(LOOP_KIND, kind, "kind", "",                                                                 \
       "hole: a gap inside a surface; rim: an outer border of an open surface")                     \
     X(LOOP_WHY, why, "why", "",                                                                    \
-      "Reason for the kind: where the surface lies relative to the loop")                          \
+      "Reason for the kind of the loop: where the surface lies relative to it")                    \
     X(REAL, turns, "turns", "",                                                                    \
-      "How often the loop winds around the gap, measured along the surface: 1 for a hole in a "    \
-      "plane, 0 for the end of a tube, -1 for the outer border of a plane. A loop with 0.3 or "    \
-      "more is a hole")
+      "Number of turns that the loop makes around the gap, measured along the surface: 1 for a "   \
+      "hole in a plane, 0 for the end of a tube, -1 for the outer border of a plane. A loop "      \
+      "with 0.3 turns or more is a hole")
 
 struct vor_loop_told {
     VOR_LOOP_TABLE(VOR_FIELD)
@@ -534,8 +541,8 @@ struct vor_loop_told {
       "not include them")                                                                          \
     X(U64, distinct, "points.distinct", "points", "Number of different positions")                 \
     X(U64, outliers, "points.outliers", "points",                                                  \
-      "Number of points off the surface; 0 with outliers=keep. All figures below are about the "   \
-      "other points")                                                                              \
+      "Number of points off the surface; 0 with outliers=keep. Outliers are left out of all "      \
+      "later figures")                                                                             \
     X(U64, components, "components.count", "",                                                     \
       "Number of separate parts. Two parts are separate if none of their points are neighbours")   \
     X(U64, largest, "components.largest", "points", "Number of points of the largest part")        \
@@ -556,12 +563,13 @@ struct vor_loop_told {
       "Root mean square distance from points to the local surface that is fitted to them; the "    \
       "median of 512 places")                                                                      \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "Number of points that most local surfaces are fitted to with neighbors=auto")               \
+      "Number of input points that a local surface is fitted to with neighbors=auto, in most "     \
+      "regions")                                                                                   \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the coordinates were rounded to; 0 if no grid was found")             \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
       "Whether the grid is so coarse, compared with the distance between points, that a run "      \
-      "would correct the rounding: it would move points, each within its grid cell")               \
+      "would correct the rounding by moving points, each within its grid cell")                    \
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
       "Whether much of the surface has layers (sheets) so close together that a local fit could "  \
       "mix their points")                                                                          \
@@ -578,9 +586,9 @@ struct vor_loop_told {
     X(U64, border_holes, "border.holes", "", "Number of loops that are holes")                     \
     X(REAL, border_length, "border.length", "unit of the cloud", "Total length of all loops")      \
     X(U64, border_open, "border.open", "",                                                         \
-      "Number of open border lines: lines of three or more points where the surface ends, but "    \
-      "which do not form a closed loop")                                                           \
-    X(LOOPS, loops, "loops", "", "The longest loops, at most 100")
+      "Number of open border lines: lines of three or more points along which the surface ends, "  \
+      "and that do not form a closed loop")                                                        \
+    X(LOOPS, loops, "loops", "", "Border loops of the surface, at most 100: the longest ones")
 
 struct vor_inspect {
     VOR_INSPECT_TABLE(VOR_FIELD)

@@ -27,7 +27,8 @@ struct vor_apart {
     X(U32, neighbors, "neighbors", "points",                                                       \
       "Number of input points that a surface was fitted to")                                       \
     X(U64, points, "points", "points",                                                             \
-      "Number of points of the result on surfaces fitted to that many input points")
+      "Number of points of the result on surfaces that were fitted to this number of input "       \
+      "points")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
@@ -66,14 +67,14 @@ enum vor_oriented {
  * another kind for each row of VOR_WHEN_TABLE. */
 #define VOR_WARNING_KIND_TABLE(X)                                                                  \
     X(SIGMA_P, "sigmaP",                                                                           \
-      "sigmaP is smaller than the distance between neighbouring points, so that no point "         \
-      "affects another")                                                                           \
+      "sigmaP is smaller than the distance between neighbouring points, so no point attracts or "  \
+      "repels another point")                                                                      \
     X(ONE_SIDED, "orientation",                                                                    \
-      "Connected parts of the input have only one side, so that their normals cannot be "          \
+      "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface for every value of the parameter neighbors. There the "    \
-      "result may be farther from the surface than the input")                                     \
+      "Noise hides parts of the surface, with every value of the parameter neighbors. In these "   \
+      "parts, the result may be farther from the surface than the input")                          \
     X(NOT_RESTORED, "lattice",                                                                     \
       "The points were not moved because no grid was found, or because the grid cells are "        \
       "smaller than a tenth of the spacing")
@@ -95,9 +96,10 @@ enum vor_warning_kind {
     X(TEXT, about, "about", "",                                                                    \
       "Name of the parameter, or of the member of the report, that the warning is about")          \
     X(REAL, value, "value", "",                                                                    \
-      "Value of the parameter or member that the warning is about, in its unit, or a count; "      \
-      "null for a parameter that had no effect")                                                   \
-    X(REAL, limit, "limit", "", "Limit: no warning is given if the value is at least this high")   \
+      "Figure that the warning is about: the value of a parameter or member, in its unit, or a "   \
+      "number of points, places or parts; null for a parameter that had no effect")                \
+    X(REAL, limit, "limit", "",                                                                    \
+      "Threshold of the warning, in the unit of value; null for a parameter that had no effect")   \
     X(WARNING_SAYS, says, "says", "", "Text of the warning")
 
 struct vor_warning {
@@ -174,14 +176,15 @@ struct vor_hole_told {
       "Energy of the Voronoi tessellation divided by the energy of the same number of regular "    \
       "hexagons, minus 1; lower is better")                                                        \
     X(REAL, gap, object "gap", "",                                                                 \
-      "Largest distance from any place of the surface to the nearest point, divided by the "       \
+      "Largest distance from a place of the surface to the nearest point, divided by the "         \
       "spacing of a hexagonal lattice with the same number of points; 0.577 is the lowest "        \
       "possible value")                                                                            \
     X(U64, wide, object "wide", "places",                                                          \
-      "Number of places of the surface that are farther than 0.64 spacings from every point")      \
+      "Number of gaps: places of the surface that are farther than 0.64 spacings from the "        \
+      "nearest point")                                                                             \
     X(U64, open, object "open", "points",                                                          \
-      "Number of points without a closed Voronoi cell, as along a border. The other figures "      \
-      "leave these points out")
+      "Number of points without a closed Voronoi cell, such as points along a border. eta, gap "   \
+      "and wide leave these points out")
 
 /** Why the pose of a registered cloud may be wrong: identifier, word. */
 #define VOR_DOUBT_TABLE(X)                                                                         \
@@ -218,7 +221,7 @@ struct vor_runner_up {
 /** How a registered cloud lies on its reference. */
 #define VOR_REGISTRATION_TABLE(X)                                                                  \
     X(OPTIONAL, has_pose, "registration", "",                                                      \
-      "How the cloud lies on the reference; only for the process register")                        \
+      "Pose of the cloud on the reference; present only for the process register")                 \
     X(MATRIX, transform, "registration.transform", "",                                             \
       "4 x 4 matrix, row by row, that moves a point (x, y, z, 1) of the cloud onto the reference") \
     X(REAL, pose_scale, "registration.scale", "",                                                  \
@@ -227,35 +230,38 @@ struct vor_runner_up {
       "Root mean square distance of evenly spread points of the moved cloud to the surface of "    \
       "the reference, where both overlap")                                                         \
     X(REAL, pose_mse, "registration.mse", "unit of the reference^2",                               \
-      "The square of rms, in squared units of the reference")                                      \
+      "Mean square of the same distances: rms squared, in squared units of the reference")         \
     X(REAL, pose_overlap, "registration.overlap", "",                                              \
       "Share of the cloud's surface that lies on the reference")                                   \
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Of each cloud's surface that is near the other cloud, the share that does not lie on the "  \
-      "other surface; mean of both clouds. 0 if all overlapping parts agree")                      \
+      "How much the clouds differ where they are near each other: the share of a cloud's "         \
+      "surface there that does not lie on the other cloud's surface, as the mean of both "         \
+      "clouds. 0 if all overlapping parts agree")                                                  \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
-      "How far the pose can be relied on, 0 to 1: below 0.5 look at the result before using it")   \
+      "How far the pose can be trusted, from 0 to 1. Below 0.5, look at the result before you "    \
+      "use it")                                                                                    \
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
-      "Why trust is below 0.5, else none. free-slide, free-turn, free-scale: the cloud fits as "   \
-      "well after sliding along axis, turning about axis, or scaling; another-pose: runner_up "    \
+      "Why trust is below 0.5; none if it is not. free-slide: the cloud can slide along the "      \
+      "direction in axis and fits equally well; free-turn: it can turn about this axis; "          \
+      "free-scale: it fits equally well at another scale; another-pose: the pose in runner_up "    \
       "fits nearly as well; conflict: overlapping parts differ; little-overlap: too little of "    \
-      "either cloud lies on the other one")                                                        \
+      "the clouds overlaps")                                                                       \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
-      "Unit vector of the free motion, in the reference's coordinates; 0 unless reason is "        \
-      "free-slide or free-turn")                                                                   \
+      "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
+      "in the reference's coordinates; 0,0,0 unless reason is free-slide or free-turn")            \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose, higher is better: the share of each surface that lies on the other "     \
-      "one, averaged over the two surfaces, and reduced where they are apart or in conflict")      \
+      "Score of the pose; higher is better. It is the share of each surface that lies on the "     \
+      "other one, as the mean of both, reduced if the surfaces are apart or in conflict")          \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
-      "The next best pose that was found; all 0 if there is none")
+      "The second best pose that was found; all members are 0 if there is no such pose")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: the same as the result has, but not more than the input has. A voxel "    \
-      "grid gives only about this number")                                                         \
+      "Number of points: that of the result, or that of the input if it is lower. A voxel grid "   \
+      "gives only about this number of points")                                                    \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \

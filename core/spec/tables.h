@@ -118,12 +118,12 @@ enum vor_method_choice {
  * default. Choices are words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
-      "Number of points of the result. Give only one of the parameters points, ratio and "         \
-      "spacing")                                                                                   \
+      "Number of points of the result. A request may have only one of the parameters points, "     \
+      "ratio and spacing")                                                                         \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
       "Number of points of the result, divided by the number of points of the input. The "         \
-      "default, if there is one, applies only to requests without the parameters points and "      \
-      "spacing")                                                                                   \
+      "default of a process, if it has one, applies only to requests without the parameters "      \
+      "points and spacing")                                                                        \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbouring points of the result. The number of points is the area of "   \
       "the surface divided by sqrt(3)/2 spacing^2")                                                \
@@ -137,7 +137,7 @@ enum vor_method_choice {
       "denser where the input is denser, and cannot have more points than the input")              \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
-      "flat surface, as in Chen et al. 2018, which rounds sharp edges")                            \
+      "flat surface, as in Chen 2018, which rounds sharp edges")                                   \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
       "Where the points of the result are denser. uniform: equally dense everywhere; curvature: "  \
@@ -162,40 +162,40 @@ enum vor_method_choice {
       "Largest ratio of length to width of a Voronoi cell. The parameter has an effect only if "   \
       "the parameter metric is not isotropic")                                                     \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
-      "Power of the distances in the energy that metric=lp minimises. It must be even: 2 gives "   \
+      "Power of the distances in the energy that metric=lp minimises, an even number: 2 gives "    \
       "hexagonal cells, 8 gives square cells")                                                     \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
       "Distance that the Voronoi cells are computed with. metric: the distance that the "          \
-      "parameter metric defines; euclid: the Euclidean distance, as in Chen et al. 2018. With "    \
-      "cells=euclid, the energy is still computed with the parameter metric, and there is no "     \
-      "polish. cells=euclid requires method=cvt and density=uniform")                              \
+      "parameter metric defines; euclid: the Euclidean distance, as in Chen 2018. With "           \
+      "cells=euclid, the energy is still computed in the metric, and there is no polish. "         \
+      "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Number of iterations. Default: up to 12 (100 without polish; 35 with method=kmeans, "       \
+      "Number of iterations. Default: up to 12 (100 without polish, 35 with method=kmeans, "       \
       "metric=lp or cells=euclid), but fewer if the points stop getting more even")                \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
-      "Stop as soon as delta is this low. delta is the standard deviation of the distances to "    \
-      "the nearest neighbour, divided by their mean")                                              \
+      "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
+      "distances to the nearest neighbour, divided by their mean")                                 \
     X(ETA, eta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                               \
-      "Stop as soon as eta is this low. eta is the energy of the Voronoi tessellation divided "    \
-      "by the energy of the same number of regular hexagons, minus 1")                             \
+      "The run ends as soon as eta is this low. eta is the energy of the Voronoi tessellation "    \
+      "divided by the energy of the same number of regular hexagons, minus 1")                     \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
-      "Stop the iterations of method=cvt as soon as no point moves farther than this. The unit "   \
-      "is the distance that neighbours have when all points are spread evenly")                    \
-    X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Stop the run after this time")   \
+      "The iterations of method=cvt end as soon as no point moves farther than this distance. "    \
+      "Its unit is the distance between neighbours in a perfectly even result")                    \
+    X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Time limit of the run")          \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
-      "Number of input points that each local surface is fitted to. auto: each region gets a "     \
-      "number that suits the noise there")                                                         \
+      "Number of input points that each local surface is fitted to. auto: the noise in each "      \
+      "region decides")                                                                            \
     X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
-      "Use Anderson acceleration with this number of previous iterations. 0: plain Lloyd "         \
-      "iterations without acceleration. Default: acceleration by momentum instead")                \
+      "Number of previous iterations that Anderson acceleration uses. 0: plain Lloyd iterations "  \
+      "without acceleration. Default: momentum instead of Anderson acceleration")                  \
     X(POLISH, polish, COUNT, CVT, "", 0, 10000, 100, "",                                           \
       "Largest number of steps of the polish. The polish follows the iterations: points repel "    \
       "each other until the distances between them are more even. 0: no polish")                   \
     X(EVENNESS, evenness, CHOICE, CVT, "", 0, 0, VOR_EVENNESS_SPACING, "spacing cover",            \
       "Aim of the polish. spacing: all points are equally far from their nearest neighbours; "     \
-      "cover: no place of the surface is far from a point. With evenness=cover, the second half "  \
-      "of the polish moves each point towards the centroid of its Voronoi cell, and delta is "     \
-      "about 0.04 instead of 0.02")                                                                \
+      "cover: every place of the surface is close to a point. With evenness=cover, the second "    \
+      "half of the polish moves each point towards the centroid of its Voronoi cell, and delta "   \
+      "is about 0.04 instead of 0.02")                                                             \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
       "Largest angle at which two normals still count as similar. A smaller angle also "           \
       "preserves blunt edges; a larger angle smooths more. The parameter has an effect only "      \
@@ -207,7 +207,7 @@ enum vor_method_choice {
       "the diagonal of the input's bounding box divided by the square root of the number of "      \
       "input points. The parameter has an effect only with method=wlop or method=ear")             \
     X(MU, mu, REAL, LOP, "", 0, 0.499, 0.45, "",                                                   \
-      "Strength of the repulsion between points of the result, relative to their attraction by "   \
+      "Strength of the repulsion between points of the result, relative to the attraction by "     \
       "input points. The parameter has an effect only with method=wlop or method=ear")             \
     X(ROUNDS, rounds, COUNT, LOP, "", 0, 20, 3, "",                                                \
       "Number of rounds of projection. With method=ear, each round smooths the normals before "    \
@@ -217,17 +217,17 @@ enum vor_method_choice {
       "Number of projection steps in each round. Default: 12, or 4 with method=ear if a polish "   \
       "follows. The parameter has an effect only with method=wlop or method=ear")                  \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
-      "How strongly method=ear prefers places near sharp edges when it inserts points. 0: it "     \
-      "inserts points evenly everywhere")                                                          \
+      "How strongly method=ear prefers places near sharp edges when it inserts points. With "      \
+      "rho=0, points are inserted evenly everywhere")                                              \
     X(PHASES, phases, CHOICE, LOP, "", 0, 0, VOR_PHASES_BOTH, "both resample insert",              \
       "Phases of method=ear. resample: it only projects points onto the surface; insert: it "      \
       "only inserts points between the input points; both: it projects points, then inserts "      \
       "more")                                                                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points from which method=ear starts to insert more: projected points or, with "   \
-      "phases=insert, input points. If the result needs no more points than this number, none "    \
-      "are inserted. auto: half of the input points (all input points with phases=insert), but "   \
-      "not more than the result has")                                                              \
+      "Number of points to which method=ear adds the inserted points: projected points or, with "  \
+      "phases=insert, input points. No points are inserted if the result has no more points "      \
+      "than this number. auto: half of the input points (all input points with phases=insert), "   \
+      "but not more than the result has")                                                          \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
       "What method=ear does with gaps in the input that are wider than the distance between "      \
       "input points. keep: it leaves them empty; fill: it inserts points into them, as far as "    \
@@ -239,8 +239,8 @@ enum vor_method_choice {
       "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
       "Border loops that boundary=fill closes, by the numbers that the process inspect reports. "  \
-      "They may be holes or outer borders (rims). auto: all holes with a border that is shorter "  \
-      "than the parameter holeMax")                                                                \
+      "These loops may be holes or outer borders (rims). auto: all holes with a border that is "   \
+      "shorter than the parameter holeMax")                                                        \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
       "holes=auto fills only holes with a border that is shorter than this length. "               \
       "holeMax=auto: the diagonal of the input's bounding box")                                    \
@@ -257,14 +257,15 @@ enum vor_method_choice {
       "drawn evenly from its faces, at least eight for each point of the result, an error if "     \
       "the input has no faces")                                                                    \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
-      "Filters that are applied to the input, always in this order. outliers: drops outliers, "    \
-      "or moves them onto the surface with outliers=pull; mls: moves each point onto a smooth "    \
-      "surface fitted around it; thin: drops points until no two points are closer together "      \
-      "than the mean distance of the points to their three nearest neighbours. If a request has "  \
-      "the filter mls or outliers, but none of the parameters points, ratio and spacing, its "     \
-      "result is the filtered input: the points of the input in their order, with their "          \
-      "attributes. The process upsample still applies its default ratio. The process denoise "     \
-      "applies outliers and mls by default with method=cvt and method=kmeans")                     \
+      "Filters that are applied to the input, always in the order outliers, mls, thin. "           \
+      "outliers: drops outliers, or moves them onto the surface with outliers=pull; mls: moves "   \
+      "each point onto a smooth surface fitted around it; thin: drops points until no two "        \
+      "points are closer together than the mean distance of the points to their three nearest "    \
+      "neighbours. If a request has the filter mls or outliers, but none of the parameters "       \
+      "points, ratio and spacing, its result is the filtered input: the points of the input in "   \
+      "their order, with their attributes. The process upsample still applies its default "        \
+      "ratio. The process denoise applies outliers and mls by default with method=cvt and "        \
+      "method=kmeans")                                                                             \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "Use of the input's normals. use: fitted normals are oriented like the normals of the "      \
@@ -272,10 +273,10 @@ enum vor_method_choice {
       "the input are finite and non-zero, else each connected part is oriented by its valid "      \
       "normals")                                                                                   \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "How to decide whether two nearby points lie on the same layer of the surface (sheet), "     \
-      "such as one side of a thin wall. local: they do if a short path over points in between "    \
-      "connects them; satellites: they do if they have similar distances along the surface from "  \
-      "three reference points; none: all nearby points count as one sheet")                        \
+      "When two nearby points count as points of the same layer of the surface (sheet), such as "  \
+      "one side of a thin wall. local: if a short path over points in between connects them; "     \
+      "satellites: if they have similar distances along the surface from three reference "         \
+      "points; none: always")                                                                      \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
       "Treatment of input points with a coordinate that is not finite. refuse: the input is "      \
       "refused; drop: these points are left out and counted")                                      \
@@ -317,11 +318,12 @@ enum vor_method_choice {
       "Peak value in the formulas of d1_psnr and d2_psnr. auto: the largest distance from a "      \
       "reference point to its nearest neighbour")                                                  \
     X(SCALE, scale, CHOICE, ALIGN, "", 0, 0, VOR_SCALE_FIXED, "fixed free",                        \
-      "Whether the cloud may be scaled. fixed: both clouds have the same unit; free: the factor "  \
-      "is found, which is sure only if both clouds show the whole object")                         \
+      "Whether the cloud may be scaled. fixed: the cloud keeps its scale, because both clouds "    \
+      "have the same unit; free: register also finds the scale, which is reliable only if both "   \
+      "clouds show the whole object")                                                              \
     X(OVERLAP, overlap, REAL_OR_AUTO, ALIGN, "", 0.1, 1, VOR_UNSET, "",                            \
-      "Share of the cloud that has a counterpart in the reference. auto: found from the "          \
-      "distances")                                                                                 \
+      "Share of the cloud that has a counterpart in the reference. auto: register finds the "      \
+      "share from the distances")                                                                  \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -402,13 +404,14 @@ struct vor_artefact_info {
       "HTTP, the reference is a part of a form"})
 #define VOR_CLOUD_ONTO_REFERENCE_IN                                                                \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
-      "The point cloud that is moved; its format is detected from the data. Over HTTP it is a "    \
-      "part of a form"},                                                                           \
+      "The point cloud that is moved. Its format is detected from the data. Over HTTP, the "       \
+      "cloud is a part of a form"},                                                                \
      {"reference", VOR_ARTEFACT_CLOUD, 1,                                                          \
-      "The cloud that it is moved onto. Over HTTP it is a part of a form"})
+      "Reference cloud: the other cloud is moved onto it. Over HTTP, the reference is a part of "  \
+      "a form"})
 #define VOR_CLOUD_OUT                                                                              \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1, "The resulting cloud"},                                      \
-     {"report", VOR_ARTEFACT_DOCUMENT, 1, "What the run did and how even the result is"})
+     {"report", VOR_ARTEFACT_DOCUMENT, 1, "Report: what the run did, and how even the result is"})
 #define VOR_MEASURE_OUT                                                                            \
     ({"measure", VOR_ARTEFACT_DOCUMENT, 1,                                                         \
       "How evenly the cloud is spread and, with a reference, how far the two clouds are apart"})
@@ -455,7 +458,7 @@ struct vor_artefact_info {
     X(CONVERT, convert, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Convert a point cloud",                                                                     \
       "Writes a cloud, with its attributes and faces, in another format or in the same format. "   \
-      "Positions change only by the rounding of the format")                                       \
+      "Positions do not change, except that the format may round them")                            \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as the process resample does, then joins them into a manifold triangle "     \
@@ -467,7 +470,7 @@ struct vor_artefact_info {
     X(REGISTER, register, 1, VOR_IN(READ) | VOR_IN(ALIGN) | VOR_IN(FORMAT), 0, 0, 0,               \
       VOR_CLOUD_ONTO_REFERENCE_IN, VOR_CLOUD_OUT, "Register two point clouds",                     \
       "Moves a cloud onto a reference that shows the same object or parts of it, from any pose, "  \
-      "and says how far the result can be relied on")                                              \
+      "and says how far the result can be trusted")                                                \
     VOR_EXTRA_PROCESSES(X)
 
 /** Defaults of a process that differ from the table of parameters: process, parameter, value. That

@@ -45,7 +45,7 @@ subtest 'the topics' => sub {
     like printed('help', 'settings'), qr/^  \Q$_\E\b.*\n {6}\S/m, "help settings has $_" for @settings;
     # What stands in words as well is what the tables say.
     my ($serve, $resample, $upsample) = map { printed($_, '--help') } qw(serve resample upsample);
-    my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\),\s+and results 10 million points\./, choosing => qr/default four times as many points [^.]*\. It is fast, because it\s+needs only one\s+iteration/,
+    my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\),\s+and results 10 million points\./, choosing => qr/default four times as many points [^.]*\. upsample\s+is\s+fast,\s+because\s+it\s+does\s+only\s+one\s+iteration/,
         keys => qr/at most 16 jobs that wait or run, and\s+may\s+send\s+10\s+requests\s+per\s+second/);
     like printed('help', $_), $says{$_}, "help $_ says what the tables have" for sort keys %says;
     like slurp('README.md'), qr/^- An upload may have up to 1 GiB and 50 million points .* at most 10 million\.$/m, 'and so does README.md';

@@ -82,7 +82,7 @@ $daemon->finish($still);
 my $warnings = json($daemon->get("/v1/jobs/$still/results/report"))->{warnings};
 is join(' ', map { $_->{about} } @$warnings), 'sigmaP anderson', 'a sigmaP below the spacing is warned of, and what only cvt uses';
 is $warnings->[0]{value}, 0.001, 'with its value';
-like join('|', map { $_->{says} } @$warnings), qr/no point affects another\|anderson has an effect only with method=cvt$/, 'and what comes of it';
+like join('|', map { $_->{says} } @$warnings), qr/no point attracts or repels another point\|anderson has an effect only with method=cvt$/, 'and what comes of it';
 is_deeply $report->{warnings}, [], 'where it is wide enough there is no warning';
 is $report->{orientation}, 'consistent', 'normals face consistently';
 is $report->{iterations}, 12, 'projection steps count as iterations';

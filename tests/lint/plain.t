@@ -101,7 +101,7 @@ for (
     [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+) \(100 without/]],
     ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+) requests per/, $rate], ['server/cli/command.h', qr/wait or run\b[^(]*\((\d+)\)/, $jobs],
     ['server/cli/command.h', qr/started per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+)\s+seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
-    ["$help/reports.txt", qr/more than ([\d,]+) input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
+    ["$help/reports.txt", qr/more\s+than\s+([\d,]+)\s+input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
     ["$help/reports.txt", qr/median of (\d+) places/, ['core/input/conditioning.h', qr/NEIGHBORS_PLACES = (\d+)/]], ["$help/data.txt", qr/once\s+in\s+(\w+\s+minutes)/, ['server/work/verify.c', qr/sound_seconds = (\d+)/]],
     ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
     ["$help/container.txt", qr/with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],

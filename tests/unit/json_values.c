@@ -127,8 +127,9 @@ START_TEST(a_report_tells_of_its_stages_warnings_and_request)
     vt_assert_ok(vor_json_scan(text.data, text.size, NULL, &vt_err));
     holds("{\"points\":{\"in\":35947,\"out\":5000},");
     holds("\"stopped\":\"iterations\",");
-    holds("\"warnings\":[{\"about\":\"orientation\",\"value\":3,\"limit\":0,\"says\":\"Connected "
-          "parts of the input have only one side, so that their normals cannot be consistent\"}],");
+    holds("\"warnings\":[{\"about\":\"orientation\",\"value\":3,\"limit\":0,\"says\":\"Some "
+          "connected parts of the input have only one side, so their normals cannot be "
+          "consistent\"}],");
     holds("\"stages\":[{\"stage\":\"iterate\",\"steps\":50,\"seconds\":4},"
           "{\"stage\":\"polish\",\"steps\":40,\"seconds\":4.5}],");
     holds("\"dropped\":[],");
