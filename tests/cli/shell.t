@@ -48,7 +48,7 @@ subtest 'the topics' => sub {
     my %says = (limits => qr/at most 1 GiB \(--body-limit\), inputs 50 million points\s+\(--points-limit\),\s+and results 10 million points\./, choosing => qr/default four times as many points [^.]*\. upsample\s+is\s+fast,\s+because\s+it\s+does\s+only\s+one\s+iteration/,
         keys => qr/at most 16 jobs that wait or run, and\s+may\s+send\s+10\s+requests\s+per\s+second/);
     like printed('help', $_), $says{$_}, "help $_ says what the tables have" for sort keys %says;
-    like slurp('README.md'), qr/^- An upload may have up to 1 GiB and 50 million points .* at most 10 million\.$/m, 'and so does README.md';
+    like slurp('README.md'), qr/^- An upload has at most 1 GiB and 50 million points .* at most 10 million points\.$/m, 'and so does README.md';
     like $serve, qr/--$_->[0] \w+\n(?: {6}.*\n)*? {6}.*default $_->[1] /, "the tables: $_->[0] is $_->[1]"
         for ['body-limit', '1G'], ['points-limit', '50000000'];
     like $resample, qr/^ {6}1 to 10000000 points$/m, 'the tables: ten million points of a result';

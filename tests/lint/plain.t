@@ -94,7 +94,7 @@ my ($body, $in, $out) = ([$config, qr/"body-limit".*?"(\d+)G"/s], [$config, qr/"
 my ($listen, $checks) = ([$config, qr/"listen", .*?"127\.0\.0\.1:(\d+)"/s], ['docker/Dockerfile', qr/ADMIN_LISTEN=127\.0\.0\.1:(\d+)/]);
 my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
 for (
-    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points \(/, $in], ['README.md', qr/at most (\d+ million)\./, $out],
+    ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points \(/, $in], ['README.md', qr/result at most (\d+ million)/, $out],
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
     ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/At most (\d+) times/, $most],
     ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
@@ -104,7 +104,7 @@ for (
     ["$help/reports.txt", qr/more\s+than\s+([\d,]+)\s+input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
     ["$help/reports.txt", qr/median of (\d+) places/, ['core/input/conditioning.h', qr/NEIGHBORS_PLACES = (\d+)/]], ["$help/data.txt", qr/once\s+in\s+(\w+\s+minutes)/, ['server/work/verify.c', qr/sound_seconds = (\d+)/]],
     ["$help/http.txt", qr/up to\s+(\d+) jobs/, ['openapi.yaml', qr/One stream for up to (\d+) jobs/]], ["$help/container.txt", qr/user (\d+)/, ['docker/Dockerfile', qr/^USER (\d+):/m]],
-    ["$help/container.txt", qr/with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/ends with (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
+    ["$help/container.txt", qr/with status (\d+)/, ['server/cli/cli_log.h', qr/X\(USAGE, (\d+),/]], ['CHANGELOG.md', qr/with status (\d+);/, ['server/cli/cli_log.h', qr/X\(INTERRUPTED, (\d+),/]],
     ["$help/metrics.txt", qr/127\.0\.0\.1:(\d+)/, $checks], ['docker/compose.yaml', qr/127\.0\.0\.1:(\d+):/, $listen], ['docker/Dockerfile', qr/^EXPOSE (\d+)/m, $listen],
     ["$help/choosing.txt", qr/is ([\d.]+)\s+for\s+random/, ['README.md', qr/([\d.]+) for random/]], ["$help/reports.txt", qr/([\d.]+)\s+for\s+random/, ['README.md', qr/([\d.]+) for random/]],
     ["$help/proxies.txt", qr/every\s+(\d+)\s+seconds/, [$config, qr/"heartbeat", .*?"(\d+)"/s]], ["$help/limits.txt", qr/over\s+(\d+ KiB)/, ['server/http/state.h', qr/CONNECTION_BYTES = (\d+)/]],
