@@ -504,8 +504,8 @@ vor_status vor_spec_check_target(const struct vor_spec *spec, double target, uin
         (void)snprintf(times, sizeof times, "%g to", process->ratio_min);
     return vor_fail_param(
         err, VOR_E_TARGET, name,
-        "%s is %.10g%s, want %.0f to %.0f: %s gives %s %g points for each of the %llu points "
-        "of the input",
+        "%s is %.10g%s, want %.0f to %.0f: the result of %s may have %s %g times as many "
+        "points as the input (%llu)",
         name, spec->value[from], asked, least, most, process->id, times, process->ratio_max,
         (unsigned long long)input);
 }

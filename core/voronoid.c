@@ -133,7 +133,8 @@ static vor_status give(struct call *call, struct vor_points *out, unsigned compo
     const struct vor_attribute *values = vor_cloud_find_name(cloud, VALUES);
 
     if (cloud->n != out->n || (components > 0 && values == NULL))
-        return vor_fail(&call->err, VOR_E_INTERNAL, "%zu points, not %zu", cloud->n, out->n);
+        return vor_fail(&call->err, VOR_E_INTERNAL, "the result has %zu points, want %zu", cloud->n,
+                        out->n);
     memcpy(out->xyz, cloud->xyz, 3 * out->n * sizeof *out->xyz);
     if (components > 0)
         memcpy(out->values, values->data, out->n * components * sizeof *out->values);
@@ -149,7 +150,9 @@ static int spread(const char *process, struct vor_points *out, const struct vor_
 
     begin(&call, asked);
     if (components != 0 && components != in->components)
-        status = vor_fail(&call.err, VOR_E_PARAM, "The result has %u components, the input %u",
+        status = vor_fail(&call.err, VOR_E_PARAM,
+                          "the result has %u components, want %u, as "
+                          "the input has",
                           components, in->components);
     else if (out->n == 0)
         status = vor_fail_param(&call.err, VOR_E_TARGET, "points", "points is 0");

@@ -60,8 +60,8 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
     if (got == room) {
         if (z->most < z->asked)
             (void)vor_fail(err, VOR_E_BYTES,
-                           "the gzip body of %zu bytes inflates to more than %llu, want at most %d "
-                           "times its size, or 1 MiB",
+                           "the gzip body of %zu bytes inflates to more than %llu bytes, want "
+                           "at most %d times its size, or 1 MiB",
                            z->size, (unsigned long long)z->most, VOR_GZIP_RATIO_MAX);
         else
             (void)vor_fail(err, VOR_E_BYTES,

@@ -20,8 +20,8 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
         if (id > (double)loops->count)
             return vor_fail_param(
                 err, VOR_E_HOLES, "holes",
-                "holes lists loop %.0f, want numbers from 1 to %zu, as the process inspect "
-                "numbers the loops",
+                "holes lists loop %.0f, want numbers from 1 to %zu; the process inspect lists "
+                "the loops with their numbers",
                 id, loops->count);
         chosen[(size_t)id - 1] = 1;
     }

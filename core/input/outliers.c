@@ -311,7 +311,7 @@ vor_status vor_outliers_remote(struct vor_outliers *out, struct vor_domain *doma
     aside.xyz = vor_malloc(run->memory, rest.remote.count, 3 * sizeof *aside.xyz);
     aside.source = vor_malloc(run->memory, rest.remote.count, sizeof *aside.source);
     if (rest.kept == NULL || rest.near.xyz == NULL || aside.xyz == NULL || aside.source == NULL)
-        (void)vor_fail(err, status, "%zu points without the remote ones", in->n);
+        (void)vor_fail(err, status, "%zu points without distant outliers", in->n);
     else
         status = make_of_rest(domain, &aside, &rest, run, err);
     VOR_FREE_ALL(run->memory, rest.near.xyz, rest.kept);

@@ -50,8 +50,7 @@ static vor_status start(struct vor_knn **out, size_t n, struct vor_memory *memor
     struct vor_knn *knn;
 
     if (n == 0 || n > INT32_MAX)
-        return vor_fail(err, VOR_E_EMPTY, "the index is for %zu points, want 1 to %d", n,
-                        INT32_MAX);
+        return vor_fail(err, VOR_E_EMPTY, "the cloud has %zu points, want 1 to %d", n, INT32_MAX);
     knn = vor_calloc(memory, 1, sizeof *knn);
     if (knn == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);

@@ -315,8 +315,8 @@ static void walk_kd_coders(struct walk *walk, unsigned level, uint32_t scalars)
     if (walk->status == VOR_OK && walk->size > most + VOR_DRACO_PADDING_MAX)
         fail_at(walk, (size_t)most,
                 vor_fail(walk->err, VOR_E_FORMAT,
-                         "the Draco data ends before byte %zu of %zu; only up to %d zero bytes may "
-                         "follow it",
+                         "the Draco data ends before byte %zu of %zu; only up to %d zero bytes "
+                         "may follow the data",
                          (size_t)most, walk->size, VOR_DRACO_PADDING_MAX));
 }
 

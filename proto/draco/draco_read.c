@@ -38,8 +38,9 @@ static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, st
         return VOR_OK;
     (void)vor_fail(
         err, VOR_E_FORMAT,
-        "the Draco data ends after %zu of %zu bytes; only up to %d zero bytes may follow it", used,
-        size, VOR_DRACO_PADDING_MAX);
+        "the Draco data ends after %zu of %zu bytes; only up to %d zero bytes may follow the "
+        "data",
+        used, size, VOR_DRACO_PADDING_MAX);
     if (err != NULL)
         err->byte_offset = (int64_t)used;
     return VOR_E_FORMAT;

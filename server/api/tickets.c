@@ -18,7 +18,7 @@ vor_status vor_tickets_create(struct vor_tickets **out, struct vor_error *err)
     struct vor_tickets *tickets = calloc(1, sizeof *tickets);
 
     if (tickets == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the secret of tickets");
+        return vor_fail(err, VOR_E_NOMEM, "the key that signs tickets");
     if (vor_random_fill(tickets->secret, SECRET_BYTES, err) != VOR_OK) {
         free(tickets);
         return VOR_E_IO;

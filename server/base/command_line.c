@@ -63,7 +63,7 @@ vor_status vor_option_refuse(const struct option *longs, const char *word, const
         found++;
     }
     if (name - word == 2 && length > 0 && found > 1)
-        return vor_fail(err, VOR_E_PARAM, "%s may be %s", shown, names);
+        return vor_fail(err, VOR_E_PARAM, "%s is ambiguous, want %s", shown, names);
     if (nearest.count > 0)
         return vor_fail(err, VOR_E_PARAM, "no option %s%s", shown,
                         vor_nearest_text(&nearest, "--", meant));

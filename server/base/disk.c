@@ -41,12 +41,14 @@ static void say_owner(struct vor_error *err, char *path, const struct stat *info
     (void)snprintf(name, sizeof name, "%s", path);
     if (info->st_uid == user)
         (void)vor_fail(err, VOR_E_IO,
-                       "%s belongs to this process's user %u but has mode %04o: chmod u+rwX %s",
+                       "%s belongs to user %u, who runs this process, but its mode is %04o. "
+                       "Run chmod u+rwX %s",
                        name, user, (unsigned)info->st_mode & 07777, name);
     else
         (void)vor_fail(err, VOR_E_IO,
-                       "%s belongs to user %u, and this process's user %u may not write there: "
-                       "chown -R %u:%u %s (in a container: the folder mounted there)",
+                       "%s belongs to user %u, but this process runs as user %u, who may not "
+                       "write there. Run chown -R %u:%u %s (in a container, on the folder that "
+                       "is mounted there)",
                        name, (unsigned)info->st_uid, user, user, (unsigned)getegid(),
                        S_ISDIR(info->st_mode) ? name : cut_folder(path));
 }
@@ -58,8 +60,8 @@ static void say_missing(struct vor_error *err, const char *path, const char *abo
     unsigned user = (unsigned)geteuid();
 
     (void)vor_fail(err, VOR_E_IO,
-                   "there is no %s, and this process's user %u may not create it in %s, which "
-                   "belongs to user %u (mode %04o): install -d -o %u -g %u %s",
+                   "there is no %s, and this process runs as user %u, who may not create it in "
+                   "%s, which belongs to user %u (mode %04o). Run install -d -o %u -g %u %s",
                    path, user, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user,
                    (unsigned)getegid(), path);
 }

@@ -36,7 +36,7 @@ static vor_status add(struct list *list, const struct vor_key_line *line, struct
 {
     for (size_t i = 0; i < list->count; i++)
         if (vor_digest_same(list->lines[i].digest, line->digest))
-            return vor_fail(err, VOR_E_PARAM, "a line above has the same digest");
+            return vor_fail(err, VOR_E_PARAM, "an earlier line has the same digest");
     if (list->count == VOR_KEYS_MAX)
         return vor_fail(err, VOR_E_PARAM, "there are more than %d keys", VOR_KEYS_MAX);
     if (list->count == list->capacity) {

@@ -79,12 +79,12 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
 
         if (fd >= 0)
             close(fd);
-        return vor_fail_errno(err, number, "the blob directory");
+        return vor_fail_errno(err, number, "the folder of stored files");
     }
     while ((errno = 0, entry = readdir(stream)) != NULL)
         if (!is_dots(entry->d_name))
             visit(ctx, entry->d_name);
-    status = errno == 0 ? VOR_OK : vor_fail_errno(err, errno, "the blob directory");
+    status = errno == 0 ? VOR_OK : vor_fail_errno(err, errno, "the folder of stored files");
     closedir(stream);
     return status;
 }
@@ -175,7 +175,7 @@ static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *
     struct statvfs disk;
 
     if (fstatvfs(((struct directory *)blobs)->keep, &disk) != 0)
-        return vor_fail_errno(err, errno, "the blob directory");
+        return vor_fail_errno(err, errno, "the folder of stored files");
     *available = (uint64_t)disk.f_bavail * disk.f_frsize;
     *total = (uint64_t)disk.f_blocks * disk.f_frsize;
     return VOR_OK;
@@ -224,7 +224,7 @@ static vor_status sync_name(struct vor_blob_writer *base, const char *file, int 
 
     if (base->is_lazy || ((!with_bytes || fsync(base->fd) == 0) && fsync(directory->keep) == 0))
         return VOR_OK;
-    status = vor_fail_errno(err, errno, "making a blob's name durable");
+    status = vor_fail_errno(err, errno, "writing the name of a stored file to the disk");
     (void)unlinkat(directory->keep, file, 0);
     return status;
 }
@@ -265,7 +265,7 @@ static vor_status copy_source(struct directory *directory, struct writer *writer
         return status;
     }
     if (copy_bytes(writer->base.fd, from) != 0)
-        status = vor_fail_errno(err, errno, "copying a blob");
+        status = vor_fail_errno(err, errno, "copying a stored file");
     close(from);
     return status;
 }
@@ -285,9 +285,9 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
             return status;
     }
     if (!base->is_lazy && fsync(base->fd) != 0)
-        return vor_fail_errno(err, errno, "making a blob durable");
+        return vor_fail_errno(err, errno, "writing a stored file to the disk");
     if (renameat(directory->tmp, writer->file, directory->keep, file) != 0)
-        return vor_fail_errno(err, errno, "naming a blob");
+        return vor_fail_errno(err, errno, "naming a stored file");
     writer->file[0] = '\0';
     return sync_name(base, file, 0, err);
 }

@@ -39,7 +39,7 @@ vor_status vor_dir_set_aside(int parent, int keep, const char *file, struct vor_
     vor_status status = VOR_OK;
 
     if (lost < 0)
-        return vor_fail_errno(err, errno, "the folder of lost bytes");
+        return vor_fail_errno(err, errno, "the folder blobs/lost");
     if (renameat(keep, file, lost, file) != 0)
         status = vor_fail_errno(err, errno, file);
     else
@@ -127,7 +127,7 @@ vor_status vor_dir_trim_lost(int parent, const struct vor_lost_bounds *bounds,
 
         if (folder >= 0)
             close(folder);
-        return number == ENOENT ? VOR_OK : vor_fail_errno(err, number, "the folder of lost bytes");
+        return number == ENOENT ? VOR_OK : vor_fail_errno(err, number, "the folder blobs/lost");
     }
     while ((entry = readdir(stream)) != NULL)
         note(&list, folder, entry->d_name);

@@ -31,7 +31,8 @@ static vor_status damaged(const char *name, struct vor_error *err)
 {
     return vor_fail(
         err, VOR_E_DAMAGED,
-        "the blob %s is damaged: its SHA-256 is not that of the bytes that were written", name);
+        "the stored file %s is damaged: its SHA-256 is not that of the bytes that were written",
+        name);
 }
 
 vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,

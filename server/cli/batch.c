@@ -112,7 +112,9 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
         const char *input = cli->operands[i], *base = base_of(input);
 
         if (strcmp(input, "-") == 0 || base[0] == '\0')
-            return vor_fail(err, VOR_E_PARAM, "%s gives no file name for a result in %s",
+            return vor_fail(err, VOR_E_PARAM,
+                            "%s has no file name after which the result in "
+                            "%s could be named",
                             input[0] != '\0' ? input : "an empty input",
                             cli->option[VOR_OPTION_OUTPUT]);
         results[i].input = input;
@@ -120,7 +122,8 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
         if (results[i].output == NULL)
             return vor_fail(err, VOR_E_NOMEM, "the names of %d results", cli->operand_count);
         if (vor_cli_check_suffix(cli, results[i].output, &why) != VOR_OK)
-            return vor_fail(err, why.status, "the result of %.300s: %.300s", input, why.message);
+            return vor_fail(err, why.status, "the result of %.300s cannot be written: %.300s",
+                            input, why.message);
     }
     return VOR_OK;
 }
@@ -146,9 +149,10 @@ static vor_status check_names(const struct result *results, int count, struct vo
     qsort(sorted, (size_t)count, sizeof *sorted, by_output);
     for (int i = 1; i < count && status == VOR_OK; i++)
         if (by_output(&sorted[i - 1], &sorted[i]) == 0)
-            status =
-                vor_fail(err, VOR_E_PARAM, "the results of %.300s and %.300s would both be %.300s",
-                         sorted[i - 1].input, sorted[i].input, sorted[i].output);
+            status = vor_fail(err, VOR_E_PARAM,
+                              "the results of %.300s and %.300s would have the "
+                              "same file name, %.300s",
+                              sorted[i - 1].input, sorted[i].input, sorted[i].output);
     free(sorted);
     return status;
 }

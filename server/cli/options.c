@@ -98,7 +98,7 @@ static vor_status add_operand(struct reader *r, char *text)
     char quoted[SHOWN_SIZE];
 
     if (cli->operand_count == cli->command->most)
-        return vor_fail(r->err, VOR_E_PARAM, "one operand too many: %s",
+        return vor_fail(r->err, VOR_E_PARAM, "%s is one operand too many",
                         vor_quote(quoted, sizeof quoted, text, strlen(text)));
     cli->operands[cli->operand_count++] = text;
     return VOR_OK;
@@ -269,8 +269,8 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
         return vor_fail(err, VOR_E_PARAM, "--name names the job on a daemon: give --server too");
     if (stdins > 1)
         return vor_fail(err, VOR_E_PARAM,
-                        "both clouds are -, but only one cloud can be read "
-                        "from stdin");
+                        "both clouds are -, want - for only one of them: stdin has only one "
+                        "cloud");
     return VOR_OK;
 }
 

@@ -51,7 +51,7 @@ static vor_status load_curl(struct vor_error *err)
         return vor_fail(err, VOR_E_IO, "%s; it is in Debian's package libcurl3-gnutls", dlerror());
 #define LOAD(name)                                                                                 \
     if ((call = dlsym(library, "curl_" #name)) == NULL)                                            \
-        return vor_fail(err, VOR_E_IO, "%s lacks the function curl_%s", LIBRARY, #name);           \
+        return vor_fail(err, VOR_E_IO, "the library %s has no function curl_%s", LIBRARY, #name);  \
     memcpy(&curl.name, &call, sizeof call)
     EACH_CALL(LOAD);
     return VOR_OK;

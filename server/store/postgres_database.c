@@ -41,7 +41,7 @@ static vor_status fail(struct vor_error *err, const char *why, const char *state
 {
     size_t length = strcspn(why, "\n");
 
-    (void)vor_fail(err, VOR_E_IO, "the job store: %.*s", (int)length, why);
+    (void)vor_fail(err, VOR_E_IO, "the job database reports: %.*s", (int)length, why);
     if (err != NULL)
         err->got = state != NULL && atoi(state) == VOR_PG_DISK_FULL ? ENOSPC : 0;
     return VOR_E_IO;

@@ -53,7 +53,8 @@ static vor_status fail(struct vor_sqlite *db, struct connection *connection, int
     if ((kind == SQLITE_IOERR && code != SQLITE_IOERR_NOMEM && !is_disk_full(number)) ||
         kind == SQLITE_CORRUPT)
         atomic_store(&db->broken, 1);
-    (void)vor_fail(err, VOR_E_IO, "the job store: %s", sqlite3_errmsg(connection->handle));
+    (void)vor_fail(err, VOR_E_IO, "the job database reports: %s",
+                   sqlite3_errmsg(connection->handle));
     if (err != NULL)
         err->got = (uint64_t)number;
     return VOR_E_IO;

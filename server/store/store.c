@@ -42,7 +42,9 @@ static vor_status open_reserve(struct vor_reserve **out, const char *place, cons
     char path[4096];
 
     if ((size_t)snprintf(path, sizeof path, "%s.%s", place, suffix) >= sizeof path)
-        return vor_fail_errno(err, ENAMETOOLONG, "the reserve of the job store");
+        return vor_fail_errno(err, ENAMETOOLONG,
+                              "the file that reserves space for the job "
+                              "store");
     return vor_reserve_open(out, path, err);
 }
 

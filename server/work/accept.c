@@ -97,7 +97,8 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
         const struct vor_artefact_info *info = vor_artefact_find(process->inputs, name);
 
         if (info == NULL)
-            return vor_fail_param(err, VOR_E_PARAM, name, "%s has no input %s", process->id, name);
+            return vor_fail_param(err, VOR_E_PARAM, name, "the process %s has no input %s",
+                                  process->id, name);
         row->inputs |= 1u << (info - process->inputs);
         row->input[info - process->inputs] = admitted->item[i].found;
         row->kept += admitted->item[i].is_kept ? admitted->item[i].found.bytes : 0;
@@ -136,7 +137,7 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
     enum vor_job_outcome outcome;
 
     if (atomic_load(&worker->is_late)) {
-        (void)vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
+        (void)vor_fail_errno(err, ENOSPC, "recovering earlier jobs");
         return VOR_FAILED;
     }
     outcome = vor_capacity_insert(worker, row, &ledger, err);

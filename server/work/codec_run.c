@@ -325,7 +325,7 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     vor_status status;
 
     if (fds[0] < 0)
-        return vor_fail_errno(err, errno, "memory to share with a child");
+        return vor_fail_errno(err, errno, "memory to share with a child process");
     fds[1] = reopen_read_only(input);
     if (fds[1] < 0) {
         status = vor_fail_errno(err, errno, "the upload");

@@ -207,6 +207,9 @@ vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *si
             *facts = (struct vor_codec_facts){0};
         return status;
     default:
-        return vor_fail(err, VOR_E_INTERNAL, "the codec has no operation %d", (int)order->op);
+        return vor_fail(err, VOR_E_INTERNAL,
+                        "the codec process received an unknown operation, "
+                        "%d",
+                        (int)order->op);
     }
 }

@@ -39,7 +39,7 @@ static vor_status make_file(int *out, const struct vor_cloud *cloud, const struc
     const struct vor_sink sink = {.ctx = &fd, .write = put};
 
     if (fd < 0)
-        return vor_fail_errno(err, errno, "memory to share with a child");
+        return vor_fail_errno(err, errno, "memory to share with a child process");
     if ((triangle_bytes(mesh) > 0 && put(&fd, mesh->triangle, triangle_bytes(mesh)) != 0) ||
         vor_dump_write(&sink, cloud, NULL) != VOR_OK) {
         (void)close(fd);

@@ -13,7 +13,7 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
     vor_status status = vor_store_check(worker->config.store, &is_lost, err);
 
     if (status == VOR_OK && atomic_load(&worker->is_late))
-        return vor_fail_errno(err, ENOSPC, "the jobs that wait to be recovered");
+        return vor_fail_errno(err, ENOSPC, "recovering earlier jobs");
     if (status == VOR_OK)
         status = vor_store_check_reserve(worker->config.store, err);
     return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;

@@ -16,7 +16,7 @@ static const double off_most = .03, delta_most = .1;
 vor_status vor_self_test_judge(const struct vor_cloud *made, double delta, struct vor_error *err)
 {
     if (made->n != VOR_SELF_TEST_POINTS)
-        return vor_fail(err, VOR_E_INTERNAL, "%zu points instead of %d", made->n,
+        return vor_fail(err, VOR_E_INTERNAL, "the result has %zu points, want %d", made->n,
                         VOR_SELF_TEST_POINTS);
     for (size_t i = 0; i < made->n; i++) {
         double sum = 0;
@@ -32,7 +32,7 @@ vor_status vor_self_test_judge(const struct vor_cloud *made, double delta, struc
                             sqrt(sum));
     }
     if (!(delta <= delta_most))
-        return vor_fail(err, VOR_E_INTERNAL, "the uniformity is %g, want at most %g", delta,
+        return vor_fail(err, VOR_E_INTERNAL, "delta of the result is %g, want at most %g", delta,
                         delta_most);
     return VOR_OK;
 }

@@ -82,15 +82,15 @@ sub refused {
     is -e $out ? files() : '', $there // '', "$name: nothing is made";
 }
 refused 'equal names', ['resample', $a, $b, $twin, @request, '-fo', "$out/"], 2,
-    "the results of $a and $twin would both be $out/a.ply";
+    "the results of $a and $twin would have the same file name, $out/a.ply";
 my $drc = spew("$folder/b.drc", 'x');
 refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-fo', "$out/"], 2,
-    "the results of $b and $drc would both be $out/b.ply";
-refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- gives no file name for a result in $out/";
+    "the results of $b and $drc would have the same file name, $out/b.ply";
+refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- has no file name after which the result in $out/ could be named";
 refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-fo', "$out/"], 2,
-    "the result of $odd: the suffix of the output is .1, want one of .ply, .drc, or give --format";
+    "the result of $odd cannot be written: the suffix of the output is .1, want one of .ply, .drc, or give --format";
 refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-fo', "$out/"], 2,
-    "$folder/sub/ gives no file name for a result in $out/";
+    "$folder/sub/ has no file name after which the result in $out/ could be named";
 refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-fo', "$out/x/"], 1,
     "$out/x/ cannot be made: No such file or directory";
 

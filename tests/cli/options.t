@@ -102,8 +102,8 @@ refused 'an unknown letter', ['resample', '-x'], 2,
     'resample: no option -x; see voronoid resample --help';
 refused 'a letter that is not ASCII', ['resample', "-\xe9"], 2,
     'resample: no option -\\xe9; see voronoid resample --help';
-refused 'a name cut too short', ['resample', $in, @points, '-fo', $out, '--po', 3], 2, 'resample: --po may be --points or --polish';
-refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se may be --server or --seconds or --seed';
+refused 'a name cut too short', ['resample', $in, @points, '-fo', $out, '--po', 3], 2, 'resample: --po is ambiguous, want --points or --polish';
+refused 'a name cut too short for both tables', ['resample', '--se=1'], 2, 'resample: --se is ambiguous, want --server or --seconds or --seed';
 refused 'a name cut to nothing', ['resample', '--=1'], 2, 'resample: no option --; see voronoid resample --help';
 refused 'a name cut short of a wrong value', ['resample', $in, @points, '-fo', $out, '--bound=open'], 2,
     'resample: boundary is "open", want one of keep, free, sites, fill';
@@ -135,7 +135,7 @@ refused 'two inputs and one file', ['resample', $in, $in, @points, '-fo', $out],
     'resample: 2 inputs need a folder for their results: give -o DIR/';
 refused 'two inputs and stdout', ['inspect', $in, $in], 2,
     'inspect: 2 inputs need a folder for their results: give -o DIR/';
-refused 'an operand too many', ['health', 'x'], 2, 'health: one operand too many: x';
+refused 'an operand too many', ['health', 'x'], 2, 'health: x is one operand too many';
 refused 'no output', ['resample', $in, @points], 2,
     'resample: no output: give -o FILE, or -o - for stdout';
 refused 'no number of points', ['resample', $in, '-fo', $out], 2,
@@ -145,11 +145,11 @@ refused 'no number of points to simplify to', ['simplify', $in, '-fo', $out], 2,
 refused 'a ratio that makes fewer points', ['upsample', $in, '-fo', $out, '--ratio', '0.9'], 2,
     'upsample: ratio is 0.9, want a number from 1 to 16';
 refused 'fewer points to upsample to', ['upsample', $in, '-fo', $out, '-n', 49], 3,
-    "$in: points is 49, want 50 to 800: upsample gives 1 to 16 points for each of the 50 points of the input";
+    "$in: points is 49, want 50 to 800: the result of upsample may have 1 to 16 times as many points as the input (50)";
 refused 'more points to simplify to', ['simplify', $in, '-fo', $out, '-n', 51], 3,
     "$in: points is 51, want 1 to 50: simplify cannot give more points than the input has (50)";
 refused 'too many points to denoise to', ['denoise', $in, '-fo', $out, '-n', 801], 3,
-    "$in: points is 801, want 1 to 800: denoise gives up to 16 points for each of the 50 points of the input";
+    "$in: points is 801, want 1 to 800: the result of denoise may have up to 16 times as many points as the input (50)";
 refused 'points and ratio', ['resample', $in, '-fo', $out, @points, '--ratio', 2], 2,
     'resample: give exactly one of the parameters points, ratio and spacing, not 2';
 refused 'a number of points out of range', ['resample', $in, '-fo', $out, '-n', 0], 2,
@@ -169,7 +169,7 @@ refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads',
 refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,
     'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
-    'measure: both clouds are -, but only one cloud can be read from stdin';
+    'measure: both clouds are -, want - for only one of them: stdin has only one cloud';
 
 refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-fo', $out], 1,
     "$folder/no.ply: cannot be read: No such file or directory";

@@ -67,7 +67,7 @@ for my $server ([], ['--server', $daemon->{url}]) {
 unlink $out;
 for my $case (
     [['simplify', '-n', 601], qr/points is 601, want 1 to 600: simplify cannot give more points than the input has \(600\)$/],
-    [['upsample', '-n', 599], qr/points is 599, want 600 to 9600: upsample gives 1 to 16 points for each of the 600 points of the input$/],
+    [['upsample', '-n', 599], qr/points is 599, want 600 to 9600: the result of upsample may have 1 to 16 times as many points as the input \(600\)$/],
     [['simplify', '--spacing', 0.1], qr/spacing is 0\.1 and needs 1\d\d\d points, want 1 to 600: simplify /],
 ) {
     my ($request, $why) = @$case;

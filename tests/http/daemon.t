@@ -30,7 +30,7 @@ for my $case (
     [['--cors-origin', '*'], qr/--cors-origin holds "\*", want a list of origins/],
     [['--cors-origin', 'https://a.example, https://b.example/'], qr{holds "https://b\.example/"}],
     [['--cors-origin', 'a.example'], qr/holds "a\.example"/],
-    [['--he=1'], qr/--he may be --header-timeout or --heartbeat/], [['-x'], qr/no option -x; see voronoid serve --help/],
+    [['--he=1'], qr/--he is ambiguous, want --header-timeout or --heartbeat/], [['-x'], qr/no option -x; see voronoid serve --help/],
     [['--strea=0'], qr/--streams is "0"/], [['--jobs', '0x1'], qr/--jobs is "0x1", want/], [['--', '--jobs=1'], qr/no setting "--jobs=1"/],
     [['--colour=red'], qr/no option --colour; see/], [['--port=80'], qr/no option --port; the address is --listen HOST:PORT/], [['red'], qr/no setting "red"/], [['--lisen', 'x'], qr/no option --lisen; did you mean --listen\?/],
 ) {

@@ -159,13 +159,13 @@ for my $case (
     ['denoise', 'pionts=5', 400, qr/^unknown parameter "pionts" of denoise; $names$/, 'pionts'],
     ['simplify', 'points=5&peak=1', 400, qr/^unknown parameter "peak" of simplify; $names$/, 'peak'],
     ['resample', 'points=5&p%c3%a9q=1', 400, qr/^unknown parameter "p\\xc3\\xa9q" of resample; $names$/, 'p\\xc3\\xa9q'],
-    ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: upsample gives 1 to 16 points for each of the 600 points of the input$/],
+    ['upsample', 'points=599', 422, qr/^points is 599, want 600 to 9600: the result of upsample may have 1 to 16 times as many points as the input \(600\)$/],
     ['upsample', 'points=9601', 422, qr/^points is 9601, want 600 to 9600: /],
-    ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and needs \d\d points, want 600 to 9600: upsample /],
+    ['upsample', 'spacing=0.5', 422, qr/^spacing is 0\.5 and needs \d\d points, want 600 to 9600: the result of upsample /],
     ['simplify', 'points=601', 422, qr/^points is 601, want 1 to 600: simplify cannot give more points than the input has \(600\)$/],
     ['simplify', 'spacing=0.1', 422, qr/^spacing is 0\.1 and needs 1\d\d\d points, want 1 to 600: simplify /],
-    ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: denoise gives up to 16 points for each/],
-    ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: resample gives up to 16 points for each/],
+    ['denoise', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: the result of denoise may have up to 16 times as many points/],
+    ['resample', 'points=9601', 422, qr/^points is 9601, want 1 to 9600: the result of resample may have up to 16 times as many points/],
 ) {
     my ($id, $query, $status, $detail, $parameter) = @$case;
     for my $path ("/v1/$id", "/v1/processes/$id/execution") {

@@ -72,7 +72,7 @@ is $report->{status}, 'successful', 'a job runs';
 is ask('daemons', "SELECT status FROM job"), 'successful', 'and stands in the database';
 my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$dir/other", '--store', $uri);
 is $status, 75, 'a second daemon finds the store taken';
-like $text, qr/another daemon has the job store/, 'and says so';
+like $text, qr/another daemon uses the job store/, 'and says so';
 
 my $long = $daemon->submit('points=2000&iterations=200', $cloud);
 ok wait_until(sub { $daemon->status($long) eq 'running' }), 'a job runs';

@@ -252,7 +252,7 @@ START_TEST(a_seal_tells_every_flipped_bit_of_what_it_seals)
         size = (size_t)sealed;
         bytes[at] ^= 1;
         vt_assert_fails(VOR_E_DAMAGED, vor_blob_unseal(bytes, &size, "input", &vt_err));
-        ck_assert_ptr_nonnull(strstr(vt_err.message, "the blob input is damaged"));
+        ck_assert_ptr_nonnull(strstr(vt_err.message, "the stored file input is damaged"));
         bytes[at] ^= 1;
     }
     size = 9; /* without a seal, as it was written before there were any */
@@ -284,7 +284,7 @@ START_TEST(a_job_whose_input_is_damaged_fails_for_that)
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_DAMAGED);
-    ck_assert_ptr_nonnull(strstr(view.message, "the blob input is damaged"));
+    ck_assert_ptr_nonnull(strstr(view.message, "the stored file input is damaged"));
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }

@@ -159,7 +159,7 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         {"alice:read:" ALPHA ":rate=nan", "a quota is \"rate=nan\""},
         {"alice:read:" ALPHA ":rate=2,colour=3", "a quota is \"colour=3\", want jobs=N, rate=N"},
         {"alice:read:" ALPHA ":bytes=1Q", "a quota is \"bytes=1Q\""},
-        {"a:read:" ALPHA "\nb:read:" ALPHA "\n", "line 2: a line above has the same digest"},
+        {"a:read:" ALPHA "\nb:read:" ALPHA "\n", "line 2: an earlier line has the same digest"},
     };
     const char *dir = vt_dir_make();
 

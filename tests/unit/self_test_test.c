@@ -58,7 +58,7 @@ START_TEST(what_is_wrong_is_told)
     make_right(&cloud);
     vt_assert_ok(vor_self_test_judge(&cloud, .03, &vt_err));
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .3, &vt_err));
-    ck_assert_str_eq(vt_err.message, "the uniformity is 0.3, want at most 0.1");
+    ck_assert_str_eq(vt_err.message, "delta of the result is 0.3, want at most 0.1");
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, NAN, &vt_err));
     cloud.xyz[5] = NAN;
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));
@@ -69,7 +69,7 @@ START_TEST(what_is_wrong_is_told)
     ck_assert_str_eq(vt_err.message, "point 1 is 1.5 from the centre of the unit sphere, want 1");
     cloud.n--;
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));
-    ck_assert_str_eq(vt_err.message, "149 points instead of 150");
+    ck_assert_str_eq(vt_err.message, "the result has 149 points, want 150");
     vor_cloud_free(&cloud);
 }
 END_TEST

@@ -298,20 +298,21 @@ START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
     char want[512];
 
     (void)snprintf(want, sizeof want,
-                   "/usr belongs to user 0, and this process's user %u may not write there: "
-                   "chown -R %u:%u /usr (in a container: the folder mounted there)",
+                   "/usr belongs to user 0, but this process runs as user %u, who may not write "
+                   "there. Run chown -R %u:%u /usr (in a container, on the folder that is mounted "
+                   "there)",
                    user, user, group);
     ck_assert_str_eq(unprivileged(lock_in, "/usr"), want);
     (void)snprintf(want, sizeof want,
-                   "there is no /usr/none/at/all, and this process's user %u may not create it in "
-                   "/usr, which belongs to user 0 (mode 0755): install -d -o %u -g %u "
-                   "/usr/none/at/all",
+                   "there is no /usr/none/at/all, and this process runs as user %u, who may not "
+                   "create it in /usr, which belongs to user 0 (mode 0755). Run install -d -o %u "
+                   "-g %u /usr/none/at/all",
                    user, user, group);
     ck_assert_str_eq(unprivileged(make_folder, "/usr/none/at/all"), want);
     ck_assert_int_eq(chmod(dir, 0777), 0);
     (void)snprintf(want, sizeof want,
-                   "%s/closed belongs to this process's user %u but has mode 0500: chmod "
-                   "u+rwX %s/closed",
+                   "%s/closed belongs to user %u, who runs this process, but its mode is 0500. "
+                   "Run chmod u+rwX %s/closed",
                    dir, user, dir);
     ck_assert_str_eq(unprivileged(lock_in_closed_folder, dir), want);
 }

@@ -217,18 +217,19 @@ START_TEST(a_target_is_held_against_the_input_as_its_process_wants)
         uint64_t input;
         double least, most;
         const char *says;
-    } cases[] = {{"resample", 1000, 1, 16000,
-                  "want 1 to 16000: resample gives up to 16 points for each of the 1000 points of "
-                  "the input"},
-                 {"resample", 9000000, 1, 1e7, "want 1 to 10000000"},
-                 {"denoise", 1000, 1, 16000, "want 1 to 16000: denoise gives up to 16"},
-                 {"upsample", 1000, 1000, 16000,
-                  "want 1000 to 16000: upsample gives 1 to 16 points for each of the 1000 points "
-                  "of the input"},
-                 {"upsample", 10000000, 1e7, 1e7, "want 10000000 to 10000000"},
-                 {"simplify", 1000, 1, 1000,
-                  "want 1 to 1000: simplify cannot give more points than the input has (1000)"},
-                 {"simplify", 20000000, 1, 1e7, "want 1 to 10000000"}};
+    } cases[] = {
+        {"resample", 1000, 1, 16000,
+         "want 1 to 16000: the result of resample may have up to 16 times as many points as "
+         "the input (1000)"},
+        {"resample", 9000000, 1, 1e7, "want 1 to 10000000"},
+        {"denoise", 1000, 1, 16000, "want 1 to 16000: the result of denoise may have up to 16"},
+        {"upsample", 1000, 1000, 16000,
+         "want 1000 to 16000: the result of upsample may have 1 to 16 times as many points "
+         "as the input (1000)"},
+        {"upsample", 10000000, 1e7, 1e7, "want 10000000 to 10000000"},
+        {"simplify", 1000, 1, 1000,
+         "want 1 to 1000: simplify cannot give more points than the input has (1000)"},
+        {"simplify", 20000000, 1, 1e7, "want 1 to 10000000"}};
 
     struct vor_spec spec = request_for(cases[_i].process);
 

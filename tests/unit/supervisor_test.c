@@ -177,7 +177,7 @@ static int unfit(int channel, const int *fds, unsigned fd_count)
 
     (void)fds;
     (void)fd_count;
-    (void)vor_fail(&err, VOR_E_INTERNAL, "the uniformity is 0.5, want at most 0.1");
+    (void)vor_fail(&err, VOR_E_INTERNAL, "delta of the result is 0.5, want at most 0.1");
     return vor_channel_send(channel, &err, sizeof err, NULL, 0, NULL) == VOR_OK ? 0 : 1;
 }
 
@@ -460,7 +460,7 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
     config.kind = UNFIT;
     vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
     ck_assert_str_eq(vt_err.message,
-                     "the engine fails its self-test: the uniformity is 0.5, want at most 0.1");
+                     "the engine fails its self-test: delta of the result is 0.5, want at most 0.1");
     vor_zygote_stop(&zygote);
 }
 END_TEST

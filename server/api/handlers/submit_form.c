@@ -155,7 +155,10 @@ static vor_status on_end(void *ctx, struct vor_error *err)
     if (form->file == NULL) {
         form->text[form->size] = '\0';
         if (strlen(form->text) != form->size)
-            return vor_fail_param(err, VOR_E_PARAM, form->name, "%s has a NUL", form->name);
+            return vor_fail_param(err, VOR_E_PARAM, form->name,
+                                  "%s has a NUL byte, want a "
+                                  "text without it",
+                                  form->name);
         status = vor_submit_options_take(&form->head->options, form->name, form->text, &taken, err);
         if (status != VOR_OK || taken)
             return status;
