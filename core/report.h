@@ -73,7 +73,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Number of steps of the stage so far")                                \
     X(U32, of, "of", "",                                                                           \
-      "Largest number of steps that the stage may have; 0 if this is not known")                   \
+      "Largest number of steps that the stage may have; 0 if the number is not known")             \
     X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Number of the iteration that gave the most even result so far. A run that ended now "       \
@@ -143,8 +143,8 @@ struct vor_stage_done {
       "Standard deviation of the distances from points of the result to their nearest "            \
       "neighbours, divided by the mean of these distances; lower is more even. With a density, "   \
       "each distance is first divided by the target spacing at its point; with a metric, "         \
-      "distances are measured in the metric. This also applies to sigma and epsilon, and to the "  \
-      "records in events and traces")                                                              \
+      "distances are measured in the metric. sigma, epsilon and the records in events and "        \
+      "traces are computed in the same way")                                                       \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "Mean absolute deviation of the distances to the nearest neighbour from their mean")         \
     X(REAL, epsilon, "epsilon", "",                                                                \
@@ -334,8 +334,8 @@ struct vor_stage_done {
       "Whether each edge belongs to at most two triangles and the triangles at each point form "   \
       "a single fan")                                                                              \
     X(U64, mesh_one_sided, "mesh.one_sided", "",                                                   \
-      "Number of components with only one side, like a Moebius band; adjacent triangles face "     \
-      "opposite ways along some edges")                                                            \
+      "Number of components with only one side, like a Moebius band; along some edges of such a "  \
+      "component, adjacent triangles face opposite ways")                                          \
     X(REAL, mesh_quality_mean, "mesh.quality_mean", "",                                            \
       "Mean quality of the triangles. The quality of a triangle with area S, half perimeter p "    \
       "and longest edge h is 6 S / (sqrt(3) p h); it is 1 if all edges have the same length")      \
@@ -373,8 +373,8 @@ struct vor_stage_done {
       "farthest from all points chosen before")                                                    \
     X(SPEC, parameters, "parameters", "",                                                          \
       "Parameters of the request. The parameter points is computed if the request has ratio or "   \
-      "spacing. Each auto is replaced by the value that was used; for neighbors, this is the "     \
-      "most frequent value")
+      "spacing. A parameter that was auto has the value that was used; neighbors has its most "    \
+      "frequent value")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -468,31 +468,6 @@ struct vor_measure {
 };
 
 extern const struct vor_members vor_measure_members;
-
-/** A box along the axes. */
-#define VOR_BOX_TABLE(X)                                                                           \
-    X(VECTOR, low, "min", "unit of the cloud", "Lowest coordinates")                               \
-    X(VECTOR, high, "max", "unit of the cloud", "Highest coordinates")
-
-struct vor_corners {
-    VOR_BOX_TABLE(VOR_FIELD)
-};
-
-#define VOR_FIELD_BOX(field) struct vor_corners field;
-
-/** An attribute of a cloud. */
-#define VOR_COLUMN_TABLE(X)                                                                        \
-    X(TEXT, name, "name", "", "Name of the attribute; normals are called normal, colours color")   \
-    X(TEXT, type, "type", "", "Type of the scalars: int8 to uint64, float32 or float64")           \
-    X(U32, components, "components", "", "Number of scalars for each point")
-
-struct vor_column {
-    VOR_COLUMN_TABLE(VOR_FIELD)
-};
-
-#define VOR_FIELD_COLUMNS(field)                                                                   \
-    struct vor_column field[VOR_ATTRIBUTES_MAX];                                                   \
-    unsigned field##_count;
 
 /** Why: a hole, the end of a tube, the outer border of a sheet. */
 enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };

@@ -12,13 +12,14 @@
 /** Something that was left out. */
 #define VOR_DROPPED_TABLE(X)                                                                       \
     X(TEXT, what, "what", "",                                                                      \
-      "Kind of the missing content. comment, obj_info; the name of an element of a PLY file, "     \
-      "such as face; ELEMENT.PROPERTY: a list property; metadata: entries of a Draco file; "       \
-      "digits of NAME: integers of an attribute that a double cannot hold; digits of positions: "  \
-      "doubles that float32 cannot hold; name of NAME: an attribute name with more than 63 "       \
-      "bytes, or with blanks, which PLY does not allow; meaning of NAME: for example, the "        \
-      "attribute is a normal without three numbers; attribute NAME: a whole attribute; others: "   \
-      "there are more kinds than fit into this list")                                              \
+      "Kind of the missing content. comment or obj_info: lines of a PLY header; the name of an "   \
+      "element of a PLY file, such as face; ELEMENT.PROPERTY: a list property; metadata: "         \
+      "entries of a Draco file; digits of NAME: an attribute has integers that a double cannot "   \
+      "hold; digits of positions: positions have doubles that float32 cannot hold; name of "       \
+      "NAME: the name of an attribute has more than 63 bytes, or blanks, which PLY does not "      \
+      "allow; meaning of NAME: an attribute lost its meaning, for example a normal that does "     \
+      "not have three numbers; attribute NAME: a whole attribute; others: kinds that do not fit "  \
+      "into this list")                                                                            \
     X(U64, count, "count", "", "Number of missing items, as far as the file declares it")
 
 struct vor_dropped {

@@ -111,6 +111,31 @@ struct vor_warning {
     struct vor_warning field[VOR_WARNING_COUNT];                                                   \
     unsigned field##_count;
 
+/** A box along the axes. */
+#define VOR_BOX_TABLE(X)                                                                           \
+    X(VECTOR, low, "min", "unit of the cloud", "Lowest coordinates")                               \
+    X(VECTOR, high, "max", "unit of the cloud", "Highest coordinates")
+
+struct vor_corners {
+    VOR_BOX_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_BOX(field) struct vor_corners field;
+
+/** An attribute of a cloud. */
+#define VOR_COLUMN_TABLE(X)                                                                        \
+    X(TEXT, name, "name", "", "Name of the attribute; normals are called normal, colours color")   \
+    X(TEXT, type, "type", "", "Type of the scalars: int8 to uint64, float32 or float64")           \
+    X(U32, components, "components", "", "Number of scalars for each point")
+
+struct vor_column {
+    VOR_COLUMN_TABLE(VOR_FIELD)
+};
+
+#define VOR_FIELD_COLUMNS(field)                                                                   \
+    struct vor_column field[VOR_ATTRIBUTES_MAX];                                                   \
+    unsigned field##_count;
+
 /** A loop of edges that have one triangle: where a mesh ends. */
 #define VOR_MESH_LOOP_TABLE(X)                                                                     \
     X(U64, edges, "edges", "", "Number of edges of the loop")                                      \

@@ -38,7 +38,7 @@ enum vor_level {
     X(ETA, ADVANCED, "Target eta")                                                                 \
     X(MOVE_STOP, ADVANCED, "Smallest move")                                                        \
     X(SECONDS, BASIC, "Time limit")                                                                \
-    X(NEIGHBORS, ADVANCED, "Neighbors of a fit")                                                   \
+    X(NEIGHBORS, ADVANCED, "Neighbors per fit")                                                    \
     X(ANDERSON, ADVANCED, "Anderson window")                                                       \
     X(POLISH, ADVANCED, "Steps of the polish")                                                     \
     X(EVENNESS, ADVANCED, "Kind of evenness")                                                      \
@@ -47,12 +47,12 @@ enum vor_level {
     X(HOLE_MAX, ADVANCED, "Longest hole to fill")                                                  \
     X(EDGES, BASIC, "Sharp edges")                                                                 \
     X(OUTLIERS, BASIC, "Outliers")                                                                 \
-    X(SAMPLE, ADVANCED, "Input of a mesh")                                                         \
+    X(SAMPLE, ADVANCED, "Resampled part of a mesh")                                                \
     X(FILTERS, BASIC, "Filters")                                                                   \
     X(SIGMA_N, ADVANCED, "Angle between normals")                                                  \
     X(SIGMA_P, ADVANCED, "Radius of the projection")                                               \
     X(MU, ADVANCED, "Repulsion")                                                                   \
-    X(ROUNDS, ADVANCED, "Rounds of normals and points")                                            \
+    X(ROUNDS, ADVANCED, "Rounds of projection")                                                    \
     X(STEPS, ADVANCED, "Steps of a round")                                                         \
     X(RHO, ADVANCED, "Preference for edges")                                                       \
     X(PHASES, ADVANCED, "Phases")                                                                  \
@@ -69,7 +69,7 @@ enum vor_level {
     X(ORIGIN, ADVANCED, "Origin")                                                                  \
     X(ATTRIBUTES, ADVANCED, "Attributes")                                                          \
     X(NORMALS, BASIC, "Normals")                                                                   \
-    X(SOUP, ADVANCED, "Cells for faces")                                                           \
+    X(SOUP, ADVANCED, "Voronoi cells as faces")                                                    \
     X(BASELINES, ADVANCED, "Baselines")                                                            \
     X(PEAK, BASIC, "Peak of the PSNR")                                                             \
     X(SCALE, BASIC, "Scale")                                                                       \

@@ -53,7 +53,7 @@ enum vor_setting_kind {
     X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
       "Folder for uploads and results. Default: blobs in --data")                                  \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
-      "Number of threads for computations, shared by all jobs. 0: one per core")                   \
+      "Number of threads for computations, shared by all jobs. 0: one thread per core")            \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Number of jobs that may run at the same time")  \
     X(QUEUE, "queue", COUNT_OF, "jobs", 1, 100000, "256", "Largest number of waiting jobs")        \
     X(MEMORY, "memory", BYTES, "bytes", 0, 1e15, "0",                                              \
@@ -73,17 +73,18 @@ enum vor_setting_kind {
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "Time after which the results of a job are deleted")                                         \
     X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Largest total size of uploads that are kept as long as their results. Above it, uploads "   \
-      "of the jobs that ended first are deleted first. 0: no upload is kept")                      \
+      "Largest total size of uploads that are kept as long as their results. If the total "        \
+      "exceeds this size, uploads of the jobs that ended first are deleted first. 0: no upload "   \
+      "is kept")                                                                                   \
     X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
-      "Largest total size of results that are kept. Above it, results of the jobs that ended "     \
-      "first are deleted first. 0: half of the disk of --blobs")                                   \
+      "Largest total size of results that are kept. If the total exceeds this size, results of "   \
+      "the jobs that ended first are deleted first. 0: half of the disk of --blobs")               \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "Time after which files in the folder lost/ of --blobs are deleted. They belong to jobs "    \
-      "that are missing from a damaged --store")                                                   \
+      "Time after which files in the folder lost/ of --blobs are deleted. Files of jobs that "     \
+      "are missing from a damaged --store are moved to this folder")                               \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "Largest total size of the files in the folder lost/ of --blobs. Above it, the oldest "      \
-      "files are deleted first")                                                                   \
+      "Largest total size of the files in the folder lost/ of --blobs. If the total exceeds "      \
+      "this size, the oldest files are deleted first")                                             \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Disk space that a file beside --store reserves, so that jobs can still be finished and "    \
       "deleted when the disk is full. An upload is refused if it would leave less free space "     \
@@ -128,11 +129,10 @@ enum vor_setting_kind {
       "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
-      "Lowest average speed of an upload. It is checked when the upload has taken longer than "    \
-      "--body-idle")                                                                               \
+      "Lowest average speed of an upload that takes longer than --body-idle")                      \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Lowest average speed at which a client may read a response, except an event stream. It "    \
-      "is checked when reading has taken longer than --body-idle")                                 \
+      "Lowest average speed at which a client may read a response, if reading takes longer than "  \
+      "--body-idle. Event streams have no such limit")                                             \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Interval at which an event stream without events sends a keep-alive line")                  \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \

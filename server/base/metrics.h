@@ -18,7 +18,8 @@
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
       "Requests that have ended, by status of the response (499: the client disconnected)")        \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
-      "Time from the request line to the end of the response. A stream ends when it closes")       \
+      "Time from the request line to the end of the response. The response of an event stream "    \
+      "ends when the stream closes")                                                               \
     X(HTTP_IN_FLIGHT, "http_in_flight_requests", GAUGE, "", "", "Requests in progress")            \
     X(HTTP_STUCK, "http_thread_busy_seconds", GAUGE, "seconds", "",                                \
       "Longest time that an HTTP thread has spent on its current step of a request. Set an "       \
@@ -28,7 +29,7 @@
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
       "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
-      "Error responses, by the last path segment of the URL in their type")                        \
+      "Error responses, by the type of the error: the last part of the URL in the member type")    \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
       "Number of open connections above which new requests are refused")                           \
@@ -40,8 +41,8 @@
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that have ended")    \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Jobs that were put back into the queue because the daemon (restart) or the worker "         \
-      "process (worker) ended while they ran")                                                     \
+      "Running jobs that returned to the queue, because the daemon ended (reason restart) or "     \
+      "the worker process ended (reason worker)")                                                  \
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \
@@ -75,10 +76,11 @@
     X(STORAGE_SIZE, "storage_size_bytes", GAUGE, "bytes", "",                                      \
       "Size of the file system of --blobs")                                                        \
     X(BLOB_BYTES, "blob_bytes", GAUGE, "bytes", "store",                                           \
-      "Bytes of stored uploads and results. A file that several jobs share counts for each job")   \
+      "Bytes of stored uploads and results. A file that several jobs share counts once for each "  \
+      "of these jobs")                                                                             \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
-      "Time of the statements of the job database, including the time to wait for its lock and "   \
-      "for the disk")                                                                              \
+      "Time of the statements of the job database, including the time that they wait for the "     \
+      "lock of the database and for the disk")                                                     \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
       "Failed statements of the job database")                                                     \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \

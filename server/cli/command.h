@@ -33,7 +33,7 @@ enum {
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
       "Name of the result to fetch, such as cloud or report. Default: the main result if "         \
-      "--output is a file, all results if it is a folder")                                         \
+      "--output is a file, all results if --output is a folder")                                   \
     X(LIMIT, "limit", 0, "N", "", VOR_COMMAND_LISTS,                                               \
       "Number of jobs to list, 1 to 10000. Default: 20")                                           \
     X(STATUS, "status", 0, "LIST", "", VOR_COMMAND_LISTS,                                          \
@@ -58,8 +58,8 @@ enum {
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
       "Use the values of a preset listed below; other options override them")                      \
     X(THREADS, "threads", 0, "N", "VORONOID_THREADS", VOR_COMMAND_RUNS,                            \
-      "Number of threads for computations on this machine, 0 to 256. 0: one per core. Default: "   \
-      "0")                                                                                         \
+      "Number of threads for computations on this machine, 0 to 256. 0: one thread per core. "     \
+      "Default: 0")                                                                                \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
       "Print JSON, one object per line: an object for each job or file, or the progress records "  \
       "and then the report. The objects go to stdout, or to stderr if the result goes to "         \

@@ -194,7 +194,7 @@ static void say_warnings(const struct vor_progress *progress, const struct vor_j
         double value = (double)NAN;
 
         if (vor_json_get_number(vor_json_get(s, "value"), &value) && !isnan(value))
-            (void)snprintf(figures, sizeof figures, " (%g beside %g)", value,
+            (void)snprintf(figures, sizeof figures, " (value %g, threshold %g)", value,
                            number_at(s, "limit"));
         (void)snprintf(line, sizeof line, "warning: %s%s", says != NULL ? says : "?", figures);
         vor_cli_say(progress->cli->option[VOR_OPTION_OUTPUT], line);

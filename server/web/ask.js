@@ -29,7 +29,7 @@ export function choose(process, values) {
 function tell() {
     const sample = forms.get($('process').value)?.field('sample'), isFaces = sample?.read() === 'faces';
     show($('mesh-hint'), isMesh && Boolean(sample));
-    $('mesh-words').textContent = isFaces ? 'This is a mesh. Points are sampled from its faces.' : 'This is a mesh. Its vertices are the input.';
+    $('mesh-words').textContent = isFaces ? 'This is a mesh. Points that are sampled from the faces are the input.' : 'This is a mesh. The vertices of the mesh are the input.';
     $('mesh-turn').textContent = isFaces ? 'Use its vertices' : 'Sample its faces';
     const { process, values } = asked(), is = JSON.stringify(Object.entries(values).sort());
     for (const one of /** @type {HTMLElement[]} */ ([...$('presets').children]))

@@ -217,7 +217,7 @@ export function readPly(buffer, origin) {
         throw error instanceof RangeError ? new Error('The file ends before its last row.') : error;
     }
     if (!cloud.xyz) throw new Error('The file has no vertices.');
-    if (cloud.faces?.some((corner) => 3 * corner >= cloud.xyz.length)) throw new Error('A face names a vertex that the file does not have.');
+    if (cloud.faces?.some((corner) => 3 * corner >= cloud.xyz.length)) throw new Error('A face refers to a vertex that does not exist.');
     sift(cloud);
     const { low, high } = bounds(cloud.xyz);
     const from = origin || low.map((value, k) => (value + high[k]) / 2 || 0);

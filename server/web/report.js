@@ -58,7 +58,7 @@ function headline({ points, delta, spacing, seconds, ref_to_out: there, out_to_r
     add('Spacing', spacing, 'unit of the cloud', 'Mean distance from a point to its nearest neighbour');
     if (there && back) {
         add('Distance to the input', back.mean, 'unit of the cloud', 'Mean distance from points of the result to the nearest input point');
-        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean distance from input points to the nearest point of the result. It is larger if the result has fewer points');
+        add('Distance from the input', there.mean, 'unit of the cloud', 'Mean distance from input points to the nearest point of the result. This distance is larger if the result has fewer points');
         add('Hausdorff distance', Math.max(there.max, back.max), 'unit of the cloud', 'The largest of all distances in both directions');
     }
     add('Time', Object.values(seconds || {}).reduce((sum, one) => sum + one, 0) || undefined, 's', 'Time from reading the input to writing the result');

@@ -280,8 +280,8 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
         describe_success(run, &row);
     status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
     if (status == VOR_OK && !changed) {
-        vor_log(VOR_LOG_WARN, "job lost: another owner has it, or it was deleted", VOR_OF_JOB(&row),
-                VOR_COUNT("attempt", run->lease.attempt));
+        vor_log(VOR_LOG_WARN, "job lost: another daemon has it, or it was deleted",
+                VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
         run->is_lost = 1;
         row.status = VOR_JOB_DISMISSED; /* here, as readers must not wait for ever */
         vor_job_end(run->job, &row);

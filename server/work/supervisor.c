@@ -280,7 +280,7 @@ static void check_beats(struct sitting *sitting)
         worker->beats = beats;
         worker->beat = now;
     } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
-        end_worker(sitting->supervisor, worker, "no sign of life", VOR_NOBODY);
+        end_worker(sitting->supervisor, worker, "it does not respond", VOR_NOBODY);
     }
 }
 

@@ -130,7 +130,7 @@ static void run_pass(void *ctx)
 
     close(pass->fd);
     if (verdict == VOR_VERDICT_DAMAGED)
-        vor_log(VOR_LOG_ERROR, "kept bytes are damaged", VOR_TEXT("sha256", known->sha256),
+        vor_log(VOR_LOG_ERROR, "stored bytes are damaged", VOR_TEXT("sha256", known->sha256),
                 VOR_COUNT("bytes", known->size));
     pthread_mutex_lock(&verify->mutex);
     known->verdict = verdict;

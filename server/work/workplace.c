@@ -46,7 +46,7 @@ static void describe_end(char out[64], const struct vor_child_end *end)
     if (end->signal != 0)
         (void)snprintf(out, 64, "signal %d", end->signal);
     else if (end->status == VOR_STATION_NO_MEMORY)
-        (void)snprintf(out, 64, "memory used up");
+        (void)snprintf(out, 64, "memory ran out");
     else
         (void)snprintf(out, 64, "exit status %d", end->status);
 }

@@ -308,7 +308,7 @@ START_TEST(a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a
         const char *says;
     } cases[] = {
         {ABORTS, "the worker crashed (signal 6)"},
-        {LEAVES, "the worker crashed (memory used up)"},
+        {LEAVES, "the worker crashed (memory ran out)"},
         {SAYS_NONSENSE, "the worker crashed (signal 9)"},
     };
     struct vt_front front = front_start(0, 0);
@@ -420,7 +420,7 @@ START_TEST(a_worker_without_a_sign_of_life_is_ended)
     struct vt_heard heard;
 
     ck_assert_int_eq(end_of_script(&heard, &front, STOPS), VOR_RUN_CRASHED_ALONE);
-    ck_assert_str_eq(heard.err.message, "the worker crashed (no sign of life)");
+    ck_assert_str_eq(heard.err.message, "the worker crashed (it does not respond)");
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_ALL), VOR_RUN_DONE);
     vt_front_stop(&front);
 }
@@ -459,8 +459,9 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
         "cannot start the threads of the worker: too little memory, or a limit on processes");
     config.kind = UNFIT;
     vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
-    ck_assert_str_eq(vt_err.message,
-                     "the engine fails its self-test: delta of the result is 0.5, want at most 0.1");
+    ck_assert_str_eq(
+        vt_err.message,
+        "the engine fails its self-test: delta of the result is 0.5, want at most 0.1");
     vor_zygote_stop(&zygote);
 }
 END_TEST
