@@ -50,10 +50,10 @@ enum vor_run_stage vor_run_stage_find(const char *name);
  *  the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
     X(U32, iteration, "iteration", "",                                                             \
-      "Number of iterations or projection steps so far; 0 in the first record")                    \
+      "Number of iterations or projection steps so far (0 in the first record)")                   \
     X(U32, polish, "polish", "",                                                                   \
-      "Number of steps so far of the polish, the optimisation that follows the iterations; 0 "     \
-      "during the iterations")                                                                     \
+      "Number of steps so far of the polish, the optimisation that follows the iterations (0 "     \
+      "during the iterations)")                                                                    \
     X(REAL, delta, "delta", "",                                                                    \
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
@@ -73,11 +73,11 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Number of steps of the stage so far")                                \
     X(U32, of, "of", "",                                                                           \
-      "Largest number of steps that the stage may have; 0 if the number is not known")             \
+      "Largest number of steps that the stage may have (0 if the number is not known)")            \
     X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "Number of the iteration that gave the most even result so far. A run that ended now "       \
-      "would return that result")                                                                  \
+      "Number of the iteration that gave the most even result so far, which is the result if "     \
+      "the run ends now")                                                                          \
     X(U32, best_polish, "best.polish", "",                                                         \
       "Number of the polish step that gave the most even result so far")                           \
     X(REAL, best_delta, "best.delta", "",                                                          \
@@ -175,9 +175,9 @@ struct vor_stage_done {
       "does not include them")                                                                     \
     X(U64, faces, "faces", "",                                                                     \
       "Number of faces that the file of the input declares; a triangle strip counts as one. "      \
-      "Points are drawn from these faces if the request has sample=faces")                         \
+      "With sample=faces, the points that are resampled are drawn from the faces of the input")    \
     X(U64, samples, "samples", "points",                                                           \
-      "Number of points drawn from the faces of the input; 0 unless sample=faces. With "           \
+      "Number of points drawn from the faces of the input (0 unless sample=faces). With "          \
       "sample=faces, all figures about input points, except points.in, are about the points "      \
       "that were drawn from the faces")                                                            \
     X(DROPPED, dropped, "dropped", "",                                                             \
@@ -192,8 +192,8 @@ struct vor_stage_done {
       "local surface is fitted to (neighbors)")                                                    \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Number of points of the result on islands; each is at the position of an input point. 0 "   \
-      "if the result is the filtered input")                                                       \
+      "Number of points of the result on islands; each is at the position of an input point (0 "   \
+      "if the result is the filtered input)")                                                      \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the points that are not on islands, so that the gaps around islands do not "       \
       "count")                                                                                     \
@@ -225,8 +225,9 @@ struct vor_stage_done {
       "Ratio of length to width that the metric requests for cells: 95th percentile over the "     \
       "surface")                                                                                   \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Ratio of length to width of the cells of the result: median over the cells. The ratio of "  \
-      "a cell is the square root of the ratio of its principal second moments")                    \
+      "Ratio of length to width of the cells of the result: median over the cells. Length "        \
+      "divided by width is the square root of the ratio of the principal second moments of a "     \
+      "cell")                                                                                      \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
       "Relative difference between the ratio of length to width of a cell and the ratio that "     \
       "the metric requests for this cell: median over the cells")                                  \
@@ -242,14 +243,14 @@ struct vor_stage_done {
       "Energy after an iteration divided by the energy before the iteration: the largest value "   \
       "of all iterations, below 1")                                                                \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
-      "Ratio of length to width of the cells: median over the cells. The ratio of a cell is the "  \
-      "square root of the ratio of its principal second moments, which is 1 for squares and "      \
-      "regular hexagons")                                                                          \
+      "Ratio of length to width of the cells: median over the cells. Length divided by width is "  \
+      "the square root of the ratio of the principal second moments of a cell, which is 1 for "    \
+      "squares and regular hexagons")                                                              \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
-      "Step of the grid that the input's coordinates were rounded to; 0 if no grid was found")     \
+      "Step of the grid that the input's coordinates were rounded to (0 if no grid was found)")    \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
-      "Number of input points that were moved within their grid cell. 0 if the grid cells are "    \
-      "small compared with the distance between input points")                                     \
+      "Number of input points that were moved within their grid cell (0 if the grid cells are "    \
+      "small compared with the distance between input points)")                                    \
     X(ORIENTED, orientation, "orientation", "",                                                    \
       "How the normals of the result were oriented. not-asked: they are copied from the input, "   \
       "or the result has none; carried: they are on the side of the input's normals; "             \
@@ -257,7 +258,7 @@ struct vor_stage_done {
       "like consistent, but parts of the input have only one side")                                \
     X(U64, one_sided, "one_sided", "",                                                             \
       "Number of connected parts of the input with only one side, like a Moebius band; their "     \
-      "normals cannot be consistent. 0 if the run did not have to orient normals")                 \
+      "normals cannot be consistent (0 if the run did not have to orient normals)")                \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from points of the input to the nearest point of the result. Points at the "      \
       "same position count once; outliers that were ignored do not count. Points that were "       \
@@ -269,9 +270,9 @@ struct vor_stage_done {
       "those of ref_to_out: outliers that were ignored do not count, and points that were moved "  \
       "within their grid cell have their new position")                                            \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Number of points of the result at borders of the input: 0 on a closed smooth surface, "     \
-      "else about the length of the border divided by the spacing. They are counted for every "    \
-      "value of the parameter boundary")                                                           \
+      "Number of points of the result at borders of the input, counted for every value of the "    \
+      "parameter boundary: 0 on a closed smooth surface, else about the length of the border "     \
+      "divided by the spacing")                                                                    \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
       "In each entry, neighbors is a number of input points, and points is the number of points "  \
@@ -283,7 +284,7 @@ struct vor_stage_done {
       "Number of points that were kept from moving beyond the border in at least one iteration")   \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
       "Number of points for which the last iteration fitted a plane, because no curved surface "   \
-      "(quadric) could be fitted; 0 with patch=plane")                                             \
+      "(quadric) could be fitted (0 with patch=plane)")                                            \
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
       "Number of points that did not move in the last iteration, because no surface could be "     \
       "fitted")                                                                                    \
@@ -328,7 +329,7 @@ struct vor_stage_done {
     X(U64, mesh_components, "mesh.components", "", "Number of connected components")               \
     X(REAL, mesh_euler, "mesh.euler", "",                                                          \
       "Euler characteristic: number of points, minus number of edges, plus number of triangles. "  \
-      "A closed component without handles, such as a sphere, adds 2")                              \
+      "A closed component without handles, such as a sphere, adds 2 to this number")               \
     X(ANSWERED, mesh_closed, "mesh.closed", "", "Whether every edge belongs to two triangles")     \
     X(ANSWERED, mesh_manifold, "mesh.manifold", "",                                                \
       "Whether each edge belongs to at most two triangles and the triangles at each point form "   \
@@ -362,7 +363,7 @@ struct vor_stage_done {
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
     VOR_REGISTRATION_TABLE(X)                                                                      \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
-      "Results of simple methods on the same input. Present only with baselines=true, unless "     \
+      "Results of simple methods on the same input; present only with baselines=true, unless "     \
       "the result is the filtered input or the caller stopped the run")                            \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
@@ -516,7 +517,7 @@ struct vor_loop_told {
       "not include them")                                                                          \
     X(U64, distinct, "points.distinct", "points", "Number of different positions")                 \
     X(U64, outliers, "points.outliers", "points",                                                  \
-      "Number of points off the surface; 0 with outliers=keep. Outliers are left out of all "      \
+      "Number of points off the surface (0 with outliers=keep). Outliers are left out of all "     \
       "later figures")                                                                             \
     X(U64, components, "components.count", "",                                                     \
       "Number of separate parts. Two parts are separate if none of their points are neighbours")   \
@@ -541,13 +542,13 @@ struct vor_loop_told {
       "Number of input points that a local surface is fitted to with neighbors=auto, in most "     \
       "regions")                                                                                   \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
-      "Step of the grid that the coordinates were rounded to; 0 if no grid was found")             \
+      "Step of the grid that the coordinates were rounded to (0 if no grid was found)")            \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
       "Whether the grid is so coarse, compared with the distance between points, that a run "      \
       "would correct the rounding by moving points, each within its grid cell")                    \
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
-      "Whether much of the surface has layers (sheets) so close together that a local fit could "  \
-      "mix their points")                                                                          \
+      "Whether much of the surface has layers (sheets) that are so close together that a local "   \
+      "fit could mix their points")                                                                \
     X(REAL, own, "sheets.own", "",                                                                 \
       "Share of the points that are fitted only to points of their own sheet; the other points "   \
       "are fitted to the nearest points of any sheet")                                             \

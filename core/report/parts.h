@@ -73,8 +73,8 @@ enum vor_oriented {
       "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface, with every value of the parameter neighbors. In these "   \
-      "parts, the result may be farther from the surface than the input")                          \
+      "Noise hides parts of the surface, and no value of the parameter neighbors can show them. "  \
+      "In these parts, the result may be farther from the surface than the input")                 \
     X(NOT_RESTORED, "lattice",                                                                     \
       "The points were not moved because no grid was found, or because the grid cells are "        \
       "smaller than a tenth of the spacing")
@@ -202,8 +202,8 @@ struct vor_hole_told {
       "hexagons, minus 1; lower is better")                                                        \
     X(REAL, gap, object "gap", "",                                                                 \
       "Largest distance from a place of the surface to the nearest point, divided by the "         \
-      "spacing of a hexagonal lattice with the same number of points; 0.577 is the lowest "        \
-      "possible value")                                                                            \
+      "spacing of a hexagonal lattice with the same number of points (0.577 is the lowest "        \
+      "possible value)")                                                                           \
     X(U64, wide, object "wide", "places",                                                          \
       "Number of gaps: places of the surface that are farther than 0.64 spacings from the "        \
       "nearest point")                                                                             \
@@ -250,23 +250,23 @@ struct vor_runner_up {
     X(MATRIX, transform, "registration.transform", "",                                             \
       "4 x 4 matrix, row by row, that moves a point (x, y, z, 1) of the cloud onto the reference") \
     X(REAL, pose_scale, "registration.scale", "",                                                  \
-      "Factor by which the transform scales; 1 with scale=fixed")                                  \
+      "Factor by which the transform scales (1 with scale=fixed)")                                 \
     X(REAL, pose_rms, "registration.rms", "unit of the reference",                                 \
       "Root mean square distance of evenly spread points of the moved cloud to the surface of "    \
       "the reference, where both overlap")                                                         \
     X(REAL, pose_mse, "registration.mse", "unit of the reference^2",                               \
-      "Mean square of the same distances: rms squared, in squared units of the reference")         \
+      "Mean square distance: the square of the member rms, in squared units of the reference")     \
     X(REAL, pose_overlap, "registration.overlap", "",                                              \
       "Share of the cloud's surface that lies on the reference")                                   \
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "How much the clouds differ where they are near each other: the share of a cloud's "         \
-      "surface there that does not lie on the other cloud's surface, as the mean of both "         \
-      "clouds. 0 if all overlapping parts agree")                                                  \
+      "How much the clouds differ where they are near each other: the share of this part of a "    \
+      "cloud's surface that does not lie on the other cloud's surface, as the mean of both "       \
+      "clouds (0 if all overlapping parts agree)")                                                 \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
-      "How far the pose can be trusted, from 0 to 1. Below 0.5, look at the result before you "    \
-      "use it")                                                                                    \
+      "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
+      "before you use it")                                                                         \
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
       "Why trust is below 0.5; none if it is not. free-slide: the cloud can slide along the "      \
       "direction in axis and fits equally well; free-turn: it can turn about this axis; "          \
@@ -275,10 +275,10 @@ struct vor_runner_up {
       "the clouds overlaps")                                                                       \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
-      "in the reference's coordinates; 0,0,0 unless reason is free-slide or free-turn")            \
+      "in the reference's coordinates (0,0,0 unless reason is free-slide or free-turn)")           \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose; higher is better. It is the share of each surface that lies on the "     \
-      "other one, as the mean of both, reduced if the surfaces are apart or in conflict")          \
+      "Score of the pose (higher is better): the share of each surface that lies on the other "    \
+      "one, as the mean of both, reduced if the surfaces are apart or in conflict")                \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "The second best pose that was found; all members are 0 if there is no such pose")
 

@@ -126,7 +126,7 @@ enum vor_method_choice {
       "points and spacing")                                                                        \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbouring points of the result. The number of points is the area of "   \
-      "the surface divided by sqrt(3)/2 spacing^2")                                                \
+      "the surface divided by sqrt(3)/2 * spacing^2")                                              \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
       "Method that spreads the points. cvt: centroidal Voronoi tessellation of the surface; "      \
       "wlop: weighted locally optimal projection, in which points repel each other and input "     \
@@ -179,8 +179,8 @@ enum vor_method_choice {
       "The run ends as soon as eta is this low. eta is the energy of the Voronoi tessellation "    \
       "divided by the energy of the same number of regular hexagons, minus 1")                     \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
-      "The iterations of method=cvt end as soon as no point moves farther than this distance. "    \
-      "Its unit is the distance between neighbours in a perfectly even result")                    \
+      "The iterations of method=cvt end as soon as no point moves farther than this distance, "    \
+      "in units of the distance between neighbours in a perfectly even result")                    \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Time limit of the run")          \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
       "Number of input points that each local surface is fitted to. auto: the noise in each "      \
@@ -263,9 +263,9 @@ enum vor_method_choice {
       "points are closer together than the mean distance of the points to their three nearest "    \
       "neighbours. If a request has the filter mls or outliers, but none of the parameters "       \
       "points, ratio and spacing, its result is the filtered input: the points of the input in "   \
-      "their order, with their attributes. The process upsample still applies its default "        \
-      "ratio. The process denoise applies outliers and mls by default with method=cvt and "        \
-      "method=kmeans")                                                                             \
+      "their order, with their attributes. The result of upsample is never the filtered input, "   \
+      "because upsample has a default ratio. The process denoise applies outliers and mls by "     \
+      "default with method=cvt and method=kmeans")                                                 \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "Use of the input's normals. use: fitted normals are oriented like the normals of the "      \

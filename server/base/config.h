@@ -40,8 +40,8 @@ enum vor_setting_kind {
       "Which users may connect to the Unix socket of --listen: its owner (0600), its group "       \
       "(0660) or all users (0666)")                                                                \
     X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
-      "Separate address that serves only /livez, /readyz and /metrics. It has its own thread "     \
-      "and responds even while the main address is overloaded. Default: none")                     \
+      "Separate address that serves only /livez, /readyz and /metrics. This address has its own "  \
+      "thread and responds even while the main address is overloaded. Default: none")              \
     X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
       "Allow an --admin-listen address that other machines can reach")                             \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
@@ -87,8 +87,8 @@ enum vor_setting_kind {
       "this size, the oldest files are deleted first")                                             \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Disk space that a file beside --store reserves, so that jobs can still be finished and "    \
-      "deleted when the disk is full. An upload is refused if it would leave less free space "     \
-      "than this")                                                                                 \
+      "deleted when the disk is full. An upload is refused if less free space than this would "    \
+      "remain")                                                                                    \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach the daemon; links in responses begin with it. Default: the "     \
       "scheme, host and path that a trusted proxy sends, else http:// and the Host header")        \
@@ -117,7 +117,7 @@ enum vor_setting_kind {
       "health checks")                                                                             \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
       "Largest number of open connections per client, which is an IPv4 address or an IPv6 /64 "    \
-      "network. There is no such limit for this machine and for --trusted-proxy. 0: no limit "     \
+      "network. This limit does not apply to this machine and to --trusted-proxy. 0: no limit "    \
       "for any client")                                                                            \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512",                                   \
       "Largest number of open event streams")                                                      \
@@ -131,8 +131,8 @@ enum vor_setting_kind {
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
       "Lowest average speed of an upload that takes longer than --body-idle")                      \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Lowest average speed at which a client may read a response, if reading takes longer than "  \
-      "--body-idle. Event streams have no such limit")                                             \
+      "Lowest average speed at which a client may read a response (not an event stream), if "      \
+      "reading takes longer than --body-idle")                                                     \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
       "Interval at which an event stream without events sends a keep-alive line")                  \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \

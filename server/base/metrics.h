@@ -46,7 +46,7 @@
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \
-      "Time that the next job in the queue has waited; 0 if no job waits")                         \
+      "Time that the next job in the queue has waited (0 if no job waits)")                        \
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
       "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
