@@ -306,15 +306,15 @@ $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear): $(B)/tests/by_hand
 -include $(shell find $(B) -name '*.d' 2>/dev/null)
 
 # The goals below install what they need first, so their work is a make of its own: pkg-config is asked anew.
-demo: ## install what is missing, build, and send a real scan through the daemon (CLOUD=file takes yours)
+demo: ## install what is missing, build, and send a real scan through the daemon (CLOUD=file: your own cloud)
 	@docker/install.sh build demo
 	@$(MAKE) --no-print-directory all
 	@tests/demo/demo.sh $(BIN) $(if $(CLOUD),'$(CLOUD)')
 
-gate: ## install what is missing, and run what every submission must pass; seconds of each step in build/gate/steps
+gate: ## install what is missing, and run the checks that every change must pass; build/gate/steps has the seconds of each
 	+@tests/support/gate.sh
 
-gate-long: ## the same with everything: soak, all tests under sanitizers, a minute of each fuzzer, arm64, torture
+gate-long: ## like gate, but with everything: soak, all tests under sanitizers, a minute of each fuzzer, arm64, torture
 	+@tests/support/gate.sh long
 
 test: ## install what is missing, build, and run every test (V=1 is verbose)
@@ -324,16 +324,16 @@ test: ## install what is missing, build, and run every test (V=1 is verbose)
 check: all $(if $(filter release,$(config)),$(EMBEDDED)) $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter $(TEST_LONG),$(TESTS)) $(filter-out $(TEST_LONG),$(TESTS))
 
-soak: ## test, with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
+soak: ## run test with more seeds and larger clouds, and every golden case at 1, 2, 3 and 8 threads
 	@VT_SOAK=1 $(MAKE) --no-print-directory test
 
-golden: all ## write figures of the golden cases anew and show what moved; BOUNDS=1: what they may come to (ONLY=regex of cases)
+golden: all ## write the figures of the golden cases again and show what changed (BOUNDS=1: their bounds; ONLY=regex of cases)
 	@tests/golden/renew.py $(BIN) build/golden $(if $(BOUNDS),bounds,figures) $(if $(ONLY),'$(ONLY)')
 
 # A tree of the revision is built and kept until another one is asked for.
 BASE ?= HEAD
 
-same: all ## compare results of the golden cases, byte for byte, with those of revision BASE (HEAD): moved ones fail (ONLY=regex)
+same: all ## compare results of the golden cases byte for byte with revision BASE (default HEAD); a difference fails (ONLY=regex)
 	@base=$$(git rev-parse --verify '$(BASE)^{commit}') && tree=build/same/$$base && \
 	if [ ! -x $$tree/$(BIN) ]; then \
 	    rm -rf build/same && mkdir -p $$tree && git archive $$base | tar -x -C $$tree && $(MAKE) --no-print-directory -C $$tree all; \
@@ -364,7 +364,7 @@ build/fuzz/tests/fuzz/%_fuzz: build/fuzz/tests/fuzz/%_fuzz.o build/fuzz/libvoron
 	@echo "  LINK $@"
 	@$(CXX) $(flags.fuzz) -fsanitize=fuzzer -pthread $^ -o $@ $(LIBS)
 
-proxy: ## install what is missing, build, and run the help's snippets for nginx, haproxy and caddy before the daemon
+proxy: ## install what is missing, build, and run the help's examples for nginx, haproxy and caddy in front of the daemon
 	@docker/install.sh build test
 	@$(MAKE) --no-print-directory all
 	@tests/proxy/fetch.sh build/proxy
@@ -397,21 +397,21 @@ arm64: ## install what is missing, cross-compile for arm64, run the unit tests u
 .PHONY: objects
 objects: $(call obj,$(filter core/% proto/%,$(SRC)))
 
-lint: ## install what is missing, and check the sources: `quick`, `static`, and what the binary says of itself
+lint: ## install what is missing, and check the sources: `quick`, `static`, and checks of the binary
 	@docker/install.sh build test lint
 	@$(MAKE) --no-print-directory quick
 	@$(MAKE) --no-print-directory all
 	@VORONOID=$(BIN) prove -j$(JOBS) --exec '' $(BINARY_LAWS)
 	@$(MAKE) --no-print-directory static
 
-quick: ## what the sources alone tell in seconds: formatting, include law, shapes, shell and YAML
+quick: ## check the sources in seconds: formatting, includes, sizes, texts, shell and YAML
 	@tests/lint/format.sh
 	@prove -j$(JOBS) --exec '' $(SOURCE_LAWS)
 
-static: ## clang-tidy, gcc -fanalyzer and cppcheck over the product; what they have passed before they are not asked again
+static: ## clang-tidy, gcc -fanalyzer and cppcheck over the sources of the product that changed since they last passed
 	@tests/lint/static.sh
 
-contract: ## openapi.yaml before redocly, spectral and TypeScript, which npm installs under build/
+contract: ## check openapi.yaml with redocly, spectral and TypeScript, which npm installs under build/
 	@{ command -v node && command -v npm; } >/dev/null || docker/install.sh contract
 	@docker/install.sh build
 	@$(MAKE) --no-print-directory all
@@ -420,7 +420,7 @@ contract: ## openapi.yaml before redocly, spectral and TypeScript, which npm ins
 format: ## clang-format every C file
 	clang-format -i $(shell find core proto server docker tests -name '*.[ch]' -o -name '*.cc')
 
-image: all ## what the container image holds, in build/rootfs, and a try of it
+image: all ## make the contents of the container image in build/rootfs, and try them
 	@docker/rootfs.sh $(BIN) build/rootfs
 	@docker/try.sh build/rootfs
 

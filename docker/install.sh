@@ -46,7 +46,7 @@ apt_get()
             rm -f "$errors"
             return 1
         fi
-        [ "$waited" -gt 0 ] || echo "Another apt is at work: waiting for it, up to five minutes." >&2
+        [ "$waited" -gt 0 ] || echo "Another apt-get is running: waiting for it, up to five minutes." >&2
         sleep 2
         waited=$((waited + 2))
     done
@@ -62,7 +62,7 @@ fi
 for package in $unpacked; do
     fetched=$(mktemp -d)
     if ! (cd "$fetched" && apt-get download -q "$package"); then
-        echo "The headers of $package cannot be fetched; install it, or type apt-get update, then try again." >&2
+        echo "The headers of $package cannot be fetched; install it, or run apt-get update, then try again." >&2
         exit 1
     fi
     mkdir -p "$headers"

@@ -12,8 +12,8 @@
 /** Something that was left out. */
 #define VOR_DROPPED_TABLE(X)                                                                       \
     X(TEXT, what, "what", "",                                                                      \
-      "Kind of the missing content. comment or obj_info: lines of a PLY header; the name of an "   \
-      "element of a PLY file, such as face; ELEMENT.PROPERTY: a list property; metadata: "         \
+      "Kind of the missing content. comment or obj_info: lines of a PLY header; an element of a "  \
+      "PLY file, such as face, or one of its list properties, ELEMENT.PROPERTY; metadata: "        \
       "entries of a Draco file; digits of NAME: an attribute has integers that a double cannot "   \
       "hold; digits of positions: positions have doubles that float32 cannot hold; name of "       \
       "NAME: the name of an attribute has more than 63 bytes, or blanks, which PLY does not "      \

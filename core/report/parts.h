@@ -261,9 +261,9 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "How much the clouds differ where they are near each other: the share of this part of a "    \
-      "cloud's surface that does not lie on the other cloud's surface, as the mean of both "       \
-      "clouds (0 if all overlapping parts agree)")                                                 \
+      "Mismatch where the clouds overlap: the share of the overlapping surface that is close to "  \
+      "the other cloud, but not on it, as the mean of both clouds (0 if all overlapping parts "    \
+      "agree)")                                                                                    \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \
@@ -285,8 +285,8 @@ struct vor_runner_up {
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: that of the result, or that of the input if it is lower. A voxel grid "   \
-      "gives only about this number of points")                                                    \
+      "Number of points: as many as in the result, but at most as many as in the input. A voxel "  \
+      "grid gives only about this number of points")                                               \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \

@@ -49,9 +49,9 @@ report()
         echo
         echo "![before and after](picture.png)"; echo
         echo "The daemon's report:"; echo; echo '```json'; in_lines "$out/report.json"; echo; echo '```'; echo
-        echo "The result measured against what was sent:"; echo; echo '```json'
+        echo "The result, compared with the cloud that was sent:"; echo; echo '```json'
         in_lines "$out/measure.json"; echo; echo '```'; echo
-        echo "The result sent back in and resampled to half as many points:"; echo; echo '```json'
+        echo "The result, sent again and resampled to half as many points:"; echo; echo '```json'
         in_lines "$out/again.json"; echo; echo '```'
     } >"$out/report.md"
 }
@@ -75,9 +75,9 @@ curl -sSf -T "$out/result.drc" -X POST -H 'Expect:' -o "$out/again.ply" \
 "$voronoid" convert "$out/result.drc" -q -f -o "$out/after.ply"
 perl tests/demo/picture.pl "$out/before.ply" "$out/after.ply" "$out/picture.png"
 report
-echo "Wrote $out/result.drc ($(stat -c %s "$out/result.drc") bytes for $points points; sent: $(stat -c %s "$cloud"))"
+echo "Wrote $out/result.drc ($(stat -c %s "$out/result.drc") bytes for $points points; the cloud that was sent has $(stat -c %s "$cloud"))"
 echo "  measured: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/measure.json" | tr '\n' ' ')"
-echo "  and sent back in: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/again.json" | tr '\n' ' ')"
+echo "  sent again: $(grep -oE '"(n|delta|coincident)":[0-9.e-]+' "$out/again.json" | tr '\n' ' ')"
 echo "Report:  $out/report.md"
 echo "Picture: $out/picture.png, before and after"
 echo "Page:    run $voronoid serve, open http://127.0.0.1:8080 and drop $cloud there"

@@ -56,7 +56,7 @@ for my $held (sort keys %error) {
     my ($status, $said) = install();
     is $status, 0, "$held waits for a lock that is given back";
     is scalar(() = calls() =~ /^$held$/mg), 4, "and tries again until then";
-    is scalar(() = $said =~ /Another apt is at work/g), 1, 'and says so once';
+    is scalar(() = $said =~ /Another apt-get is running/g), 1, 'and says so once';
 }
 
 apt_get('update', 100000, $error{update});
