@@ -55,8 +55,8 @@ sub faults {
     } @texts;
 }
 
-my @files = grep { -f } split /\n/, `git ls-files -co --exclude-standard core proto server README.md ARCHITECTURE.md CHANGELOG.md openapi.yaml`;
-my @read = grep { /\.(?:[ch]|cc|js|md|yaml|html|txt)$/ } @files;
+my @read = grep { -f && /\.(?:[ch]|cc|js|md|yaml|html|txt)$/ }
+    split /\n/, `git ls-files -co --exclude-standard core proto server README.md ARCHITECTURE.md CHANGELOG.md openapi.yaml`;
 cmp_ok scalar @read, '>', 100, 'there are texts to read';
 is join("\n", map { faults($_, slurp($_)) } @read), '', 'every text is plain English';
 is scalar(faults(@$_)), 1, "$_->[0] with such a phrase is seen" for ['x.md', "# A\n\nIt is told by the\ndaemon.\n"],
@@ -81,12 +81,11 @@ is_deeply [grep { !$problem{$_} } slurp('openapi.yaml') =~ /\(([a-wyz]\w+-[a-z-]
 sub figure {
     my ($path, $pattern) = @_;
     my @found = slurp($path) =~ /$pattern/;
-    my %factor = (million => 1e6, M => 1e6, K => 1024, KiB => 1024, minutes => 60);
-    my %word = (four => 4, ten => 10);
+    my ($factor, $word) = ({ million => 1e6, M => 1e6, K => 1024, KiB => 1024, minutes => 60 }, { four => 4, ten => 10 });
     my ($number, $unit) = @found == 1 ? $found[0] =~ /^([\d.,:]+|[a-z]+)\s*(\w*)$/i : ();
     return "$path has not one $pattern" if !defined $number;
-    $number = $word{ lc $number } // $number =~ tr/,//dr;
-    return $factor{$unit} ? $number * $factor{$unit} : $number;
+    $number = $word->{ lc $number } // $number =~ tr/,//dr;
+    return $factor->{$unit} ? $number * $factor->{$unit} : $number;
 }
 my ($help, $config, $tables) = ('server/cli/help', 'server/base/config.h', 'core/spec/tables.h');
 my ($most, $usual) = ([$tables, qr/X\(RESAMPLE,[^\n]*\s0, (\d+), VOR/], [$tables, qr/X\(UPSAMPLE, RATIO, (\d+)\)/]);
@@ -110,6 +109,9 @@ for (
     ["$help/proxies.txt", qr/every\s+(\d+)\s+seconds/, [$config, qr/"heartbeat", .*?"(\d+)"/s]], ["$help/limits.txt", qr/over\s+(\d+ KiB)/, ['server/http/state.h', qr/CONNECTION_BYTES = (\d+)/]],
     ['openapi.yaml', qr/at most\s+(\d+) parts/, ['proto/multipart.h', qr/PARTS_MAX = (\d+)/]], ['openapi.yaml', qr/boundary\s+of\s+at\s+most\s+(\d+)/, ['proto/multipart.h', qr/BOUNDARY_MAX = (\d+)/]],
     ['openapi.yaml', qr/texts\s+of\s+at\s+most\s+(\d+\s+KiB)/, ['server/api/handlers/submit_form.c', qr/TEXT_MAX = (\d+)/]], ['openapi.yaml', qr/at\s+most\s+(\d+)\s+times\s+its/, ['proto/gzip.h', qr/RATIO_MAX = (\d+)/]],
+    ["$help/choosing.txt", qr/qp 7 and 10,\s+the\s+file\s+needs\s+(\d+) %/, ['README.md', qr/file needs (\d+) %/]], ['core/report.h', qr/with ([\d.]+) turns/, ['core/input/loops.h', qr/HOLE_TURNS ([\d.]+)/]],
+    ["$help/choosing.txt", qr/and (\d+) %\s+fewer\s+bytes/, ['README.md', qr/and (\d+) %\s+fewer/]], map({ [$_, qr/than\s+([\d.]+)\s+spacings/, ['core/metrics/cells.c', qr/WIDE ([\d.]+)/]] } "$help/reports.txt", 'core/report/parts.h'),
+    ["$help/reports.txt", qr/\(([\d.]+)\s+is\s+the\s+best/, ['core/report/parts.h', qr/\(([\d.]+)\s+is\s+the\s+lowest/]],
     ['openapi.yaml', qr/at\s+most\s+([\d,]+)\s+points,\s+at\s+most\s+one/, ['server/jobs/preview.h', qr/PREVIEW_POINTS_MAX = (\d+)/]],
     ['server/cli/server.c', qr/LISTEN_DEFAULT "127\.0\.0\.1:(\d+)"/, $listen], ['openapi.yaml', qr{url: http://127\.0\.0\.1:(\d+)}, $listen],
 ) {
