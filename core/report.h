@@ -157,8 +157,8 @@ struct vor_stage_done {
       "Warnings about parameters that had no effect and about problems of the input. Most runs "   \
       "have no warnings")                                                                          \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages of the run, in order. The report's member seconds includes the times of all "        \
-      "stages except baselines")                                                                   \
+      "Stages of the run, in order. The times under seconds in the report include all stages "     \
+      "except the stage baselines")                                                                \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
     X(REAL, seconds_init, "seconds.init", "s", "Time to place the first points")                   \
@@ -193,7 +193,7 @@ struct vor_stage_done {
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Number of points of the result on islands; each is at the position of an input point (0 "   \
-      "if the result is the filtered input)")                                                      \
+      "if the run only filtered the input)")                                                       \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the points that are not on islands, so that the gaps around islands do not "       \
       "count")                                                                                     \
@@ -275,9 +275,9 @@ struct vor_stage_done {
       "divided by the spacing")                                                                    \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
-      "In each entry, neighbors is a number of input points, and points is the number of points "  \
-      "of the result that have a surface fitted to this number of input points. Entries are "      \
-      "sorted by neighbors. The numbers of points add up to points.out")                           \
+      "Each entry says how many points of the result (points) have a surface that was fitted to "  \
+      "a certain number of input points (neighbors). Entries are sorted by neighbors. The "        \
+      "numbers of points add up to points.out")                                                    \
     X(U64, held, "held", "points",                                                                 \
       "Number of points that were kept from moving beyond the border in the last iteration")       \
     X(U64, held_ever, "held_ever", "points",                                                       \
@@ -303,7 +303,7 @@ struct vor_stage_done {
       "are left out")                                                                              \
     X(OPTIONAL, has_cells, "cells", "",                                                            \
       "How far the Voronoi cells are from regular hexagons; absent if the request has a density "  \
-      "or a metric, or if the result is the filtered input")                                       \
+      "or a metric, or if the run only filtered the input")                                        \
     VOR_CELLS_TABLE(X, "cells.")                                                                   \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
       "Mean number of planes that cut a Voronoi cell, over all cells that were computed")          \
@@ -322,8 +322,8 @@ struct vor_stage_done {
       "Properties of the triangle mesh; present only for the process mesh")                        \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
-      "Number of polygons with soup=true, else 0. With soup=true, the member points counts the "   \
-      "corners of all polygons, and the other members are 0")                                      \
+      "Number of polygons with soup=true, else 0. With soup=true, the member points is the "       \
+      "number of corners of all polygons, and the other members are 0")                            \
     X(U64, mesh_points, "mesh.points", "points",                                                   \
       "Number of points of the result that are corners of triangles")                              \
     X(U64, mesh_components, "mesh.components", "", "Number of connected components")               \
@@ -364,7 +364,7 @@ struct vor_stage_done {
     VOR_REGISTRATION_TABLE(X)                                                                      \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
       "Results of simple methods on the same input; present only with baselines=true, unless "     \
-      "the result is the filtered input or the caller stopped the run")                            \
+      "the run only filtered the input or the caller stopped it")                                  \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
@@ -373,9 +373,9 @@ struct vor_stage_done {
       "Points of the input by farthest-point sampling, which always adds the point that is "       \
       "farthest from all points chosen before")                                                    \
     X(SPEC, parameters, "parameters", "",                                                          \
-      "Parameters of the request. The parameter points is computed if the request has ratio or "   \
-      "spacing. A parameter that was auto has the value that was used; neighbors has its most "    \
-      "frequent value")
+      "Parameters of the request. If the request has ratio or spacing, the parameter points has "  \
+      "the number that was computed from it. A parameter with the value auto has the value that "  \
+      "was used instead; neighbors has the value that was used most often")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)

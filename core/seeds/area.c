@@ -91,7 +91,8 @@ vor_status vor_area_cells(double *end, struct vor_seeds *seeds, struct vor_error
     for (size_t i = 0; i < seeds->n; i++)
         end[i] = sum += end[i];
     if (!(sum > 0))
-        return vor_fail(err, VOR_E_DEGENERATE, "no surface around any of %zu points", seeds->n);
+        return vor_fail(err, VOR_E_DEGENERATE, "no surface was found around any of %zu points",
+                        seeds->n);
     return VOR_OK;
 }
 

@@ -224,10 +224,10 @@ enum vor_method_choice {
       "only inserts points between the input points; both: it projects points, then inserts "      \
       "more")                                                                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points to which method=ear adds the inserted points: projected points or, with "  \
-      "phases=insert, input points. No points are inserted if the result has no more points "      \
-      "than this number. auto: half of the input points (all input points with phases=insert), "   \
-      "but not more than the result has")                                                          \
+      "Number of points that method=ear starts from when it inserts points: projected points "     \
+      "or, with phases=insert, input points. No points are inserted if the result has no more "    \
+      "points than this number. auto: half of the input points (all input points with "            \
+      "phases=insert), but not more than the result has")                                          \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
       "What method=ear does with gaps in the input that are wider than the distance between "      \
       "input points. keep: it leaves them empty; fill: it inserts points into them, as far as "    \
@@ -238,9 +238,9 @@ enum vor_method_choice {
       "are placed evenly along the borders and stay there; fill: holes are filled first, then "    \
       "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "Border loops that boundary=fill closes, by the numbers that the process inspect reports. "  \
-      "These loops may be holes or outer borders (rims). auto: all holes with a border that is "   \
-      "shorter than the parameter holeMax")                                                        \
+      "Numbers of the border loops that boundary=fill closes. The process inspect lists the "      \
+      "loops with their numbers. These loops may be holes or outer borders (rims). auto: all "     \
+      "holes with a border that is shorter than the parameter holeMax")                            \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
       "holes=auto fills only holes with a border that is shorter than this length. "               \
       "holeMax=auto: the diagonal of the input's bounding box")                                    \

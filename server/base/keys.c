@@ -81,7 +81,9 @@ static vor_status read_lines(struct list *list, const char *path, FILE *file, st
     while (status == VOR_OK && fgets(text, sizeof text, file) != NULL) {
         number++;
         if (strchr(text, '\n') == NULL && !feof(file))
-            status = vor_fail(&why, VOR_E_PARAM, "the line has more than %d bytes, or a NUL",
+            status = vor_fail(&why, VOR_E_PARAM,
+                              "the line has more than %d bytes, or a NUL "
+                              "byte",
                               VOR_KEY_LINE_SIZE - 2);
         else
             status = take_line(list, text, &why);

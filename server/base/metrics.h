@@ -29,7 +29,7 @@
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
       "Bytes of response bodies sent")                                                             \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
-      "Error responses, by the type of the error: the last part of the URL in the member type")    \
+      "Error responses, by type of the problem (the last part of its URL)")                        \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
     X(CONNECTIONS_MOST, "connections_limit", GAUGE, "", "",                                        \
       "Number of open connections above which new requests are refused")                           \
