@@ -76,8 +76,8 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Largest number of steps that the stage may have (0 if the number is not known)")            \
     X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "Number of the iteration that gave the most even result so far, which is the result if "     \
-      "the run ends now")                                                                          \
+      "Number of the iteration that gave the most even result so far; the run returns this "       \
+      "result if it ends now")                                                                     \
     X(U32, best_polish, "best.polish", "",                                                         \
       "Number of the polish step that gave the most even result so far")                           \
     X(REAL, best_delta, "best.delta", "",                                                          \
