@@ -128,12 +128,14 @@ static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_config *config = &daemon->config;
+    struct vor_blob_cache cache = {config->text[VOR_SET_DATA],
+                                   (uint64_t)config->number[VOR_SET_BLOBS_CACHE]};
     vor_status status =
         vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE], &daemon->holder, err);
 
     if (status == VOR_OK)
-        status =
-            vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &daemon->holder, err);
+        status = vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,
+                                &daemon->holder, err);
     if (status != VOR_OK)
         return status;
     vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
@@ -158,13 +160,6 @@ static vor_status start_conversions(struct daemon *daemon, struct vor_error *err
                                                  .memory = job_memory(&daemon->config)};
 
     return vor_conversions_create(&daemon->app.conversions, &conversions, err);
-}
-
-/* Uploads that are read at a time: one for each core; two on a machine with one, so that a caller
- * leaves one to others. */
-static unsigned readers(void)
-{
-    return vor_machine_cores() > 2 ? vor_machine_cores() : 2;
 }
 
 /* Half of the disk unless somebody says; all of it when nobody can tell its size. */
@@ -210,6 +205,9 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                                .codec = place_of(daemon),
                                                .threads = thread_count(config),
                                                .memory = worker.jobs * worker.memory};
+    /* One upload for each core is read at a time; two on a machine with one core, so that a caller
+     * leaves one to others. */
+    const unsigned readers = vor_machine_cores() > 2 ? vor_machine_cores() : 2;
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
     limits.codec.points = (size_t)config->number[VOR_SET_POINTS_LIMIT];
@@ -223,10 +221,10 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         status = vor_worker_create(&daemon->app.worker, &worker, err);
     }
     if (status == VOR_OK)
-        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers(),
+        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers,
                                   ADMIT_WAITING_MAX, err);
     if (status == VOR_OK)
-        status = vor_verify_create(&daemon->app.verify, err);
+        status = vor_verify_create(&daemon->app.verify, daemon->app.blobs, err);
     return status == VOR_OK ? start_conversions(daemon, err) : status;
 }
 

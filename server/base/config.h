@@ -50,8 +50,11 @@ enum vor_setting_kind {
     X(STORE, "store", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Database of jobs: sqlite:PATH, or postgresql://USER@HOST/DATABASE. Default: jobs.sqlite "   \
       "in --data")                                                                                 \
-    X(BLOBS, "blobs", TEXT, "dir:PATH", 0, 0, "",                                                  \
-      "Folder for uploads and results. Default: blobs in --data")                                  \
+    X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
+      "Uploads and results: dir:PATH for a folder, or s3:https://HOST/BUCKET/PREFIX. Default: "    \
+      "folder blobs in --data")                                                                    \
+    X(BLOBS_CACHE, "blobs-cache", BYTES, "bytes", 0, 1e15, "1G",                                   \
+      "Disk space in --data for copies of files that are in S3")                                   \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
       "Number of threads for computations, shared by all jobs. 0: one thread per core")            \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Number of jobs that may run at the same time")  \

@@ -2,6 +2,7 @@
 
 #include "server/base/disk.h"
 #include "server/blob/dir.h"
+#include "server/blob/s3.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -14,7 +15,7 @@
 /* Bytes whose length nobody told have room kept for so many at a time. */
 enum { PROMISE_STEP = 1 << 20 };
 
-static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir};
+static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir, &vor_blob_s3};
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
 
@@ -66,9 +67,10 @@ static vor_status refuse(const char *where, struct vor_error *err)
 }
 
 static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blobs **out,
-                            const char *place, long *holder, struct vor_error *err)
+                            const char *place, const struct vor_blob_cache *cache, long *holder,
+                            struct vor_error *err)
 {
-    vor_status status = driver->open(out, place, holder, err);
+    vor_status status = driver->open(out, place, cache, holder, err);
 
     if (status != VOR_OK)
         return status;
@@ -79,15 +81,15 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
     return VOR_OK;
 }
 
-vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
-                          struct vor_error *err)
+vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
+                          const struct vor_blob_cache *cache, long *holder, struct vor_error *err)
 {
     *holder = 0;
     for (unsigned i = 0; i < DRIVERS; i++) {
         const char *place = vor_storage_place(where, drivers[i]->scheme);
 
         if (place != NULL)
-            return open_with(drivers[i], out, place, holder, err);
+            return open_with(drivers[i], out, place, cache, holder, err);
     }
     return refuse(where, err);
 }
@@ -370,6 +372,11 @@ vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, cons
     *size = 0;
     *found = 0;
     return blobs->driver->get(blobs, id, name, fd, size, found, err);
+}
+
+int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+{
+    return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name);
 }
 
 vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

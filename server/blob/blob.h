@@ -40,14 +40,16 @@ const char *vor_blob_of_converted(const char *output, const char *format,
  *  way can end. */
 #define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
-/** Opens "SCHEME:PLACE" ("dir:PATH": made if missing), takes its lock and removes what unfinished
- *  writes left, and whatever else is no blob.
+/** Opens "SCHEME:PLACE" ("dir:PATH": made if missing; "s3:URL"), takes the lock of its folder and
+ *  removes what unfinished writes left there, and whatever else is no blob.
  *
+ *  @param[in]  cache   for a driver whose blobs are elsewhere: made if missing
  *  @param[out] holder  as vor_storage_lock
  *
  *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
  *  @retval VOR_E_IO    another process has it (holder is not 0), or the disk refuses */
-VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *where, long *holder,
+VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
+                                        const struct vor_blob_cache *cache, long *holder,
                                         struct vor_error *err);
 
 /** blobs may be NULL; no writer may be open. */
@@ -203,6 +205,10 @@ void vor_blob_discard(struct vor_blob_writer *writer);
 VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id,
                                       const char *name, int *fd, uint64_t *size, int *found,
                                       struct vor_error *err);
+
+/** False when vor_blob_get would wait for another machine, as it does for a blob that was not read
+ *  here lately: then it is not for HTTP threads. */
+int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
 
 /** Removes a blob; it is no error when there is none.
  *

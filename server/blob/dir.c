@@ -13,13 +13,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-struct directory {
-    struct vor_blobs base;
-    int lock, parent, keep, tmp; /* file descriptors */
-};
-
-/* "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input" */
-enum { ID_LENGTH = 36, FILE_SIZE = ID_LENGTH + 1 + VOR_BLOB_NAME_MAX + 1 };
+enum { ID_LENGTH = 36, FILE_SIZE = VOR_BLOB_FILE_SIZE };
 
 struct writer {
     struct vor_blob_writer base;
@@ -27,13 +21,12 @@ struct writer {
     char from[FILE_SIZE]; /* in keep: whose bytes these are; "" for new ones */
 };
 
-static void file_of(char out[FILE_SIZE], const struct vor_uuid *id, const char *name)
+void vor_blob_file(char out[FILE_SIZE], const struct vor_uuid *id, const char *name)
 {
     (void)snprintf(out, FILE_SIZE, "%s.%s", id->text, name);
 }
 
-/* The name of the blob that a file holds, and its job; NULL when the file is no blob. */
-static const char *parse_file(struct vor_uuid *id, const char *file)
+const char *vor_blob_of_file(struct vor_uuid *id, const char *file)
 {
     size_t length = strlen(file);
 
@@ -91,11 +84,11 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
 
 static void unlink_tmp(void *ctx, const char *name)
 {
-    (void)unlinkat(((struct directory *)ctx)->tmp, name, 0);
+    (void)unlinkat(((struct vor_blob_directory *)ctx)->tmp, name, 0);
 }
 
 /* Bytes of a file in keep; 0 when there is none. */
-static uint64_t size_of(const struct directory *directory, const char *file)
+static uint64_t size_of(const struct vor_blob_directory *directory, const char *file)
 {
     struct stat info;
 
@@ -105,17 +98,17 @@ static uint64_t size_of(const struct directory *directory, const char *file)
 /* Counts a blob; removes what lies among them and is none, by its name. */
 static void take_in(void *ctx, const char *name)
 {
-    struct directory *directory = ctx;
+    struct vor_blob_directory *directory = ctx;
     struct vor_uuid id;
 
-    if (parse_file(&id, name) != NULL)
+    if (vor_blob_of_file(&id, name) != NULL)
         directory->base.bytes += size_of(directory, name);
     else
         (void)unlinkat(directory->keep, name, 0);
 }
 
-static vor_status open_parts(struct directory *directory, const char *path, long *holder,
-                             struct vor_error *err)
+vor_status vor_blob_directory_open(struct vor_blob_directory *directory, const char *path,
+                                   long *holder, struct vor_error *err)
 {
     char lock[4096];
     vor_status status;
@@ -133,7 +126,7 @@ static vor_status open_parts(struct directory *directory, const char *path, long
     return status == VOR_OK ? each_name(directory->keep, take_in, directory, err) : status;
 }
 
-static void free_directory(struct directory *directory)
+void vor_blob_directory_close(struct vor_blob_directory *directory)
 {
     if (directory->parent >= 0)
         close(directory->parent);
@@ -143,26 +136,29 @@ static void free_directory(struct directory *directory)
         close(directory->tmp);
     if (directory->lock >= 0)
         close(directory->lock);
-    free(directory);
 }
 
 static void close_blobs(struct vor_blobs *blobs)
 {
-    free_directory((struct directory *)blobs);
+    vor_blob_directory_close((struct vor_blob_directory *)blobs);
+    free(blobs);
 }
 
-static vor_status open_blobs(struct vor_blobs **out, const char *place, long *holder,
+static vor_status open_blobs(struct vor_blobs **out, const char *place,
+                             const struct vor_blob_cache *cache, long *holder,
                              struct vor_error *err)
 {
-    struct directory *directory = malloc(sizeof *directory);
+    struct vor_blob_directory *directory = malloc(sizeof *directory);
     vor_status status;
 
+    (void)cache;
     if (directory == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the files in %.80s", place);
-    *directory = (struct directory){.lock = -1, .parent = -1, .keep = -1, .tmp = -1};
-    status = open_parts(directory, place, holder, err);
+    *directory = (struct vor_blob_directory){.lock = -1, .parent = -1, .keep = -1, .tmp = -1};
+    status = vor_blob_directory_open(directory, place, holder, err);
     if (status != VOR_OK) {
-        free_directory(directory);
+        vor_blob_directory_close(directory);
+        free(directory);
         return status;
     }
     *out = (struct vor_blobs *)directory;
@@ -174,7 +170,7 @@ static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *
 {
     struct statvfs disk;
 
-    if (fstatvfs(((struct directory *)blobs)->keep, &disk) != 0)
+    if (fstatvfs(((struct vor_blob_directory *)blobs)->keep, &disk) != 0)
         return vor_fail_errno(err, errno, "the folder of stored files");
     *available = (uint64_t)disk.f_bavail * disk.f_frsize;
     *total = (uint64_t)disk.f_blocks * disk.f_frsize;
@@ -182,7 +178,7 @@ static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *
 }
 
 /* Opens a file of the writer's own in tmp. */
-static vor_status open_temporary(struct directory *directory, struct writer *writer,
+static vor_status open_temporary(struct vor_blob_directory *directory, struct writer *writer,
                                  struct vor_error *err)
 {
     struct vor_uuid id;
@@ -205,7 +201,7 @@ static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
 
     if (writer == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a temporary file");
-    status = open_temporary((struct directory *)blobs, writer, err);
+    status = open_temporary((struct vor_blob_directory *)blobs, writer, err);
     if (status != VOR_OK) {
         free(writer);
         return status;
@@ -219,7 +215,7 @@ static vor_status create(struct vor_blobs *blobs, struct vor_blob_writer **out,
 static vor_status sync_name(struct vor_blob_writer *base, const char *file, int with_bytes,
                             struct vor_error *err)
 {
-    struct directory *directory = (struct directory *)base->blobs;
+    struct vor_blob_directory *directory = (struct vor_blob_directory *)base->blobs;
     vor_status status;
 
     if (base->is_lazy || ((!with_bytes || fsync(base->fd) == 0) && fsync(directory->keep) == 0))
@@ -254,7 +250,7 @@ static int copy_bytes(int to, int from)
 }
 
 /* Gives a writer that reads another blob a file of its own with the same bytes. */
-static vor_status copy_source(struct directory *directory, struct writer *writer,
+static vor_status copy_source(struct vor_blob_directory *directory, struct writer *writer,
                               struct vor_error *err)
 {
     int from = writer->base.fd;
@@ -272,7 +268,7 @@ static vor_status copy_source(struct directory *directory, struct writer *writer
 
 static vor_status name_file(struct vor_blob_writer *base, const char *file, struct vor_error *err)
 {
-    struct directory *directory = (struct directory *)base->blobs;
+    struct vor_blob_directory *directory = (struct vor_blob_directory *)base->blobs;
     struct writer *writer = (struct writer *)base;
     vor_status status;
 
@@ -299,8 +295,8 @@ static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id
     uint64_t before;
     vor_status status;
 
-    file_of(file, id, name);
-    before = size_of((struct directory *)base->blobs, file);
+    vor_blob_file(file, id, name);
+    before = size_of((struct vor_blob_directory *)base->blobs, file);
     status = name_file(base, file, err);
     if (status == VOR_OK)
         base->blobs->bytes += base->size - before;
@@ -312,7 +308,7 @@ static void discard(struct vor_blob_writer *base)
     struct writer *writer = (struct writer *)base;
 
     if (writer->file[0] != '\0')
-        (void)unlinkat(((struct directory *)base->blobs)->tmp, writer->file, 0);
+        (void)unlinkat(((struct vor_blob_directory *)base->blobs)->tmp, writer->file, 0);
     close(base->fd);
     free(writer);
 }
@@ -322,9 +318,9 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
 {
     char file[FILE_SIZE];
     struct stat info;
-    int keep = ((struct directory *)blobs)->keep, opened = -1;
+    int keep = ((struct vor_blob_directory *)blobs)->keep, opened = -1;
 
-    file_of(file, id, name);
+    vor_blob_file(file, id, name);
     if (fd != NULL)
         opened = openat(keep, file, O_RDONLY | O_CLOEXEC);
     if ((fd != NULL && opened < 0) ||
@@ -355,7 +351,7 @@ static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *
         free(writer);
         return status;
     }
-    file_of(writer->from, &from->id, from->name);
+    vor_blob_file(writer->from, &from->id, from->name);
     *out = (struct vor_blob_writer *)writer;
     return VOR_OK;
 }
@@ -366,9 +362,9 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
     char file[FILE_SIZE];
     uint64_t size;
 
-    file_of(file, id, name);
-    size = size_of((struct directory *)blobs, file);
-    if (unlinkat(((struct directory *)blobs)->keep, file, 0) == 0)
+    vor_blob_file(file, id, name);
+    size = size_of((struct vor_blob_directory *)blobs, file);
+    if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) == 0)
         blobs->bytes -= size;
     else if (errno != ENOENT)
         return vor_fail_errno(err, errno, file);
@@ -378,13 +374,13 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
 static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                             struct vor_error *err)
 {
-    struct directory *directory = (struct directory *)blobs;
+    struct vor_blob_directory *directory = (struct vor_blob_directory *)blobs;
     char file[FILE_SIZE];
 
     uint64_t size;
     vor_status status;
 
-    file_of(file, id, name);
+    vor_blob_file(file, id, name);
     size = size_of(directory, file);
     status = vor_dir_set_aside(directory->parent, directory->keep, file, err);
     if (status == VOR_OK)
@@ -395,7 +391,7 @@ static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, 
 static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
                             struct vor_error *err)
 {
-    return vor_dir_trim_lost(((struct directory *)blobs)->parent, bounds, err);
+    return vor_dir_trim_lost(((struct vor_blob_directory *)blobs)->parent, bounds, err);
 }
 
 struct listing {
@@ -407,7 +403,7 @@ static void list_one(void *ctx, const char *file)
 {
     const struct listing *listing = ctx;
     struct vor_uuid id;
-    const char *name = parse_file(&id, file);
+    const char *name = vor_blob_of_file(&id, file);
 
     if (name != NULL)
         listing->each(listing->ctx, &id, name);
@@ -419,7 +415,7 @@ static vor_status list(struct vor_blobs *blobs,
 {
     struct listing listing = {.each = each, .ctx = ctx};
 
-    return each_name(((struct directory *)blobs)->keep, list_one, &listing, err);
+    return each_name(((struct vor_blob_directory *)blobs)->keep, list_one, &listing, err);
 }
 
 const struct vor_blob_driver vor_blob_dir = {

@@ -54,12 +54,18 @@ struct vor_blob_writer {
     struct vor_error failure;     /**< of the first append that failed; else its status is VOR_OK */
 };
 
+/** Where a driver whose blobs are elsewhere keeps files under way, and copies. */
+struct vor_blob_cache {
+    const char *data; /**< they are in its folder "cache" */
+    uint64_t bytes;   /**< that copies may take */
+};
+
 /** The functions of a driver. Each does what the function of blob.h with its name promises. */
 struct vor_blob_driver {
     const char *scheme; /**< "dir": what stands before the colon of --blobs */
     const char *place;  /**< "PATH": what stands after it, for messages */
-    vor_status (*open)(struct vor_blobs **out, const char *place, long *holder,
-                       struct vor_error *err);
+    vor_status (*open)(struct vor_blobs **out, const char *place,
+                       const struct vor_blob_cache *cache, long *holder, struct vor_error *err);
     void (*close)(struct vor_blobs *blobs);
     vor_status (*space)(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
                         struct vor_error *err);
@@ -76,6 +82,8 @@ struct vor_blob_driver {
     void (*discard)(struct vor_blob_writer *writer);
     vor_status (*get)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
                       uint64_t *size, int *found, struct vor_error *err);
+    /** False when a get would wait for another machine; NULL: it never does. */
+    int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
     vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

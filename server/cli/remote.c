@@ -1,10 +1,8 @@
 #include "server/cli/remote.h"
 
+#include "server/base/curl_library.h"
 #include "server/base/endpoint.h"
 #include "server/cli/interrupt.h"
-
-#include <curl/curl.h>
-#include <dlfcn.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,50 +10,7 @@
 
 #define CONNECT_SECONDS 10L
 
-/* libcurl and what it needs are half of the libraries that a program would start with: it is loaded
- * by the commands that ask a server. */
-#define LIBRARY "libcurl-gnutls.so.4"
-#define EACH_CALL(X)                                                                               \
-    X(easy_cleanup);                                                                               \
-    X(easy_getinfo);                                                                               \
-    X(easy_init);                                                                                  \
-    X(easy_perform);                                                                               \
-    X(easy_reset);                                                                                 \
-    X(easy_setopt);                                                                                \
-    X(easy_strerror);                                                                              \
-    X(free);                                                                                       \
-    X(global_cleanup);                                                                             \
-    X(global_init);                                                                                \
-    X(mime_addpart);                                                                               \
-    X(mime_data_cb);                                                                               \
-    X(mime_filename);                                                                              \
-    X(mime_free);                                                                                  \
-    X(mime_init);                                                                                  \
-    X(mime_name);                                                                                  \
-    X(slist_append);                                                                               \
-    X(slist_free_all);                                                                             \
-    X(url);                                                                                        \
-    X(url_cleanup);                                                                                \
-    X(url_get);                                                                                    \
-    X(url_set)
-#define AS_MEMBER(name) __typeof__(&curl_##name) name
-static struct {
-    EACH_CALL(AS_MEMBER);
-} curl;
-
-static vor_status load_curl(struct vor_error *err)
-{
-    void *library = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL), *call;
-
-    if (library == NULL)
-        return vor_fail(err, VOR_E_IO, "%s; it is in Debian's package libcurl3-gnutls", dlerror());
-#define LOAD(name)                                                                                 \
-    if ((call = dlsym(library, "curl_" #name)) == NULL)                                            \
-        return vor_fail(err, VOR_E_IO, "the library %s has no function curl_%s", LIBRARY, #name);  \
-    memcpy(&curl.name, &call, sizeof call)
-    EACH_CALL(LOAD);
-    return VOR_OK;
-}
+static const struct vor_curl *curl;
 
 struct vor_remote {
     CURL *handle;
@@ -89,14 +44,14 @@ vor_status vor_remote_use_socket(const char *path, struct vor_error *err)
 vor_status vor_remote_open(struct vor_remote **out, struct vor_error *err)
 {
     struct vor_remote *remote;
-    vor_status status = load_curl(err);
+    vor_status status = vor_curl_load(&curl, err);
 
     *out = NULL;
     if (status != VOR_OK)
         return status;
     remote = calloc(1, sizeof *remote);
-    if (remote != NULL && curl.global_init(CURL_GLOBAL_DEFAULT) == CURLE_OK)
-        remote->handle = curl.easy_init();
+    if (remote != NULL)
+        remote->handle = curl->easy_init();
     if (remote == NULL || remote->handle == NULL) {
         free(remote);
         return vor_fail(err, VOR_E_NOMEM, "the HTTP client");
@@ -109,28 +64,27 @@ void vor_remote_close(struct vor_remote *remote)
 {
     if (remote == NULL)
         return;
-    curl.easy_cleanup(remote->handle);
+    curl->easy_cleanup(remote->handle);
     free(remote->authorization);
-    curl.global_cleanup();
     free(remote);
 }
 
 /* "https://HOST:PORT" of a URL; "" when it is none. */
 static void write_origin(char out[VOR_REMOTE_URL_MAX], const char *text)
 {
-    CURLU *url = curl.url();
+    CURLU *url = curl->url();
     char *scheme = NULL, *host = NULL, *port = NULL;
 
     out[0] = '\0';
-    if (url != NULL && curl.url_set(url, CURLUPART_URL, text, CURLU_GUESS_SCHEME) == CURLUE_OK &&
-        curl.url_get(url, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
-        curl.url_get(url, CURLUPART_HOST, &host, 0) == CURLUE_OK &&
-        curl.url_get(url, CURLUPART_PORT, &port, CURLU_DEFAULT_PORT) == CURLUE_OK)
+    if (url != NULL && curl->url_set(url, CURLUPART_URL, text, CURLU_GUESS_SCHEME) == CURLUE_OK &&
+        curl->url_get(url, CURLUPART_SCHEME, &scheme, 0) == CURLUE_OK &&
+        curl->url_get(url, CURLUPART_HOST, &host, 0) == CURLUE_OK &&
+        curl->url_get(url, CURLUPART_PORT, &port, CURLU_DEFAULT_PORT) == CURLUE_OK)
         (void)snprintf(out, VOR_REMOTE_URL_MAX, "%s://%s:%s", scheme, host, port);
-    curl.free(scheme);
-    curl.free(host);
-    curl.free(port);
-    curl.url_cleanup(url);
+    curl->free(scheme);
+    curl->free(host);
+    curl->free(port);
+    curl->url_cleanup(url);
 }
 
 vor_status vor_remote_authorize(struct vor_remote *remote, const char *url, const char *key,
@@ -170,7 +124,7 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     size_t size = unit * count;
     long http = 0;
 
-    (void)curl.easy_getinfo(exchange->remote->handle, CURLINFO_RESPONSE_CODE, &http);
+    (void)curl->easy_getinfo(exchange->remote->handle, CURLINFO_RESPONSE_CODE, &http);
     if (call->take != NULL && http >= 200 && http < 300) {
         call->was_stopped = call->take(call->ctx, bytes, size) != 0;
         return call->was_stopped ? CURL_WRITEFUNC_ERROR : size;
@@ -182,7 +136,7 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
 /* Location may be relative to the URL of the call. */
 static void keep_location(struct vor_remote_call *call, const char *value, size_t size)
 {
-    CURLU *url = curl.url();
+    CURLU *url = curl->url();
     char text[VOR_REMOTE_URL_MAX], *whole = NULL;
 
     while (size > 0 &&
@@ -190,13 +144,13 @@ static void keep_location(struct vor_remote_call *call, const char *value, size_
         size--;
     (void)snprintf(text, sizeof text, "%.*s", (int)(size < sizeof text ? size : 0), value);
     if (url != NULL &&
-        curl.url_set(url, CURLUPART_URL, call->url, CURLU_GUESS_SCHEME) == CURLUE_OK &&
-        curl.url_set(url, CURLUPART_URL, text, 0) == CURLUE_OK &&
-        curl.url_get(url, CURLUPART_URL, &whole, 0) == CURLUE_OK &&
+        curl->url_set(url, CURLUPART_URL, call->url, CURLU_GUESS_SCHEME) == CURLUE_OK &&
+        curl->url_set(url, CURLUPART_URL, text, 0) == CURLUE_OK &&
+        curl->url_get(url, CURLUPART_URL, &whole, 0) == CURLUE_OK &&
         strlen(whole) < sizeof call->location)
         (void)snprintf(call->location, sizeof call->location, "%s", whole);
-    curl.free(whole);
-    curl.url_cleanup(url);
+    curl->free(whole);
+    curl->url_cleanup(url);
 }
 
 static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
@@ -244,39 +198,39 @@ static void set_up(CURL *handle, struct exchange *exchange)
 {
     const struct vor_remote_call *call = exchange->call;
 
-    curl.easy_reset(handle);
-    curl.easy_setopt(handle, CURLOPT_URL, call->url);
+    curl->easy_reset(handle);
+    curl->easy_setopt(handle, CURLOPT_URL, call->url);
     if (socket_path[0] != '\0')
-        curl.easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
-    curl.easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl.easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
-    curl.easy_setopt(handle, CURLOPT_ERRORBUFFER, exchange->remote->why);
-    curl.easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
-    curl.easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
-    curl.easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, CONNECT_SECONDS);
-    curl.easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
+        curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
+    curl->easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl->easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
+    curl->easy_setopt(handle, CURLOPT_ERRORBUFFER, exchange->remote->why);
+    curl->easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
+    curl->easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
+    curl->easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, CONNECT_SECONDS);
+    curl->easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
     if (call->stall_seconds > 0) {
-        curl.easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
-        curl.easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)call->stall_seconds);
+        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
+        curl->easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)call->stall_seconds);
     }
-    curl.easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
-    curl.easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
-    curl.easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
-    curl.easy_setopt(handle, CURLOPT_HEADERDATA, exchange);
-    curl.easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
-    curl.easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
-    curl.easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
-    curl.easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
+    curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
+    curl->easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
+    curl->easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
+    curl->easy_setopt(handle, CURLOPT_HEADERDATA, exchange);
+    curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
+    curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
+    curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
+    curl->easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
 }
 
 /* A part that curl takes for a file, by its name. */
 static int add_part(curl_mime *form, struct vor_remote_file *file)
 {
-    curl_mimepart *part = curl.mime_addpart(form);
+    curl_mimepart *part = curl->mime_addpart(form);
 
-    return part != NULL && curl.mime_name(part, file->name) == CURLE_OK &&
-           curl.mime_filename(part, file->name) == CURLE_OK &&
-           curl.mime_data_cb(part, (curl_off_t)file->size, on_file, on_rewind, NULL, file) ==
+    return part != NULL && curl->mime_name(part, file->name) == CURLE_OK &&
+           curl->mime_filename(part, file->name) == CURLE_OK &&
+           curl->mime_data_cb(part, (curl_off_t)file->size, on_file, on_rewind, NULL, file) ==
                CURLE_OK;
 }
 
@@ -285,20 +239,20 @@ static int send_files(CURL *handle, struct vor_remote_call *call, curl_mime **fo
 {
     *form = NULL;
     if (call->files == 1) {
-        curl.easy_setopt(handle, CURLOPT_POST, 1L);
-        curl.easy_setopt(handle, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)call->file[0].size);
-        curl.easy_setopt(handle, CURLOPT_READFUNCTION, on_file);
-        curl.easy_setopt(handle, CURLOPT_READDATA, &call->file[0]);
-        curl.easy_setopt(handle, CURLOPT_SEEKFUNCTION, on_rewind);
-        curl.easy_setopt(handle, CURLOPT_SEEKDATA, &call->file[0]);
+        curl->easy_setopt(handle, CURLOPT_POST, 1L);
+        curl->easy_setopt(handle, CURLOPT_POSTFIELDSIZE_LARGE, (curl_off_t)call->file[0].size);
+        curl->easy_setopt(handle, CURLOPT_READFUNCTION, on_file);
+        curl->easy_setopt(handle, CURLOPT_READDATA, &call->file[0]);
+        curl->easy_setopt(handle, CURLOPT_SEEKFUNCTION, on_rewind);
+        curl->easy_setopt(handle, CURLOPT_SEEKDATA, &call->file[0]);
     }
     if (call->files < 2)
         return 1;
-    *form = curl.mime_init(handle);
+    *form = curl->mime_init(handle);
     for (unsigned i = 0; i < call->files; i++)
         if (*form == NULL || !add_part(*form, &call->file[i]))
             return 0;
-    return curl.easy_setopt(handle, CURLOPT_MIMEPOST, *form) == CURLE_OK;
+    return curl->easy_setopt(handle, CURLOPT_MIMEPOST, *form) == CURLE_OK;
 }
 
 static vor_status outcome(const struct exchange *exchange, CURLcode code, struct vor_error *err)
@@ -314,12 +268,12 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
         return vor_fail(err, VOR_E_NOMEM, "a request");
     if (code == CURLE_WRITE_ERROR && call->text.failed)
         return vor_fail(err, VOR_E_LIMIT, "the response has more than %zu bytes", call->text.cap);
-    return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl.easy_strerror(code));
+    return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl->easy_strerror(code));
 }
 
 static int add_header(struct curl_slist **list, const char *header)
 {
-    struct curl_slist *longer = curl.slist_append(*list, header);
+    struct curl_slist *longer = curl->slist_append(*list, header);
 
     if (longer != NULL)
         *list = longer;
@@ -337,7 +291,7 @@ static int send_headers(const struct vor_remote *remote, const struct vor_remote
             return 0;
     if (authorization != NULL && !add_header(out, authorization))
         return 0;
-    return curl.easy_setopt(remote->handle, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
+    return curl->easy_setopt(remote->handle, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
 
 vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
@@ -356,11 +310,11 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
     remote->why[0] = '\0';
     set_up(remote->handle, &exchange);
     if (send_headers(remote, call, &headers) && send_files(remote->handle, call, &form))
-        code = curl.easy_perform(remote->handle);
-    (void)curl.easy_getinfo(remote->handle, CURLINFO_RESPONSE_CODE, &http);
+        code = curl->easy_perform(remote->handle);
+    (void)curl->easy_getinfo(remote->handle, CURLINFO_RESPONSE_CODE, &http);
     call->http = (int)http;
-    curl.slist_free_all(headers);
-    curl.mime_free(form);
+    curl->slist_free_all(headers);
+    curl->mime_free(form);
     return outcome(&exchange, code, err);
 }
 

@@ -9,6 +9,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/work/crew.h"
+#include "server/work/fetch.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -49,16 +50,21 @@ struct pass {
 
 struct vor_verify {
     struct vor_crew *crew;
+    struct vor_fetcher *fetcher;
     pthread_mutex_t mutex; /* everything below */
     struct asker *askers;
     struct known known[KNOWN_MAX];
 };
 
-vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err)
+vor_status vor_verify_create(struct vor_verify **out, struct vor_blobs *blobs,
+                             struct vor_error *err)
 {
     struct vor_verify *verify = calloc(1, sizeof *verify);
 
-    if (verify == NULL || vor_crew_create(&verify->crew, THREADS, KNOWN_MAX, err) != VOR_OK) {
+    if (verify == NULL || vor_crew_create(&verify->crew, THREADS, KNOWN_MAX, err) != VOR_OK ||
+        vor_fetcher_create(&verify->fetcher, blobs, err) != VOR_OK) {
+        if (verify != NULL)
+            vor_crew_destroy(verify->crew);
         free(verify);
         return vor_fail(err, VOR_E_NOMEM, "checking stored files");
     }
@@ -74,9 +80,15 @@ void vor_verify_destroy(struct vor_verify *verify)
 {
     if (verify == NULL)
         return;
+    vor_fetcher_destroy(verify->fetcher);
     vor_crew_destroy(verify->crew); /* does what waits, so that all have been woken */
     pthread_mutex_destroy(&verify->mutex);
     free(verify);
+}
+
+struct vor_fetcher *vor_verify_fetcher(const struct vor_verify *verify)
+{
+    return verify->fetcher;
 }
 
 /* Takes those who asked about an entry off the list; the mutex is held. */

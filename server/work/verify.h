@@ -7,15 +7,18 @@
 #ifndef VOR_SERVER_WORK_VERIFY_H
 #define VOR_SERVER_WORK_VERIFY_H
 
-#include "server/base/fairness_key.h"
 #include "server/blob/blob.h"
+#include "server/work/asker.h"
 
 #include <stdint.h>
 
 struct vor_verify;
 
-/** @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_verify_create(struct vor_verify **out, struct vor_error *err);
+/** @param[in] blobs  of vor_fetch; borrowed
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_verify_create(struct vor_verify **out, struct vor_blobs *blobs,
+                                           struct vor_error *err);
 
 /** Wakes the requests that still wait. verify may be NULL. */
 void vor_verify_destroy(struct vor_verify *verify);
@@ -27,14 +30,6 @@ enum vor_verdict {
     VOR_VERDICT_FAILED /**< memory is out, or too many are asked about at once: try again later */
 };
 
-/** Somebody who asks. wake is called at most once, on another thread, after VOR_VERDICT_WAIT alone;
- *  it must not call back. */
-struct vor_asker {
-    void (*wake)(void *ctx);
-    void *ctx;
-    struct vor_fairness_key caller; /**< whom a file that is read for it is read for */
-};
-
 /** Are the first `size` bytes of a file those of a digest?
  *
  *  @param[in] fd      borrowed for the call
@@ -43,5 +38,9 @@ struct vor_asker {
  *  Does not wait for the disk. */
 enum vor_verdict vor_verify_ask(struct vor_verify *verify, int fd, uint64_t size,
                                 const char *sha256, const struct vor_asker *asker);
+
+/** What brings files here that are on another machine (fetch.h): they are checked afterwards. */
+struct vor_fetcher;
+struct vor_fetcher *vor_verify_fetcher(const struct vor_verify *verify);
 
 #endif

@@ -20,7 +20,7 @@ my %door = (
     'cJSON.h'       => qr{^proto/json/json_read\.c$},
     'flann/flann.h' => qr{^core/knn/knn_flann\.c$},
     'sqlite3.h'     => qr{^server/store/sqlite_database\.c$},
-    'curl/curl.h'   => qr{^server/cli/remote\.c$},
+    'curl/curl.h'   => qr{^server/base/curl_library\.h$},
     'seccomp.h'     => qr{^server/proc/sandbox\.c$},
     'zlib.h'        => qr{^proto/gzip\.c$},
 );

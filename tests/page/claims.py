@@ -80,6 +80,14 @@ def deltas(browser):
     return said + [float(browser.element("chart").get_attribute("aria-label").rsplit(" ", 1)[1])]
 
 
+def run_to_end(browser):
+    """Presses Run. The page still shows the end of the job before until the daemon has taken the new one."""
+    before = browser.driver.current_url
+    browser.element("run").click()
+    wait("the page of a new job", lambda: browser.driver.current_url != before)
+    finished(browser)
+
+
 def finished(browser):
     shows(browser, "state", "Done")
     wait("a summary", lambda: "δ" in browser.text("summary"))

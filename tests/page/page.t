@@ -13,7 +13,7 @@ import urllib.request
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import pictures  # noqa: E402
 from browser import ActionChains, Browser, By, Daemon, wait  # noqa: E402
-from claims import PICTURES, Abandoned, ask, charted, claim, deltas, drawn, drop, equal, finished, ok, shows  # noqa: E402
+from claims import PICTURES, Abandoned, ask, charted, claim, deltas, drawn, drop, equal, finished, ok, run_to_end, shows  # noqa: E402
 from docs import documentation  # noqa: E402
 from jobs import cancelled_upload, eight_tabs, failed_job, line, long_job, reload_and_stop, unanswered  # noqa: E402
 from made import FAR, lines, mesh, torus  # noqa: E402
@@ -48,8 +48,7 @@ def drop_to_result(browser):
     equal(pressed(), ["Even 10,000"], "which is the first preset")
     ask(browser, points=1000)
     equal(pressed(), [], "and no longer once it was filled otherwise")
-    browser.element("run").click()
-    finished(browser)
+    run_to_end(browser)
     ok(wait("the chart", lambda: charted(browser) >= 5), "the chart of a short job has five points or more")
     ok("4,000 → 1,000 points" in browser.text("summary"), "the summary has the points that came and went", browser.text("summary"))
     report = browser.script("return document.getElementById('report').textContent")
@@ -240,8 +239,7 @@ def surface(browser):
     browser.script("document.getElementById('mesh-turn').click()")
     shows(browser, "mesh-words", "Points that are sampled from the faces are the input")
     ask(browser, points=100)
-    browser.element("run").click()
-    finished(browser)
+    run_to_end(browser)
     report = json.loads(browser.script("""
         const request = new XMLHttpRequest();
         request.open('GET', `v1/jobs/${arguments[0]}/results/report`, false);
@@ -252,8 +250,7 @@ def surface(browser):
     choose("mesh")
     equal(browser.element("ask-points").get_property("value"), "10000", "each process has its own form")
     ask(browser, points=60)
-    browser.element("run").click()
-    finished(browser)
+    run_to_end(browser)
     browser.script("const m = document.getElementById('mode'); m.value = 'distance'; m.dispatchEvent(new Event('change'));")
     shows(browser, "histogram-caption", "point of the input")
     browser.driver.find_element(By.CSS_SELECTOR, "input[name=layout][value=result]").click()
@@ -307,8 +304,7 @@ def other_format(browser, daemon):
         drop(browser, answer.read(), "packed.drc")
     shows(browser, "cloud-words", "packed.drc: 800 points")
     ask(browser, points=300)
-    browser.element("run").click()
-    finished(browser)
+    run_to_end(browser)
     ok("800 → 300 points" in browser.text("summary"), "a Draco file is shown, and run without sending it again", browser.text("summary"))
 
 
@@ -417,8 +413,7 @@ def keys(browser):
     drop(browser, torus(500), "mine.ply")
     shows(browser, "cloud-words", "500 points")
     ask(browser, points=200)
-    browser.element("run").click()
-    finished(browser)
+    run_to_end(browser)
     browser.script("document.getElementById('commands').open = true")
     for language, wanted in (("curl", "$VORONOID_KEY"), ("js", "process.env.VORONOID_KEY"), ("python", 'os.environ["VORONOID_KEY"]')):
         browser.driver.find_element(By.CSS_SELECTOR, f"[data-language={language}]").click()

@@ -78,7 +78,7 @@ struct vor_blobs *vt_dir_blobs(const char *path)
     long holder;
 
     (void)snprintf(where, sizeof where, "dir:%s/blobs", path);
-    vt_assert_ok(vor_blobs_open(&blobs, where, &holder, &vt_err));
+    vt_assert_ok(vor_blobs_open(&blobs, where, NULL, &holder, &vt_err));
     return blobs;
 }
 

@@ -261,13 +261,14 @@ START_TEST(a_second_opener_and_a_wrong_name_are_refused)
     long holder;
 
     (void)snprintf(where, sizeof where, "dir:%s/blobs", dir);
-    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, where, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, where, NULL, &holder, &vt_err));
     ck_assert_int_eq(holder, getpid());
-    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, where + 4, &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, where + 4, NULL, &holder, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "blobs");
-    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, "dir:", &holder, &vt_err));
-    ck_assert_str_eq(vt_err.message, "blobs is \"dir:\", want dir:PATH");
-    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:/dev/null/x", &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, "dir:", NULL, &holder, &vt_err));
+    ck_assert_str_eq(vt_err.message, "blobs is \"dir:\", want dir:PATH or "
+                                     "s3:https://HOST/BUCKET/PREFIX");
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:/dev/null/x", NULL, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(second);
     vor_blobs_close(blobs);

@@ -337,7 +337,7 @@ START_TEST(a_file_is_read_once_and_again_when_it_changed)
     char path[512];
     FILE *file;
 
-    vt_assert_ok(vor_verify_create(&verify, &vt_err));
+    vt_assert_ok(vor_verify_create(&verify, NULL, &vt_err));
     (void)snprintf(path, sizeof path, "%s/file", dir);
     file = fopen(path, "w");
     fputs("the cloud and a trailer", file);

@@ -65,13 +65,18 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
 {
     bool has_waited = vor_request_state(request) != NULL;
     const char *name = view->spec.process->outputs[index].name;
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    bool exists;
     enum vor_next next;
     struct vor_error err;
 
     out->fd = -1;
-    if (has_waited && !is_made(app, request, view, &next))
+    if ((has_waited && !is_made(app, request, view, &next)) ||
+        !vor_blob_is_here(app, request, &view->id,
+                          vor_blob_of_converted(name, vor_format(format)->name, blob), &exists,
+                          &next))
         return next;
-    if (vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
+    if (exists && vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
         return vor_problem_error(app, request, &err, view->id.text);
     if (out->fd >= 0)
         return VOR_NEXT_REPLY;

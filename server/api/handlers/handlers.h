@@ -110,6 +110,12 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
                                  const struct vor_job_view *view);
 
+/** here.c: whether a blob can be read without waiting for another machine, or there is none
+ * (*exists). Else *next is what the handler returns; once woken, it is called again and asks again.
+ */
+bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
+                      const char *name, bool *exists, enum vor_next *next);
+
 /** Replies 200 with the whole main output of a successful job (a synchronous call).
  *
  *  @param[in] is_new  the job has just ended, so that its bytes need no look; else the request may

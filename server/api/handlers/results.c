@@ -304,6 +304,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
     char name[64];
+    bool exists = true;
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
@@ -333,6 +334,11 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
         return vor_result_missing(app, request, &view);
     if (ask.has_format && ask.format != view.output[output - outputs].format)
         return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
+    if (!vor_output_in_row(output) &&
+        !vor_blob_is_here(app, request, &view.id, name, &exists, &next))
+        return next;
+    if (!exists)
+        return vor_result_missing(app, request, &view);
     if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
         vor_result_accepts(app, request, out.media_type) &&
         is_sound(app, request, &view, &out, &next))
@@ -378,23 +384,27 @@ enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vo
     return vor_app_reply(app, request, 200, "application/json", &text);
 }
 
+static enum vor_next missing_input(struct vor_app *app, struct vor_request *request,
+                                   const struct vor_job_view *view)
+{
+    return say_with_job(app, request, "input-not-kept", "the input of this job is no longer stored",
+                        view->id.text);
+}
+
 /* The upload of the main input of a job; false after a problem has been replied. */
 static bool open_upload(struct vor_app *app, struct vor_request *request,
-                        const struct vor_job_view *view, struct output *out)
+                        const struct vor_job_view *view, const char *blob, struct output *out)
 {
     const struct vor_format *format = vor_format(view->input[0].format);
-    char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_error err;
     int found = 0;
 
-    (void)vor_blob_of_upload(view->spec.process->inputs[0].name, blob);
     if (vor_blob_get(app->blobs, &view->id, blob, &out->fd, &out->size, &found, &err) != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
     if (!found) {
-        say_with_job(app, request, "input-not-kept", "the input of this job is no longer stored",
-                     view->id.text);
+        (void)missing_input(app, request, view);
         return false;
     }
     out->media_type = format != NULL ? format->media_type : "application/octet-stream";
@@ -409,14 +419,21 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
+    char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_job_view view;
+    bool exists;
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
         return VOR_NEXT_REPLY;
     if (view.expired)
         return vor_result_missing(app, request, &view);
-    if (open_upload(app, request, &view, &out) && is_sound(app, request, &view, &out, &next))
+    (void)vor_blob_of_upload(view.spec.process->inputs[0].name, blob);
+    if (!vor_blob_is_here(app, request, &view.id, blob, &exists, &next))
+        return next;
+    if (!exists)
+        return missing_input(app, request, &view);
+    if (open_upload(app, request, &view, blob, &out) && is_sound(app, request, &view, &out, &next))
         next = reply_output(app, request, &out);
     output_close(&out);
     return next;

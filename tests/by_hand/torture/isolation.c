@@ -180,7 +180,7 @@ int main(int argc, char **argv)
     child.sandbox = vor_sandbox_probe(&why);
     must(mkdtemp(dir) != NULL);
     (void)snprintf(place, sizeof place, "dir:%s", dir);
-    must(vor_blobs_open(&blobs, place, &holder, &err) == VOR_OK);
+    must(vor_blobs_open(&blobs, place, NULL, &holder, &err) == VOR_OK);
     for (int i = 0; i < (int)(sizeof cases / sizeof cases[0]); i++) {
         if (only >= 0 && only != i)
             continue;

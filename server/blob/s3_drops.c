@@ -1,0 +1,133 @@
+#include "server/blob/s3_drops.h"
+
+#include "server/base/log.h"
+#include "server/base/machine.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct drop {
+    struct drop *next;
+    char key[VOR_S3_KEY_MAX + 1];
+};
+
+struct vor_s3_drops {
+    struct vor_s3 *s3;
+    pthread_t thread;
+    pthread_mutex_t mutex;
+    pthread_cond_t changed;
+    struct drop *first, **end;
+    const struct drop *current; /* being deleted */
+    int is_closing;
+};
+
+/* Deletes one; the mutex is held before and after. */
+static void delete_first(struct vor_s3_drops *drops)
+{
+    struct drop *drop = drops->first;
+    struct vor_error err;
+    vor_status status;
+
+    drops->first = drop->next;
+    if (drops->first == NULL)
+        drops->end = &drops->first;
+    drops->current = drop;
+    pthread_mutex_unlock(&drops->mutex);
+    status = vor_s3_delete(drops->s3, drop->key, &err);
+    if (status != VOR_OK)
+        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("key", drop->key),
+                VOR_TEXT("error", err.message));
+    pthread_mutex_lock(&drops->mutex);
+    drops->current = NULL;
+    free(drop);
+    while (status != VOR_OK && drops->is_closing && drops->first != NULL) {
+        drop = drops->first;
+        drops->first = drop->next;
+        free(drop);
+    }
+    pthread_cond_broadcast(&drops->changed);
+}
+
+static void *delete_all(void *ctx)
+{
+    struct vor_s3_drops *drops = ctx;
+
+    pthread_mutex_lock(&drops->mutex);
+    while (drops->first != NULL || !drops->is_closing)
+        if (drops->first != NULL)
+            delete_first(drops);
+        else
+            pthread_cond_wait(&drops->changed, &drops->mutex);
+    pthread_mutex_unlock(&drops->mutex);
+    return NULL;
+}
+
+vor_status vor_s3_drops_create(struct vor_s3_drops **out, struct vor_s3 *s3, struct vor_error *err)
+{
+    struct vor_s3_drops *drops = calloc(1, sizeof *drops);
+
+    if (drops != NULL) {
+        drops->s3 = s3;
+        drops->end = &drops->first;
+        pthread_mutex_init(&drops->mutex, NULL);
+        pthread_cond_init(&drops->changed, NULL);
+    }
+    if (drops == NULL ||
+        vor_machine_thread(&drops->thread, "vor-s3-drops", delete_all, drops) != 0) {
+        free(drops);
+        return vor_fail(err, VOR_E_NOMEM, "a thread that deletes files");
+    }
+    *out = drops;
+    return VOR_OK;
+}
+
+void vor_s3_drops_destroy(struct vor_s3_drops *drops)
+{
+    if (drops == NULL)
+        return;
+    pthread_mutex_lock(&drops->mutex);
+    drops->is_closing = 1;
+    pthread_cond_broadcast(&drops->changed);
+    pthread_mutex_unlock(&drops->mutex);
+    pthread_join(drops->thread, NULL);
+    pthread_cond_destroy(&drops->changed);
+    pthread_mutex_destroy(&drops->mutex);
+    free(drops);
+}
+
+vor_status vor_s3_drop(struct vor_s3_drops *drops, const char *key, struct vor_error *err)
+{
+    struct drop *drop = calloc(1, sizeof *drop);
+
+    if (drop == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "deleting a file");
+    (void)snprintf(drop->key, sizeof drop->key, "%s", key);
+    pthread_mutex_lock(&drops->mutex);
+    *drops->end = drop;
+    drops->end = &drop->next;
+    pthread_cond_broadcast(&drops->changed);
+    pthread_mutex_unlock(&drops->mutex);
+    return VOR_OK;
+}
+
+void vor_s3_keep(struct vor_s3_drops *drops, const char *key)
+{
+    pthread_mutex_lock(&drops->mutex);
+    for (struct drop **at = &drops->first; *at != NULL;) {
+        struct drop *drop = *at;
+
+        if (strcmp(drop->key, key) != 0) {
+            at = &drop->next;
+            continue;
+        }
+        *at = drop->next;
+        if (drops->end == &drop->next)
+            drops->end = at;
+        free(drop);
+    }
+    while (drops->current != NULL && strcmp(drops->current->key, key) == 0)
+        pthread_cond_wait(&drops->changed, &drops->mutex);
+    pthread_mutex_unlock(&drops->mutex);
+}
