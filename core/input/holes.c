@@ -83,6 +83,8 @@ static void tell(struct vor_holes *holes, const struct vor_hole_told *told)
         do
             at--;
         while (at > 0 && holes->told[at].outcome == VOR_HOLE_NOT_CLOSED);
+        if (holes->told[at].outcome == VOR_HOLE_NOT_CLOSED)
+            return; /* as all are: the longest come first */
         memmove(&holes->told[at], &holes->told[at + 1],
                 (VOR_HOLES_TOLD - 1 - at) * sizeof *holes->told);
         at = VOR_HOLES_TOLD - 1;
