@@ -217,7 +217,7 @@ static size_t all_work_of(const struct row *row, size_t n)
     return all;
 }
 
-START_TEST(twice_the_points_take_twice_the_work)
+VT_TEST_LOOP(twice_the_points_take_twice_the_work, sizeof rows / sizeof *rows)
 {
     const struct row *row = &rows[_i];
     size_t before = all_work_of(row, row->n), after = all_work_of(row, 4 * row->n);
@@ -225,9 +225,8 @@ START_TEST(twice_the_points_take_twice_the_work)
     ck_assert_msg((double)after <= DOUBLED * DOUBLED * (double)before,
                   "%s: %zu branches, then %zu of four times the points", row->name, before, after);
 }
-END_TEST
 
-START_TEST(a_hole_stays_open_once_the_time_is_over)
+VT_TEST(a_hole_stays_open_once_the_time_is_over)
 {
     struct vt_made made;
     size_t all = all_work_of(&wide_hole, wide_hole.n);
@@ -238,10 +237,9 @@ START_TEST(a_hole_stays_open_once_the_time_is_over)
     ck_assert_uint_eq(made.domain.known.holes.not_closed, 1);
     vt_made_close(&made);
 }
-END_TEST
 
 /* A straight edge that runs into a circle: the line ends where it comes back to itself. */
-START_TEST(a_line_follows_an_edge_once)
+VT_TEST(a_line_follows_an_edge_once)
 {
     enum { TAIL = 100, ROUND = 400, N = TAIL + ROUND, ACROSS = 5 };
     const double radius = ROUND / (2 * M_PI);
@@ -278,15 +276,4 @@ START_TEST(a_line_follows_an_edge_once)
                             N / 20);
     vor_ridges_free(&ridges);
     vt_made_close(&made);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("growth");
-
-    vt_add_loop(suite, twice_the_points_take_twice_the_work, sizeof rows / sizeof *rows);
-    vt_add(suite, a_hole_stays_open_once_the_time_is_over);
-    vt_add(suite, a_line_follows_an_edge_once);
-    return vt_run(suite);
 }

@@ -43,7 +43,7 @@ static void assert_same(const struct result *a, const struct result *b)
     ck_assert(a->report == b->report);
 }
 
-START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
+VT_TEST_LOOP(one_two_three_and_eight_threads_give_the_same_bytes, VT_ONCE(3))
 {
     static const unsigned threads[5] = {1, 2, 3, 8, 1};
     struct result first, other;
@@ -64,7 +64,6 @@ START_TEST(one_two_three_and_eight_threads_give_the_same_bytes)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A run on a pool that others use too; a thread of its own must not assert. */
 struct shared_run {
@@ -84,7 +83,7 @@ static void *run_shared(void *ctx)
     return NULL;
 }
 
-START_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
+VT_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
 {
     enum { RUNS = 3 };
     static struct shared_run runs[RUNS];
@@ -116,7 +115,6 @@ START_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
     vt_engine_close(&owner);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Coordinates that are multiples of 2^-20 survive these shifts exactly. */
 static void shifted(struct vor_cloud *cloud, const struct vor_cloud *from, const double shift[3])
@@ -142,7 +140,7 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
     vt_engine_close(&engine);
 }
 
-START_TEST(a_shift_moves_the_result_and_changes_nothing_else)
+VT_TEST_FIGURES(a_shift_moves_the_result_and_changes_nothing_else, 0)
 {
     static const double shifts[3][3] = {
         {637000.25, 5100000.5, 0}, {-4096, 123456.75, 6e6}, {0.5, -0.25, 0.125}};
@@ -169,10 +167,9 @@ START_TEST(a_shift_moves_the_result_and_changes_nothing_else)
     vor_cloud_free(&base);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Twice as large, half as large: a power of two costs nothing either. */
-START_TEST(a_power_of_two_scales_the_result_and_changes_nothing_else)
+VT_TEST_FIGURES(a_power_of_two_scales_the_result_and_changes_nothing_else, 0)
 {
     struct vor_cloud in, out, scaled;
     struct vor_report report, scaled_report;
@@ -195,13 +192,4 @@ START_TEST(a_power_of_two_scales_the_result_and_changes_nothing_else)
     }
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, one_two_three_and_eight_threads_give_the_same_bytes, VT_ONCE(3));
-    vt_add(suite, runs_that_share_a_pool_give_the_bytes_they_give_alone);
-    vt_add_figures(suite, a_shift_moves_the_result_and_changes_nothing_else, 0);
-    vt_add_figures(suite, a_power_of_two_scales_the_result_and_changes_nothing_else, 0);
 }

@@ -50,7 +50,7 @@ static void read_json(struct vor_spec *spec, const char *text)
     vor_json_free(json);
 }
 
-START_TEST(every_kind_is_read_from_json_and_written_back)
+VT_TEST(every_kind_is_read_from_json_and_written_back)
 {
     static const char text[] =
         "{\"label\":\"a \\\"b\\\" \xc3\xa9\",\"closed\":false,\"sieves\":[\"mls\",\"thin\"],"
@@ -71,7 +71,6 @@ START_TEST(every_kind_is_read_from_json_and_written_back)
     read_json(&back, written(&spec));
     ck_assert_mem_eq(&spec, &back, sizeof spec);
 }
-END_TEST
 
 struct refusal {
     const char *name, *json, *message;
@@ -111,14 +110,14 @@ static void refuses(vor_status status, const struct refusal *refusal)
     vor_json_free(json);
 }
 
-START_TEST(an_unknown_element_of_a_list_has_a_status_of_its_own)
+VT_TEST_LOOP(an_unknown_element_of_a_list_has_a_status_of_its_own,
+             (int)(sizeof unknown / sizeof unknown[0]))
 {
     refuses(VOR_E_WORD, &unknown[_i]);
 }
-END_TEST
 
 /* In whatever order texts are set, and however often, equal requests are equal bytes. */
-START_TEST(texts_lie_in_the_order_of_the_parameters)
+VT_TEST_LOOP(texts_lie_in_the_order_of_the_parameters, 6)
 {
     static const char *const names[3] = {"label", "weight", "title"};
     static const char *const texts[3] = {"one", "attribute:two", "three"};
@@ -141,10 +140,9 @@ START_TEST(texts_lie_in_the_order_of_the_parameters)
     ck_assert_ptr_null(vor_spec_name(&spec, VOR_PARAM_WEIGHT));
     ck_assert_str_eq(vor_spec_name(&spec, VOR_PARAM_TITLE), "three");
 }
-END_TEST
 
 /* 300 bytes for one, 511 for all with a NUL each: the last byte fits, the next one does not. */
-START_TEST(texts_fit_into_a_request_or_are_refused)
+VT_TEST(texts_fit_into_a_request_or_are_refused)
 {
     struct vor_spec spec = request(), before;
     char text[VOR_SPEC_TEXTS_SIZE];
@@ -171,7 +169,6 @@ START_TEST(texts_fit_into_a_request_or_are_refused)
     vt_assert_ok(vor_spec_set(&spec, "label", "short", &vt_err));
     vt_assert_ok(vor_spec_set(&spec, "weight", "attribute:a", &vt_err));
 }
-END_TEST
 
 /* The schema of an input of the description, in one line (static storage). */
 static const char *schema(const char *name)
@@ -213,13 +210,12 @@ static const struct {
     {"method", "{\"type\":\"string\",\"enum\":[\"cvt\",\"slower\"],\"default\":\"cvt\"}"},
 };
 
-START_TEST(a_kind_has_its_schema)
+VT_TEST_LOOP(a_kind_has_its_schema, (int)(sizeof schemas / sizeof schemas[0]))
 {
     ck_assert_str_eq(schema(schemas[_i].name), schemas[_i].schema);
 }
-END_TEST
 
-START_TEST(inputs_that_are_required_or_needed_must_come_along)
+VT_TEST(inputs_that_are_required_or_needed_must_come_along)
 {
     struct vor_spec spec = request();
 
@@ -233,10 +229,9 @@ START_TEST(inputs_that_are_required_or_needed_must_come_along)
         "the parameter title is of the third, which needs a third, but the request has none");
     vt_assert_ok(vor_spec_check_inputs(&spec, 7, &vt_err));
 }
-END_TEST
 
 /* What the product asks of its requests does not change by rows that it does not know. */
-START_TEST(other_processes_do_not_take_the_new_rows)
+VT_TEST(other_processes_do_not_take_the_new_rows)
 {
     struct vor_spec spec;
 
@@ -248,20 +243,4 @@ START_TEST(other_processes_do_not_take_the_new_rows)
     ck_assert(spec.value[VOR_PARAM_REACH] == 0.25); /* the table's default, for whatever runs */
     vt_assert_ok(vor_spec_set(&spec, "method", "slow", &vt_err));
     ck_assert(spec.value[VOR_PARAM_METHOD] == VOR_METHOD_SLOW);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("requests");
-
-    vt_add(suite, every_kind_is_read_from_json_and_written_back);
-    vt_add_loop(suite, an_unknown_element_of_a_list_has_a_status_of_its_own,
-                (int)(sizeof unknown / sizeof unknown[0]));
-    vt_add_loop(suite, texts_lie_in_the_order_of_the_parameters, 6);
-    vt_add(suite, texts_fit_into_a_request_or_are_refused);
-    vt_add_loop(suite, a_kind_has_its_schema, (int)(sizeof schemas / sizeof schemas[0]));
-    vt_add(suite, inputs_that_are_required_or_needed_must_come_along);
-    vt_add(suite, other_processes_do_not_take_the_new_rows);
-    return vt_run(suite);
 }

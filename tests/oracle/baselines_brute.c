@@ -41,7 +41,7 @@ static size_t farthest(const float *xyz, const float *out, size_t chosen)
     return which;
 }
 
-START_TEST(each_point_is_the_farthest_from_those_before)
+VT_TEST_LOOP(each_point_is_the_farthest_from_those_before, SEEDS)
 {
     struct vt_engine engine;
     struct vor_cloud cloud;
@@ -65,7 +65,6 @@ START_TEST(each_point_is_the_farthest_from_those_before)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
 static int by_coordinates(const void *a, const void *b)
 {
@@ -142,7 +141,7 @@ static size_t brute(float *out, const float *xyz, size_t wanted)
     return means(out, xyz, best);
 }
 
-START_TEST(a_voxel_grid_has_the_means_of_its_cells)
+VT_TEST_LOOP(a_voxel_grid_has_the_means_of_its_cells, SEEDS)
 {
     struct vt_engine engine;
     struct vor_cloud cloud;
@@ -168,11 +167,4 @@ START_TEST(a_voxel_grid_has_the_means_of_its_cells)
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, each_point_is_the_farthest_from_those_before, SEEDS);
-    vt_add_loop(suite, a_voxel_grid_has_the_means_of_its_cells, SEEDS);
 }

@@ -53,7 +53,7 @@ static void check(const struct vor_cloud *in, size_t strays, size_t points, cons
     vor_cloud_free(&out);
 }
 
-START_TEST(the_distances_are_those_of_a_look_at_every_pair)
+VT_TEST_LOOP(the_distances_are_those_of_a_look_at_every_pair, VT_FEWER(SEEDS))
 {
     struct vor_cloud in;
 
@@ -68,9 +68,8 @@ START_TEST(the_distances_are_those_of_a_look_at_every_pair)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(points_in_one_place_count_once)
+VT_TEST_LOOP(points_in_one_place_count_once, 2)
 {
     struct vor_cloud in;
 
@@ -81,9 +80,8 @@ START_TEST(points_in_one_place_count_once)
     check(&in, 300, OUT, "keep");
     vor_cloud_free(&in);
 }
-END_TEST
 
-START_TEST(outliers_that_were_ignored_do_not_count)
+VT_TEST_LOOP(outliers_that_were_ignored_do_not_count, 2)
 {
     struct vor_cloud in;
 
@@ -92,10 +90,9 @@ START_TEST(outliers_that_were_ignored_do_not_count)
     check(&in, 1, OUT, "drop");
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* Mean and rms of a part of them are close, and no point of it is farther than the farthest. */
-START_TEST(of_many_points_200000_stand_for_all)
+VT_TEST(of_many_points_200000_stand_for_all)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -111,13 +108,4 @@ START_TEST(of_many_points_200000_stand_for_all)
     ck_assert_double_gt(report.ref_to_out.max, 0.9 * all.max);
     ck_assert_uint_eq(report.out_to_ref.points, FEW);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_distances_are_those_of_a_look_at_every_pair, VT_FEWER(SEEDS));
-    vt_add_loop(suite, points_in_one_place_count_once, 2);
-    vt_add_loop(suite, outliers_that_were_ignored_do_not_count, 2);
-    vt_add(suite, of_many_points_200000_stand_for_all);
 }

@@ -74,7 +74,7 @@ static double diagonal_of(const struct vor_cloud *cloud)
     return sqrt(sum);
 }
 
-START_TEST(the_distances_are_those_of_a_look_at_every_pair)
+VT_TEST_LOOP(the_distances_are_those_of_a_look_at_every_pair, SEEDS)
 {
     uint64_t seed = (uint64_t)_i;
     size_t n = 1 + (size_t)vor_rng_below(seed, 31, 0, 400);
@@ -113,10 +113,4 @@ START_TEST(the_distances_are_those_of_a_look_at_every_pair)
     free(d);
     vt_engine_close(&engine);
     vt_free_last(&reference, &cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_distances_are_those_of_a_look_at_every_pair, SEEDS);
 }

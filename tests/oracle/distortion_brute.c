@@ -162,7 +162,7 @@ static void unit_normals(struct vor_cloud *cloud, uint64_t seed)
 
 /* Up to twelve voxels a side: most points have several nearest ones, and some coincide. The sparser
  * cloud is now one, now the other: the error is that of the way to it. */
-START_TEST(voxels_have_the_errors_of_a_look_at_every_pair)
+VT_TEST_LOOP(voxels_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS))
 {
     uint64_t seed = (uint64_t)_i;
     size_t n = 4 + (size_t)vor_rng_below(seed, 33, 0, MOST - 4);
@@ -180,9 +180,8 @@ START_TEST(voxels_have_the_errors_of_a_look_at_every_pair)
     compare(&cloud, &reference);
     vt_free_last(&reference, &cloud);
 }
-END_TEST
 
-START_TEST(spheres_have_the_errors_of_a_look_at_every_pair)
+VT_TEST_LOOP(spheres_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS))
 {
     uint64_t seed = (uint64_t)_i;
     size_t n = 100 + (size_t)vor_rng_below(seed, 34, 0, MOST - 100);
@@ -195,11 +194,4 @@ START_TEST(spheres_have_the_errors_of_a_look_at_every_pair)
         cloud.xyz[i] *= 1.03f;
     compare(&cloud, &reference);
     vt_free_last(&reference, &cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, voxels_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS));
-    vt_add_loop(suite, spheres_have_the_errors_of_a_look_at_every_pair, VT_FEWER(SEEDS));
 }

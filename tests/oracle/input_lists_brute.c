@@ -109,7 +109,7 @@ static enum vor_input_lists_found check_query(struct walk *walk, size_t i)
     return how;
 }
 
-START_TEST(a_wandering_query_finds_what_brute_force_finds)
+VT_TEST_LOOP(a_wandering_query_finds_what_brute_force_finds, 30)
 {
     static const unsigned ks[] = {1, 6, 20, 40, K_MAX};
     struct walk walk;
@@ -132,9 +132,8 @@ START_TEST(a_wandering_query_finds_what_brute_force_finds)
     }
     end(&walk);
 }
-END_TEST
 
-START_TEST(put_onto_other_points_it_forgets_the_first_ones)
+VT_TEST_LOOP(put_onto_other_points_it_forgets_the_first_ones, 3)
 {
     struct walk walk, other;
 
@@ -152,11 +151,10 @@ START_TEST(put_onto_other_points_it_forgets_the_first_ones)
     vor_input_lists_free(&other.near);
     end(&walk);
 }
-END_TEST
 
 /* What the list of a query tells of places near it is what is there, the nearest first: at the
  * query itself all that was asked for, farther away less, and far away nothing. */
-START_TEST(what_a_list_tells_of_places_around_is_true)
+VT_TEST_LOOP(what_a_list_tells_of_places_around_is_true, 4)
 {
     static const double away[] = {0, 0.02, 0.1, 3};
     struct walk walk;
@@ -187,11 +185,10 @@ START_TEST(what_a_list_tells_of_places_around_is_true)
     }
     end(&walk);
 }
-END_TEST
 
 /* A list that was left every other of the points around finds the nearest of these, though fewer
  * than it was asked for, until it is made anew. */
-START_TEST(a_narrowed_list_finds_the_nearest_of_its_own)
+VT_TEST_LOOP(a_narrowed_list_finds_the_nearest_of_its_own, 2)
 {
     unsigned k = 20, count = _i == 0 ? 45 : 15;
     struct walk walk;
@@ -225,13 +222,4 @@ START_TEST(a_narrowed_list_finds_the_nearest_of_its_own)
     }
     ck_assert_uint_ge(walk.kept, QUERIES / 2);
     end(&walk);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_narrowed_list_finds_the_nearest_of_its_own, 2);
-    vt_add_loop(suite, a_wandering_query_finds_what_brute_force_finds, 30);
-    vt_add_loop(suite, put_onto_other_points_it_forgets_the_first_ones, 3);
-    vt_add_loop(suite, what_a_list_tells_of_places_around_is_true, 4);
 }

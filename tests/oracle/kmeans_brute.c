@@ -86,7 +86,7 @@ static void iterate(double x[K][3], const struct vor_domain *domain)
             x[k][c] = (double)(float)(sum[k][c] / (double)count[k]);
 }
 
-START_TEST(it_starts_at_input_points_no_two_alike)
+VT_TEST_LOOP(it_starts_at_input_points_no_two_alike, SEEDS)
 {
     struct vor_outcome told;
     struct vor_seeds start;
@@ -106,9 +106,8 @@ START_TEST(it_starts_at_input_points_no_two_alike)
     vor_seeds_free(&start);
     close_bed(&bed);
 }
-END_TEST
 
-START_TEST(each_iterate_is_that_of_a_look_at_every_seed)
+VT_TEST_LOOP(each_iterate_is_that_of_a_look_at_every_seed, SEEDS)
 {
     struct vor_outcome told;
     struct vor_seeds start, end;
@@ -141,11 +140,4 @@ START_TEST(each_iterate_is_that_of_a_look_at_every_seed)
     vor_seeds_free(&start);
     vor_seeds_free(&end);
     close_bed(&bed);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, it_starts_at_input_points_no_two_alike, SEEDS);
-    vt_add_loop(suite, each_iterate_is_that_of_a_look_at_every_seed, SEEDS);
 }

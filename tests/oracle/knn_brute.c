@@ -160,7 +160,7 @@ static void compare(int shape, uint64_t seed, size_t n, unsigned k)
     vor_free(&vt_memory, xyz);
 }
 
-START_TEST(the_index_finds_what_a_look_at_every_point_finds)
+VT_TEST_LOOP(the_index_finds_what_a_look_at_every_point_finds, VT_FEWER(SEEDS))
 {
     uint64_t seed = (uint64_t)_i;
     size_t n = 1 + (size_t)vor_rng_below(seed, 11, 0, 3000);
@@ -177,9 +177,8 @@ START_TEST(the_index_finds_what_a_look_at_every_point_finds)
     close_pools();
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(every_point_is_found_when_all_are_asked_for)
+VT_TEST(every_point_is_found_when_all_are_asked_for)
 {
     open_pools();
     for (int shape = 0; shape < SHAPES; shape++)
@@ -187,10 +186,9 @@ START_TEST(every_point_is_found_when_all_are_asked_for)
     close_pools();
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Enough points for several subtrees, and for nodes above them. */
-START_TEST(many_points_are_found)
+VT_TEST(many_points_are_found)
 {
     open_pools();
     for (int shape = 0; shape < SHAPES; shape++) {
@@ -199,12 +197,4 @@ START_TEST(many_points_are_found)
     }
     close_pools();
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_index_finds_what_a_look_at_every_point_finds, VT_FEWER(SEEDS));
-    vt_add(suite, many_points_are_found);
-    vt_add(suite, every_point_is_found_when_all_are_asked_for);
 }

@@ -95,7 +95,7 @@ static void begin(double *x, uint64_t seed)
         x[i] = 4 * vt_unit(seed, i) - 2;
 }
 
-START_TEST(it_ends_where_liblbfgs_ends_in_about_as_many_evaluations)
+VT_TEST_LOOP(it_ends_where_liblbfgs_ends_in_about_as_many_evaluations, 3 * SEEDS)
 {
     static const curved functions[3] = {valley, chain, slope};
     struct asked by_us = {.function = functions[_i % 3]}, by_them = by_us;
@@ -126,10 +126,4 @@ START_TEST(it_ends_where_liblbfgs_ends_in_about_as_many_evaluations)
     vor_lbfgs_free(&mine);
     lbfgs_free(x);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, it_ends_where_liblbfgs_ends_in_about_as_many_evaluations, 3 * SEEDS);
 }

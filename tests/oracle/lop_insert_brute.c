@@ -244,7 +244,7 @@ static void open_twin(struct twin *twin, int shape, const struct vor_lop_insert_
         find_pairs(twin, i, twin->begun);
 }
 
-START_TEST(points_come_in_the_order_that_looking_at_every_pair_gives)
+VT_TEST_LOOP(points_come_in_the_order_that_looking_at_every_pair_gives, VT_SOAK_LOOPS(9, 60))
 {
     static const double rho[] = {0, 5, 2.5};
     static struct twin twin;
@@ -273,11 +273,4 @@ START_TEST(points_come_in_the_order_that_looking_at_every_pair_gives)
     vor_lop_samples_free(&twin.samples);
     vor_lop_latent_free(&twin.latent);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, points_come_in_the_order_that_looking_at_every_pair_gives,
-                VT_SOAK_LOOPS(9, 60));
 }

@@ -109,7 +109,7 @@ static void check_order(const struct vor_cloud *cloud, const struct key *keys, u
 }
 
 /* Sizes around those at which the work is cut otherwise: 16,384 points, and many. */
-START_TEST(the_order_is_that_of_qsort_for_any_number_of_threads)
+VT_TEST_LOOP(the_order_is_that_of_qsort_for_any_number_of_threads, VT_FEWER(SHAPES))
 {
     static const size_t sizes[6] = {1, 25, 1000, 16384, 16385, MANY};
 
@@ -126,9 +126,8 @@ START_TEST(the_order_is_that_of_qsort_for_any_number_of_threads)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_box_is_that_of_looking_at_every_point)
+VT_TEST(the_box_is_that_of_looking_at_every_point)
 {
     for (int t = 0; t < THREADS; t++)
         for (size_t n = 1; n <= MANY; n = 7 * n + 1) {
@@ -152,11 +151,4 @@ START_TEST(the_box_is_that_of_looking_at_every_point)
             vt_engine_close(&engine);
         }
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_order_is_that_of_qsort_for_any_number_of_threads, VT_FEWER(SHAPES));
-    vt_add(suite, the_box_is_that_of_looking_at_every_point);
 }

@@ -263,7 +263,7 @@ static void walk(struct flock *flock, uint64_t seed, double step, size_t jumpers
     }
 }
 
-START_TEST(lists_tell_what_a_look_at_every_point_does)
+VT_TEST_LOOP(lists_tell_what_a_look_at_every_point_does, VT_FEWER(28))
 {
     static const size_t counts[7] = {2, 3, 8, 21, 60, 400, N_MAX};
     static const unsigned most[3] = {20, 6, VOR_POINT_LISTS_LISTED_MAX};
@@ -282,10 +282,9 @@ START_TEST(lists_tell_what_a_look_at_every_point_does)
             close_flock(&flock);
         }
 }
-END_TEST
 
 /* On a surface, or they would be of no use: the index is not made anew, and hardly searched. */
-START_TEST(small_steps_are_answered_from_the_lists)
+VT_TEST_LOOP(small_steps_are_answered_from_the_lists, 5)
 {
     static struct flock flock;
 
@@ -296,11 +295,4 @@ START_TEST(small_steps_are_answered_from_the_lists)
     ck_assert_uint_le(flock.searches, flock.asked / 10);
     ck_assert_uint_le(flock.open, flock.asked / 10);
     close_flock(&flock);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, lists_tell_what_a_look_at_every_point_does, VT_FEWER(28));
-    vt_add_loop(suite, small_steps_are_answered_from_the_lists, 5);
 }

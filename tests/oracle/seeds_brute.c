@@ -105,7 +105,7 @@ static void compare_cells(struct vor_seeds *seeds, size_t i)
                             1e-12 * patch * scratch->radius);
 }
 
-START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
+VT_TEST_LOOP(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS)
 {
     static const size_t counts[4] = {2, 7, 60, 700};
 
@@ -120,10 +120,9 @@ START_TEST(a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds)
             close_bed(&bed);
         }
 }
-END_TEST
 
 /* Chen 2018, Sec. 4.2: octagons in the planes of the input. */
-START_TEST(a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds)
+VT_TEST_LOOP(a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds, SEEDS)
 {
     static const size_t counts[4] = {2, 7, 60, 700};
 
@@ -148,7 +147,6 @@ START_TEST(a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds)
         close_bed(&bed);
     }
 }
-END_TEST
 
 /* Sends `jumpers` of the seeds to where other ones are, a little beside, and moves the rest by less
  * than what makes the lists anew. */
@@ -170,7 +168,7 @@ static void jump(struct vor_seeds *seeds, uint64_t seed, size_t jumpers)
     vor_free(&vt_memory, moved);
 }
 
-START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
+VT_TEST_LOOP(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS)
 {
     static const size_t counts[3] = {15, 60, 500}, jumpers[4] = {0, 1, 5, 40};
     static const double widen[4] = {1, 1.5, 1, 2};
@@ -189,10 +187,9 @@ START_TEST(a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now)
             close_bed(&bed);
         }
 }
-END_TEST
 
 /* Cells are disjoint: a sample of one is nearer to its own seed than to any other. */
-START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
+VT_TEST_LOOP(a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS)
 {
     struct bed bed;
     struct vor_scratch *scratch;
@@ -222,7 +219,6 @@ START_TEST(a_sample_of_a_cell_is_nearest_to_its_own_seed)
     }
     close_bed(&bed);
 }
-END_TEST
 
 static double nearest_other(const float *xyz, size_t n, size_t i)
 {
@@ -239,7 +235,7 @@ static double nearest_other(const float *xyz, size_t n, size_t i)
     return sqrt(best);
 }
 
-START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
+VT_TEST_LOOP(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS)
 {
     static const double moves[5] = {0, 0.001, 0.02, 0.2, 2};
     static const size_t counts[5] = {1, 2, 15, 300, 1200};
@@ -265,14 +261,4 @@ START_TEST(nearest_distances_after_a_move_are_those_of_a_look_at_every_seed)
             vor_free(&vt_memory, moved);
             close_bed(&bed);
         }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_cell_that_stops_at_the_security_radius_is_clipped_by_all_seeds, SEEDS);
-    vt_add_loop(suite, a_cell_in_a_plane_is_an_octagon_clipped_by_all_seeds, SEEDS);
-    vt_add_loop(suite, a_cell_from_lists_of_before_is_clipped_by_all_seeds_as_they_are_now, SEEDS);
-    vt_add_loop(suite, a_sample_of_a_cell_is_nearest_to_its_own_seed, SEEDS);
-    vt_add_loop(suite, nearest_distances_after_a_move_are_those_of_a_look_at_every_seed, SEEDS);
 }

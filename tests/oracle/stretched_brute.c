@@ -107,7 +107,7 @@ static double mean_of_six(const struct vor_seeds *seeds, const struct vor_scratc
     return sum / 6;
 }
 
-START_TEST(a_cell_in_a_metric_is_clipped_by_all_seeds)
+VT_TEST_LOOP(a_cell_in_a_metric_is_clipped_by_all_seeds, SEEDS)
 {
     static const size_t counts[3] = {7, 60, 500};
     static struct vor_cell all;
@@ -142,7 +142,6 @@ START_TEST(a_cell_in_a_metric_is_clipped_by_all_seeds)
         close_bed(&bed);
     }
 }
-END_TEST
 
 static double nearest_other(const struct vor_seeds *seeds, const float *xyz, size_t i)
 {
@@ -163,7 +162,7 @@ static double nearest_other(const struct vor_seeds *seeds, const float *xyz, siz
 }
 
 /* Moves from none to beyond what lists serve for, and some seeds far off. */
-START_TEST(nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed)
+VT_TEST_LOOP(nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed, SEEDS)
 {
     static const double moves[4] = {0, 0.005, 0.05, 2};
     static const size_t counts[4] = {2, 15, 100, 500};
@@ -194,11 +193,4 @@ START_TEST(nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed)
             vor_free(&vt_memory, moved);
             close_bed(&bed);
         }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_cell_in_a_metric_is_clipped_by_all_seeds, SEEDS);
-    vt_add_loop(suite, nearest_distances_in_a_metric_are_those_of_a_look_at_every_seed, SEEDS);
 }

@@ -187,7 +187,7 @@ static const struct {
 } shapes[] = {{"ellipsoid", make_ellipsoid, truth_of_ellipsoid, 40.50},
               {"cylinder", make_cylinder, truth_of_cylinder, 14 * M_PI}};
 
-START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
+VT_TEST_LOOP(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for, 2)
 {
     static double off[OUT];
     struct vor_cloud in, out;
@@ -224,7 +224,6 @@ START_TEST(cells_are_as_long_as_the_curvatures_of_the_shape_ask_for)
                   report.delta, report.metric_off, report.metric_off_high);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Gives points of a square tensors whose long side, of aspect 4, turns with x. */
 static void plant(struct vor_cloud *cloud)
@@ -246,7 +245,7 @@ static void plant(struct vor_cloud *cloud)
     }
 }
 
-START_TEST(cells_follow_a_planted_field_of_tensors)
+VT_TEST(cells_follow_a_planted_field_of_tensors)
 {
     static double off[OUT];
     struct vor_cloud in, out;
@@ -271,11 +270,4 @@ START_TEST(cells_follow_a_planted_field_of_tensors)
     ck_assert_double_eq_tol(report.metric_median, 4, 0.1);
     ck_assert_double_le(report.delta, 0.08);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, cells_are_as_long_as_the_curvatures_of_the_shape_ask_for, 2);
-    vt_add(suite, cells_follow_a_planted_field_of_tensors);
 }

@@ -105,7 +105,7 @@ static double mesh(const struct vor_cloud *in, const char *metric, const float *
 }
 
 /* Measured: 0.67 here; at 5,000 points 0.56. */
-START_TEST(a_mesh_that_follows_the_curvature_of_fandisk_is_nearer_to_it)
+VT_TEST(a_mesh_that_follows_the_curvature_of_fandisk_is_nearer_to_it)
 {
     const char *path = vt_data_or_skip("fandisk_mesh.ply");
     static float place[3 * PLACES];
@@ -126,13 +126,4 @@ START_TEST(a_mesh_that_follows_the_curvature_of_fandisk_is_nearer_to_it)
     vt_mesh_free(&truth);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("chen2018_aspect_mesh");
-
-    vt_add(suite, a_mesh_that_follows_the_curvature_of_fandisk_is_nearer_to_it);
-    return vt_run(suite);
 }

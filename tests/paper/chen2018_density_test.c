@@ -110,7 +110,7 @@ static void follow(struct followed *point, const struct vor_cloud *out, const st
 }
 
 /* Measured: slope -0.25, delta 0.02. */
-START_TEST(spacing_follows_curvature_to_the_power_of_a_quarter)
+VT_TEST(spacing_follows_curvature_to_the_power_of_a_quarter)
 {
     static struct followed point[OUT];
     struct vor_cloud in, out;
@@ -128,7 +128,6 @@ START_TEST(spacing_follows_curvature_to_the_power_of_a_quarter)
     ck_assert_msg(report.delta <= 0.03, "delta %g", report.delta);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Gives a cloud the scalar "weight", with a spacing that goes as 1 + 2 x, or even. */
 static void carry(struct vor_cloud *cloud, int is_even)
@@ -148,7 +147,7 @@ static int is_inside(const float *x)
     return x[0] > 0.05F && x[0] < 0.95F && x[1] > 0.05F && x[1] < 0.95F;
 }
 
-START_TEST(a_planted_attribute_decides_about_the_spacing)
+VT_TEST(a_planted_attribute_decides_about_the_spacing)
 {
     double sum[5] = {0}, count[5] = {0}, all = 0, points = 0;
     struct vor_cloud in, out;
@@ -180,11 +179,4 @@ START_TEST(a_planted_attribute_decides_about_the_spacing)
     ck_assert_double_eq_tol(report.density_most / report.density_least, 3, 0.05);
     ck_assert_double_lt(report.delta, 0.06);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, spacing_follows_curvature_to_the_power_of_a_quarter);
-    vt_add(suite, a_planted_attribute_decides_about_the_spacing);
 }

@@ -88,7 +88,6 @@ static double spacing_of(const struct vor_cloud *cloud, const struct edges *edge
 static void run(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                 size_t points, const char *contrast)
 {
-
     vt_resample(out, report, in, "points=%zu density=edges contrast=%s", points, contrast);
 }
 
@@ -117,7 +116,7 @@ static void assert_follows(const struct vor_cloud *in, const struct edges *edges
     vor_cloud_free(&out);
 }
 
-START_TEST(a_box_has_its_points_closer_along_its_edges)
+VT_TEST(a_box_has_its_points_closer_along_its_edges)
 {
     struct vt_segments segments = {.n = 12};
     struct edges edges;
@@ -142,9 +141,8 @@ START_TEST(a_box_has_its_points_closer_along_its_edges)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(fandisk_has_its_points_closer_along_its_edges)
+VT_TEST(fandisk_has_its_points_closer_along_its_edges)
 {
     const char *path = vt_data_or_skip("fandisk_mesh.ply");
     struct vt_segments segments;
@@ -166,9 +164,8 @@ START_TEST(fandisk_has_its_points_closer_along_its_edges)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(contrast_one_is_an_even_spread)
+VT_TEST(contrast_one_is_an_even_spread)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -178,9 +175,8 @@ START_TEST(contrast_one_is_an_even_spread)
     ck_assert_double_eq_tol(times_of(&report), 1, 1e-6);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(what_has_no_edge_is_refused)
+VT_TEST_LOOP(what_has_no_edge_is_refused, 2)
 {
     struct vor_report report;
     struct vt_engine engine;
@@ -208,13 +204,4 @@ START_TEST(what_has_no_edge_is_refused)
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_box_has_its_points_closer_along_its_edges);
-    vt_add(suite, fandisk_has_its_points_closer_along_its_edges);
-    vt_add(suite, contrast_one_is_an_even_spread);
-    vt_add_loop(suite, what_has_no_edge_is_refused, 2);
 }

@@ -45,7 +45,8 @@ static void make(struct vor_cloud *in, const char **name, int i)
 }
 
 /* Measured over eight seeds of each of three surfaces: momentum 16 to 25, the mix 26 to 35. */
-START_TEST(momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fewer_than_fifty)
+VT_TEST_LOOP(momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fewer_than_fifty,
+             VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
     static struct vt_trace plain, momentum, mix;
     struct vor_cloud in;
@@ -65,7 +66,6 @@ START_TEST(momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fewe
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 static double coverage(const struct vor_cloud *out, const struct vor_cloud *surface)
 {
@@ -79,7 +79,8 @@ static double coverage(const struct vor_cloud *out, const struct vor_cloud *surf
 }
 
 /* Of a tessellation that has converged, not of the one that the polish begins with. */
-START_TEST(the_default_halves_the_delta_of_a_converged_tessellation_and_covers_as_well)
+VT_TEST_LOOP(the_default_halves_the_delta_of_a_converged_tessellation_and_covers_as_well,
+             VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
     struct vor_cloud in, surface, converged, polished;
     struct vor_report before, after;
@@ -99,14 +100,4 @@ START_TEST(the_default_halves_the_delta_of_a_converged_tessellation_and_covers_a
     vor_cloud_free(&polished);
     vor_cloud_free(&converged);
     vt_free_last(&surface, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite,
-                momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fewer_than_fifty,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_loop(suite, the_default_halves_the_delta_of_a_converged_tessellation_and_covers_as_well,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
 }

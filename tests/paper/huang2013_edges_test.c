@@ -27,7 +27,7 @@ static void ear_of(struct vor_cloud *out, const struct vor_cloud *in, const char
     vt_ask(out, &report, &(struct vt_ask){in, options, 2});
 }
 
-START_TEST(normals_near_the_edge_of_a_wedge_are_those_of_its_faces)
+VT_TEST_LOOP(normals_near_the_edge_of_a_wedge_are_those_of_its_faces, ROWS)
 {
     const struct row *row = &rows[_i];
     struct vt_wedge_seen seen = {0};
@@ -56,12 +56,11 @@ START_TEST(normals_near_the_edge_of_a_wedge_are_those_of_its_faces)
     vt_wedge_seen_free(&seen);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Eq. 4, E7: what is inserted lies on the planes that the points before it have. Measured: 1.4 % of
  * the points lie farther off than a tenth of a spacing, all within one of the edge, where a normal
  * between those of both planes has been taken over. */
-START_TEST(inserted_points_lie_on_the_two_planes_of_a_wedge)
+VT_TEST(inserted_points_lie_on_the_two_planes_of_a_wedge)
 {
     static const struct vt_wedge clean = {90, 0, 2 * N};
     struct vor_cloud in, out;
@@ -81,7 +80,6 @@ START_TEST(inserted_points_lie_on_the_two_planes_of_a_wedge)
     ck_assert_msg(off <= out.n / 50, "%zu points lie off both planes", off);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Rho: how much sooner points come to edges. */
 static size_t near_edge_of(const struct vor_cloud *in, const char *options)
@@ -96,7 +94,7 @@ static size_t near_edge_of(const struct vor_cloud *in, const char *options)
     return near;
 }
 
-START_TEST(more_points_come_near_an_edge_the_larger_rho)
+VT_TEST(more_points_come_near_an_edge_the_larger_rho)
 {
     static const struct vt_wedge wedge = {90, 0.005, N};
     struct vor_cloud in;
@@ -110,7 +108,6 @@ START_TEST(more_points_come_near_an_edge_the_larger_rho)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Fig. 7: a gap stays or is filled. Points around the top of a sphere, where there were none. */
 static size_t in_gap(const struct vor_cloud *in, double gap, const char *options)
@@ -129,7 +126,7 @@ static size_t in_gap(const struct vor_cloud *in, double gap, const char *options
 }
 
 /* Measured: 0 and 69; even points would be 59. With the polish 25 come in, from around it. */
-START_TEST(a_gap_is_kept_or_filled_as_asked)
+VT_TEST(a_gap_is_kept_or_filled_as_asked)
 {
     enum { ALL = 3000 };
     const double gap = 0.2; /* three spacings; points are counted in nine tenths of it */
@@ -150,7 +147,6 @@ START_TEST(a_gap_is_kept_or_filled_as_asked)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Fig. 18: sheets nearer to each other than the neighbourhoods are wide. Share of points that lie
  * more than a quarter of the gap off both. */
@@ -171,7 +167,7 @@ static double between_sheets(const struct vor_cloud *in, double gap, const char 
 }
 
 /* 4 spacings of each sheet. Measured: ear and wlop 0.5 %, cvt 1.1 %. */
-START_TEST(two_close_sheets_do_not_mix)
+VT_TEST(two_close_sheets_do_not_mix)
 {
     const double gap = 0.1;
     struct vor_cloud in;
@@ -184,11 +180,10 @@ START_TEST(two_close_sheets_do_not_mix)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Of a tube with noise, some five spacings in radius. Measured: 0.40 of the input's distance to it,
  * and 0.85 with facets between edges that are none. */
-START_TEST(a_thin_tube_is_smoothed_and_gets_no_facets)
+VT_TEST(a_thin_tube_is_smoothed_and_gets_no_facets)
 {
     struct vor_cloud in, out;
     double before;
@@ -202,9 +197,8 @@ START_TEST(a_thin_tube_is_smoothed_and_gets_no_facets)
     ck_assert_double_le(vt_off_mean(&vt_shapes[VT_TORUS], &out), 0.6 * before);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(a_surface_with_one_side_finishes_and_says_so)
+VT_TEST(a_surface_with_one_side_finishes_and_says_so)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -217,16 +211,4 @@ START_TEST(a_surface_with_one_side_finishes_and_says_so)
     ck_assert_uint_eq(report.warnings_count, 1);
     ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_ONE_SIDED);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, normals_near_the_edge_of_a_wedge_are_those_of_its_faces, ROWS);
-    vt_add(suite, inserted_points_lie_on_the_two_planes_of_a_wedge);
-    vt_add(suite, more_points_come_near_an_edge_the_larger_rho);
-    vt_add(suite, a_gap_is_kept_or_filled_as_asked);
-    vt_add(suite, two_close_sheets_do_not_mix);
-    vt_add(suite, a_thin_tube_is_smoothed_and_gets_no_facets);
-    vt_add(suite, a_surface_with_one_side_finishes_and_says_so);
 }

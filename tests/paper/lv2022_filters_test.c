@@ -48,7 +48,7 @@ static double off_planes(const struct vor_cloud *cloud, const struct vor_cloud *
 }
 
 /* Sec. 3.1, Eq. 1 to 3, and Table 1. The table of ours wants half of the input's at most. */
-START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
+VT_TEST(mls_more_than_halves_the_noise_of_the_bunny)
 {
     static const double level[2] = {VT_NOISE_LOW, VT_NOISE_HIGH};
     struct vor_cloud clean;
@@ -76,12 +76,11 @@ START_TEST(mls_more_than_halves_the_noise_of_the_bunny)
     vor_cloud_free(&clean);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Sec. 3.1, Eq. 4: which points are missing shows in their order. Along the normals of planes, at
  * ears and creases, more outliers come to lie on another part of the bunny than along those of its
  * mesh, where 0.994 are found. */
-START_TEST(the_outliers_of_the_bunny_are_found)
+VT_TEST(the_outliers_of_the_bunny_are_found)
 {
     struct vor_cloud in, out;
     unsigned char *moved;
@@ -106,11 +105,4 @@ START_TEST(the_outliers_of_the_bunny_are_found)
                   "%zu of %zu dropped, %zu others", right, all, dropped - right);
     free(moved);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, mls_more_than_halves_the_noise_of_the_bunny);
-    vt_add(suite, the_outliers_of_the_bunny_are_found);
 }

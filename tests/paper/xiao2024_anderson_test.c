@@ -32,7 +32,7 @@ static void trace_of(struct vt_trace *trace, const struct vor_cloud *in, const c
 
 /* Eq. 12 as its text has it. Both runs start alike; until two iterates are known there is nothing
  * to mix; at the second iteration the plain step is one of the two candidates. */
-START_TEST(eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one)
+VT_TEST_LOOP(eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one, VT_FEWER(SEEDS))
 {
     static struct vt_trace plain, mixed;
     struct vor_cloud in;
@@ -48,10 +48,9 @@ START_TEST(eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one)
     ck_assert_double_le(mixed.record[2].delta, plain.record[2].delta);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* Row X11: never diverges, for any window and on a surface with edges. */
-START_TEST(no_window_makes_the_iteration_diverge)
+VT_TEST_LOOP(no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS))
 {
     static const char *const windows[4] = {"1", "2", "8", "16"};
     static struct vt_trace trace;
@@ -64,12 +63,4 @@ START_TEST(no_window_makes_the_iteration_diverge)
         ck_assert_double_le(trace.record[i].delta, 1.3 * vt_trace_best(&trace, i));
     }
     vor_cloud_free(&in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, eq_12_an_accelerated_iteration_is_at_least_as_even_as_the_plain_one,
-                VT_FEWER(SEEDS));
-    vt_add_loop(suite, no_window_makes_the_iteration_diverge, VT_FEWER(SEEDS));
 }

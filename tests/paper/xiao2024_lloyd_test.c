@@ -33,7 +33,7 @@ static double off_sphere(const struct vor_surface *surface)
     return most;
 }
 
-START_TEST(fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane)
+VT_TEST_LOOP(fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane, SEEDS)
 {
     struct vor_cloud cloud;
     struct vor_knn *knn;
@@ -68,7 +68,6 @@ START_TEST(fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane)
     vor_knn_free(knn);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* --- Sec. III-B step 2 and III-C, rows X2 and X4 ------------------------------------------------
  */
@@ -78,7 +77,7 @@ END_TEST
 
 /* A hexagonal lattice in a plane is a centroidal tessellation: its cells are regular hexagons and
  * every inner seed is the centroid of its own. */
-START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
+VT_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
 {
     enum { SIDE = 12 };
     const double h = 0.05, area = sqrt(3) / 2 * h * h;
@@ -122,7 +121,6 @@ START_TEST(eq_5_a_hexagonal_lattice_in_a_plane_stands_still)
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
 }
-END_TEST
 
 static void trace_run(struct vt_trace *trace, struct vor_report *report, const struct vor_cloud *in,
                       const char *points, const char *iterations, const char *window)
@@ -142,7 +140,7 @@ static void trace_run(struct vt_trace *trace, struct vor_report *report, const s
 }
 
 /* The more seeds settle, the nearer to hexagons: Gersho's bound is that of hexagons only. */
-START_TEST(the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below)
+VT_TEST_LOOP(the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below, SEEDS)
 {
     static struct vt_trace trace;
     struct vor_report report;
@@ -156,7 +154,6 @@ START_TEST(the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below)
     ck_assert_double_lt(normalised, GERSHO * 1.05);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* --- Fig. 6(e), rows X5 and X8 ------------------------------------------------------------------
  */
@@ -170,7 +167,7 @@ static double mean_energy(const struct vt_trace *trace, size_t from)
     return sum;
 }
 
-START_TEST(fig_6e_energy_and_delta_fall_overall)
+VT_TEST_LOOP(fig_6e_energy_and_delta_fall_overall, SEEDS)
 {
     static struct vt_trace trace;
     struct vor_report report;
@@ -187,7 +184,6 @@ START_TEST(fig_6e_energy_and_delta_fall_overall)
     ck_assert_double_lt(trace.record[40].delta, 0.35 * trace.record[0].delta);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* --- Fig. 5, rows X6 and X7 ---------------------------------------------------------------------
  */
@@ -244,7 +240,7 @@ static double delta_from(const struct vor_cloud *cloud, uint64_t seed, int rando
     return even.delta;
 }
 
-START_TEST(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud)
+VT_TEST_LOOP(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud, SEEDS)
 {
     struct vor_cloud cloud;
     double left_area, left_random, by_area, by_random;
@@ -257,14 +253,4 @@ START_TEST(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud)
     ck_assert_double_lt(by_area, 0.75 * by_random);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, fig_8_a_quadric_is_ten_times_nearer_to_a_sphere_than_its_plane, SEEDS);
-    vt_add(suite, eq_5_a_hexagonal_lattice_in_a_plane_stands_still);
-    vt_add_loop(suite, the_energy_of_a_sphere_comes_near_that_of_hexagons_and_not_below, SEEDS);
-    vt_add_loop(suite, fig_6e_energy_and_delta_fall_overall, SEEDS);
-    vt_add_loop(suite, fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud, SEEDS);
 }

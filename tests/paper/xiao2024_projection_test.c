@@ -33,7 +33,7 @@ static double off_sphere_rms(const struct vor_cloud *cloud)
 
 /* The bound is a fiftieth of what a plane patch of this spacing would leave. What is left is
  * rounding and noise of the fit, so it is compared with a factor. */
-START_TEST(sec_iv_d_the_distance_to_the_surface_does_not_accumulate)
+VT_TEST_LOOP(sec_iv_d_the_distance_to_the_surface_does_not_accumulate, SEEDS)
 {
     static const char *const iterations[3] = {"1", "10", "40"};
     double rms[3], sagitta = M_PI / 600 / 2;
@@ -51,7 +51,6 @@ START_TEST(sec_iv_d_the_distance_to_the_surface_does_not_accumulate)
     ck_assert_double_lt(rms[2], 2.5 * rms[1]);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* --- Sec. IV-E, Fig. 7, row X13 -----------------------------------------------------------------
  */
@@ -66,7 +65,7 @@ static size_t below(const struct vor_cloud *cloud, double depth)
     return found;
 }
 
-START_TEST(fig_7_no_point_drifts_beyond_the_rim_and_without_the_restriction_some_do)
+VT_TEST_LOOP(fig_7_no_point_drifts_beyond_the_rim_and_without_the_restriction_some_do, SEEDS)
 {
     const double spacing = sqrt(2 * M_PI / 4000);
     struct vor_cloud in, keep, free;
@@ -82,10 +81,9 @@ START_TEST(fig_7_no_point_drifts_beyond_the_rim_and_without_the_restriction_some
     vor_cloud_free(&keep);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* ERRATA, "the boundary restriction freezes closed clouds": ours must not. */
-START_TEST(sec_iv_e_on_a_closed_cloud_at_most_one_point_in_a_thousand_is_held)
+VT_TEST_LOOP(sec_iv_e_on_a_closed_cloud_at_most_one_point_in_a_thousand_is_held, SEEDS)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -97,7 +95,6 @@ START_TEST(sec_iv_e_on_a_closed_cloud_at_most_one_point_in_a_thousand_is_held)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* --- Sec. IV-E and V-A, row X14 -----------------------------------------------------------------
  */
@@ -131,7 +128,7 @@ static double gap(const struct vor_cloud *cloud)
 }
 
 /* Without the four points in the middle, opposite points are three apart. */
-START_TEST(sec_iv_e_a_hole_narrower_than_three_spacings_is_filled)
+VT_TEST_LOOP(sec_iv_e_a_hole_narrower_than_three_spacings_is_filled, SEEDS)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -143,9 +140,8 @@ START_TEST(sec_iv_e_a_hole_narrower_than_three_spacings_is_filled)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
-START_TEST(sec_v_a_a_wider_hole_shrinks_with_every_pass)
+VT_TEST_LOOP(sec_v_a_a_wider_hole_shrinks_with_every_pass, SEEDS)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -163,15 +159,4 @@ START_TEST(sec_v_a_a_wider_hole_shrinks_with_every_pass)
     }
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, sec_iv_d_the_distance_to_the_surface_does_not_accumulate, SEEDS);
-    vt_add_loop(suite, fig_7_no_point_drifts_beyond_the_rim_and_without_the_restriction_some_do,
-                SEEDS);
-    vt_add_loop(suite, sec_iv_e_on_a_closed_cloud_at_most_one_point_in_a_thousand_is_held, SEEDS);
-    vt_add_loop(suite, sec_iv_e_a_hole_narrower_than_three_spacings_is_filled, SEEDS);
-    vt_add_loop(suite, sec_v_a_a_wider_hole_shrinks_with_every_pass, SEEDS);
 }

@@ -6,7 +6,7 @@
 
 /* Vector: SplitMix64 with state 0 and 1234567, as its authors' code has them. The counter of our
  * streams is the state of theirs. */
-START_TEST(the_finaliser_gives_the_published_numbers)
+VT_TEST(the_finaliser_gives_the_published_numbers)
 {
     static const uint64_t from_0[] = {UINT64_C(0xe220a8397b1dcdaf), UINT64_C(0x6e789e6aa1b965f4),
                                       UINT64_C(0x06c45d188009454f), UINT64_C(0xf88bb8a8724c81ec)};
@@ -20,17 +20,15 @@ START_TEST(the_finaliser_gives_the_published_numbers)
         ck_assert(vor_rng_mix(1234567 + (i + 1) * golden) == from_1234567[i]);
     }
 }
-END_TEST
 
 /* Regression: every golden file and every seed of a caller hangs on these. */
-START_TEST(draws_never_change)
+VT_TEST(draws_never_change)
 {
     ck_assert(vor_rng_bits(0, 0, 0) == UINT64_C(0x1cd364143cce4aae));
     ck_assert(vor_rng_bits(1, 2, 3) == UINT64_C(0xfd832bc5946a59ad));
     ck_assert(vor_rng_bits(UINT64_MAX, UINT64_MAX, UINT64_MAX) == UINT64_C(0x5601b840d45706d7));
     ck_assert_uint_eq(vor_rng_below(1, 2, 3, 1000), 990);
 }
-END_TEST
 
 enum { BINS = 64, DRAWS = 64 * 400 };
 
@@ -46,7 +44,7 @@ static double chi_squared(const unsigned *counts, unsigned bins, double expected
 
 /* Property, for neighbouring seeds, streams and indices alike. Six deviations: one run in 10^7 or
  * so would be beyond them; the seeds are fixed. */
-START_TEST(draws_fill_their_range_evenly)
+VT_TEST_LOOP(draws_fill_their_range_evenly, 10)
 {
     for (int along = 0; along < 3; along++) {
         unsigned high[BINS] = {0}, low[BINS] = {0}, below[BINS] = {0};
@@ -69,10 +67,9 @@ START_TEST(draws_fill_their_range_evenly)
         ck_assert_double_lt(fabs(mean - 0.5), 6 / sqrt(12.0 * DRAWS));
     }
 }
-END_TEST
 
 /* Property: pairs of neighbouring draws fill the square. */
-START_TEST(neighbouring_draws_have_nothing_to_do_with_each_other)
+VT_TEST_LOOP(neighbouring_draws_have_nothing_to_do_with_each_other, 10)
 {
     unsigned counts[BINS] = {0};
 
@@ -84,23 +81,12 @@ START_TEST(neighbouring_draws_have_nothing_to_do_with_each_other)
     }
     ck_assert_double_lt(chi_squared(counts, BINS, DRAWS / BINS), 63 + 6 * 11.3);
 }
-END_TEST
 
-START_TEST(a_bound_is_never_reached)
+VT_TEST(a_bound_is_never_reached)
 {
     for (uint64_t i = 0; i < 1000; i++) {
         ck_assert_uint_eq(vor_rng_below(i, 0, i, 1), 0);
         ck_assert_uint_lt(vor_rng_below(i, 0, i, 3), 3);
         ck_assert(vor_rng_below(i, 0, i, UINT64_MAX) < UINT64_MAX);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_finaliser_gives_the_published_numbers);
-    vt_add(suite, draws_never_change);
-    vt_add_loop(suite, draws_fill_their_range_evenly, 10);
-    vt_add_loop(suite, neighbouring_draws_have_nothing_to_do_with_each_other, 10);
-    vt_add(suite, a_bound_is_never_reached);
 }

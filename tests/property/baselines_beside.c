@@ -13,7 +13,7 @@ static void open_engine(struct vt_engine *engine, unsigned threads, size_t point
     vt_engine_set(engine, "baselines", "true");
 }
 
-START_TEST(the_result_is_the_same_with_baselines_beside_it)
+VT_TEST_FIGURES(the_result_is_the_same_with_baselines_beside_it, 0)
 {
     struct vor_report with, without;
     struct vt_engine engine;
@@ -35,11 +35,10 @@ START_TEST(the_result_is_the_same_with_baselines_beside_it)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Paper: Chen et al. 2018, Sec. 5.1. Of points spread by chance in a plane, delta is
  * sqrt(4 / pi - 1) = 0.52. */
-START_TEST(each_is_as_even_as_its_method_is_known_to_be)
+VT_TEST_FIGURES(each_is_as_even_as_its_method_is_known_to_be, 2)
 {
     struct vor_report report;
     struct vt_engine engine;
@@ -66,10 +65,9 @@ START_TEST(each_is_as_even_as_its_method_is_known_to_be)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* The one that is a method is what the method makes. */
-START_TEST(kmeans_is_the_method_of_that_name)
+VT_TEST_FIGURES(kmeans_is_the_method_of_that_name, 0)
 {
     struct vor_report beside, own;
     struct vt_engine engine;
@@ -92,9 +90,8 @@ START_TEST(kmeans_is_the_method_of_that_name)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(records_tell_each_baseline_after_the_polish)
+VT_TEST(records_tell_each_baseline_after_the_polish)
 {
     static struct vt_trace trace;
     struct vor_report report;
@@ -124,9 +121,8 @@ START_TEST(records_tell_each_baseline_after_the_polish)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(of_fewer_input_points_all_are_taken)
+VT_TEST_FIGURES(of_fewer_input_points_all_are_taken, 0)
 {
     struct vor_report report;
     struct vt_engine engine;
@@ -146,9 +142,8 @@ START_TEST(of_fewer_input_points_all_are_taken)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(filters_alone_have_no_baselines_beside_them)
+VT_TEST_FIGURES(filters_alone_have_no_baselines_beside_them, 0)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -159,7 +154,6 @@ START_TEST(filters_alone_have_no_baselines_beside_them)
     ck_assert_int_eq(report.has_baselines, 0);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 static enum vor_answer stop(void *ctx)
 {
@@ -167,7 +161,7 @@ static enum vor_answer stop(void *ctx)
     return VOR_STOP;
 }
 
-START_TEST(a_run_that_is_stopped_has_no_baselines)
+VT_TEST(a_run_that_is_stopped_has_no_baselines)
 {
     struct vor_watch watch = {.poll = stop};
     struct vor_report report;
@@ -183,16 +177,4 @@ START_TEST(a_run_that_is_stopped_has_no_baselines)
     ck_assert_int_eq(report.has_baselines, 0);
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_result_is_the_same_with_baselines_beside_it, 0);
-    vt_add_figures(suite, each_is_as_even_as_its_method_is_known_to_be, 2);
-    vt_add_figures(suite, kmeans_is_the_method_of_that_name, 0);
-    vt_add(suite, records_tell_each_baseline_after_the_polish);
-    vt_add_figures(suite, of_fewer_input_points_all_are_taken, 0);
-    vt_add_figures(suite, filters_alone_have_no_baselines_beside_them, 0);
-    vt_add(suite, a_run_that_is_stopped_has_no_baselines);
 }

@@ -149,7 +149,7 @@ static int assert_best(const struct spy *spy, const struct vor_report *report)
 }
 
 /* Input _i, with the polish and without. */
-START_TEST(the_last_best_is_the_report_s)
+VT_TEST_LOOP(the_last_best_is_the_report_s, VT_ONCE(INPUTS))
 {
     static const char *const polishes[] = {"0", "30"};
     unsigned of_result = 0, stopped[VOR_STOPPED_COUNT] = {0};
@@ -175,10 +175,4 @@ START_TEST(the_last_best_is_the_report_s)
         ck_assert_uint_eq(of_result, 2 * ENDINGS);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_last_best_is_the_report_s, VT_ONCE(INPUTS));
 }

@@ -24,7 +24,7 @@ static void shape(struct vor_cloud *cloud, int kind)
     }
 }
 
-START_TEST(any_shape_gives_the_points_asked_for_whatever_the_threads)
+VT_TEST_LOOP(any_shape_gives_the_points_asked_for_whatever_the_threads, SHAPES)
 {
     static const char *const ways[3][2] = {
         {"metric", "lp"}, {"cells", "euclid"}, {"metric", "anisotropic"}};
@@ -59,10 +59,4 @@ START_TEST(any_shape_gives_the_points_asked_for_whatever_the_threads)
         }
     }
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, any_shape_gives_the_points_asked_for_whatever_the_threads, SHAPES);
 }

@@ -52,7 +52,7 @@ static void wild_positions(struct vor_cloud *cloud, uint64_t seed)
 }
 
 /* Property: quantization 0 keeps every bit and the order, whatever keep_order says. */
-START_TEST(lossless_is_bit_exact)
+VT_TEST_LOOP(lossless_is_bit_exact, 60)
 {
     uint64_t seed = 100 + (uint64_t)_i;
     struct vor_cloud cloud, back;
@@ -76,7 +76,6 @@ START_TEST(lossless_is_bit_exact)
         draco_assert_same(&back, &cloud, cloud.attributes[i].name, NULL);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 /* Half a cell of the bits asked for, and what float32 rounds off on the way there and back. */
 static double tolerance(const struct vor_cloud *cloud, int bits)
@@ -93,7 +92,7 @@ static double tolerance(const struct vor_cloud *cloud, int bits)
 
 /* Property: both encodings move points by at most half a cell, the kd-tree gives a permutation, the
  * origin comes back to the bit, and integers and doubles are exact. */
-START_TEST(quantised_points_move_by_at_most_half_a_cell)
+VT_TEST_LOOP(quantised_points_move_by_at_most_half_a_cell, 90)
 {
     uint64_t seed = 200 + (uint64_t)_i;
     int bits = 1 + _i % 30;
@@ -128,11 +127,10 @@ START_TEST(quantised_points_move_by_at_most_half_a_cell)
     free(numbers);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 /* Property: float attributes are off by half a step of their range, 16 bits of it; where they are
  * whole numbers (or any multiples of a power of two) they are exact. */
-START_TEST(float_attributes_are_exact_on_a_grid_and_close_off_it)
+VT_TEST_LOOP(float_attributes_are_exact_on_a_grid_and_close_off_it, 20)
 {
     uint64_t seed = 300 + (uint64_t)_i;
     struct vor_cloud cloud, back;
@@ -160,7 +158,6 @@ START_TEST(float_attributes_are_exact_on_a_grid_and_close_off_it)
     free(numbers);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 static int by_place(const void *a, const void *b)
 {
@@ -184,7 +181,7 @@ static size_t distinct(struct vor_cloud *cloud)
 
 /* Property: with auto as many places come out as went in, however close some of the points are and
  * however far from 0, and cells are no larger than spacing / 200. */
-START_TEST(auto_never_makes_points_coincide)
+VT_TEST_LOOP(auto_never_makes_points_coincide, 24)
 {
     uint64_t seed = 400 + (uint64_t)_i;
     double spacing = _i % 3 == 0 ? 0 : 0.05, bound;
@@ -213,10 +210,9 @@ START_TEST(auto_never_makes_points_coincide)
     free(bytes.data);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 /* Property: auto takes the smallest number of bits that will do. */
-START_TEST(auto_takes_no_bit_more_than_it_must)
+VT_TEST_LOOP(auto_takes_no_bit_more_than_it_must, 20)
 {
     double spacing = ldexp(1, -_i);
     struct vor_draco_column column = {
@@ -235,14 +231,4 @@ START_TEST(auto_takes_no_bit_more_than_it_must)
     ck_assert_double_gt(3 / (ldexp(1, column.bits - 1) - 1), spacing / 200);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, lossless_is_bit_exact, 60);
-    vt_add_loop(suite, quantised_points_move_by_at_most_half_a_cell, 90);
-    vt_add_loop(suite, float_attributes_are_exact_on_a_grid_and_close_off_it, 20);
-    vt_add_loop(suite, auto_never_makes_points_coincide, 24);
-    vt_add_loop(suite, auto_takes_no_bit_more_than_it_must, 20);
 }

@@ -74,7 +74,7 @@ static void assert_nearest(const struct vor_cloud *out, const struct vor_cloud *
     }
 }
 
-START_TEST(every_attribute_comes_from_the_nearest_input_point)
+VT_TEST_FIGURES(every_attribute_comes_from_the_nearest_input_point, VT_ONCE(SEEDS))
 {
     struct vor_cloud in, out;
 
@@ -88,10 +88,9 @@ START_TEST(every_attribute_comes_from_the_nearest_input_point)
     }
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Every place twice: the attributes are those of the first of the two. */
-START_TEST(of_coincident_input_points_the_first_gives_the_attributes)
+VT_TEST_FIGURES(of_coincident_input_points_the_first_gives_the_attributes, VT_ONCE(SEEDS))
 {
     struct vor_cloud in, out;
     const struct vor_attribute *label;
@@ -108,9 +107,8 @@ START_TEST(of_coincident_input_points_the_first_gives_the_attributes)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
-START_TEST(dropped_attributes_are_gone)
+VT_TEST_FIGURES(dropped_attributes_are_gone, 0)
 {
     struct vor_cloud in, out;
 
@@ -131,7 +129,6 @@ START_TEST(dropped_attributes_are_gone)
     ck_assert_uint_eq(out.attribute_count, 8);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 static int is_signed(enum vor_type type)
 {
@@ -180,7 +177,7 @@ static void assert_inwards(const struct vor_cloud *out, float shift)
 
 /* Regression: normals of the types but four were taken for zero, and then a fitted normal kept the
  * side that the fit happens to give it. Unsigned ones can only point along the axes. */
-START_TEST(carried_normals_of_every_type_decide_the_side_also_off_the_origin)
+VT_TEST_FIGURES(carried_normals_of_every_type_decide_the_side_also_off_the_origin, VOR_TYPE_COUNT)
 {
     static const float shifts[2] = {0, 75};
     enum vor_type type = (enum vor_type)_i;
@@ -198,15 +195,4 @@ START_TEST(carried_normals_of_every_type_decide_the_side_also_off_the_origin)
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, every_attribute_comes_from_the_nearest_input_point, VT_ONCE(SEEDS));
-    vt_add_figures(suite, of_coincident_input_points_the_first_gives_the_attributes,
-                   VT_ONCE(SEEDS));
-    vt_add_figures(suite, dropped_attributes_are_gone, 0);
-    vt_add_figures(suite, carried_normals_of_every_type_decide_the_side_also_off_the_origin,
-                   VOR_TYPE_COUNT);
 }

@@ -44,7 +44,7 @@ static void check_count(const struct vor_cloud *in, size_t n, uint64_t seed, con
     vor_cloud_free(&out);
 }
 
-START_TEST(the_result_has_exactly_the_points_asked_for)
+VT_TEST_FIGURES(the_result_has_exactly_the_points_asked_for, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const size_t sizes[3] = {4, 37, 120};
     uint64_t seed = (uint64_t)_i;
@@ -62,7 +62,6 @@ START_TEST(the_result_has_exactly_the_points_asked_for)
             vt_assert_no_leak();
         }
 }
-END_TEST
 
 static size_t count_of(const char *name, const char *text, const struct vor_cloud *in)
 {
@@ -83,7 +82,7 @@ static size_t count_of(const char *name, const char *text, const struct vor_clou
     return n;
 }
 
-START_TEST(a_ratio_is_of_the_inputs_points)
+VT_TEST(a_ratio_is_of_the_inputs_points)
 {
     struct vor_cloud in;
 
@@ -94,7 +93,6 @@ START_TEST(a_ratio_is_of_the_inputs_points)
     ck_assert_uint_eq(count_of("ratio", "2.5", &in), 2502);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* n = area / (sqrt(3)/2 spacing^2) with the true area. */
 static void check_spacing(const struct vor_cloud *in, double area, double spacing, double within)
@@ -109,7 +107,7 @@ static void check_spacing(const struct vor_cloud *in, double area, double spacin
                   spacing, wanted);
 }
 
-START_TEST(a_spacing_becomes_points_by_the_area)
+VT_TEST_FIGURES(a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS))
 {
     struct vor_cloud in;
 
@@ -124,11 +122,10 @@ START_TEST(a_spacing_becomes_points_by_the_area)
     check_spacing(&in, 1e6, 35, 0.03);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* A cloud asked for by spacing comes out with about that spacing: a CVT's mean nearest distance is
  * a little below that of the hexagonal lattice. */
-START_TEST(the_result_has_about_the_spacing_asked_for)
+VT_TEST_FIGURES(the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -139,14 +136,4 @@ START_TEST(the_result_has_about_the_spacing_asked_for)
     ck_assert_double_le(report.spacing_mean, 0.12 * 1.02);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_result_has_exactly_the_points_asked_for,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add(suite, a_ratio_is_of_the_inputs_points);
-    vt_add_figures(suite, a_spacing_becomes_points_by_the_area, VT_FEWER(SEEDS));
-    vt_add_figures(suite, the_result_has_about_the_spacing_asked_for, VT_FEWER(SEEDS));
 }

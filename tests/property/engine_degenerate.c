@@ -140,7 +140,7 @@ static void run_shape(int shape, size_t points, size_t n, const char *boundary)
     vt_free_last(&out, &in);
 }
 
-START_TEST(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not)
+VT_TEST_LOOP(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not, VT_ONCE(SHAPES))
 {
     run_shape(_i, N, 100, "keep");
     run_shape(_i, N, 100, "free");
@@ -148,9 +148,8 @@ START_TEST(a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not)
     run_shape(_i, N, 5, "keep");
     run_shape(_i, N, 1, "keep");
 }
-END_TEST
 
-START_TEST(a_cloud_without_a_surface_is_refused_at_every_size)
+VT_TEST(a_cloud_without_a_surface_is_refused_at_every_size)
 {
     for (int shape = 0; shape < SHAPES; shape++)
         for (size_t points = 1; points <= 3; points++) {
@@ -172,10 +171,9 @@ START_TEST(a_cloud_without_a_surface_is_refused_at_every_size)
             vt_assert_no_leak();
         }
 }
-END_TEST
 
 /* The corners of a square: as small as a surface gets. */
-START_TEST(four_points_make_one_to_sixty_four)
+VT_TEST(four_points_make_one_to_sixty_four)
 {
     for (size_t n = 1; n <= 64; n += 7) {
         static const float square[12] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
@@ -195,13 +193,4 @@ START_TEST(four_points_make_one_to_sixty_four)
         vor_cloud_free(&in);
         vt_engine_close(&engine);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_strange_cloud_gives_exactly_the_points_asked_for_or_says_why_not,
-                VT_ONCE(SHAPES));
-    vt_add(suite, a_cloud_without_a_surface_is_refused_at_every_size);
-    vt_add(suite, four_points_make_one_to_sixty_four);
 }

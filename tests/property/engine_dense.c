@@ -41,7 +41,7 @@ static void assert_whole(const struct vor_cloud *out, const struct vt_shape *sha
                   vt_off_mean(shape, out));
 }
 
-START_TEST(the_result_lies_on_all_of_the_input)
+VT_TEST_FIGURES(the_result_lies_on_all_of_the_input, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const char *const ends[][2] = {
         {"0", "0"}, {"0", "12"}, {"30", "3"}, {"120", "0"}, {"120", "12"}}; /* polish, iterations */
@@ -62,9 +62,9 @@ START_TEST(the_result_lies_on_all_of_the_input)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_run_without_limits_ends_as_even_as_one_on_few_points)
+VT_TEST_FIGURES(a_run_without_limits_ends_as_even_as_one_on_few_points,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
     const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
     struct vor_report dense, sparse;
@@ -88,9 +88,8 @@ START_TEST(a_run_without_limits_ends_as_even_as_one_on_few_points)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_delta_that_is_asked_for_holds_of_the_result)
+VT_TEST_FIGURES(a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOTH))
 {
     static const char *const wanted[] = {"0.2", "0.09", "0.06", "0.035", "0.001"};
     const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
@@ -117,7 +116,6 @@ START_TEST(a_delta_that_is_asked_for_holds_of_the_result)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 struct stopper {
     unsigned left, told;
@@ -132,7 +130,7 @@ static enum vor_answer stop_at(void *ctx, const struct vor_record *record)
     return stopper->left-- == 0 ? VOR_STOP : VOR_CONTINUE;
 }
 
-START_TEST(stopped_at_any_record_it_hands_back_points_of_the_whole)
+VT_TEST_LOOP(stopped_at_any_record_it_hands_back_points_of_the_whole, 1)
 {
     struct vor_report report = {0};
     struct vor_cloud in, out;
@@ -160,10 +158,9 @@ START_TEST(stopped_at_any_record_it_hands_back_points_of_the_whole)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* An open cloud: nobody is left where only the thinner input allowed it. */
-START_TEST(nobody_is_left_beyond_a_border)
+VT_TEST_FIGURES(nobody_is_left_beyond_a_border, VT_FEWER(SEEDS))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -188,15 +185,4 @@ START_TEST(nobody_is_left_beyond_a_border)
     }
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_result_lies_on_all_of_the_input, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_run_without_limits_ends_as_even_as_one_on_few_points,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_figures(suite, a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOTH));
-    vt_add_loop(suite, stopped_at_any_record_it_hands_back_points_of_the_whole, 1);
-    vt_add_figures(suite, nobody_is_left_beyond_a_border, VT_FEWER(SEEDS));
 }

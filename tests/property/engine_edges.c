@@ -40,7 +40,7 @@ static double mean_off(const struct vor_cloud *in, const char *neighbors)
 }
 
 /* With 21 neighbours nothing is fitted to fewer of them. */
-START_TEST(points_lie_nearer_to_the_edges_of_a_box)
+VT_TEST_LOOP(points_lie_nearer_to_the_edges_of_a_box, VT_FEWER(SEEDS))
 {
     struct vor_cloud in;
     double fine, coarse;
@@ -52,11 +52,10 @@ START_TEST(points_lie_nearer_to_the_edges_of_a_box)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: the border of a small sheet is a large share of it, and counted as gaps of the
  * sampling. Points were .94 beyond it. */
-START_TEST(an_open_sheet_does_not_grow)
+VT_TEST_LOOP(an_open_sheet_does_not_grow, 2)
 {
     enum { SIDE = 24 };
     struct vt_engine engine;
@@ -79,13 +78,10 @@ START_TEST(an_open_sheet_does_not_grow)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("engine edges");
 
-    vt_add_loop(suite, points_lie_nearer_to_the_edges_of_a_box, VT_FEWER(SEEDS));
-    vt_add_loop(suite, an_open_sheet_does_not_grow, 2);
     return vt_run(suite);
 }

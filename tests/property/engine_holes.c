@@ -61,7 +61,7 @@ static double resampled_farthest(const struct vor_cloud *in, const char *polish,
     return far;
 }
 
-START_TEST(no_point_lies_in_a_hole_of_a_regular_input)
+VT_TEST_LOOP(no_point_lies_in_a_hole_of_a_regular_input, VT_FEWER(SEEDS))
 {
     static const char *const polishes[] = {"0", "20", "100"};
     struct vor_cloud in;
@@ -73,9 +73,8 @@ START_TEST(no_point_lies_in_a_hole_of_a_regular_input)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_gaps_between_scan_lines_are_filled)
+VT_TEST_LOOP(the_gaps_between_scan_lines_are_filled, VT_FEWER(SEEDS))
 {
     struct vor_cloud in;
     double delta, far;
@@ -87,11 +86,4 @@ START_TEST(the_gaps_between_scan_lines_are_filled)
     ck_assert_double_lt(delta, 0.06);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, no_point_lies_in_a_hole_of_a_regular_input, VT_FEWER(SEEDS));
-    vt_add_loop(suite, the_gaps_between_scan_lines_are_filled, VT_FEWER(SEEDS));
 }

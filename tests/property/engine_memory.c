@@ -85,7 +85,7 @@ static uint64_t run(struct log *log, const struct request *request)
 }
 
 /* The sentence of core/engine.h on memory. */
-START_TEST(a_run_needs_so_many_bytes_a_point)
+VT_TEST_LOOP(a_run_needs_so_many_bytes_a_point, VT_FEWER(VT_SOAK_LOOPS(9, 10)))
 {
     static const size_t points[10][2] = {
         {20000, 100},  {300, 300},     {80000, 100},  {80000, 7000}, {20000, 2000},
@@ -103,12 +103,11 @@ START_TEST(a_run_needs_so_many_bytes_a_point)
                           bound_of(request.in, request.out, neighbors, request.threads));
     }
 }
-END_TEST
 
 /* From the first iteration on, and from the first record of the polish on, as much is in use at
  * every record, and the allocator is asked only when the points' index is made anew or a candidate
  * gets one: in the first few iterations. */
-START_TEST(after_the_first_iteration_nothing_is_allocated_but_indices)
+VT_TEST_LOOP(after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3))
 {
     static const char *const anderson[3] = {NULL, "4", "0"};
     const struct request request = {6000, 1500, 2, "20", "40", anderson[_i], "100", NULL};
@@ -131,9 +130,8 @@ START_TEST(after_the_first_iteration_nothing_is_allocated_but_indices)
     ck_assert_uint_le(log.calls[log.count - 1] - log.calls[41], CALLS * lists);
     ck_assert_uint_le(polished, 5);
 }
-END_TEST
 
-START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
+VT_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
 {
     struct vt_engine engine;
     struct vor_cloud in, out;
@@ -166,12 +164,4 @@ START_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
     }
     vor_cloud_free(&in);
     vt_engine_close(&engine);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_run_needs_so_many_bytes_a_point, VT_FEWER(VT_SOAK_LOOPS(9, 10)));
-    vt_add_loop(suite, after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3));
-    vt_add(suite, a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs);
 }

@@ -14,7 +14,7 @@ static void open_engine(struct vt_engine *engine, unsigned threads, size_t point
     vt_engine_count(engine, "points", points);
 }
 
-START_TEST(it_gives_exactly_n_points_on_the_surface)
+VT_TEST(it_gives_exactly_n_points_on_the_surface)
 {
     static const size_t counts[] = {1, 2, 7, OUT, N};
     const struct vt_shape *sphere = &vt_shapes[VT_SPHERE];
@@ -47,9 +47,8 @@ START_TEST(it_gives_exactly_n_points_on_the_surface)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(more_points_than_the_input_has_are_refused)
+VT_TEST(more_points_than_the_input_has_are_refused)
 {
     struct vt_engine engine;
     struct vor_cloud in, out;
@@ -72,11 +71,4 @@ START_TEST(more_points_than_the_input_has_are_refused)
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, it_gives_exactly_n_points_on_the_surface);
-    vt_add(suite, more_points_than_the_input_has_are_refused);
 }

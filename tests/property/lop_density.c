@@ -42,7 +42,7 @@ static double delta_of(const struct vor_cloud *in, const char *options, size_t *
     return report.delta;
 }
 
-START_TEST(the_density_of_the_input_does_not_show)
+VT_TEST_LOOP(the_density_of_the_input_does_not_show, METHODS)
 {
     struct vor_cloud uneven, even;
     double delta, reached;
@@ -60,11 +60,10 @@ START_TEST(the_density_of_the_input_does_not_show)
     ck_assert_uint_le(below, TO / 2 + TO / 25);
     vt_free_last(&even, &uneven);
 }
-END_TEST
 
 /* Points inserted by their priorities stand in clusters where noise turns normals, which evening
  * out does not undo. */
-START_TEST(a_surface_without_edges_gets_no_more_points_where_it_bends)
+VT_TEST(a_surface_without_edges_gets_no_more_points_where_it_bends)
 {
     struct vor_cloud in;
     size_t below;
@@ -80,10 +79,9 @@ START_TEST(a_surface_without_edges_gets_no_more_points_where_it_bends)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Normals of two such sides are exactly opposite. */
-START_TEST(points_on_exact_planes_have_a_place)
+VT_TEST(points_on_exact_planes_have_a_place)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -93,12 +91,4 @@ START_TEST(points_on_exact_planes_have_a_place)
     for (size_t i = 0; i < 3 * out.n; i++)
         ck_assert(isfinite(out.xyz[i]) && fabsf(out.xyz[i]) < 2);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_density_of_the_input_does_not_show, METHODS);
-    vt_add(suite, a_surface_without_edges_gets_no_more_points_where_it_bends);
-    vt_add(suite, points_on_exact_planes_have_a_place);
 }

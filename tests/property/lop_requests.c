@@ -28,7 +28,7 @@ static const char *of(int method, const char *options)
     return text;
 }
 
-START_TEST(there_are_exactly_as_many_points_as_asked_for)
+VT_TEST_FIGURES(there_are_exactly_as_many_points_as_asked_for, 12)
 {
     static const char *const counts[6] = {"30", "105", "299", "300", "1200", "4800"};
     static const size_t wanted[6] = {30, 105, 299, 300, 1200, 4800};
@@ -46,10 +46,9 @@ START_TEST(there_are_exactly_as_many_points_as_asked_for)
         ck_assert(isfinite(out.xyz[i]));
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* More steps of the polish move points away from the faces. */
-START_TEST(a_polish_between_edges_ends_in_time)
+VT_TEST_LOOP(a_polish_between_edges_ends_in_time, 1)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -59,7 +58,6 @@ START_TEST(a_polish_between_edges_ends_in_time)
     ck_assert_uint_eq(report.polish_steps, VOR_LOP_EVEN_MOST);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* A screw's thread: it bends as much as an edge does where noise hides how, and has none. */
 static void make_screw(struct vor_cloud *out, uint64_t seed)
@@ -79,7 +77,7 @@ static void make_screw(struct vor_cloud *out, uint64_t seed)
 }
 
 /* Measured over 20 seeds: 0.054 to 0.075; with edges wherever two normals turn 0.098 to 0.135. */
-START_TEST(a_surface_that_bends_gets_even_points)
+VT_TEST_LOOP(a_surface_that_bends_gets_even_points, VT_SOAK_LOOPS(1, 3))
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -89,7 +87,6 @@ START_TEST(a_surface_that_bends_gets_even_points)
     ck_assert_double_lt(report.delta, 0.085);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Root mean square distance from the unit sphere of 2,000 samples that ear projects. */
 static double off_sphere(double *auto_reach, const struct vor_cloud *in, double sigma_p)
@@ -119,7 +116,7 @@ static double off_sphere(double *auto_reach, const struct vor_cloud *in, double 
 
 /* Huang 2013, Fig. 5. Measured: auto 0.0015, its own value alike, and 0.0012 with twice that; with
  * as many neighbours as a list has room for, 0.0077 and 0.017. */
-START_TEST(a_given_sigma_p_makes_no_facets)
+VT_TEST_LOOP(a_given_sigma_p_makes_no_facets, 1)
 {
     struct vor_cloud in;
     double reach, ignored, as_auto, its_value, twice;
@@ -133,11 +130,10 @@ START_TEST(a_given_sigma_p_makes_no_facets)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* order=spatial. Measured, mean length of the steps from point to point: 0.030; in the order of
  * insertion 0.46. */
-START_TEST(points_inserted_follow_near_ones)
+VT_TEST_LOOP(points_inserted_follow_near_ones, 1)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -150,7 +146,6 @@ START_TEST(points_inserted_follow_near_ones)
     ck_assert_double_lt(sum / (double)out.n, 0.1);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* The same cloud, in double precision, moved. */
 static void make_far(struct vor_cloud *out, const struct vor_cloud *in, const double by[3])
@@ -169,7 +164,7 @@ static void make_far(struct vor_cloud *out, const struct vor_cloud *in, const do
 }
 
 /* Where float32 has steps of half a unit. */
-START_TEST(a_cloud_far_from_the_origin_gives_the_same_points)
+VT_TEST_FIGURES(a_cloud_far_from_the_origin_gives_the_same_points, 2)
 {
     static const double near[3] = {0, 0, 0}, far[3] = {500000, 5500000, 200};
     uint64_t hash[2];
@@ -191,7 +186,6 @@ START_TEST(a_cloud_far_from_the_origin_gives_the_same_points)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A plane, a line, a few points: what has no surface to project to, or no edges. */
 enum poor { FLAT, LINE, FEW };
@@ -203,7 +197,7 @@ static void make_poor(struct vor_cloud *in, enum poor kind)
         in->xyz[3 * i + 1] = 0;
 }
 
-START_TEST(a_flat_cloud_and_few_points_give_as_many_points_as_asked_for)
+VT_TEST_LOOP(a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -217,9 +211,8 @@ START_TEST(a_flat_cloud_and_few_points_give_as_many_points_as_asked_for)
     }
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(a_line_is_refused_as_by_any_method)
+VT_TEST_LOOP(a_line_is_refused_as_by_any_method, 2)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -230,7 +223,6 @@ START_TEST(a_line_is_refused_as_by_any_method)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* How many of the samples were points of the input, and stayed them. */
 struct kept {
@@ -238,7 +230,7 @@ struct kept {
     size_t in, kept;
 };
 
-START_TEST(insertion_alone_keeps_points_of_the_input)
+VT_TEST_LOOP(insertion_alone_keeps_points_of_the_input, 3)
 {
     static const struct kept rows[3] = {
         {"points=1200 phases=insert polish=0", N, N},
@@ -260,9 +252,8 @@ START_TEST(insertion_alone_keeps_points_of_the_input)
     ck_assert_uint_eq(kept, row->kept);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(a_density_or_a_metric_is_refused_by_name)
+VT_TEST_LOOP(a_density_or_a_metric_is_refused_by_name, 2)
 {
     static const char *const asked[2] = {"density=curvature", "metric=anisotropic"};
     static const char *const name[2] = {"density", "metric"};
@@ -276,11 +267,10 @@ START_TEST(a_density_or_a_metric_is_refused_by_name)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Of ear half of the input are samples, of wlop all of the result. Normals that are dropped face
  * nowhere. */
-START_TEST(a_sigma_below_the_spacing_is_warned_of)
+VT_TEST_LOOP(a_sigma_below_the_spacing_is_warned_of, 6)
 {
     static const char *const sigma[3] = {"0.01", "0.15", "auto"};
     struct vor_report report;
@@ -302,9 +292,8 @@ START_TEST(a_sigma_below_the_spacing_is_warned_of)
                      _i < 3 && _i % 3 != 1 ? VOR_ORIENTED_CONSISTENT : VOR_ORIENTED_NOT_ASKED);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(a_delta_that_is_reached_ends_the_polish)
+VT_TEST(a_delta_that_is_reached_ends_the_polish)
 {
     struct vor_report report;
     struct vor_cloud in, out;
@@ -317,21 +306,4 @@ START_TEST(a_delta_that_is_reached_ends_the_polish)
     ck_assert_uint_lt(report.polish_steps, 50);
     ck_assert_double_le(report.delta, 0.22);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, there_are_exactly_as_many_points_as_asked_for, 12);
-    vt_add_loop(suite, a_polish_between_edges_ends_in_time, 1);
-    vt_add_loop(suite, a_surface_that_bends_gets_even_points, VT_SOAK_LOOPS(1, 3));
-    vt_add_loop(suite, points_inserted_follow_near_ones, 1);
-    vt_add_loop(suite, a_given_sigma_p_makes_no_facets, 1);
-    vt_add_figures(suite, a_cloud_far_from_the_origin_gives_the_same_points, 2);
-    vt_add_loop(suite, a_flat_cloud_and_few_points_give_as_many_points_as_asked_for, 4);
-    vt_add_loop(suite, a_line_is_refused_as_by_any_method, 2);
-    vt_add_loop(suite, insertion_alone_keeps_points_of_the_input, 3);
-    vt_add_loop(suite, a_density_or_a_metric_is_refused_by_name, 2);
-    vt_add_loop(suite, a_sigma_below_the_spacing_is_warned_of, 6);
-    vt_add(suite, a_delta_that_is_reached_ends_the_polish);
 }

@@ -174,7 +174,7 @@ static void assert_same_faces(const struct vor_mesh *got, const uint32_t *number
 }
 
 /* Property: PLY keeps every face where it is, and the points as they would be without faces. */
-START_TEST(ply_keeps_every_face_and_every_bit_of_the_points)
+VT_TEST_LOOP(ply_keeps_every_face_and_every_bit_of_the_points, 40)
 {
     uint64_t seed = 100 + (uint64_t)_i;
     struct vor_write_options options = {.quantization_bits = 0};
@@ -200,7 +200,6 @@ START_TEST(ply_keeps_every_face_and_every_bit_of_the_points)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* The bits of loop i: lossless, auto, or so many. */
 static int bits_of(int i)
@@ -218,7 +217,7 @@ static double tolerance(const struct vor_cloud *cloud, int bits)
 
 /* Property: whatever the options, a Draco mesh has the same triangles over the same points, with
  * the same values; surfaces are written by edgebreaker. */
-START_TEST(draco_keeps_every_face_over_its_points)
+VT_TEST_LOOP(draco_keeps_every_face_over_its_points, 132)
 {
     uint64_t seed = 200 + (uint64_t)_i;
     int bits = bits_of(_i);
@@ -254,11 +253,10 @@ START_TEST(draco_keeps_every_face_over_its_points)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Two squares that share one corner only, and a point of no face: edgebreaker would make two points
  * of the one and none of the other. */
-START_TEST(no_point_is_split_or_lost_where_surfaces_touch)
+VT_TEST_LOOP(no_point_is_split_or_lost_where_surfaces_touch, 2)
 {
     static uint32_t corners[] = {0, 1, 2, 0, 2, 3, 2, 4, 5, 2, 5, 6};
     struct vor_mesh mesh = {&vt_memory, corners, 4 - (_i == 1 ? 2 : 0), 0}, faces;
@@ -282,7 +280,6 @@ START_TEST(no_point_is_split_or_lost_where_surfaces_touch)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Polygons of 3 to 12 corners, one of all that a byte counts, each with points of its own. Returns
  * how many there are. */
@@ -313,7 +310,7 @@ static size_t polygon_mesh(struct vor_cloud *cloud, struct vor_mesh *mesh, uint6
 }
 
 /* Property: PLY holds polygons as they are, and Draco their triangles. */
-START_TEST(polygons_come_back_whole_or_as_triangles)
+VT_TEST_LOOP(polygons_come_back_whole_or_as_triangles, 20)
 {
     struct vor_write_options options = {.quantization_bits = 0};
     struct vor_cloud cloud, back;
@@ -349,10 +346,9 @@ START_TEST(polygons_come_back_whole_or_as_triangles)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Metres of UTM with millimetres behind them: the origin goes along, and comes back. */
-START_TEST(coordinates_of_doubles_survive_beside_faces)
+VT_TEST_LOOP(coordinates_of_doubles_survive_beside_faces, 2)
 {
     struct vor_write_options options = {.quantization_bits = 16};
     struct vor_cloud cloud, back;
@@ -387,10 +383,9 @@ START_TEST(coordinates_of_doubles_survive_beside_faces)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Who asks for points alone gets them, and is told how many faces there are besides. */
-START_TEST(points_are_read_without_faces_which_are_noted)
+VT_TEST_LOOP(points_are_read_without_faces_which_are_noted, 2)
 {
     struct vor_write_options options = {.quantization_bits = 12};
     struct vor_cloud cloud, back;
@@ -412,10 +407,9 @@ START_TEST(points_are_read_without_faces_which_are_noted)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A file without faces is read as one that has none. */
-START_TEST(a_cloud_is_a_mesh_of_no_faces)
+VT_TEST_LOOP(a_cloud_is_a_mesh_of_no_faces, 2)
 {
     struct vor_write_options options = {.quantization_bits = 12};
     struct vor_mesh none = {.memory = &vt_memory}, faces;
@@ -438,13 +432,12 @@ START_TEST(a_cloud_is_a_mesh_of_no_faces)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* --- damage ----------------------------------------------------------------------------------- */
 
 /* Cut anywhere, or with any byte changed, a file is read as something or refused; never is a corner
  * no point, and nothing is left behind. */
-START_TEST(a_damaged_file_has_no_corner_that_is_no_point)
+VT_TEST_LOOP(a_damaged_file_has_no_corner_that_is_no_point, 4)
 {
     struct vor_write_options options = {.quantization_bits = 8, .keep_order = _i / 2};
     struct vor_cloud cloud, back;
@@ -476,9 +469,8 @@ START_TEST(a_damaged_file_has_no_corner_that_is_no_point)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(more_corners_than_the_library_counts_are_refused)
+VT_TEST(more_corners_than_the_library_counts_are_refused)
 {
     struct vor_mesh mesh = {.memory = &vt_memory, .count = INT32_MAX / 3 + 1};
     struct vor_write_options options = {.mesh = &mesh};
@@ -495,10 +487,9 @@ START_TEST(more_corners_than_the_library_counts_are_refused)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Whichever allocation fails first, writing and reading say so and leave nothing. */
-START_TEST(writing_and_reading_survive_the_failure_of_any_allocation)
+VT_TEST_LOOP(writing_and_reading_survive_the_failure_of_any_allocation, 2)
 {
     struct vor_write_options options = {.quantization_bits = 8};
     struct vt_bytes bytes = {0}, lost = {0};
@@ -537,22 +528,4 @@ START_TEST(writing_and_reading_survive_the_failure_of_any_allocation)
     vor_mesh_free(&mesh);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("mesh_roundtrip");
-
-    vt_add_loop(suite, ply_keeps_every_face_and_every_bit_of_the_points, 40);
-    vt_add_loop(suite, draco_keeps_every_face_over_its_points, 132);
-    vt_add_loop(suite, polygons_come_back_whole_or_as_triangles, 20);
-    vt_add_loop(suite, no_point_is_split_or_lost_where_surfaces_touch, 2);
-    vt_add_loop(suite, coordinates_of_doubles_survive_beside_faces, 2);
-    vt_add_loop(suite, points_are_read_without_faces_which_are_noted, 2);
-    vt_add_loop(suite, a_cloud_is_a_mesh_of_no_faces, 2);
-    vt_add_loop(suite, a_damaged_file_has_no_corner_that_is_no_point, 4);
-    vt_add(suite, more_corners_than_the_library_counts_are_refused);
-    vt_add_loop(suite, writing_and_reading_survive_the_failure_of_any_allocation, 2);
-    return vt_run(suite);
 }

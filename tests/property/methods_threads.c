@@ -5,14 +5,13 @@
 
 #include <string.h>
 
-START_TEST(one_and_three_threads_give_the_same_bytes)
+VT_TEST_LOOP(one_and_three_threads_give_the_same_bytes, vt_methods_count())
 {
     vt_drive_threads(&vt_methods[_i]);
 }
-END_TEST
 
 /* The comparison can tell: another seed, another row of the document, other bytes. */
-START_TEST(another_seed_gives_other_bytes)
+VT_TEST(another_seed_gives_other_bytes)
 {
     static struct vt_call call;
     struct vt_engine engine;
@@ -34,7 +33,6 @@ START_TEST(another_seed_gives_other_bytes)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 static int is_run(const char *words)
 {
@@ -45,7 +43,7 @@ static int is_run(const char *words)
 }
 
 /* A further process or method needs a row. */
-START_TEST(every_process_and_method_has_a_row)
+VT_TEST(every_process_and_method_has_a_row)
 {
 #define CHECK_METHOD(id, word)                                                                     \
     ck_assert(VOR_METHOD_##id == VOR_METHOD_CVT || is_run("method=" word));
@@ -53,12 +51,4 @@ START_TEST(every_process_and_method_has_a_row)
 #undef CHECK_METHOD
     for (unsigned p = 0; vor_process_info(p) != NULL; p++)
         ck_assert_msg(is_run(vor_process_info(p)->id), "no row runs %s", vor_process_info(p)->id);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, one_and_three_threads_give_the_same_bytes, vt_methods_count());
-    vt_add(suite, another_seed_gives_other_bytes);
-    vt_add(suite, every_process_and_method_has_a_row);
 }

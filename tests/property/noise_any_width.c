@@ -34,7 +34,7 @@ static double left_of(size_t n, double noise, uint64_t seed, const char *options
     return after / before;
 }
 
-START_TEST(more_points_of_a_noisy_sphere_leave_no_more_of_the_noise)
+VT_TEST_LOOP(more_points_of_a_noisy_sphere_leave_no_more_of_the_noise, WIDTHS)
 {
     double least = LEFT;
 
@@ -48,10 +48,9 @@ START_TEST(more_points_of_a_noisy_sphere_leave_no_more_of_the_noise)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Points that fill a cube have no surface, and nothing can bring them nearer to one. */
-START_TEST(a_run_says_that_noise_hides_the_surface)
+VT_TEST_LOOP(a_run_says_that_noise_hides_the_surface, 1)
 {
     enum { N = 3000 };
     struct vor_report report;
@@ -68,11 +67,10 @@ START_TEST(a_run_says_that_noise_hides_the_surface)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Two spheres, a tenth of their radius apart, with noise and one point in twenty anywhere: results
  * that still hold noise push each other outwards, and strays between the two must not stay. */
-START_TEST(denoise_leaves_less_of_the_noise_than_resample_without_outliers)
+VT_TEST_LOOP(denoise_leaves_less_of_the_noise_than_resample_without_outliers, 1)
 {
     enum { N = 6000 };
     double left[2], noise = 0.04, apart = 2.1;
@@ -109,15 +107,4 @@ START_TEST(denoise_leaves_less_of_the_noise_than_resample_without_outliers)
     ck_assert_double_le(left[1], 0.85 * left[0]);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("noise_any_width");
-
-    vt_add_loop(suite, more_points_of_a_noisy_sphere_leave_no_more_of_the_noise, WIDTHS);
-    vt_add_loop(suite, a_run_says_that_noise_hides_the_surface, 1);
-    vt_add_loop(suite, denoise_leaves_less_of_the_noise_than_resample_without_outliers, 1);
-    return vt_run(suite);
 }

@@ -115,7 +115,8 @@ static struct prefix look(const float *xyz, size_t m, double spacing)
     return out;
 }
 
-START_TEST(it_is_the_same_points_of_which_the_first_are_even_by_themselves)
+VT_TEST_FIGURES(it_is_the_same_points_of_which_the_first_are_even_by_themselves,
+                VT_FEWER(VT_SOAK_LOOPS(1, SHAPES)))
 {
     /* Found: 0.063 0.087 0.101 0.064 0.218 0.016 0.015 0.014 0.014; 0.78 0.82 0.81 0.82 0.66 0.71
      * 0.78 0.85 0.95; 1.43 1.43 1.17 1.41 1.06 1.37 1.49 1.60 1.81. */
@@ -141,7 +142,6 @@ START_TEST(it_is_the_same_points_of_which_the_first_are_even_by_themselves)
     vor_cloud_free(&progressive);
     vt_free_last(&spatial, &in);
 }
-END_TEST
 
 /* Through the writer as the request sets it up, and back. */
 static void trip(struct vor_cloud *back, const struct vor_cloud *cloud, const char *order,
@@ -184,7 +184,7 @@ static size_t out_of_place(const struct vor_cloud *a, const struct vor_cloud *b)
 }
 
 /* Positions alone are what the kd-tree would take; it would scatter nearly all. */
-START_TEST(draco_keeps_the_order)
+VT_TEST_FIGURES(draco_keeps_the_order, 0)
 {
     static const char *const quantizations[3] = {"auto", "14", "0"};
     struct vor_cloud cloud, back;
@@ -198,12 +198,4 @@ START_TEST(draco_keeps_the_order)
     trip(&back, &cloud, "spatial", "auto");
     ck_assert_uint_ge(out_of_place(&cloud, &back), OUT / 2);
     vt_free_last(&back, &cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, it_is_the_same_points_of_which_the_first_are_even_by_themselves,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SHAPES)));
-    vt_add_figures(suite, draco_keeps_the_order, 0);
 }

@@ -29,7 +29,7 @@ static uint64_t resample(struct vor_report *report, const struct vor_cloud *in, 
 
 /* The 20 neighbours of a fit lie on a cap of the unit sphere of radius r = sqrt(4 20 / N). Their
  * plane lies a quarter of r^2, 20 / N, below its middle. */
-START_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
+VT_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
 {
     struct vor_report plane, quadric;
     struct vor_cloud in;
@@ -48,10 +48,4 @@ START_TEST(a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is)
     ck_assert_double_eq(plane.triangles_per_cell, 1);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_sphere_is_spread_evenly_and_its_points_are_off_as_a_plane_is);
 }

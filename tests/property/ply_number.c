@@ -58,7 +58,7 @@ static void random_number(char *text, uint64_t seed, uint64_t index)
                           (index % 3 == 0 ? 400 : 30));
 }
 
-START_TEST(random_decimals_are_rounded_as_the_library_rounds_them)
+VT_TEST_LOOP(random_decimals_are_rounded_as_the_library_rounds_them, SEEDS)
 {
     char text[64];
 
@@ -67,10 +67,9 @@ START_TEST(random_decimals_are_rounded_as_the_library_rounds_them)
         assert_like_strtod(text);
     }
 }
-END_TEST
 
 /* Every finite bit pattern comes back from the shortest and from longer ways to print it. */
-START_TEST(printed_bit_patterns_come_back)
+VT_TEST_LOOP(printed_bit_patterns_come_back, SEEDS)
 {
     char text[VOR_PLY_NUMBER_MAX + 1];
 
@@ -90,10 +89,9 @@ START_TEST(printed_bit_patterns_come_back)
         assert_like_strtod(text);
     }
 }
-END_TEST
 
 /* Half-way between two floats, and a hair to either side: where rounding twice goes wrong. */
-START_TEST(half_way_cases_are_rounded_once)
+VT_TEST_LOOP(half_way_cases_are_rounded_once, SEEDS)
 {
     char text[VOR_PLY_NUMBER_MAX + 1];
 
@@ -116,9 +114,8 @@ START_TEST(half_way_cases_are_rounded_once)
         assert_like_strtod(text);
     }
 }
-END_TEST
 
-START_TEST(edges_of_the_range_are_rounded_as_the_library_rounds_them)
+VT_TEST(edges_of_the_range_are_rounded_as_the_library_rounds_them)
 {
     static const char texts[] =
         "0 -0 0.0 -0e-999 0e99999999999999999999 1e-99999999999999999999 1e308 "
@@ -139,9 +136,8 @@ START_TEST(edges_of_the_range_are_rounded_as_the_library_rounds_them)
     while ((word = strsep(&rest, " ")) != NULL)
         assert_like_strtod(word);
 }
-END_TEST
 
-START_TEST(a_number_has_127_bytes_and_not_128)
+VT_TEST(a_number_has_127_bytes_and_not_128)
 {
     char text[VOR_PLY_NUMBER_MAX + 2];
     double out;
@@ -156,10 +152,9 @@ START_TEST(a_number_has_127_bytes_and_not_128)
     ck_assert_int_eq(read_text("", VOR_FLOAT64, &out), VOR_PLY_NUMBER_JUNK);
     ck_assert_int_eq(read_text("", VOR_INT8, &out), VOR_PLY_NUMBER_JUNK);
 }
-END_TEST
 
 /* Oracle: junk is what strtod does not take whole, or takes as what PLY does not mean. */
-START_TEST(mutated_numbers_are_taken_only_when_they_are_decimals)
+VT_TEST_LOOP(mutated_numbers_are_taken_only_when_they_are_decimals, SEEDS)
 {
     static const char alphabet[] = "0123456789+-.eE xXnNaAiIfFpP,_\t\x80";
 
@@ -184,9 +179,8 @@ START_TEST(mutated_numbers_are_taken_only_when_they_are_decimals)
             ck_assert_msg(!isfinite(want) && *end == '\0', "%s is nan or inf", text);
     }
 }
-END_TEST
 
-START_TEST(whole_numbers_meet_the_range_of_their_type)
+VT_TEST(whole_numbers_meet_the_range_of_their_type)
 {
     static const int64_t low[] = {INT8_MIN, 0, INT16_MIN, 0, INT32_MIN, 0};
     static const int64_t high[] = {INT8_MAX,   UINT8_MAX, INT16_MAX,
@@ -210,9 +204,8 @@ START_TEST(whole_numbers_meet_the_range_of_their_type)
             }
         }
 }
-END_TEST
 
-START_TEST(whole_numbers_of_64_bits_meet_their_range)
+VT_TEST(whole_numbers_of_64_bits_meet_their_range)
 {
     int64_t s = 0;
     uint64_t u = 0;
@@ -227,17 +220,4 @@ START_TEST(whole_numbers_of_64_bits_meet_their_range)
     ck_assert(u == UINT64_MAX);
     ck_assert_int_eq(read_text("18446744073709551616", VOR_UINT64, &u), VOR_PLY_NUMBER_RANGE);
     ck_assert_int_eq(read_text("-1", VOR_UINT64, &u), VOR_PLY_NUMBER_RANGE);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, random_decimals_are_rounded_as_the_library_rounds_them, SEEDS);
-    vt_add_loop(suite, printed_bit_patterns_come_back, SEEDS);
-    vt_add_loop(suite, half_way_cases_are_rounded_once, SEEDS);
-    vt_add(suite, edges_of_the_range_are_rounded_as_the_library_rounds_them);
-    vt_add(suite, a_number_has_127_bytes_and_not_128);
-    vt_add_loop(suite, mutated_numbers_are_taken_only_when_they_are_decimals, SEEDS);
-    vt_add(suite, whole_numbers_meet_the_range_of_their_type);
-    vt_add(suite, whole_numbers_of_64_bits_meet_their_range);
 }

@@ -106,7 +106,7 @@ static void assert_same(const struct vor_cloud *a, const struct vor_cloud *b)
     }
 }
 
-START_TEST(what_we_write_comes_back_bit_for_bit)
+VT_TEST_LOOP(what_we_write_comes_back_bit_for_bit, SEEDS)
 {
     struct vt_bytes bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -124,7 +124,6 @@ START_TEST(what_we_write_comes_back_bit_for_bit)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Another program's way to write a cloud: the columns in another order, elements and lists in
  * between. */
@@ -334,7 +333,7 @@ static void foreign_file(struct foreign *file, const struct vor_cloud *cloud, co
 }
 
 /* _i is seed * 3 + encoding. */
-START_TEST(what_others_write_is_read_in_every_encoding)
+VT_TEST_LOOP(what_others_write_is_read_in_every_encoding, 3 * SEEDS)
 {
     struct foreign file = {.seed = (uint64_t)_i / 3, .ascii = _i % 3 == 0, .big = _i % 3 == 1};
     struct vor_cloud cloud, back;
@@ -354,9 +353,8 @@ START_TEST(what_others_write_is_read_in_every_encoding)
     free(file.bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(writing_survives_the_failure_of_any_allocation)
+VT_TEST_LOOP(writing_survives_the_failure_of_any_allocation, 8)
 {
     struct vt_bytes bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -381,12 +379,4 @@ START_TEST(writing_survives_the_failure_of_any_allocation)
     vor_cloud_free(&cloud);
     free(wide);
     free(bytes.data);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, what_we_write_comes_back_bit_for_bit, SEEDS);
-    vt_add_loop(suite, what_others_write_is_read_in_every_encoding, 3 * SEEDS);
-    vt_add_loop(suite, writing_survives_the_failure_of_any_allocation, 8);
 }

@@ -25,7 +25,6 @@ struct pair {
 static void run(struct vor_cloud *out, struct vor_report *report, const struct pair *pair, size_t n,
                 const char *polish, size_t seed)
 {
-
     vt_resample(out, report, &pair->in, "points=%zu iterations=20 polish=%s seed=%zu", n, polish,
                 seed);
 }
@@ -88,7 +87,8 @@ static const struct {
 
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
-START_TEST(a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface)
+VT_TEST_FIGURES(a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
     const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
     size_t seed = (size_t)_i / VT_SMOOTH;
@@ -110,9 +110,8 @@ START_TEST(a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_
         free_pair(&pair);
     }
 }
-END_TEST
 
-START_TEST(a_start_alone_gets_as_even)
+VT_TEST_FIGURES(a_start_alone_gets_as_even, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -126,11 +125,11 @@ START_TEST(a_start_alone_gets_as_even)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* Of eight seeds of each surface: eta 0.69 to 0.76 of that by spacing, gap 0.64 to 0.66, and 0 to
  * 19 wide places of 267 to 337. */
-START_TEST(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point)
+VT_TEST_FIGURES(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
     const struct vt_shape *shape = &vt_shapes[_i % VT_SMOOTH];
     struct vor_cloud in, out;
@@ -152,7 +151,6 @@ START_TEST(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* --- Borders ------------------------------------------------------------------------------------
  */
@@ -189,7 +187,8 @@ static double farthest_out(const struct vor_cloud *cloud, double (*beyond)(const
     return most;
 }
 
-START_TEST(an_open_cloud_gets_more_even_and_nobody_goes_over_the_border)
+VT_TEST_FIGURES(an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN))
 {
     enum { FROM = 6000 };
     int which = _i % OPEN;
@@ -215,17 +214,4 @@ START_TEST(an_open_cloud_gets_more_even_and_nobody_goes_over_the_border)
     ck_assert_msg(out <= ROOM_OUT * spacing, "%s, by cover: %g spacings out",
                   open_shapes[which].name, out / spacing);
     free_pair(&pair);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite,
-                   a_closed_smooth_cloud_gets_twice_as_even_and_keeps_its_holes_and_its_surface,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_figures(suite, eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH));
-    vt_add_figures(suite, a_start_alone_gets_as_even, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, an_open_cloud_gets_more_even_and_nobody_goes_over_the_border,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * OPEN));
 }

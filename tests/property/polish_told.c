@@ -138,7 +138,7 @@ static void done_with(struct vor_cloud *out)
     vt_assert_no_leak();
 }
 
-START_TEST(every_tenth_step_and_the_last_are_told)
+VT_TEST(every_tenth_step_and_the_last_are_told)
 {
     static const size_t steps[] = {1, 9, 10, 11, 25, 40};
 
@@ -157,9 +157,8 @@ START_TEST(every_tenth_step_and_the_last_are_told)
         done_with(&out);
     }
 }
-END_TEST
 
-START_TEST(a_delta_reached_during_the_polish_ends_it)
+VT_TEST(a_delta_reached_during_the_polish_ends_it)
 {
     static const char *const targets[] = {"0.06", "0.03", "0.022"};
     uint32_t last = 0;
@@ -181,11 +180,4 @@ START_TEST(a_delta_reached_during_the_polish_ends_it)
         last = report.polish_steps;
         done_with(&out);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, every_tenth_step_and_the_last_are_told);
-    vt_add(suite, a_delta_reached_during_the_polish_ends_it);
 }

@@ -114,7 +114,7 @@ static vor_status put(struct vor_cloud *out, struct vor_report *report,
 
 /* Each point lies where it was before the pose, and its normal too, as far as half a per cent of
  * the size. With scale=free the reference is whole, too. */
-START_TEST(a_known_pose_is_found)
+VT_TEST_FIGURES(a_known_pose_is_found, VT_FEWER(4))
 {
     static const struct vor_pose still = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .scale = 1};
 
@@ -147,10 +147,9 @@ START_TEST(a_known_pose_is_found)
         vt_free_last(&cloud, &truth);
     }
 }
-END_TEST
 
 /* Found: 0.05, 0, 0, 0.01 of trust. */
-START_TEST(a_shape_that_fits_itself_in_many_ways_is_not_trusted)
+VT_TEST_FIGURES(a_shape_that_fits_itself_in_many_ways_is_not_trusted, 4)
 {
     static const enum vor_doubt doubt[] = {
         [SPHERE] = VOR_DOUBT_TURN, VOR_DOUBT_SLIDE, VOR_DOUBT_SLIDE, VOR_DOUBT_POSE};
@@ -172,9 +171,8 @@ START_TEST(a_shape_that_fits_itself_in_many_ways_is_not_trusted)
     vor_cloud_free(&out);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
-START_TEST(what_cannot_be_registered_is_refused)
+VT_TEST_FIGURES(what_cannot_be_registered_is_refused, 3)
 {
     static const struct {
         size_t n;
@@ -194,12 +192,4 @@ START_TEST(what_cannot_be_registered_is_refused)
     ck_assert_int_eq(put(&out, &report, &cloud, &reference, "fixed", 1), VOR_E_DEGENERATE);
     ck_assert_msg(strstr(vt_err.message, rows[_i].says) != NULL, "%s", vt_err.message);
     vt_free_last(&cloud, &reference);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, a_known_pose_is_found, VT_FEWER(4));
-    vt_add_figures(suite, a_shape_that_fits_itself_in_many_ways_is_not_trusted, 4);
-    vt_add_figures(suite, what_cannot_be_registered_is_refused, 3);
 }

@@ -298,7 +298,7 @@ static const struct {
 
 enum { ROWS = sizeof rows / sizeof *rows };
 
-START_TEST(points_lie_on_the_sheets_and_normals_lead_outward)
+VT_TEST_FIGURES(points_lie_on_the_sheets_and_normals_lead_outward, VT_SOAK_LOOPS(ROWS, SEEDS *ROWS))
 {
     size_t k = (size_t)_i % ROWS, seed = (size_t)_i / ROWS;
     enum shape shape = rows[k].shape;
@@ -326,11 +326,4 @@ START_TEST(points_lie_on_the_sheets_and_normals_lead_outward)
                   figures.inward);
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, points_lie_on_the_sheets_and_normals_lead_outward,
-                   VT_SOAK_LOOPS(ROWS, SEEDS * ROWS));
 }

@@ -358,7 +358,7 @@ static void step(struct model *model, const char *dir)
 }
 
 /* On the driver of VT_STORE. */
-START_TEST(the_store_agrees_with_its_model)
+VT_TEST_LOOP(the_store_agrees_with_its_model, SEEDS)
 {
     const char *dir = vt_dir_make();
     struct model model = {.seed = (uint64_t)_i, .now = 1000};
@@ -372,13 +372,4 @@ START_TEST(the_store_agrees_with_its_model)
     }
     compare_all(&model);
     vor_store_close(model.store);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("store_model");
-
-    vt_add_loop(suite, the_store_agrees_with_its_model, SEEDS);
-    return vt_run(suite);
 }

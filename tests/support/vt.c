@@ -12,11 +12,40 @@
 struct vor_error vt_err;
 struct vor_memory vt_memory;
 
+enum { TESTS_MAX = 128 };
+
+static struct registered {
+    const TTest *test;
+    int (*loops)(void); /* asked once the program has prepared itself */
+} registered[TESTS_MAX];
+static int registered_count;
+
+void vt_register(const TTest *test, int (*loops)(void))
+{
+    if (registered_count < TESTS_MAX)
+        registered[registered_count] = (struct registered){test, loops};
+    registered_count++;
+}
+
+static int by_place(const void *a, const void *b)
+{
+    const TTest *x = ((const struct registered *)a)->test,
+                *y = ((const struct registered *)b)->test;
+    int files = strcmp(x->file, y->file);
+
+    return files != 0 ? files : x->line - y->line;
+}
+
 int vt_run(Suite *suite)
 {
     SRunner *runner = srunner_create(suite);
     int failed;
 
+    if (registered_count > TESTS_MAX) /* none is left out in silence */
+        abort();
+    qsort(registered, (size_t)registered_count, sizeof registered[0], by_place);
+    for (int i = 0; i < registered_count; i++)
+        vt_add_case(suite, registered[i].test->name, registered[i].test, registered[i].loops());
     setvbuf(stdout, NULL, _IOLBF, 0);
     vor_memory_init(&vt_memory, SIZE_MAX);
     srunner_set_tap(runner, "-");

@@ -11,11 +11,41 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Defined by a test program: adds its cases, which the main() of vt_main.c runs. One that wants to
- *  do more than that has a main() of its own. */
-void vt_suite(Suite *suite);
+/** A test, with its body behind it; or a loop of `loops` seeds of one (_i = 0 .. loops - 1), of
+ * which a file needs no list. VT_TEST_FIGURES is for a test of what comes out, whatever the
+ * threads: none under ThreadSanitizer, which looks at how they meet, in the other tests of the same
+ * code. VT_FIGURES is 0 there: for such a part of a test. */
+#define VT_TEST(name) VT_TEST_LOOP(name, 0)
+#define VT_TEST_LOOP(name, loops)                                                                  \
+    static void name##_fn(int _i);                                                                 \
+    static const TTest name = {#name, name##_fn, __FILE__, __LINE__};                              \
+    static int name##_loops(void)                                                                  \
+    {                                                                                              \
+        return loops;                                                                              \
+    }                                                                                              \
+    __attribute__((constructor)) static void name##_register(void)                                 \
+    {                                                                                              \
+        vt_register(&name, name##_loops);                                                          \
+    }                                                                                              \
+    static void name##_fn(int _i VOR_UNUSED)
+#if defined(__SANITIZE_THREAD__)
+#define VT_FIGURES 0
+#define VT_TEST_FIGURES(name, loops)                                                               \
+    static void name##_fn(int _i);                                                                 \
+    __attribute__((unused)) static const TTest name = {#name, name##_fn, __FILE__, __LINE__};      \
+    static void name##_fn(int _i VOR_UNUSED)
+#else
+#define VT_FIGURES 1
+#define VT_TEST_FIGURES(name, loops) VT_TEST_LOOP(name, loops)
+#endif
+void vt_register(const TTest *test, int (*loops)(void));
 
-/** Runs a suite, prints TAP on stdout, returns the exit status for main(). */
+/** Before the tests, in a program that has to prepare something, or adds tests that depend on more
+ *  than their place; one that wants more than that has a main() of its own. */
+void vt_suite(Suite *suite) __attribute__((weak));
+
+/** Runs a suite and all that was registered, file by file and line by line, prints TAP on stdout,
+ * returns the exit status for main(). */
 int vt_run(Suite *suite);
 
 /** Elements or members of a JSON value. */
@@ -25,17 +55,6 @@ size_t vt_json_count(const struct vor_json *value);
 /** Adds a case with one test, or with a loop of `loops` seeds (_i = 0 .. loops - 1). */
 #define vt_add(suite, test) vt_add_loop(suite, test, 0)
 #define vt_add_loop(suite, test, loops) vt_add_case(suite, #test, test, loops)
-
-/** The same for a test of what comes out, whatever the threads: none under ThreadSanitizer, which
- *  looks at how they meet, in the other tests of the same code. VT_FIGURES is 0 there: for such a
- *  part of a test. */
-#if defined(__SANITIZE_THREAD__)
-#define VT_FIGURES 0
-#define vt_add_figures(suite, test, loops) ((void)(test))
-#else
-#define VT_FIGURES 1
-#define vt_add_figures(suite, test, loops) vt_add_loop(suite, test, loops)
-#endif
 
 /** Loops of a test that costs much. VT_FEWER: a quarter under AddressSanitizer, where each takes
  *  four times as long. Both: one under ThreadSanitizer, where each takes twelve times as long, and

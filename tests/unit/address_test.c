@@ -15,7 +15,7 @@ static struct vor_address address(const char *text)
     return out;
 }
 
-START_TEST(an_address_is_written_in_its_shortest_form)
+VT_TEST(an_address_is_written_in_its_shortest_form)
 {
     static const struct {
         const char *in, *out;
@@ -35,9 +35,8 @@ START_TEST(an_address_is_written_in_its_shortest_form)
         ck_assert_str_eq(vor_address_text(&read, text), vectors[i].out);
     }
 }
-END_TEST
 
-START_TEST(what_is_no_address_is_not_read)
+VT_TEST(what_is_no_address_is_not_read)
 {
     static const char *const bad[] = {
         "",
@@ -68,9 +67,8 @@ START_TEST(what_is_no_address_is_not_read)
     ck_assert(!vor_address_parse(&out, "1.2.3.4\0x", 9));
     ck_assert_str_eq(vor_address_text(&out, text), "192.0.2.9");
 }
-END_TEST
 
-START_TEST(the_two_families_of_a_socket_are_one)
+VT_TEST(the_two_families_of_a_socket_are_one)
 {
     struct sockaddr_in four = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(0xc0000201)};
     struct sockaddr_in6 six = {.sin6_family = AF_INET6};
@@ -87,9 +85,8 @@ START_TEST(the_two_families_of_a_socket_are_one)
     ck_assert(vor_address_of_socket(&a, &local));
     ck_assert_mem_eq(a.bytes, b.bytes, sizeof a.bytes);
 }
-END_TEST
 
-START_TEST(a_network_holds_its_addresses_and_no_others)
+VT_TEST(a_network_holds_its_addresses_and_no_others)
 {
     static const struct {
         const char *list, *in, *out;
@@ -117,10 +114,9 @@ START_TEST(a_network_holds_its_addresses_and_no_others)
         ck_assert_msg(!vor_networks_hold(&networks, &out), "%s", vectors[i].list);
     }
 }
-END_TEST
 
 /* Oracle: bit by bit. */
-START_TEST(a_network_goes_by_its_first_bits)
+VT_TEST_LOOP(a_network_goes_by_its_first_bits, 300)
 {
     struct vor_networks networks;
     struct vor_address base = address("2001:db8:1234:5678:9abc:def0:1357:9bdf");
@@ -135,9 +131,8 @@ START_TEST(a_network_goes_by_its_first_bits)
     ck_assert(vor_networks_hold(&networks, &base));
     ck_assert_int_eq(vor_networks_hold(&networks, &other), flipped >= bits);
 }
-END_TEST
 
-START_TEST(an_empty_list_holds_nothing)
+VT_TEST(an_empty_list_holds_nothing)
 {
     struct vor_networks networks;
     struct vor_address any = address("127.0.0.1");
@@ -146,9 +141,8 @@ START_TEST(an_empty_list_holds_nothing)
     ck_assert_uint_eq(networks.count, 0);
     ck_assert(!vor_networks_hold(&networks, &any));
 }
-END_TEST
 
-START_TEST(what_is_no_network_is_refused_by_name)
+VT_TEST(what_is_no_network_is_refused_by_name)
 {
     static const char *const bad[] = {"10.0.0.0/33", "::/129",      "10.0.0.0/", "10.0.0.0/x",
                                       "10.0.0/8",    "localhost",   "unix",      "10.0.0.0/8/8",
@@ -168,9 +162,8 @@ START_TEST(what_is_no_network_is_refused_by_name)
     vt_assert_fails(VOR_E_PARAM, vor_networks_parse(&networks, "trusted-proxy", many, &vt_err));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "more than 64"));
 }
-END_TEST
 
-START_TEST(hosts_are_told_from_what_is_none)
+VT_TEST(hosts_are_told_from_what_is_none)
 {
     static const struct {
         const char *host;
@@ -225,9 +218,8 @@ START_TEST(hosts_are_told_from_what_is_none)
     ck_assert(!vor_host_is_sound(longest));
     ck_assert(vor_host_is_sound(longest + 1));
 }
-END_TEST
 
-START_TEST(prefixes_are_told_from_what_is_none)
+VT_TEST(prefixes_are_told_from_what_is_none)
 {
     static const char *const good[] = {"/", "/a", "/a/", "/a/b.c/..d", "/~x/%20/@:=", "/..."};
     static const char *const bad[] = {
@@ -245,18 +237,4 @@ START_TEST(prefixes_are_told_from_what_is_none)
     ck_assert(vor_prefix_is_sound(longest + 1));
     longest[1] = 'a';
     ck_assert(!vor_prefix_is_sound(longest));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, an_address_is_written_in_its_shortest_form);
-    vt_add(suite, what_is_no_address_is_not_read);
-    vt_add(suite, the_two_families_of_a_socket_are_one);
-    vt_add(suite, a_network_holds_its_addresses_and_no_others);
-    vt_add_loop(suite, a_network_goes_by_its_first_bits, 300);
-    vt_add(suite, an_empty_list_holds_nothing);
-    vt_add(suite, what_is_no_network_is_refused_by_name);
-    vt_add(suite, hosts_are_told_from_what_is_none);
-    vt_add(suite, prefixes_are_told_from_what_is_none);
 }

@@ -42,7 +42,7 @@ static void load(struct vor_blobs *blobs, const struct vor_uuid *id, struct vor_
     close(fd);
 }
 
-START_TEST(an_admitted_cloud_is_kept_as_it_was)
+VT_TEST_LOOP(an_admitted_cloud_is_kept_as_it_was, 5)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -73,13 +73,12 @@ START_TEST(an_admitted_cloud_is_kept_as_it_was)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 #define HEAD "ply\nformat ascii 1.0\nelement vertex "
 #define XYZ "\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
 
 /* Refusal: what is wrong is said, and nothing is kept. */
-START_TEST(what_cannot_be_decoded_leaves_nothing)
+VT_TEST(what_cannot_be_decoded_leaves_nothing)
 {
     static const struct {
         const char *bytes;
@@ -111,9 +110,8 @@ START_TEST(what_cannot_be_decoded_leaves_nothing)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
+VT_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
 {
     struct vor_admit_limits small = limits;
     const char *dir = vt_dir_make();
@@ -138,7 +136,6 @@ START_TEST(a_cloud_that_does_not_fit_is_refused_before_it_is_kept)
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* --- threads ---------------------------------------------------------------------------------- */
 
@@ -189,7 +186,7 @@ static void upload_for(struct vor_admission *admission, struct vor_blob_writer *
         (struct vor_uploads){.item = {{.name = "cloud", .bytes = bytes}}, .count = 1};
 }
 
-START_TEST(every_upload_is_answered_once)
+VT_TEST(every_upload_is_answered_once)
 {
     enum { UPLOADS = 20 };
     const char *dir = vt_dir_make();
@@ -221,9 +218,8 @@ START_TEST(every_upload_is_answered_once)
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
+VT_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -253,7 +249,6 @@ START_TEST(waiting_uploads_are_bounded_and_answered_when_the_daemon_goes)
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 static int nobody_waits(void *ctx)
 {
@@ -261,7 +256,7 @@ static int nobody_waits(void *ctx)
     return 1;
 }
 
-START_TEST(an_upload_whose_caller_has_left_is_not_read)
+VT_TEST(an_upload_whose_caller_has_left_is_not_read)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -280,7 +275,6 @@ START_TEST(an_upload_whose_caller_has_left_is_not_read)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 static void *destroy(void *admit)
 {
@@ -288,7 +282,7 @@ static void *destroy(void *admit)
     return NULL;
 }
 
-START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
+VT_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -325,7 +319,6 @@ START_TEST(what_waits_when_the_daemon_goes_is_answered_as_cancelled)
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* Two inputs of a request, admitted; *admission has the answer. */
 static void admit_two(struct vor_blobs *blobs, struct vor_admission *admission,
@@ -359,7 +352,7 @@ static const uint8_t packed[] = {
     0x99, 0x3e, 0xe0, 0x43, 0x9e, 0x67, 0x5f, 0xc3, 0x58, 0xc3, 0x27, 0x4c, 0xee, 0xb8, 0x68, 0x1d,
     0xab, 0x28, 0x4c, 0x44, 0xc3, 0x60, 0x97, 0x1f, 0x80, 0x70, 0x1b, 0x59, 0x70, 0x00, 0x00, 0x00};
 
-START_TEST(inputs_are_admitted_together_or_none_is)
+VT_TEST(inputs_are_admitted_together_or_none_is)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -389,17 +382,4 @@ START_TEST(inputs_are_admitted_together_or_none_is)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, an_admitted_cloud_is_kept_as_it_was, 5);
-    vt_add(suite, what_cannot_be_decoded_leaves_nothing);
-    vt_add(suite, a_cloud_that_does_not_fit_is_refused_before_it_is_kept);
-    vt_add(suite, every_upload_is_answered_once);
-    vt_add(suite, waiting_uploads_are_bounded_and_answered_when_the_daemon_goes);
-    vt_add(suite, an_upload_whose_caller_has_left_is_not_read);
-    vt_add(suite, what_waits_when_the_daemon_goes_is_answered_as_cancelled);
-    vt_add(suite, inputs_are_admitted_together_or_none_is);
 }

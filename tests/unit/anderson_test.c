@@ -109,7 +109,7 @@ static int iterations_to_converge(const struct contraction *g, unsigned window)
     return done;
 }
 
-START_TEST(a_linear_contraction_converges_in_less_than_half_the_iterations)
+VT_TEST_LOOP(a_linear_contraction_converges_in_less_than_half_the_iterations, SEEDS)
 {
     struct contraction g;
     int plain, four, eight;
@@ -122,7 +122,6 @@ START_TEST(a_linear_contraction_converges_in_less_than_half_the_iterations)
     ck_assert_int_lt(four, plain / 2);
     ck_assert_int_lt(eight, plain / 3);
 }
-END_TEST
 
 /* |sum alpha_j D_j|, all residuals in double. */
 static double mixed_residual(const struct vor_anderson *a, const double *weight)
@@ -153,7 +152,7 @@ static void push_random(struct vor_anderson *a, const struct vor_run *run, uint6
 
 /* Eq. 10: no weights that sum to one leave less; tried along every direction between two of them.
  */
-START_TEST(the_weights_minimise_the_mixed_residual)
+VT_TEST_LOOP(the_weights_minimise_the_mixed_residual, SEEDS)
 {
     struct vt_engine engine;
     struct vor_anderson a;
@@ -181,9 +180,8 @@ START_TEST(the_weights_minimise_the_mixed_residual)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(equal_and_vanishing_residuals_leave_finite_weights)
+VT_TEST(equal_and_vanishing_residuals_leave_finite_weights)
 {
     struct vt_engine engine;
     struct vor_anderson a;
@@ -204,12 +202,4 @@ START_TEST(equal_and_vanishing_residuals_leave_finite_weights)
         vor_anderson_free(&a);
     }
     vt_engine_close(&engine);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_linear_contraction_converges_in_less_than_half_the_iterations, SEEDS);
-    vt_add_loop(suite, the_weights_minimise_the_mixed_residual, SEEDS);
-    vt_add(suite, equal_and_vanishing_residuals_leave_finite_weights);
 }

@@ -51,7 +51,7 @@ static double squared(const struct vor_tensor_near *near, double x, double y, do
 }
 
 /* A fiftieth of a spacing of noise included. */
-START_TEST(cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed)
+VT_TEST_FIGURES(cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed, 4)
 {
     double most = _i % 2 ? 6 : 3;
     struct vt_made made;
@@ -76,11 +76,10 @@ START_TEST(cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed)
     }
     vt_made_close(&made);
 }
-END_TEST
 
 /* Neither rounding nor noise has a direction. Measured: medians 1.00 and 1.10, 95th
  * percentile 1.8 on noise, at the border. */
-START_TEST(a_flat_face_asks_for_no_direction)
+VT_TEST_FIGURES(a_flat_face_asks_for_no_direction, 2)
 {
     struct vt_made made;
 
@@ -99,7 +98,6 @@ START_TEST(a_flat_face_asks_for_no_direction)
                   made.domain.tensors.high);
     vt_made_close(&made);
 }
-END_TEST
 
 static void carry(struct vor_cloud *cloud, const double tensor[6], int whole)
 {
@@ -115,7 +113,7 @@ static void carry(struct vor_cloud *cloud, const double tensor[6], int whole)
 }
 
 /* On a square with z = 0: what is along z does not count, nor does the size. */
-START_TEST(a_tensor_given_counts_by_its_part_in_the_tangent_plane)
+VT_TEST_FIGURES(a_tensor_given_counts_by_its_part_in_the_tangent_plane, 2)
 {
     const double tensor[6] = {900, 0, 100, 100, 0, 7000};
     struct vor_tensor_near near;
@@ -132,7 +130,6 @@ START_TEST(a_tensor_given_counts_by_its_part_in_the_tangent_plane)
     ck_assert_double_eq_tol(squared(&near, 0, 0, 1), 1, 1e-4);
     vt_made_close(&made);
 }
-END_TEST
 
 /* What a request comes to on a square whose tensors are unit ones, but for entry `part` of point 5.
  */
@@ -154,7 +151,7 @@ static vor_status with_value(size_t part, double value, const char *metric)
     return status;
 }
 
-START_TEST(what_is_no_metric_is_refused_with_the_names_there_or_the_first_point)
+VT_TEST(what_is_no_metric_is_refused_with_the_names_there_or_the_first_point)
 {
     const char *shape = "attribute:shape";
 
@@ -173,13 +170,4 @@ START_TEST(what_is_no_metric_is_refused_with_the_names_there_or_the_first_point)
     vt_assert_fails(VOR_E_METRIC, with_value(0, 1, "attribute:lone"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "no tensors lone, want six scalars NAME_xx"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "its tensors are shape"));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, cells_on_a_cylinder_are_long_along_its_axis_up_to_the_most_allowed, 4);
-    vt_add_figures(suite, a_flat_face_asks_for_no_direction, 2);
-    vt_add_figures(suite, a_tensor_given_counts_by_its_part_in_the_tangent_plane, 2);
-    vt_add(suite, what_is_no_metric_is_refused_with_the_names_there_or_the_first_point);
 }

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <string.h>
 
-START_TEST(what_is_freed_is_given_back)
+VT_TEST(what_is_freed_is_given_back)
 {
     struct vor_memory memory;
     void *p[10];
@@ -25,9 +25,8 @@ START_TEST(what_is_freed_is_given_back)
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     ck_assert_uint_ge(atomic_load(&memory.peak), 45 * 3000);
 }
-END_TEST
 
-START_TEST(the_cap_holds_and_what_fits_under_it_is_given)
+VT_TEST(the_cap_holds_and_what_fits_under_it_is_given)
 {
     struct vor_memory memory;
     void *p, *q;
@@ -48,9 +47,8 @@ START_TEST(the_cap_holds_and_what_fits_under_it_is_given)
     vor_free(&memory, q);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
 }
-END_TEST
 
-START_TEST(a_product_that_overflows_is_refused)
+VT_TEST(a_product_that_overflows_is_refused)
 {
     struct vor_memory memory;
 
@@ -63,9 +61,8 @@ START_TEST(a_product_that_overflows_is_refused)
     ck_assert_ptr_null(vor_realloc(&memory, NULL, SIZE_MAX, 16));
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
 }
-END_TEST
 
-START_TEST(nothing_is_a_valid_pointer)
+VT_TEST(nothing_is_a_valid_pointer)
 {
     struct vor_memory memory;
     void *p, *q;
@@ -77,9 +74,8 @@ START_TEST(nothing_is_a_valid_pointer)
     vor_free(&memory, p);
     vor_free(&memory, q);
 }
-END_TEST
 
-START_TEST(calloc_is_zero_even_where_memory_was_used)
+VT_TEST(calloc_is_zero_even_where_memory_was_used)
 {
     struct vor_memory memory;
 
@@ -94,9 +90,8 @@ START_TEST(calloc_is_zero_even_where_memory_was_used)
         vor_free(&memory, p);
     }
 }
-END_TEST
 
-START_TEST(realloc_keeps_the_content_and_the_old_block_on_failure)
+VT_TEST(realloc_keeps_the_content_and_the_old_block_on_failure)
 {
     struct vor_memory memory;
     uint8_t *p, *grown;
@@ -123,9 +118,8 @@ START_TEST(realloc_keeps_the_content_and_the_old_block_on_failure)
     vor_free(&memory, p);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
 }
-END_TEST
 
-START_TEST(the_call_asked_to_fail_fails_and_no_other)
+VT_TEST(the_call_asked_to_fail_fails_and_no_other)
 {
     for (size_t k = 0; k <= 5; k++) {
         struct vor_memory memory;
@@ -141,9 +135,8 @@ START_TEST(the_call_asked_to_fail_fails_and_no_other)
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
 }
-END_TEST
 
-START_TEST(a_library_s_own_bytes_count_against_the_cap)
+VT_TEST(a_library_s_own_bytes_count_against_the_cap)
 {
     struct vor_memory memory;
 
@@ -159,7 +152,6 @@ START_TEST(a_library_s_own_bytes_count_against_the_cap)
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     ck_assert_uint_eq(atomic_load(&memory.peak), 1000);
 }
-END_TEST
 
 enum { THREADS = 4, ROUNDS = 2000 };
 
@@ -177,7 +169,7 @@ static void *churn(void *ctx)
     return NULL;
 }
 
-START_TEST(threads_share_one_cap)
+VT_TEST(threads_share_one_cap)
 {
     struct vor_memory memory;
     pthread_t threads[THREADS];
@@ -190,18 +182,4 @@ START_TEST(threads_share_one_cap)
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     ck_assert_uint_le(atomic_load(&memory.peak), 5000);
     ck_assert_uint_eq(atomic_load(&memory.calls), THREADS * ROUNDS);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, what_is_freed_is_given_back);
-    vt_add(suite, the_cap_holds_and_what_fits_under_it_is_given);
-    vt_add(suite, a_product_that_overflows_is_refused);
-    vt_add(suite, nothing_is_a_valid_pointer);
-    vt_add(suite, calloc_is_zero_even_where_memory_was_used);
-    vt_add(suite, realloc_keeps_the_content_and_the_old_block_on_failure);
-    vt_add(suite, the_call_asked_to_fail_fails_and_no_other);
-    vt_add(suite, a_library_s_own_bytes_count_against_the_cap);
-    vt_add(suite, threads_share_one_cap);
 }

@@ -58,7 +58,7 @@ static struct vor_pool *pool_of(unsigned threads)
 }
 
 /* Property. */
-START_TEST(every_row_runs_exactly_once_in_whole_blocks)
+VT_TEST_LOOP(every_row_runs_exactly_once_in_whole_blocks, COUNTS)
 {
     static const size_t sizes[] = {0, 1, 2, 63, 64, 65, 1000, 4096, 10007};
     static const size_t blocks[] = {1, 7, 64, 20000};
@@ -77,7 +77,6 @@ START_TEST(every_row_runs_exactly_once_in_whole_blocks)
         }
     vor_pool_destroy(pool);
 }
-END_TEST
 
 /* Scratch space by worker: no two blocks of one worker at a time. */
 struct scratch {
@@ -96,7 +95,7 @@ static void use_scratch(void *ctx, size_t begin, size_t end, unsigned worker)
     atomic_fetch_sub(&scratch->busy[worker], 1);
 }
 
-START_TEST(a_worker_s_scratch_space_is_its_own)
+VT_TEST_LOOP(a_worker_s_scratch_space_is_its_own, COUNTS)
 {
     struct vor_pool *pool = pool_of(threads_of[_i]);
     struct scratch scratch;
@@ -106,7 +105,6 @@ START_TEST(a_worker_s_scratch_space_is_its_own)
     ck_assert_uint_eq(atomic_load(&scratch.clashes), 0);
     vor_pool_destroy(pool);
 }
-END_TEST
 
 enum { CALLERS = 6, LOOPS = 25 };
 
@@ -135,7 +133,7 @@ static void *call_loops(void *ctx)
     return NULL;
 }
 
-START_TEST(loops_of_several_callers_all_finish)
+VT_TEST_LOOP(loops_of_several_callers_all_finish, COUNTS)
 {
     struct vor_pool *pool = pool_of(threads_of[_i]);
     struct caller callers[CALLERS];
@@ -151,7 +149,6 @@ START_TEST(loops_of_several_callers_all_finish)
     }
     vor_pool_destroy(pool);
 }
-END_TEST
 
 /* A long loop on the pool's only thread must not keep a short one waiting for its end. It would run
  * for half a minute; the short one's end stops it. */
@@ -191,7 +188,7 @@ static void *long_loop(void *ctx)
     return NULL;
 }
 
-START_TEST(loops_that_run_together_take_turns)
+VT_TEST(loops_that_run_together_take_turns)
 {
     struct turn turn = {.pool = pool_of(1)};
     struct rows rows;
@@ -210,7 +207,6 @@ START_TEST(loops_that_run_together_take_turns)
     free(rows.seen);
     vor_pool_destroy(turn.pool);
 }
-END_TEST
 
 /* A watch that lets `grace` blocks begin and then gives its answer for good. */
 struct brake {
@@ -226,7 +222,7 @@ static enum vor_answer brake_poll(void *ctx)
     return atomic_fetch_add(&brake->polls, 1) < brake->grace ? VOR_CONTINUE : brake->answer;
 }
 
-START_TEST(no_block_begins_after_the_watch_says_so)
+VT_TEST_LOOP(no_block_begins_after_the_watch_says_so, COUNTS)
 {
     static const enum vor_answer answers[] = {VOR_STOP, VOR_CANCEL};
 
@@ -246,9 +242,8 @@ START_TEST(no_block_begins_after_the_watch_says_so)
             vor_pool_destroy(pool);
         }
 }
-END_TEST
 
-START_TEST(a_watch_that_lets_go_on_changes_nothing)
+VT_TEST_LOOP(a_watch_that_lets_go_on_changes_nothing, COUNTS)
 {
     struct vor_pool *pool = pool_of(threads_of[_i]);
     struct brake brake = {.grace = INT32_MAX};
@@ -264,9 +259,8 @@ START_TEST(a_watch_that_lets_go_on_changes_nothing)
     free(rows.seen);
     vor_pool_destroy(pool);
 }
-END_TEST
 
-START_TEST(a_pool_has_1_to_256_threads)
+VT_TEST(a_pool_has_1_to_256_threads)
 {
     struct vor_pool *pool = NULL;
 
@@ -277,16 +271,4 @@ START_TEST(a_pool_has_1_to_256_threads)
     vor_pool_destroy(NULL);
     vor_pool_destroy(pool_of(1));
     vor_pool_destroy(pool_of(VOR_THREADS_MAX));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, every_row_runs_exactly_once_in_whole_blocks, COUNTS);
-    vt_add_loop(suite, a_worker_s_scratch_space_is_its_own, COUNTS);
-    vt_add_loop(suite, loops_of_several_callers_all_finish, COUNTS);
-    vt_add(suite, loops_that_run_together_take_turns);
-    vt_add_loop(suite, no_block_begins_after_the_watch_says_so, COUNTS);
-    vt_add_loop(suite, a_watch_that_lets_go_on_changes_nothing, COUNTS);
-    vt_add(suite, a_pool_has_1_to_256_threads);
 }

@@ -47,7 +47,7 @@ static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, const
     vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
 }
 
-START_TEST(a_committed_blob_comes_back_byte_for_byte)
+VT_TEST(a_committed_blob_comes_back_byte_for_byte)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -68,9 +68,8 @@ START_TEST(a_committed_blob_comes_back_byte_for_byte)
     ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_writer_knows_size_and_digest_as_it_goes)
+VT_TEST(a_writer_knows_size_and_digest_as_it_goes)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -87,9 +86,8 @@ START_TEST(a_writer_knows_size_and_digest_as_it_goes)
     vor_blob_discard(writer);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_discarded_blob_leaves_nothing)
+VT_TEST(a_discarded_blob_leaves_nothing)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -102,9 +100,8 @@ START_TEST(a_discarded_blob_leaves_nothing)
     vor_blob_discard(NULL);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(an_open_blob_stays_readable_after_it_was_dropped)
+VT_TEST(an_open_blob_stays_readable_after_it_was_dropped)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -123,7 +120,6 @@ START_TEST(an_open_blob_stays_readable_after_it_was_dropped)
     ck_assert_str_eq(content(blobs, &id, "cloud"), "");
     vor_blobs_close(blobs);
 }
-END_TEST
 
 struct crash {
     const char *dir;
@@ -142,7 +138,7 @@ static void die_writing(void *ctx)
     raise(SIGKILL);
 }
 
-START_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
+VT_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
 {
     struct crash crash = {.dir = vt_dir_make(), .id = fresh_id(), .committed = 0};
     struct vor_blobs *blobs;
@@ -154,9 +150,8 @@ START_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
     ck_assert_str_eq(content(blobs, &crash.id, "input"), "");
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(what_was_committed_outlives_a_kill)
+VT_TEST(what_was_committed_outlives_a_kill)
 {
     struct crash crash = {.dir = vt_dir_make(), .id = fresh_id(), .committed = 1};
     struct vor_blobs *blobs;
@@ -166,7 +161,6 @@ START_TEST(what_was_committed_outlives_a_kill)
     ck_assert_str_eq(content(blobs, &crash.id, "input"), "half of i");
     vor_blobs_close(blobs);
 }
-END_TEST
 
 struct listed {
     char names[4][80];
@@ -193,7 +187,7 @@ static int is_listed(const struct listed *listed, const struct vor_uuid *id, con
     return times == 1;
 }
 
-START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
+VT_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
 {
     static const char *const rubbish[] = {"rubbish", "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11",
                                           "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.",
@@ -223,10 +217,9 @@ START_TEST(a_list_has_every_blob_and_an_opening_drops_what_is_no_blob)
     ck_assert(is_listed(&listed, &other, "report-2"));
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* Refusal: the first failure sticks, the codec's sink reports it, a commit repeats it. */
-START_TEST(a_writer_that_failed_cannot_be_committed)
+VT_TEST(a_writer_that_failed_cannot_be_committed)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -251,9 +244,8 @@ START_TEST(a_writer_that_failed_cannot_be_committed)
     (void)setrlimit(RLIMIT_FSIZE, &limit);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_second_opener_and_a_wrong_name_are_refused)
+VT_TEST(a_second_opener_and_a_wrong_name_are_refused)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir), *second = NULL;
@@ -273,9 +265,8 @@ START_TEST(a_second_opener_and_a_wrong_name_are_refused)
     ck_assert_ptr_null(second);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(the_disk_s_space_is_known)
+VT_TEST(the_disk_s_space_is_known)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -286,9 +277,8 @@ START_TEST(the_disk_s_space_is_known)
     ck_assert_uint_le(available, total);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(the_bytes_of_all_blobs_are_known)
+VT_TEST(the_bytes_of_all_blobs_are_known)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -311,20 +301,4 @@ START_TEST(the_bytes_of_all_blobs_are_known)
     blobs = vt_dir_blobs(dir);
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 3);
     vor_blobs_close(blobs);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_committed_blob_comes_back_byte_for_byte);
-    vt_add(suite, a_writer_knows_size_and_digest_as_it_goes);
-    vt_add(suite, a_discarded_blob_leaves_nothing);
-    vt_add(suite, an_open_blob_stays_readable_after_it_was_dropped);
-    vt_add(suite, what_a_killed_writer_left_is_gone_after_the_next_start);
-    vt_add(suite, what_was_committed_outlives_a_kill);
-    vt_add(suite, a_list_has_every_blob_and_an_opening_drops_what_is_no_blob);
-    vt_add(suite, a_writer_that_failed_cannot_be_committed);
-    vt_add(suite, a_second_opener_and_a_wrong_name_are_refused);
-    vt_add(suite, the_disk_s_space_is_known);
-    vt_add(suite, the_bytes_of_all_blobs_are_known);
 }

@@ -42,7 +42,7 @@ static enum vor_job_outcome submit_booked(struct scene *scene, unsigned points)
     return vor_worker_submit(scene->daemon.worker, &admitted, &spec, &label, NULL, &vt_err);
 }
 
-START_TEST(a_booked_place_is_that_of_who_booked_it)
+VT_TEST(a_booked_place_is_that_of_who_booked_it)
 {
     struct vor_spec spec = vt_request(50, 1);
     struct vor_uuid id;
@@ -57,9 +57,8 @@ START_TEST(a_booked_place_is_that_of_who_booked_it)
     ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_FULL);
     close_scene(&scene);
 }
-END_TEST
 
-START_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
+VT_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
 {
     struct scene scene;
 
@@ -73,11 +72,8 @@ START_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
     ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_DONE);
     close_scene(&scene);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add(suite, a_booked_place_is_that_of_who_booked_it);
-    vt_add(suite, a_place_is_given_back_by_who_has_no_use_for_it);
 }

@@ -59,7 +59,7 @@ static int outside(double x, double y, double hole, double spacings)
     return vor_boundary_outside(&place.border, spacings, (double[3]){x, y, 0});
 }
 
-START_TEST(a_neighbour_is_within_a_distance_or_none_is)
+VT_TEST(a_neighbour_is_within_a_distance_or_none_is)
 {
     struct place place;
 
@@ -70,10 +70,9 @@ START_TEST(a_neighbour_is_within_a_distance_or_none_is)
     ck_assert(!vor_boundary_within(place.near, K, (double[3]){1.15, 0, 0}, 1));
     ck_assert(!vor_boundary_within(place.near, K, (double[3]){-1, 0, 1.15}, 1));
 }
-END_TEST
 
 /* With all neighbours to one side, 0.6 of the spacings asked for are allowed. */
-START_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
+VT_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
 {
     for (double y = -0.5; y <= 0.5; y += 0.25)
         for (double spacings = 1; spacings <= 4; spacings += 0.5) {
@@ -84,10 +83,9 @@ START_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
             ck_assert(outside(x + 0.01, y, 0, spacings));
         }
 }
-END_TEST
 
 /* In the middle of a hole the neighbours are all around: the whole of the spacings is allowed. */
-START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
+VT_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 {
     /* the nearest points of the holes are 2, 3 and 4 away */
     for (double hole = 2; hole <= 4; hole++) {
@@ -95,10 +93,9 @@ START_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
         ck_assert(outside(0, 0, hole, hole - 0.01));
     }
 }
-END_TEST
 
 /* Whatever the number of neighbours that a fit takes: many reach around the hole. */
-START_TEST(a_place_in_a_wide_hole_is_beyond_the_end_of_the_input)
+VT_TEST(a_place_in_a_wide_hole_is_beyond_the_end_of_the_input)
 {
     struct place place;
 
@@ -109,7 +106,6 @@ START_TEST(a_place_in_a_wide_hole_is_beyond_the_end_of_the_input)
         ck_assert(!vor_boundary_beyond(&place.surface, place.near, k, (double[3]){8.1, 0.2, 0}));
     }
 }
-END_TEST
 
 static double room_at(double x, double y, double side[2], struct place *place)
 {
@@ -120,7 +116,7 @@ static double room_at(double x, double y, double side[2], struct place *place)
     return vor_boundary_room(&place->surface, place->near, K, local, 1.5, side);
 }
 
-START_TEST(a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point)
+VT_TEST(a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point)
 {
     struct place place;
     double side[2];
@@ -135,7 +131,6 @@ START_TEST(a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point)
         ck_assert_double_eq_tol(room, fmax(-x, 0) + 0.4, 0.2);
     }
 }
-END_TEST
 
 /* A lattice of 5 x 5 with spacing 0.25, and the place of its point (column, row), a little moved.
  */
@@ -149,7 +144,7 @@ static double lattice_spacing(float near[75], double column, double row)
     return vor_boundary_spacing(near, 25, (double[3]){0.25 * column + 0.03, 0.25 * row, 0.1});
 }
 
-START_TEST(the_spacing_is_that_around_the_nearest_point)
+VT_TEST(the_spacing_is_that_around_the_nearest_point)
 {
     float near[75];
     double foot[3], out[3];
@@ -168,15 +163,4 @@ START_TEST(the_spacing_is_that_around_the_nearest_point)
     ck_assert(out[0] == 0 && out[1] == 0 && out[2] == 0);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.2001), 1);
     ck_assert_int_eq(vor_boundary_within(near, 25, (double[3]){0.5, 0.5, 0.2}, 0.1999), 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_neighbour_is_within_a_distance_or_none_is);
-    vt_add(suite, beyond_the_edge_of_a_half_plane_places_are_outside);
-    vt_add(suite, the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings);
-    vt_add(suite, a_place_in_a_wide_hole_is_beyond_the_end_of_the_input);
-    vt_add(suite, a_cell_at_the_border_ends_half_a_spacing_beyond_the_last_point);
-    vt_add(suite, the_spacing_is_that_around_the_nearest_point);
 }

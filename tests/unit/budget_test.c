@@ -83,7 +83,7 @@ static size_t fits(const struct vor_report *report)
 /* Each first point, the question whether it lies in a hole, and each figure of the report took a
  * fit or several, whatever the time was: 8.4 s of CPU for 16,000 points on 1,000 with 500
  * neighbors. */
-START_TEST(when_time_is_over_at_once_points_are_placed_without_a_fit)
+VT_TEST(when_time_is_over_at_once_points_are_placed_without_a_fit)
 {
     struct hurry hurry;
 
@@ -98,7 +98,6 @@ START_TEST(when_time_is_over_at_once_points_are_placed_without_a_fit)
     ck_assert_double_lt(hurry.report.delta, 0.8);
     close_hurry(&hurry);
 }
-END_TEST
 
 /* The last row: no method but kmeans takes as many points as there are. */
 static const char *const variants[][2] = {
@@ -110,7 +109,7 @@ enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
 /* A run reads its clock some thousand times: the steps are such that the time is over somewhere
  * among the first of these. */
-START_TEST(whenever_time_is_over_a_run_hands_back_its_points)
+VT_TEST_LOOP(whenever_time_is_over_a_run_hands_back_its_points, VARIANTS *MOMENTS)
 {
     const char *const *variant = variants[_i % VARIANTS];
     int moment = _i / VARIANTS;
@@ -125,9 +124,8 @@ START_TEST(whenever_time_is_over_a_run_hands_back_its_points)
     ck_assert_double_lt(off_sphere(&hurry.out), 0.2);
     close_hurry(&hurry);
 }
-END_TEST
 
-START_TEST(a_time_that_is_not_over_changes_no_byte)
+VT_TEST(a_time_that_is_not_over_changes_no_byte)
 {
     struct hurry hurry;
     uint64_t hash;
@@ -143,12 +141,4 @@ START_TEST(a_time_that_is_not_over_changes_no_byte)
     ck_assert_uint_eq(vt_cloud_hash(&hurry.out), hash);
     ck_assert_int_eq(hurry.report.stopped, VOR_STOPPED_ITERATIONS);
     close_hurry(&hurry);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, when_time_is_over_at_once_points_are_placed_without_a_fit);
-    vt_add_loop(suite, whenever_time_is_over_a_run_hands_back_its_points, VARIANTS * MOMENTS);
-    vt_add(suite, a_time_that_is_not_over_changes_no_byte);
 }

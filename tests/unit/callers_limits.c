@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-START_TEST(a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on)
+VT_TEST(a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on)
 {
     struct vor_rates *rates = vor_rates_create();
     int taken = 0;
@@ -31,9 +31,8 @@ START_TEST(a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on)
     ck_assert(vor_rates_take(rates, "a", 10, 90) >= 0); /* a clock that goes back gives nothing */
     vor_rates_destroy(rates);
 }
-END_TEST
 
-START_TEST(a_slow_rate_still_gives_one_at_first)
+VT_TEST(a_slow_rate_still_gives_one_at_first)
 {
     struct vor_rates *rates = vor_rates_create();
 
@@ -42,7 +41,6 @@ START_TEST(a_slow_rate_still_gives_one_at_first)
     ck_assert(vor_rates_take(rates, "a", 0.01, 106) == 0);
     vor_rates_destroy(rates);
 }
-END_TEST
 
 static struct vor_uuid new_id(void)
 {
@@ -52,7 +50,7 @@ static struct vor_uuid new_id(void)
     return id;
 }
 
-START_TEST(a_ticket_is_good_for_its_result_for_a_minute)
+VT_TEST(a_ticket_is_good_for_its_result_for_a_minute)
 {
     struct vor_uuid job = new_id(), other = new_id();
     char ticket[VOR_TICKET_SIZE];
@@ -72,10 +70,9 @@ START_TEST(a_ticket_is_good_for_its_result_for_a_minute)
     vor_tickets_destroy(tickets);
     vor_tickets_destroy(restarted);
 }
-END_TEST
 
 /* Property: no other text is a ticket: one character changed, left out or added anywhere. */
-START_TEST(a_ticket_that_was_changed_is_none)
+VT_TEST(a_ticket_that_was_changed_is_none)
 {
     static const char letters[] = "AZaz09-_ .";
     struct vor_uuid job = new_id();
@@ -101,7 +98,6 @@ START_TEST(a_ticket_that_was_changed_is_none)
     }
     vor_tickets_destroy(tickets);
 }
-END_TEST
 
 /* --- identifiers ------------------------------------------------------------------------------ */
 
@@ -142,7 +138,7 @@ static double chi_square(const struct vor_uuid *ids, size_t count, int index)
 
 /* Property, RFC 9562, 5.7: of the 74 random bits those of bytes 9 to 15 are whole bytes. With 255
  * degrees of freedom 400 comes once in 1e8. VT_IDS says of how many. */
-START_TEST(identifiers_do_not_repeat_and_their_random_bytes_are_even)
+VT_TEST(identifiers_do_not_repeat_and_their_random_bytes_are_even)
 {
     size_t count = ids_wanted(), repeated = 0;
     struct vor_uuid *ids = calloc(count, sizeof *ids);
@@ -161,14 +157,4 @@ START_TEST(identifiers_do_not_repeat_and_their_random_bytes_are_even)
     ck_assert_uint_eq(repeated, 0);
     ck_assert_double_lt(worst, 400);
     free(ids);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_name_has_twice_its_rate_at_once_and_its_rate_from_then_on);
-    vt_add(suite, a_slow_rate_still_gives_one_at_first);
-    vt_add(suite, a_ticket_is_good_for_its_result_for_a_minute);
-    vt_add(suite, a_ticket_that_was_changed_is_none);
-    vt_add(suite, identifiers_do_not_repeat_and_their_random_bytes_are_even);
 }

@@ -51,7 +51,7 @@ static const struct {
 
 enum { DISCS = sizeof discs / sizeof *discs };
 
-START_TEST(an_unclipped_patch_has_the_moments_of_its_polygon)
+VT_TEST_LOOP(an_unclipped_patch_has_the_moments_of_its_polygon, DISCS)
 {
     const double seed[3] = {3, -4, 5}, radius = 2;
     struct vor_cell cell;
@@ -68,10 +68,9 @@ START_TEST(an_unclipped_patch_has_the_moments_of_its_polygon)
         ck_assert_uint_eq(cell.bisectors, 0);
     }
 }
-END_TEST
 
 /* Vector: four neighbours one apart leave the unit square; its energy is 1/6. */
-START_TEST(four_neighbours_leave_the_unit_square)
+VT_TEST(four_neighbours_leave_the_unit_square)
 {
     const double seed[3] = {3, -4, 5};
     struct vor_cell cell;
@@ -92,10 +91,9 @@ START_TEST(four_neighbours_leave_the_unit_square)
         ck_assert_uint_eq(cell.bisectors, 4);
     }
 }
-END_TEST
 
 /* Vector: [-1/2, 1] x [-1/2, 1/2]; energy = ((1 + 1/8) / 3 + 1.5 / 12). */
-START_TEST(an_uneven_rectangle_has_its_centroid_off_the_seed)
+VT_TEST(an_uneven_rectangle_has_its_centroid_off_the_seed)
 {
     const double seed[3] = {0, 0, 0};
     struct vor_cell cell;
@@ -113,10 +111,9 @@ START_TEST(an_uneven_rectangle_has_its_centroid_off_the_seed)
     ck_assert_double_eq_tol(m.energy, (1 + 0.125) / 3 + 1.5 / 12, 1e-13);
     ck_assert_double_eq_tol(cell.radius2, 1.25, 1e-13);
 }
-END_TEST
 
 /* Vector: six neighbours of a hexagonal lattice with spacing 1 leave area sqrt(3) / 2. */
-START_TEST(six_neighbours_leave_the_cell_of_a_hexagonal_lattice)
+VT_TEST(six_neighbours_leave_the_cell_of_a_hexagonal_lattice)
 {
     const double seed[3] = {0, 0, 0}, side = 1 / sqrt(3);
     struct vor_cell cell;
@@ -130,9 +127,8 @@ START_TEST(six_neighbours_leave_the_cell_of_a_hexagonal_lattice)
     ck_assert_double_eq_tol(m.energy, HEXAGON_ENERGY * pow(side, 4), 1e-13);
     ck_assert_double_eq_tol(cell.radius2, side * side, 1e-13);
 }
-END_TEST
 
-START_TEST(a_neighbour_too_far_to_cut_changes_nothing)
+VT_TEST(a_neighbour_too_far_to_cut_changes_nothing)
 {
     const double seed[3] = {0, 0, 0};
     struct vor_cell cell, before;
@@ -145,10 +141,9 @@ START_TEST(a_neighbour_too_far_to_cut_changes_nothing)
     clip(&cell, 1.999, 0, 0);
     ck_assert_uint_eq(cell.bisectors, 1);
 }
-END_TEST
 
 /* The surface lies ten below the seed, and a neighbour lies on it: nothing is left. */
-START_TEST(a_seed_far_off_its_surface_may_have_no_cell)
+VT_TEST(a_seed_far_off_its_surface_may_have_no_cell)
 {
     const double seed[3] = {0, 0, 10};
     struct vor_surface surface = flat(0);
@@ -166,7 +161,6 @@ START_TEST(a_seed_far_off_its_surface_may_have_no_cell)
     vor_cell_sample(&cell, (double[3]){0.5, 0.5, 0.5}, local);
     ck_assert(memcmp(local, seed, sizeof local) == 0);
 }
-END_TEST
 
 /* A random cell: a bowl clipped by random bisectors. */
 static void random_cell(struct vor_cell *cell, uint64_t seed, double offset[12][3])
@@ -191,7 +185,7 @@ static void random_cell(struct vor_cell *cell, uint64_t seed, double offset[12][
     }
 }
 
-START_TEST(a_sample_lies_in_the_cell)
+VT_TEST_LOOP(a_sample_lies_in_the_cell, SEEDS)
 {
     double offset[12][3];
     struct vor_cell cell;
@@ -211,10 +205,9 @@ START_TEST(a_sample_lies_in_the_cell)
                                 vor_dot(offset[i], offset[i]) / 2 + 1e-12);
     }
 }
-END_TEST
 
 /* The order in which bisectors cut does not matter, and one that cut does not cut again. */
-START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
+VT_TEST_LOOP(a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS)
 {
     double offset[12][3];
     struct vor_surface surface = flat(0);
@@ -240,17 +233,4 @@ START_TEST(a_cell_depends_on_its_bisectors_but_not_on_their_order)
     cuts = cell.bisectors;
     clip(&cell, 10, 10, 0);
     ck_assert_uint_eq(cell.bisectors, cuts);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, an_unclipped_patch_has_the_moments_of_its_polygon, DISCS);
-    vt_add(suite, four_neighbours_leave_the_unit_square);
-    vt_add(suite, an_uneven_rectangle_has_its_centroid_off_the_seed);
-    vt_add(suite, six_neighbours_leave_the_cell_of_a_hexagonal_lattice);
-    vt_add(suite, a_neighbour_too_far_to_cut_changes_nothing);
-    vt_add(suite, a_seed_far_off_its_surface_may_have_no_cell);
-    vt_add_loop(suite, a_sample_lies_in_the_cell, SEEDS);
-    vt_add_loop(suite, a_cell_depends_on_its_bisectors_but_not_on_their_order, SEEDS);
 }

@@ -47,7 +47,7 @@ static const char *bar_of(const struct vor_cli *cli, int columns, struct vor_rec
     return text;
 }
 
-START_TEST(a_bar_shows_the_iteration_and_what_is_left_of_all)
+VT_TEST(a_bar_shows_the_iteration_and_what_is_left_of_all)
 {
     struct vor_record first = {.of = 50, .seconds = 1},
                       second = {.step = 20, .of = 50, .delta = 0.25, .seconds = 5};
@@ -60,9 +60,8 @@ START_TEST(a_bar_shows_the_iteration_and_what_is_left_of_all)
     ck_assert_str_eq(bar_of(&cli, 70, first, second),
                      "\r\x1b[Kiterate   20/50   [#---------]  10 %  delta 0.2500  20 s left");
 }
-END_TEST
 
-START_TEST(a_bar_does_not_show_limits_that_are_not_known)
+VT_TEST(a_bar_does_not_show_limits_that_are_not_known)
 {
     struct vor_record first = {.seconds = 1}, second = {.step = 20, .delta = 0.25, .seconds = 5};
     struct vor_cli cli;
@@ -75,9 +74,8 @@ START_TEST(a_bar_does_not_show_limits_that_are_not_known)
     ck_assert_str_eq(bar_of(&cli, 67, first, second),
                      "\r\x1b[Kstep   20/40   [#####-----]  50 %  delta 0.2500  4 s left");
 }
-END_TEST
 
-START_TEST(a_bar_shows_the_polish_at_its_own_pace)
+VT_TEST(a_bar_shows_the_polish_at_its_own_pace)
 {
     struct vor_record first = {.step = 50, .of = 50, .ahead = 150, .seconds = 11};
     struct vor_record second = {
@@ -91,9 +89,8 @@ START_TEST(a_bar_shows_the_polish_at_its_own_pace)
     ck_assert_str_eq(bar_of(&cli, 69, first, second),
                      "\r\x1b[Kpolish  150/150  [##########] 100 %  delta 0.0310  0 s left");
 }
-END_TEST
 
-START_TEST(a_bar_leaves_out_what_a_stage_does_not_know)
+VT_TEST(a_bar_leaves_out_what_a_stage_does_not_know)
 {
     struct vor_record first = {.of = 50, .delta = (double)NAN, .seconds = 1},
                       second = {.step = 20, .of = 50, .delta = (double)NAN, .seconds = 5};
@@ -103,9 +100,8 @@ START_TEST(a_bar_leaves_out_what_a_stage_does_not_know)
     ck_assert_str_eq(bar_of(&cli, 70, first, second),
                      "\r\x1b[Kiterate   20/50   [####------]  40 %  6 s left");
 }
-END_TEST
 
-START_TEST(a_bar_fits_into_its_line)
+VT_TEST(a_bar_fits_into_its_line)
 {
     struct vor_record first = {.step = 9999, .of = 10000, .ahead = 10000, .seconds = 1};
     struct vor_record second = {
@@ -119,10 +115,9 @@ START_TEST(a_bar_fits_into_its_line)
         ck_assert_uint_le(strlen(text), strlen("\r\x1b[K") + (size_t)columns - 1);
     }
 }
-END_TEST
 
 /* A line is drawn ten times a second at most, the first one always. */
-START_TEST(a_bar_is_not_drawn_for_every_record)
+VT_TEST(a_bar_is_not_drawn_for_every_record)
 {
     struct vor_record record = {.delta = 0.5};
     struct vor_progress progress = {.columns = 80, .bar = tmpfile()};
@@ -140,7 +135,6 @@ START_TEST(a_bar_is_not_drawn_for_every_record)
     ck_assert_uint_lt(drawn, 20);
     (void)fclose(progress.bar);
 }
-END_TEST
 
 /* The bar after two events of a daemon. */
 static const char *bar_of_events(const char *first, const char *second)
@@ -165,7 +159,7 @@ static const char *bar_of_events(const char *first, const char *second)
     return text;
 }
 
-START_TEST(a_bar_follows_a_daemon_that_tells_stages)
+VT_TEST(a_bar_follows_a_daemon_that_tells_stages)
 {
     ck_assert_str_eq(
         bar_of_events(
@@ -175,7 +169,6 @@ START_TEST(a_bar_follows_a_daemon_that_tells_stages)
             "\"maxPolish\":9,\"run_stage\":\"polish\",\"step\":30,\"of\":150,\"ahead\":0}"),
         "\r\x1b[Kpolish   30/150  [####------]  40 %  delta 0.1250  12 s left");
 }
-END_TEST
 
 /* What vor_progress_finish says on standard error. */
 static const char *summary(const char *report)
@@ -201,7 +194,7 @@ static const char *summary(const char *report)
     return shown;
 }
 
-START_TEST(the_summary_names_iterations_and_polish_steps)
+VT_TEST(the_summary_names_iterations_and_polish_steps)
 {
     ck_assert_str_eq(
         summary("{\"points\":{\"in\":9,\"out\":7},\"delta\":0.03125,\"stages\":["
@@ -220,17 +213,4 @@ START_TEST(the_summary_names_iterations_and_polish_steps)
                              "{\"stage\":\"iterate\",\"steps\":5}],\"stopped\":\"delta\"}"),
                      "voronoid: out.ply: 7 points, delta 0.5000 after 4 polish steps and 5 "
                      "iterations (delta), 0.0 s\n");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_bar_shows_the_iteration_and_what_is_left_of_all);
-    vt_add(suite, a_bar_does_not_show_limits_that_are_not_known);
-    vt_add(suite, a_bar_shows_the_polish_at_its_own_pace);
-    vt_add(suite, a_bar_leaves_out_what_a_stage_does_not_know);
-    vt_add(suite, a_bar_fits_into_its_line);
-    vt_add(suite, a_bar_is_not_drawn_for_every_record);
-    vt_add(suite, a_bar_follows_a_daemon_that_tells_stages);
-    vt_add(suite, the_summary_names_iterations_and_polish_steps);
 }

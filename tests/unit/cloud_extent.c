@@ -10,7 +10,7 @@ enum { SEEDS = 20 };
 
 static const double zero[3] = {0, 0, 0};
 
-START_TEST(the_box_is_in_absolute_coordinates)
+VT_TEST(the_box_is_in_absolute_coordinates)
 {
     static const float xyz[] = {1, -2, 3, -4, 5, 0.5F};
     struct vor_extent extent;
@@ -27,11 +27,10 @@ START_TEST(the_box_is_in_absolute_coordinates)
     ck_assert(extent.low[2] == -1e7 + 0.5 && extent.high[2] == -1e7 + 3);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Vector: n points of a unit square lie 1.0746 / sqrt(n) apart in a hexagonal lattice, and those of
  * the unit sphere sqrt(4 pi) times as far. */
-START_TEST(the_spacing_is_estimated_within_a_factor)
+VT_TEST_LOOP(the_spacing_is_estimated_within_a_factor, SEEDS)
 {
     static const size_t counts[] = {40, 200, 1000, 10000, 60000};
     size_t n = counts[_i % 5];
@@ -53,9 +52,8 @@ START_TEST(the_spacing_is_estimated_within_a_factor)
     ck_assert_double_eq_tol(vor_extent_spacing(&extent, (double)n / 4),
                             2 * vor_extent_spacing(&extent, (double)n), 1e-12);
 }
-END_TEST
 
-START_TEST(pieces_of_a_walk_measure_the_same)
+VT_TEST_LOOP(pieces_of_a_walk_measure_the_same, SEEDS)
 {
     size_t n = 1 + (size_t)_i * 53, piece = 1 + (size_t)_i % 7 * 31;
     struct vor_extent whole, walked;
@@ -71,9 +69,8 @@ START_TEST(pieces_of_a_walk_measure_the_same)
     ck_assert_mem_eq(&walked, &whole, sizeof whole);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(points_in_one_place_have_no_area)
+VT_TEST(points_in_one_place_have_no_area)
 {
     struct vor_extent extent;
     struct vor_cloud cloud;
@@ -92,10 +89,9 @@ START_TEST(points_in_one_place_have_no_area)
     ck_assert(middle[0] == 637000 && middle[1] == 1 && middle[2] == 2);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Vector: the distance from a float to the next larger one. */
-START_TEST(the_step_is_that_of_float32_at_the_farthest_coordinate)
+VT_TEST(the_step_is_that_of_float32_at_the_farthest_coordinate)
 {
     static const double far[] = {1, 1.5, 637123.4, 849254.25, 4e6, 1e-30, 3e38, 0, 1e-45, 0.1};
 
@@ -111,9 +107,8 @@ START_TEST(the_step_is_that_of_float32_at_the_farthest_coordinate)
                       vor_extent_step(&extent, zero), step);
     }
 }
-END_TEST
 
-START_TEST(the_step_counts_from_the_origin_and_ends_with_float32)
+VT_TEST(the_step_counts_from_the_origin_and_ends_with_float32)
 {
     struct vor_extent extent = {.n = 2, .low = {637000, 0, 0}, .high = {637100, 3, 0}};
     static const double origin[3] = {637050, 0, 0}, far[3] = {1e39, 0, 0};
@@ -122,9 +117,8 @@ START_TEST(the_step_counts_from_the_origin_and_ends_with_float32)
     ck_assert(vor_extent_step(&extent, origin) == 0x1p-18);
     ck_assert(isinf(vor_extent_step(&extent, far)));
 }
-END_TEST
 
-START_TEST(the_middle_is_whole)
+VT_TEST(the_middle_is_whole)
 {
     struct vor_extent extent = {
         .n = 9, .low = {637177.98, 849393.5, -10.2}, .high = {639003.73, 853536.2, 10.1}};
@@ -134,10 +128,9 @@ START_TEST(the_middle_is_whole)
     ck_assert(middle[0] == 638091 && middle[1] == 851465 && middle[2] == 0);
     ck_assert(!signbit(middle[2]));
 }
-END_TEST
 
 /* A cloud of a millionth across, a third from 0: whole numbers would leave nothing of it. */
-START_TEST(the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be)
+VT_TEST(the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be)
 {
     struct vor_extent extent = {.n = 9, .low = {0.3333333, 0, 0}, .high = {0.3333343, 1e-6, 1e-6}};
     double middle[3];
@@ -148,17 +141,4 @@ START_TEST(the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be)
         ck_assert(fmod(middle[c], 0x1p-30) == 0);
     vor_extent_middle(middle, &extent, 1e-7); /* a step that whole numbers reach */
     ck_assert(middle[0] == 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_box_is_in_absolute_coordinates);
-    vt_add_loop(suite, the_spacing_is_estimated_within_a_factor, SEEDS);
-    vt_add_loop(suite, pieces_of_a_walk_measure_the_same, SEEDS);
-    vt_add(suite, points_in_one_place_have_no_area);
-    vt_add(suite, the_step_is_that_of_float32_at_the_farthest_coordinate);
-    vt_add(suite, the_step_counts_from_the_origin_and_ends_with_float32);
-    vt_add(suite, the_middle_is_whole);
-    vt_add(suite, the_middle_of_a_tiny_cloud_is_as_fine_as_it_must_be);
 }

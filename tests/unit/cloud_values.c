@@ -9,7 +9,7 @@
 
 enum { SEEDS = 40, N = 500 };
 
-START_TEST(both_spellings_of_every_type_are_read)
+VT_TEST(both_spellings_of_every_type_are_read)
 {
     enum vor_type type;
 
@@ -32,9 +32,8 @@ START_TEST(both_spellings_of_every_type_are_read)
     ck_assert_uint_eq(vor_type_size(VOR_UINT16), 2);
     ck_assert_uint_eq(vor_type_size(VOR_FLOAT64), 8);
 }
-END_TEST
 
-START_TEST(a_cloud_has_1_to_the_greatest_number_of_points)
+VT_TEST(a_cloud_has_1_to_the_greatest_number_of_points)
 {
     struct vor_memory memory;
     struct vor_cloud cloud;
@@ -52,9 +51,8 @@ START_TEST(a_cloud_has_1_to_the_greatest_number_of_points)
     vor_cloud_free(&cloud);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
 }
-END_TEST
 
-START_TEST(names_that_are_taken_get_a_suffix)
+VT_TEST(names_that_are_taken_get_a_suffix)
 {
     struct vor_cloud cloud;
     char name[64];
@@ -76,9 +74,8 @@ START_TEST(names_that_are_taken_get_a_suffix)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(long_names_are_cut_and_stay_unique)
+VT_TEST(long_names_are_cut_and_stay_unique)
 {
     struct vor_cloud cloud;
     char name[200];
@@ -98,9 +95,8 @@ START_TEST(long_names_are_cut_and_stay_unique)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_first_attribute_of_a_meaning_is_found)
+VT_TEST(the_first_attribute_of_a_meaning_is_found)
 {
     struct vor_cloud cloud;
 
@@ -114,9 +110,8 @@ START_TEST(the_first_attribute_of_a_meaning_is_found)
     ck_assert_ptr_null(vor_cloud_find(&cloud, VOR_COLOR));
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(an_attribute_that_does_not_fit_leaves_the_cloud_as_it_was)
+VT_TEST(an_attribute_that_does_not_fit_leaves_the_cloud_as_it_was)
 {
     struct vor_memory memory;
     struct vor_cloud cloud;
@@ -131,7 +126,6 @@ START_TEST(an_attribute_that_does_not_fit_leaves_the_cloud_as_it_was)
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     ck_assert_ptr_null(cloud.xyz);
 }
-END_TEST
 
 static void from_doubles(struct vor_cloud *cloud, const double *xyz, size_t n)
 {
@@ -153,7 +147,7 @@ static double *grid_points(uint64_t seed)
 }
 
 /* Property: what cloud.h promises of a shift. */
-START_TEST(a_shifted_cloud_has_the_same_relative_bits)
+VT_TEST_LOOP(a_shifted_cloud_has_the_same_relative_bits, SEEDS)
 {
     static const double steps[] = {0.25, 1e6 + 0.25, -1e6 - 0.25, 6.1e6 + 0.5, 0x1p24};
     double *xyz = grid_points((uint64_t)_i);
@@ -177,11 +171,10 @@ START_TEST(a_shifted_cloud_has_the_same_relative_bits)
     free(xyz);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Property: the positions move by at most extent / 2^25, and are exact multiples of a power of two
  * from the lower corner. */
-START_TEST(positions_move_by_at_most_half_a_cell)
+VT_TEST_LOOP(positions_move_by_at_most_half_a_cell, SEEDS)
 {
     double *xyz = malloc(3 * N * sizeof *xyz);
     double scale = ldexp(1, (int)(_i * 11) - 200), extent = 0;
@@ -218,9 +211,8 @@ START_TEST(positions_move_by_at_most_half_a_cell)
 done:
     free(xyz);
 }
-END_TEST
 
-START_TEST(coincident_doubles_stay_where_they_are)
+VT_TEST(coincident_doubles_stay_where_they_are)
 {
     const double xyz[] = {5.5e6, -0.125, 3, 5.5e6, -0.125, 3};
     struct vor_cloud cloud;
@@ -232,9 +224,8 @@ START_TEST(coincident_doubles_stay_where_they_are)
     ck_assert_mem_eq(at, xyz, sizeof at);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(a_double_that_is_not_finite_is_named)
+VT_TEST(a_double_that_is_not_finite_is_named)
 {
     static const double bad[] = {NAN, INFINITY, -INFINITY};
 
@@ -252,9 +243,8 @@ START_TEST(a_double_that_is_not_finite_is_named)
         vor_cloud_free(&cloud);
     }
 }
-END_TEST
 
-START_TEST(doubles_farther_apart_than_float32_reaches_are_refused)
+VT_TEST(doubles_farther_apart_than_float32_reaches_are_refused)
 {
     static const double reach[] = {1e39, 1e300, DBL_MAX};
 
@@ -268,9 +258,8 @@ START_TEST(doubles_farther_apart_than_float32_reaches_are_refused)
         vor_cloud_free(&cloud);
     }
 }
-END_TEST
 
-START_TEST(a_check_finds_what_no_codec_may_hand_on)
+VT_TEST(a_check_finds_what_no_codec_may_hand_on)
 {
     struct vor_cloud cloud;
 
@@ -287,9 +276,8 @@ START_TEST(a_check_finds_what_no_codec_may_hand_on)
     vt_assert_fails(VOR_E_NONFINITE, vor_cloud_check(&cloud, &vt_err));
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(all_that_belongs_to_a_point_moves_with_it)
+VT_TEST(all_that_belongs_to_a_point_moves_with_it)
 {
     static const uint32_t order[4] = {2, 0, 3, 1};
     struct vor_memory memory;
@@ -316,22 +304,4 @@ START_TEST(all_that_belongs_to_a_point_moves_with_it)
         ck_assert_int_eq(((int64_t *)label->data)[i], 2 * (int)order[i / 2] + i % 2);
     vor_cloud_free(&cloud);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, both_spellings_of_every_type_are_read);
-    vt_add(suite, a_cloud_has_1_to_the_greatest_number_of_points);
-    vt_add(suite, names_that_are_taken_get_a_suffix);
-    vt_add(suite, long_names_are_cut_and_stay_unique);
-    vt_add(suite, the_first_attribute_of_a_meaning_is_found);
-    vt_add(suite, an_attribute_that_does_not_fit_leaves_the_cloud_as_it_was);
-    vt_add_loop(suite, a_shifted_cloud_has_the_same_relative_bits, SEEDS);
-    vt_add_loop(suite, positions_move_by_at_most_half_a_cell, SEEDS);
-    vt_add(suite, coincident_doubles_stay_where_they_are);
-    vt_add(suite, a_double_that_is_not_finite_is_named);
-    vt_add(suite, doubles_farther_apart_than_float32_reaches_are_refused);
-    vt_add(suite, a_check_finds_what_no_codec_may_hand_on);
-    vt_add(suite, all_that_belongs_to_a_point_moves_with_it);
 }

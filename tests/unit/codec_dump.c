@@ -58,7 +58,7 @@ static void assert_same(const struct vor_cloud *a, const struct vor_cloud *b)
 }
 
 /* Property. */
-START_TEST(a_dump_comes_back_exactly)
+VT_TEST_LOOP(a_dump_comes_back_exactly, 40)
 {
     struct vor_cloud cloud, back;
     struct vt_bytes bytes;
@@ -76,7 +76,6 @@ START_TEST(a_dump_comes_back_exactly)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 static void assert_refused(const uint8_t *bytes, size_t size, vor_status want, const char *what)
 {
@@ -99,7 +98,7 @@ static void assert_refused(const uint8_t *bytes, size_t size, vor_status want, c
 }
 
 /* Refusal. */
-START_TEST(a_dump_of_another_length_is_refused)
+VT_TEST(a_dump_of_another_length_is_refused)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -116,7 +115,6 @@ START_TEST(a_dump_of_another_length_is_refused)
     vor_cloud_free(&cloud);
     free(bytes.data);
 }
-END_TEST
 
 static const struct damage {
     const char *what;
@@ -149,7 +147,7 @@ static const struct damage {
 
 enum { DAMAGES = sizeof damages / sizeof damages[0] };
 
-START_TEST(a_damaged_table_is_refused)
+VT_TEST_LOOP(a_damaged_table_is_refused, DAMAGES)
 {
     const struct damage *damage = &damages[_i];
     struct vor_cloud cloud;
@@ -163,9 +161,8 @@ START_TEST(a_damaged_table_is_refused)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_name_without_an_end_is_refused)
+VT_TEST(a_name_without_an_end_is_refused)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -177,9 +174,8 @@ START_TEST(a_name_without_an_end_is_refused)
     assert_refused(bytes.data, bytes.size, VOR_E_FORMAT, "name");
     free(bytes.data);
 }
-END_TEST
 
-START_TEST(reading_a_dump_survives_the_failure_of_any_allocation)
+VT_TEST(reading_a_dump_survives_the_failure_of_any_allocation)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -202,7 +198,6 @@ START_TEST(reading_a_dump_survives_the_failure_of_any_allocation)
     vt_assert_ok(status);
     free(bytes.data);
 }
-END_TEST
 
 static int refuse(void *ctx, const void *data, size_t size)
 {
@@ -215,7 +210,7 @@ static int refuse(void *ctx, const void *data, size_t size)
     return 0;
 }
 
-START_TEST(a_sink_that_refuses_ends_the_dump)
+VT_TEST(a_sink_that_refuses_ends_the_dump)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -230,15 +225,4 @@ START_TEST(a_sink_that_refuses_ends_the_dump)
     }
     vor_cloud_free(&cloud);
     free(bytes.data);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_dump_comes_back_exactly, 40);
-    vt_add(suite, a_dump_of_another_length_is_refused);
-    vt_add_loop(suite, a_damaged_table_is_refused, DAMAGES);
-    vt_add(suite, a_name_without_an_end_is_refused);
-    vt_add(suite, reading_a_dump_survives_the_failure_of_any_allocation);
-    vt_add(suite, a_sink_that_refuses_ends_the_dump);
 }

@@ -80,7 +80,7 @@ static void check_refusal(const struct vt_file *file, vor_status status, struct 
                   atomic_load(&memory.peak));
 }
 
-START_TEST(a_file_is_read_as_it_says_or_refused_where_it_lies)
+VT_TEST_LOOP(a_file_is_read_as_it_says_or_refused_where_it_lies, file_count)
 {
     const struct vt_file *file = &files[_i];
     struct vor_cloud cloud;
@@ -96,7 +96,6 @@ START_TEST(a_file_is_read_as_it_says_or_refused_where_it_lies)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Property: a file that ends early is refused; nothing past the end is read. Ascii may lose the end
  * of its last number, and what lies behind the vertices may go if it is not wanted. */
@@ -129,11 +128,10 @@ static void cut_everywhere(const struct vt_file *file)
     }
 }
 
-START_TEST(every_prefix_is_refused_or_means_the_same)
+VT_TEST_LOOP(every_prefix_is_refused_or_means_the_same, PARTS)
 {
     each(cut_everywhere, _i);
 }
-END_TEST
 
 /* Property: any byte of any file may be anything; what comes is a cloud or a refusal. */
 static void change_bytes(const struct vt_file *whole)
@@ -163,11 +161,10 @@ static void change_bytes(const struct vt_file *whole)
     vt_assert_no_leak();
 }
 
-START_TEST(any_changed_byte_ends_in_a_cloud_or_a_refusal)
+VT_TEST_LOOP(any_changed_byte_ends_in_a_cloud_or_a_refusal, PARTS)
 {
     each(change_bytes, _i);
 }
-END_TEST
 
 /* What a job keeps of its upload is the same, and is refused where it is cut or wrong. */
 static void dump(const struct vt_file *file)
@@ -195,11 +192,10 @@ static void dump(const struct vt_file *file)
     vt_assert_no_leak();
 }
 
-START_TEST(a_dump_is_the_same)
+VT_TEST_LOOP(a_dump_is_the_same, PARTS)
 {
     each(dump, _i);
 }
-END_TEST
 
 /* "Fail the N-th allocation" until none is left to fail; then the same with a cap, met anywhere. */
 static void fail_allocations(const struct vt_file *file)
@@ -233,20 +229,14 @@ static void fail_allocations(const struct vt_file *file)
     ck_assert_msg(status == VOR_OK, "%s: %s", file->name, vt_err.message);
 }
 
-START_TEST(any_allocation_may_fail)
+VT_TEST_LOOP(any_allocation_may_fail, PARTS)
 {
     each(fail_allocations, _i);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     static const char *const tables[] = {"tests/data/ply.txt", "tests/data/draco.txt"};
 
     files = vt_files(tables, 2, &file_count);
-    vt_add_loop(suite, a_file_is_read_as_it_says_or_refused_where_it_lies, file_count);
-    vt_add_loop(suite, every_prefix_is_refused_or_means_the_same, PARTS);
-    vt_add_loop(suite, any_changed_byte_ends_in_a_cloud_or_a_refusal, PARTS);
-    vt_add_loop(suite, a_dump_is_the_same, PARTS);
-    vt_add_loop(suite, any_allocation_may_fail, PARTS);
 }

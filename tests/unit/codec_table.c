@@ -12,7 +12,7 @@
 
 static const struct vor_limits limits = VOR_LIMITS_DEFAULT;
 
-START_TEST(formats_have_the_index_and_the_word_of_the_parameter)
+VT_TEST(formats_have_the_index_and_the_word_of_the_parameter)
 {
     const char *word;
 
@@ -36,7 +36,6 @@ START_TEST(formats_have_the_index_and_the_word_of_the_parameter)
     ck_assert_ptr_null(vor_format(UINT32_MAX));
     ck_assert_uint_eq(vor_parameter_choice(vor_parameter_info(VOR_PARAM_FORMAT), 2, &word), 0);
 }
-END_TEST
 
 enum { NONE = 2 };
 
@@ -68,14 +67,13 @@ static const struct {
     {"\x1f\x8b\x08", 3, NONE},
 };
 
-START_TEST(a_file_is_recognised_by_its_first_bytes)
+VT_TEST(a_file_is_recognised_by_its_first_bytes)
 {
     for (size_t i = 0; i < sizeof beginnings / sizeof beginnings[0]; i++)
         ck_assert_ptr_eq(vor_format_sniff((const uint8_t *)beginnings[i].bytes, beginnings[i].size),
                          vor_format(beginnings[i].format));
     ck_assert_ptr_null(vor_format_sniff(NULL, 0));
 }
-END_TEST
 
 static const struct {
     const char *text;
@@ -111,21 +109,19 @@ static const struct {
                    {";", NONE},
                    {"", NONE}};
 
-START_TEST(a_file_name_is_recognised_by_its_suffix_in_any_case)
+VT_TEST(a_file_name_is_recognised_by_its_suffix_in_any_case)
 {
     for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++)
         ck_assert_ptr_eq(vor_format_by_suffix(suffixes[i].text), vor_format(suffixes[i].format));
 }
-END_TEST
 
-START_TEST(a_media_type_is_recognised_without_its_parameters)
+VT_TEST(a_media_type_is_recognised_without_its_parameters)
 {
     for (size_t i = 0; i < sizeof media_types / sizeof media_types[0]; i++)
         ck_assert_msg(vor_format_by_media_type(media_types[i].text) ==
                           vor_format(media_types[i].format),
                       "\"%s\"", media_types[i].text);
 }
-END_TEST
 
 #define WANT ", want \"ply\" and a line end, or \"DRACO\""
 #define Z10 "\0\0\0\0\0\0\0\0\0\0"
@@ -206,7 +202,7 @@ static vor_status read_text(struct vor_cloud *cloud, const struct vor_format **f
     return vor_codec_read(cloud, format, (const uint8_t *)text, size, &limits, &vt_err);
 }
 
-START_TEST(a_ply_file_is_read)
+VT_TEST(a_ply_file_is_read)
 {
     const struct vor_format *format = NULL;
     struct vor_cloud cloud;
@@ -219,9 +215,8 @@ START_TEST(a_ply_file_is_read)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_format_is_known_even_where_the_file_is_refused)
+VT_TEST(the_format_is_known_even_where_the_file_is_refused)
 {
     const struct vor_format *format = NULL;
     struct vor_cloud cloud;
@@ -234,9 +229,8 @@ START_TEST(the_format_is_known_even_where_the_file_is_refused)
     ck_assert_ptr_null(cloud.xyz);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(what_is_no_format_of_ours_is_named)
+VT_TEST_LOOP(what_is_no_format_of_ours_is_named, sizeof foreign / sizeof *foreign)
 {
     struct vor_cloud cloud;
 
@@ -246,9 +240,8 @@ START_TEST(what_is_no_format_of_ours_is_named)
     ck_assert_int_eq(VOR_E_UNSUPPORTED,
                      vor_codec_read(&cloud, NULL, (const uint8_t *)"x", 1, &limits, NULL));
 }
-END_TEST
 
-START_TEST(options_come_from_the_request)
+VT_TEST(options_come_from_the_request)
 {
     const struct vor_format *drc = vor_format(VOR_FORMAT_DRC);
     struct vor_result_facts facts = {.input = {.n = 10, .high = {1, 1, 1}, .area = 1},
@@ -277,9 +270,8 @@ START_TEST(options_come_from_the_request)
     vt_assert_ok(vor_write_options_from(&options, drc, &spec, &facts, &vt_err));
     ck_assert_int_eq(options.quantization_bits, -1);
 }
-END_TEST
 
-START_TEST(quoted_bytes_are_printable_and_end_in_time)
+VT_TEST(quoted_bytes_are_printable_and_end_in_time)
 {
     uint8_t bytes[64];
     char out[64];
@@ -299,21 +291,4 @@ START_TEST(quoted_bytes_are_printable_and_end_in_time)
     ck_assert_str_eq(vor_quote(out, 8, "123\n", 4), "123\\x0a");
     ck_assert_str_eq(vor_quote(out, 8, "1234\n", 5), "1234...");
     ck_assert_str_eq(vor_quote(out, 8, "", 0), "");
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("codec_table");
-
-    vt_add(suite, formats_have_the_index_and_the_word_of_the_parameter);
-    vt_add(suite, a_file_is_recognised_by_its_first_bytes);
-    vt_add(suite, a_file_name_is_recognised_by_its_suffix_in_any_case);
-    vt_add(suite, a_media_type_is_recognised_without_its_parameters);
-    vt_add(suite, a_ply_file_is_read);
-    vt_add(suite, the_format_is_known_even_where_the_file_is_refused);
-    vt_add_loop(suite, what_is_no_format_of_ours_is_named, sizeof foreign / sizeof *foreign);
-    vt_add(suite, options_come_from_the_request);
-    vt_add(suite, quoted_bytes_are_printable_and_end_in_time);
-    return vt_run(suite);
 }

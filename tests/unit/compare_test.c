@@ -32,7 +32,7 @@ static void close_bed(struct bed *bed)
 }
 
 /* A seed in the middle of each square of the lattice is as far from its corners as they from it. */
-START_TEST(in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_diagonal)
+VT_TEST(in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_diagonal)
 {
     struct bed bed;
     struct vor_cloud in;
@@ -63,7 +63,6 @@ START_TEST(in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_di
     vor_cloud_free(&in);
     close_bed(&bed);
 }
-END_TEST
 
 static struct vor_report resample(const struct vor_cloud *in, const char *points, const char *name,
                                   const char *value)
@@ -92,7 +91,8 @@ static void assert_along(const struct vor_report *report, double length)
 
 /* Input four and forty times as dense as the result: cells, and neighbours of the input, end at the
  * border in other ways. */
-START_TEST(the_border_of_a_square_has_its_length_over_the_spacing)
+VT_TEST_FIGURES(the_border_of_a_square_has_its_length_over_the_spacing,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     for (size_t n = N; n <= 10 * N; n *= 10) {
         struct vor_cloud in;
@@ -104,10 +104,9 @@ START_TEST(the_border_of_a_square_has_its_length_over_the_spacing)
         vor_cloud_free(&in);
     }
 }
-END_TEST
 
 /* The rim of a hole counts as the sides of the square do. */
-START_TEST(a_hole_has_a_border_too)
+VT_TEST_FIGURES(a_hole_has_a_border_too, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in;
     struct vor_report report;
@@ -122,9 +121,8 @@ START_TEST(a_hole_has_a_border_too)
     assert_along(&report, 4 + 0.5 * M_PI);
     vor_cloud_free(&in);
 }
-END_TEST
 
-START_TEST(closed_smooth_clouds_have_no_border)
+VT_TEST_FIGURES(closed_smooth_clouds_have_no_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const char *const points[3] = {"300", "1000", "4000"};
 
@@ -137,11 +135,10 @@ START_TEST(closed_smooth_clouds_have_no_border)
         vor_cloud_free(&in);
     }
 }
-END_TEST
 
 /* The number of neighbours is one for all, but for those on a finer fit, which there are only
  * with a polish. */
-START_TEST(the_histogram_of_neighbors_counts_every_point)
+VT_TEST_LOOP(the_histogram_of_neighbors_counts_every_point, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in;
     struct vor_report report;
@@ -166,16 +163,4 @@ START_TEST(the_histogram_of_neighbors_counts_every_point)
     ck_assert_uint_eq(report.fitted[0].neighbors, 9);
     ck_assert_uint_eq(report.fitted[0].points, 5);
     vor_cloud_free(&in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, in_the_middle_of_the_squares_of_a_lattice_all_distances_are_half_a_diagonal);
-    vt_add_figures(suite, the_border_of_a_square_has_its_length_over_the_spacing,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_hole_has_a_border_too, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, closed_smooth_clouds_have_no_border, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_histogram_of_neighbors_counts_every_point,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
 }

@@ -80,7 +80,7 @@ static void close_crowd(struct crowd *crowd)
     vor_conn_guard_stop(crowd->guard);
 }
 
-START_TEST(the_oldest_silent_connection_goes)
+VT_TEST(the_oldest_silent_connection_goes)
 {
     struct crowd crowd;
 
@@ -94,9 +94,8 @@ START_TEST(the_oldest_silent_connection_goes)
     }
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served)
+VT_TEST(who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served)
 {
     static const enum vor_phase served[] = {VOR_PHASE_BODY, VOR_PHASE_SERVE, VOR_PHASE_SEND};
     struct crowd crowd;
@@ -114,9 +113,8 @@ START_TEST(who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served)
         ck_assert(!is_cut(&crowd, i));
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(a_health_check_gets_in_among_those_who_are_all_served)
+VT_TEST(a_health_check_gets_in_among_those_who_are_all_served)
 {
     struct crowd crowd;
 
@@ -130,9 +128,8 @@ START_TEST(a_health_check_gets_in_among_those_who_are_all_served)
     ck_assert(!is_cut(&crowd, come(&crowd, NULL, VOR_PHASE_HEAD)));
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
+VT_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
 {
     struct crowd crowd;
 
@@ -147,9 +144,8 @@ START_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
     ck_assert(is_cut(&crowd, 0));
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(whoever_has_just_come_stays_while_the_reserve_lasts)
+VT_TEST(whoever_has_just_come_stays_while_the_reserve_lasts)
 {
     struct crowd crowd;
 
@@ -161,9 +157,8 @@ START_TEST(whoever_has_just_come_stays_while_the_reserve_lasts)
     }
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(streams_do_not_count)
+VT_TEST(streams_do_not_count)
 {
     struct crowd crowd;
 
@@ -177,9 +172,8 @@ START_TEST(streams_do_not_count)
         ck_assert(!is_cut(&crowd, i));
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(an_address_has_its_share_unless_it_is_ours_or_a_proxys)
+VT_TEST(an_address_has_its_share_unless_it_is_ours_or_a_proxys)
 {
     static const struct {
         const char *address[3];
@@ -212,9 +206,8 @@ START_TEST(an_address_has_its_share_unless_it_is_ours_or_a_proxys)
         close_crowd(&crowd);
     }
 }
-END_TEST
 
-START_TEST(an_address_beyond_share_and_reserve_is_cut_at_once)
+VT_TEST(an_address_beyond_share_and_reserve_is_cut_at_once)
 {
     struct crowd crowd;
 
@@ -225,9 +218,8 @@ START_TEST(an_address_beyond_share_and_reserve_is_cut_at_once)
     ck_assert(!is_cut(&crowd, come(&crowd, "192.0.2.2", VOR_PHASE_HEAD)));
     close_crowd(&crowd);
 }
-END_TEST
 
-START_TEST(a_timer_that_comes_first_counts_and_each_wakes_once)
+VT_TEST(a_timer_that_comes_first_counts_and_each_wakes_once)
 {
     struct crowd crowd;
     struct vor_waker *waker = vor_waker_create(NULL);
@@ -245,9 +237,8 @@ START_TEST(a_timer_that_comes_first_counts_and_each_wakes_once)
     vor_waker_end(waker);
     vor_waker_drop(waker);
 }
-END_TEST
 
-START_TEST(a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that_leaves)
+VT_TEST(a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that_leaves)
 {
     for (int before = 0; before < 2; before++) {
         struct vor_waker *waker = vor_waker_create(NULL);
@@ -270,10 +261,9 @@ START_TEST(a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that
         vor_waker_drop(waker);
     }
 }
-END_TEST
 
 /* Every choice of four pages: those of zeros go, the others keep their bytes. */
-START_TEST(pages_of_zeros_go_and_others_stay)
+VT_TEST(pages_of_zeros_go_and_others_stay)
 {
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     unsigned char here[4];
@@ -295,20 +285,4 @@ START_TEST(pages_of_zeros_go_and_others_stay)
         }
     }
     (void)munmap(memory, 4 * page);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_oldest_silent_connection_goes);
-    vt_add(suite, who_sent_no_head_goes_before_who_is_kept_and_nobody_who_is_served);
-    vt_add(suite, a_health_check_gets_in_among_those_who_are_all_served);
-    vt_add(suite, whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts);
-    vt_add(suite, whoever_has_just_come_stays_while_the_reserve_lasts);
-    vt_add(suite, streams_do_not_count);
-    vt_add(suite, an_address_has_its_share_unless_it_is_ours_or_a_proxys);
-    vt_add(suite, an_address_beyond_share_and_reserve_is_cut_at_once);
-    vt_add(suite, a_timer_that_comes_first_counts_and_each_wakes_once);
-    vt_add(suite, a_waiter_is_told_of_a_peer_that_left_before_it_waited_and_of_one_that_leaves);
-    vt_add(suite, pages_of_zeros_go_and_others_stay);
 }

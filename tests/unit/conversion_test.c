@@ -111,7 +111,7 @@ static struct vor_converted converted(struct scene *scene, int job)
     return converted;
 }
 
-START_TEST(those_who_ask_at_the_same_time_share_one_conversion)
+VT_TEST(those_who_ask_at_the_same_time_share_one_conversion)
 {
     struct vor_conversion_waiter waiter[3];
     struct vor_conversion *conversion[3];
@@ -133,9 +133,8 @@ START_TEST(those_who_ask_at_the_same_time_share_one_conversion)
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
-END_TEST
 
-START_TEST(no_caller_keeps_others_from_a_conversion)
+VT_TEST(no_caller_keeps_others_from_a_conversion)
 {
     struct vor_conversion_waiter waiter[3];
     struct vor_conversion *conversion[3];
@@ -154,9 +153,8 @@ START_TEST(no_caller_keeps_others_from_a_conversion)
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
-END_TEST
 
-START_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
+VT_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
 {
     struct vor_conversion_waiter waiter;
     struct vor_conversion *conversion;
@@ -171,10 +169,9 @@ START_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
-END_TEST
 
 /* The job goes while its result waits to be converted, and after it was. */
-START_TEST(a_job_that_goes_leaves_nothing_behind)
+VT_TEST(a_job_that_goes_leaves_nothing_behind)
 {
     struct vor_conversion_waiter waiter[2];
     struct vor_conversion *conversion[2];
@@ -198,7 +195,6 @@ START_TEST(a_job_that_goes_leaves_nothing_behind)
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
-END_TEST
 
 static void *release_once_closing(void *ctx)
 {
@@ -210,7 +206,7 @@ static void *release_once_closing(void *ctx)
     return NULL;
 }
 
-START_TEST(what_waits_when_the_daemon_ends_is_told_so)
+VT_TEST(what_waits_when_the_daemon_ends_is_told_so)
 {
     struct vor_conversion_waiter waiter;
     struct vor_conversion *conversion;
@@ -227,14 +223,8 @@ START_TEST(what_waits_when_the_daemon_ends_is_told_so)
     ck_assert_int_lt(converted(&scene, 0).fd, 0);
     end(&scene);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add(suite, those_who_ask_at_the_same_time_share_one_conversion);
-    vt_add(suite, no_caller_keeps_others_from_a_conversion);
-    vt_add(suite, one_that_nobody_waits_for_any_more_is_kept_all_the_same);
-    vt_add(suite, a_job_that_goes_leaves_nothing_behind);
-    vt_add(suite, what_waits_when_the_daemon_ends_is_told_so);
 }

@@ -22,16 +22,15 @@ static struct vor_spec request(const char *const pairs[][2])
 
 #define REQUEST(...) request((const char *const[][2]){__VA_ARGS__, {NULL, NULL}})
 
-START_TEST(ten_million_points_as_usual_are_accepted)
+VT_TEST(ten_million_points_as_usual_are_accepted)
 {
     struct vor_spec spec = REQUEST({"points", "10000000"});
 
     ck_assert_double_gt(vor_cost_seconds(&spec, 10000000, 2), 60);
     vt_assert_ok(vor_cost_check(&spec, 10000000, 2, LIMIT, &vt_err));
 }
-END_TEST
 
-START_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit)
+VT_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit)
 {
     struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
                                    {"iterations", "10000"}, {"polish", "10000"});
@@ -45,9 +44,8 @@ START_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_lim
     ck_assert_ptr_nonnull(strstr(vt_err.message, "500 points each"));
     vt_assert_ok(vor_cost_check(&spec, 1000, 2, 0, &vt_err)); /* 0 is any */
 }
-END_TEST
 
-START_TEST(a_time_limit_of_its_own_makes_a_request_short)
+VT_TEST(a_time_limit_of_its_own_makes_a_request_short)
 {
     struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
                                    {"iterations", "10000"}, {"polish", "10000"}, {"seconds", "60"});
@@ -55,10 +53,9 @@ START_TEST(a_time_limit_of_its_own_makes_a_request_short)
     ck_assert_double_le(vor_cost_seconds(&spec, 1000, 2), 60);
     vt_assert_ok(vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
 }
-END_TEST
 
 /* What the refusal wants is accepted, and a second less is not. */
-START_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named)
+VT_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named)
 {
     struct vor_spec spec = REQUEST({"points", "10000000"}, {"seconds", "1"});
     const char *wants;
@@ -76,9 +73,8 @@ START_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_n
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", (double)seconds, &vt_err));
     vt_assert_ok(vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
 }
-END_TEST
 
-START_TEST(an_estimate_grows_with_what_is_asked_for)
+VT_TEST_LOOP(an_estimate_grows_with_what_is_asked_for, 6)
 {
     static const char *const more[][2] = {{"points", "4000"},        {"iterations", "50"},
                                           {"polish", "500"},         {"neighbors", "300"},
@@ -88,9 +84,8 @@ START_TEST(an_estimate_grows_with_what_is_asked_for)
     vt_assert_ok(vor_spec_set(&longer, more[_i][0], more[_i][1], &vt_err));
     ck_assert_double_gt(vor_cost_seconds(&longer, 3000, 2), vor_cost_seconds(&spec, 3000, 2));
 }
-END_TEST
 
-START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
+VT_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
 {
     struct vt_daemon_options options = {.job_seconds = 0.2};
     struct vor_spec spec = vt_request(200, 5000);
@@ -115,10 +110,9 @@ START_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
 }
-END_TEST
 
 /* It was asked for the time between two steps only, so that at least one was made, however long. */
-START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
+VT_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
 {
     struct vor_spec spec = vt_request(300, 10000);
     const char *dir = vt_dir_make();
@@ -139,16 +133,8 @@ START_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
     free(report);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add(suite, ten_million_points_as_usual_are_accepted);
-    vt_add(suite, a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit);
-    vt_add(suite, a_time_limit_of_its_own_makes_a_request_short);
-    vt_add(suite, a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_named);
-    vt_add_loop(suite, an_estimate_grows_with_what_is_asked_for, 6);
-    vt_add(suite, a_job_that_runs_longer_than_it_may_fails_and_says_so);
-    vt_add(suite, the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so);
 }

@@ -62,7 +62,7 @@ static int begun_at(struct work *work, int at)
     return atomic_load(&work->order[at]);
 }
 
-START_TEST(tasks_begin_in_the_order_in_which_they_came)
+VT_TEST(tasks_begin_in_the_order_in_which_they_came)
 {
     struct work work;
 
@@ -76,7 +76,6 @@ START_TEST(tasks_begin_in_the_order_in_which_they_came)
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS); /* each once */
 }
-END_TEST
 
 /* ThreadSanitizer has a thread of its own from the first one on. */
 #if defined(__SANITIZE_THREAD__)
@@ -97,7 +96,7 @@ static int count_threads(void)
     return count;
 }
 
-START_TEST(no_more_tasks_wait_than_may)
+VT_TEST(no_more_tasks_wait_than_may)
 {
     int threads = count_threads();
     struct work work;
@@ -119,9 +118,8 @@ START_TEST(no_more_tasks_wait_than_may)
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
 }
-END_TEST
 
-START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
+VT_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
 {
     struct work work;
 
@@ -144,11 +142,10 @@ START_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
 }
-END_TEST
 
 /* One thread: the greedy one's first task runs; then whoever came first among those who have none.
  */
-START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
+VT_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
 {
     struct work work;
 
@@ -172,11 +169,10 @@ START_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(begun_at(&work, 4) + begun_at(&work, 5), 2 + 3);
 }
-END_TEST
 
 /* A caller's heavy tasks wait, as many as may: a light one of the same caller is taken, and is
  * next. */
-START_TEST(of_a_callers_tasks_the_lightest_begins)
+VT_TEST(of_a_callers_tasks_the_lightest_begins)
 {
     struct work work;
 
@@ -196,9 +192,8 @@ START_TEST(of_a_callers_tasks_the_lightest_begins)
     ck_assert_int_eq(begun_at(&work, 0), 0);
     ck_assert_int_eq(begun_at(&work, 1), 4);
 }
-END_TEST
 
-START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
+VT_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
 {
     static const struct {
         const char *a, *b;
@@ -221,9 +216,8 @@ START_TEST(callers_are_told_apart_by_address_and_of_ipv6_by_network)
         ck_assert_msg(vor_fairness_key_same(&a, &b) == pairs[i].same, "%s and %s", a.name, b.name);
     }
 }
-END_TEST
 
-START_TEST(a_key_shares_with_itself_alone_and_with_no_address)
+VT_TEST(a_key_shares_with_itself_alone_and_with_no_address)
 {
     struct vor_fairness_key key = vor_fairness_key_of_key("192.0.2.1"),
                             other = vor_fairness_key_of_key("render"),
@@ -233,7 +227,6 @@ START_TEST(a_key_shares_with_itself_alone_and_with_no_address)
     ck_assert(!vor_fairness_key_same(&key, &other));
     ck_assert(!vor_fairness_key_same(&key, &address));
 }
-END_TEST
 
 static void *destroy(void *crew)
 {
@@ -241,7 +234,7 @@ static void *destroy(void *crew)
     return NULL;
 }
 
-START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
+VT_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
 {
     enum vor_job_outcome outcome;
     struct work work;
@@ -262,9 +255,8 @@ START_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
     ck_assert_int_eq(atomic_load(&work.begun), 5);
     ck_assert_int_eq(atomic_load(&work.closing_seen), 5);
 }
-END_TEST
 
-START_TEST(settling_gives_up_after_its_time)
+VT_TEST(settling_gives_up_after_its_time)
 {
     struct work work;
     double began;
@@ -278,9 +270,9 @@ START_TEST(settling_gives_up_after_its_time)
     atomic_store(&work.held, 0);
     vor_crew_destroy(work.crew);
 }
-END_TEST
 
-START_TEST(a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many)
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which need room too */
+VT_TEST(a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many)
 {
     struct rlimit limit, tight;
     struct work work;
@@ -297,20 +289,4 @@ START_TEST(a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_man
     vor_crew_destroy(work.crew);
     ck_assert_int_eq(begun_at(&work, 0), 1);
 }
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, tasks_begin_in_the_order_in_which_they_came);
-    vt_add(suite, no_more_tasks_wait_than_may);
-    vt_add(suite, a_caller_with_many_tasks_leaves_a_thread_and_room_to_others);
-    vt_add(suite, a_free_thread_goes_to_the_caller_for_whom_fewest_run);
-    vt_add(suite, of_a_callers_tasks_the_lightest_begins);
-    vt_add(suite, callers_are_told_apart_by_address_and_of_ipv6_by_network);
-    vt_add(suite, a_key_shares_with_itself_alone_and_with_no_address);
-    vt_add(suite, what_waits_at_the_end_is_done_and_nothing_more_is_taken);
-    vt_add(suite, settling_gives_up_after_its_time);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which need room too */
-    vt_add(suite, a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many);
 #endif
-}

@@ -140,7 +140,8 @@ static void errors_of(double error[PLACES], const struct truth *truth, unsigned 
 }
 
 /* Measured: medians to 0.01 %, 95th percentiles to 0.04 %. */
-START_TEST(curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all_to_a_two_hundredth)
+VT_TEST_LOOP(curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all_to_a_two_hundredth,
+             VT_FEWER(TRUTHS))
 {
     static double error[PLACES];
 
@@ -150,9 +151,8 @@ START_TEST(curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all_t
                   error[PLACES * 95 / 100]);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(what_is_flat_or_no_surface_has_no_curvature)
+VT_TEST(what_is_flat_or_no_surface_has_no_curvature)
 {
     float flat[3 * K], line[3 * K];
     struct vor_surface surface;
@@ -171,14 +171,4 @@ START_TEST(what_is_flat_or_no_surface_has_no_curvature)
     ck_assert_int_eq(surface.kind, VOR_SURFACE_NONE);
     vor_curvature_at(kappa, &surface, line, K);
     ck_assert(kappa[0] == 0 && kappa[1] == 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(
-        suite,
-        curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all_to_a_two_hundredth,
-        VT_FEWER(TRUTHS));
-    vt_add(suite, what_is_flat_or_no_surface_has_no_curvature);
 }

@@ -86,7 +86,7 @@ static const char *path_in(const struct life *life, const char *name)
     return path;
 }
 
-START_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
+VT_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
 {
     struct life life = dead_life();
     char database[512], log[512];
@@ -106,7 +106,6 @@ START_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
     vor_store_close(vt_dir_store(life.dir)); /* which empties the log */
     ck_assert(!vor_sqlite_wal_is_damaged(database));
 }
-END_TEST
 
 /* Appends a frame of this round, or of an earlier one, whose page is not what its head says. */
 static void tear(const char *log, int is_of_round, int ends_a_change)
@@ -129,7 +128,7 @@ static void tear(const char *log, int is_of_round, int ends_a_change)
 
 /* Regression: one kill of a thousand had the bytes of an upload that nobody was told of set aside,
  * with a warning that rows were lost. */
-START_TEST(a_change_that_a_kill_cut_short_is_no_damage)
+VT_TEST(a_change_that_a_kill_cut_short_is_no_damage)
 {
     static const struct {
         int is_of_round[2], ends_a_change, is_damaged;
@@ -148,7 +147,6 @@ START_TEST(a_change_that_a_kill_cut_short_is_no_damage)
         ck_assert_int_eq(truncate(log, size), 0);
     }
 }
-END_TEST
 
 static size_t rows_left(struct vt_daemon *daemon, const struct life *life)
 {
@@ -164,7 +162,7 @@ static size_t rows_left(struct vt_daemon *daemon, const struct life *life)
 }
 
 /* Regression: the results of jobs whose rows were behind the damage were removed as strays. */
-START_TEST(results_whose_rows_are_lost_are_set_aside)
+VT_TEST(results_whose_rows_are_lost_are_set_aside)
 {
     struct life life = dead_life();
     struct vt_daemon daemon;
@@ -179,10 +177,9 @@ START_TEST(results_whose_rows_are_lost_are_set_aside)
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), (int)left);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* The table was replaced by an older one, or by none: its log tells nothing. */
-START_TEST(more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well)
+VT_TEST(more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well)
 {
     struct life life = dead_life();
     struct vt_daemon daemon;
@@ -194,9 +191,8 @@ START_TEST(more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well)
         vt_nap();
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(lost_bytes_are_bounded_by_age_and_size)
+VT_TEST(lost_bytes_are_bounded_by_age_and_size)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -230,11 +226,10 @@ START_TEST(lost_bytes_are_bounded_by_age_and_size)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/lost"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* --- the bytes -------------------------------------------------------------------------------- */
 
-START_TEST(a_seal_tells_every_flipped_bit_of_what_it_seals)
+VT_TEST(a_seal_tells_every_flipped_bit_of_what_it_seals)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -261,9 +256,8 @@ START_TEST(a_seal_tells_every_flipped_bit_of_what_it_seals)
     vor_blob_discard(writer);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_job_whose_input_is_damaged_fails_for_that)
+VT_TEST(a_job_whose_input_is_damaged_fails_for_that)
 {
     struct vt_daemon_options options = {.jobs = 1};
     struct vor_spec endless = vt_request(300, 10000), spec = vt_request(20, 1);
@@ -288,7 +282,6 @@ START_TEST(a_job_whose_input_is_damaged_fails_for_that)
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* Counts how often it is woken. */
 static pthread_mutex_t counting = PTHREAD_MUTEX_INITIALIZER;
@@ -329,7 +322,7 @@ static enum vor_verdict verdict_of(struct vor_verify *verify, const char *path, 
     return verdict;
 }
 
-START_TEST(a_file_is_read_once_and_again_when_it_changed)
+VT_TEST(a_file_is_read_once_and_again_when_it_changed)
 {
     static const char sha256[] = "51c1d66e5b5d052e71457ea002b13b57af45e639e35092b4874e0591b30f05d4";
     const char *dir = vt_dir_make();
@@ -355,20 +348,11 @@ START_TEST(a_file_is_read_once_and_again_when_it_changed)
     ck_assert_int_eq(verdict_of(verify, path, 9, sha256), VOR_VERDICT_DAMAGED);
     vor_verify_destroy(verify);
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("damage");
 
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add(suite, a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else);
-    vt_add(suite, a_change_that_a_kill_cut_short_is_no_damage);
-    vt_add(suite, results_whose_rows_are_lost_are_set_aside);
-    vt_add(suite, more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well);
-    vt_add(suite, lost_bytes_are_bounded_by_age_and_size);
-    vt_add(suite, a_seal_tells_every_flipped_bit_of_what_it_seals);
-    vt_add(suite, a_job_whose_input_is_damaged_fails_for_that);
-    vt_add(suite, a_file_is_read_once_and_again_when_it_changed);
     return vt_run(suite);
 }

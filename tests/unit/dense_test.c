@@ -23,7 +23,7 @@ static void make_cell(struct vor_cell *cell, uint64_t seed)
     }
 }
 
-START_TEST(an_even_density_gives_the_moments_without_one)
+VT_TEST_LOOP(an_even_density_gives_the_moments_without_one, SEEDS)
 {
     const struct vor_cell_spacing even = {1, {0, 0, 0}}, half = {0.5, {0, 0, 0}};
     struct vor_moments plain, dense;
@@ -40,7 +40,6 @@ START_TEST(an_even_density_gives_the_moments_without_one)
     ck_assert_double_eq_tol(dense.energy, 16 * plain.energy, 1e-11);
     ck_assert_double_eq_tol(dense.area, plain.area, 1e-12);
 }
-END_TEST
 
 /* Density at a corner. */
 static double rho_at(const struct vor_cell_spacing *spacing, const double x[3])
@@ -70,7 +69,7 @@ static void add_parts(double sum[4], const struct vor_cell_spacing *spacing, con
         }
 }
 
-START_TEST(a_density_between_corners_is_integrated_exactly)
+VT_TEST_LOOP(a_density_between_corners_is_integrated_exactly, SEEDS)
 {
     const struct vor_cell_spacing spacing = {1.2, {0.3, -0.2, 0}};
     double sum[4] = {0};
@@ -89,11 +88,4 @@ START_TEST(a_density_between_corners_is_integrated_exactly)
     ck_assert_double_eq_tol(dense.energy / sum[3], 1, 1e-3);
     ck_assert_msg(dense.centroid[0] < plain.centroid[0] && dense.centroid[1] > plain.centroid[1],
                   "the centroid is not on the denser side");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, an_even_density_gives_the_moments_without_one, SEEDS);
-    vt_add_loop(suite, a_density_between_corners_is_integrated_exactly, SEEDS);
 }

@@ -50,7 +50,7 @@ static double over(const struct vor_field *field, size_t i, size_t j, double gra
     return (double)field->value[i] / ((double)field->value[j] + grading * apart / field->even);
 }
 
-START_TEST(no_neighbors_differ_by_more_than_contrast_and_grading_allow)
+VT_TEST_LOOP(no_neighbors_differ_by_more_than_contrast_and_grading_allow, 2)
 {
     enum { NEAREST = 13 };
     const char *gradings[] = {"0.1", "0.5"};
@@ -78,7 +78,6 @@ START_TEST(no_neighbors_differ_by_more_than_contrast_and_grading_allow)
                   most / least);
     vt_made_close(&made);
 }
-END_TEST
 
 /* What a request comes to on a square whose scalar has one value of its own at point 5. */
 static vor_status with_value(float value, float others, const char *density)
@@ -98,7 +97,7 @@ static vor_status with_value(float value, float others, const char *density)
     return status;
 }
 
-START_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point)
+VT_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point)
 {
     const char *weight = "attribute:weight";
 
@@ -121,11 +120,4 @@ START_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point
         "attribute normal has 3 values per point, want 1; the input's scalars are weight");
     vt_assert_ok(with_value(1, 0, weight));
     vt_assert_ok(with_value(1e38F, 1e-38F, weight));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, no_neighbors_differ_by_more_than_contrast_and_grading_allow, 2);
-    vt_add(suite, what_is_no_density_is_refused_with_the_names_there_or_the_first_point);
 }

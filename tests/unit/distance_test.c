@@ -5,7 +5,7 @@
 #include <math.h>
 
 /* Seven points one apart on a line, and three points beside it. */
-START_TEST(a_line_of_seven_has_its_hand_computed_distances)
+VT_TEST(a_line_of_seven_has_its_hand_computed_distances)
 {
     float reference[21] = {0};
     const float xyz[9] = {0, 0.5f, 0, 3, 1, 0, 8, 0, 0};
@@ -33,9 +33,8 @@ START_TEST(a_line_of_seven_has_its_hand_computed_distances)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_cloud_is_at_no_distance_from_itself)
+VT_TEST(a_cloud_is_at_no_distance_from_itself)
 {
     struct vt_engine engine;
     struct vor_cloud cloud;
@@ -52,9 +51,8 @@ START_TEST(a_cloud_is_at_no_distance_from_itself)
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
 }
-END_TEST
 
-START_TEST(a_reference_of_fewer_than_seven_points_or_no_extent_is_refused)
+VT_TEST(a_reference_of_fewer_than_seven_points_or_no_extent_is_refused)
 {
     float same[60];
     struct vt_engine engine;
@@ -75,12 +73,4 @@ START_TEST(a_reference_of_fewer_than_seven_points_or_no_extent_is_refused)
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_line_of_seven_has_its_hand_computed_distances);
-    vt_add(suite, a_cloud_is_at_no_distance_from_itself);
-    vt_add(suite, a_reference_of_fewer_than_seven_points_or_no_extent_is_refused);
 }

@@ -35,7 +35,7 @@ static vor_status measure(struct vor_distortion *out, const struct vor_cloud *cl
 
 /* From the reference: 1 and 1, along the normals 1 and 0.36. From the cloud: 1, 1 and 9, along the
  * normals 1, 0.36 and 5.76. */
-START_TEST(the_larger_direction_is_the_error)
+VT_TEST(the_larger_direction_is_the_error)
 {
     static const float to[6] = {0, 0, 0, 2, 0, 0}, normals[6] = {0, 0, 1, 0, 0.6f, 0.8f};
     static const float from[9] = {0, 0, 1, 2, 1, 0, 2, 0, 3};
@@ -50,12 +50,11 @@ START_TEST(the_larger_direction_is_the_error)
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
 /* The first reference point has both points of the cloud at 1, so both get its normal; the one on
  * the x axis is the nearest of the second reference point too, and gets the mean (0.5, 0, 0.5).
  * From the reference: (0.25 + 1) / 2 and 4.5^2. */
-START_TEST(equally_near_points_share_normals_and_errors)
+VT_TEST(equally_near_points_share_normals_and_errors)
 {
     static const float to[6] = {0, 0, 0, 10, 0, 0}, normals[6] = {0, 0, 1, 1, 0, 0};
     static const float from[6] = {1, 0, 0, 0, 0, 1};
@@ -70,11 +69,10 @@ START_TEST(equally_near_points_share_normals_and_errors)
     ck_assert_double_eq_tol(d.peak, 10, 1e-12);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
 /* Their mean is nothing, so that the distance counts; with one side turned it would be (0, 1, 0).
  */
-START_TEST(carried_normals_that_point_against_each_other_cancel)
+VT_TEST(carried_normals_that_point_against_each_other_cancel)
 {
     static const float to[6] = {-1, 0, 0, 1, 0, 0}, normals[6] = {0, 1, 0, 0, -1, 0};
     static const float from[3] = {0, 0, 0};
@@ -87,9 +85,8 @@ START_TEST(carried_normals_that_point_against_each_other_cancel)
     ck_assert_double_eq_tol(d.d2_mse, 1, 1e-12);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
-START_TEST(coincident_points_count_once_with_the_first_ones_normal)
+VT_TEST(coincident_points_count_once_with_the_first_ones_normal)
 {
     static const float to[12] = {0, 0, 0, 2, 0, 0, 2, 0, 0, 0, 0, 0};
     static const float normals[12] = {0, 0, 1, 0, 0.6f, 0.8f, 1, 0, 0, 0, 1, 0};
@@ -105,9 +102,8 @@ START_TEST(coincident_points_count_once_with_the_first_ones_normal)
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
-START_TEST(normals_that_a_reference_lacks_are_fitted)
+VT_TEST(normals_that_a_reference_lacks_are_fitted)
 {
     struct vor_cloud cloud, reference;
     struct vor_attribute *normal;
@@ -133,9 +129,8 @@ START_TEST(normals_that_a_reference_lacks_are_fitted)
     ck_assert_double_eq_tol(some.d2_mse, all.d2_mse, 1e-6);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
-START_TEST(normals_that_are_not_finite_are_fitted)
+VT_TEST(normals_that_are_not_finite_are_fitted)
 {
     struct vor_cloud cloud, reference;
     struct vor_attribute *normal;
@@ -153,10 +148,9 @@ START_TEST(normals_that_are_not_finite_are_fitted)
     ck_assert_double_eq_tol(d.d2_mse, 0.0625, 1e-6);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
 /* On a line there is no surface. */
-START_TEST(where_no_normal_is_to_be_had_all_of_the_distance_counts)
+VT_TEST(where_no_normal_is_to_be_had_all_of_the_distance_counts)
 {
     static const float to[9] = {0, 0, 0, 1, 0, 0, 3, 0, 0}, from[3] = {1, 2, 0};
     struct vor_cloud cloud, reference;
@@ -170,9 +164,8 @@ START_TEST(where_no_normal_is_to_be_had_all_of_the_distance_counts)
     ck_assert_double_eq_tol(d.peak, 2, 1e-12);
     vt_free_last(&cloud, &reference);
 }
-END_TEST
 
-START_TEST(psnr_is_three_squared_peaks_over_the_error)
+VT_TEST(psnr_is_three_squared_peaks_over_the_error)
 {
     ck_assert_double_eq_tol(vor_distortion_psnr(1, 1), 10 * log10(3), 1e-12);
     ck_assert_double_eq_tol(vor_distortion_psnr(0.03, 10), 40, 1e-12);
@@ -180,9 +173,8 @@ START_TEST(psnr_is_three_squared_peaks_over_the_error)
     ck_assert(isinf(vor_distortion_psnr(0, 1)) && vor_distortion_psnr(0, 1) > 0);
     ck_assert(isfinite(vor_distortion_psnr(1, 1e-30)) && isfinite(vor_distortion_psnr(1, 1e30)));
 }
-END_TEST
 
-START_TEST(no_points_and_a_reference_in_one_place_are_refused)
+VT_TEST(no_points_and_a_reference_in_one_place_are_refused)
 {
     static const float same[9] = {1, 2, 3, 1, 2, 3, 1, 2, 3}, two[6] = {1, 2, 3, 4, 5, 6};
     struct vor_cloud cloud, reference;
@@ -201,18 +193,4 @@ START_TEST(no_points_and_a_reference_in_one_place_are_refused)
     reference.n = 3;
     vt_assert_ok(measure(&d, &reference, &cloud));
     vt_free_last(&cloud, &reference);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_larger_direction_is_the_error);
-    vt_add(suite, equally_near_points_share_normals_and_errors);
-    vt_add(suite, carried_normals_that_point_against_each_other_cancel);
-    vt_add(suite, coincident_points_count_once_with_the_first_ones_normal);
-    vt_add(suite, normals_that_a_reference_lacks_are_fitted);
-    vt_add(suite, normals_that_are_not_finite_are_fitted);
-    vt_add(suite, where_no_normal_is_to_be_had_all_of_the_distance_counts);
-    vt_add(suite, psnr_is_three_squared_peaks_over_the_error);
-    vt_add(suite, no_points_and_a_reference_in_one_place_are_refused);
 }

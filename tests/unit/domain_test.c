@@ -26,7 +26,7 @@ static void open_domain(struct vor_domain *domain, const struct vor_cloud *cloud
     vt_assert_ok(init_domain(domain, cloud, &vt_memory));
 }
 
-START_TEST(every_distinct_point_is_there_once)
+VT_TEST_LOOP(every_distinct_point_is_there_once, SEEDS)
 {
     struct vor_cloud cloud;
     struct vor_domain domain;
@@ -41,9 +41,8 @@ START_TEST(every_distinct_point_is_there_once)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_unit_is_a_power_of_two_and_positions_lose_nothing)
+VT_TEST_LOOP(the_unit_is_a_power_of_two_and_positions_lose_nothing, SEEDS)
 {
     struct vor_cloud cloud;
     struct vor_domain domain;
@@ -65,11 +64,10 @@ START_TEST(the_unit_is_a_power_of_two_and_positions_lose_nothing)
     vor_domain_free(&domain);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* A cloud far from its origin is moved there first, since normalising it in place would leave few
  * bits to the positions; and that costs at most half a step of its own float32. */
-START_TEST(a_cloud_far_from_its_origin_fills_the_unit_cube)
+VT_TEST_LOOP(a_cloud_far_from_its_origin_fills_the_unit_cube, SEEDS)
 {
     struct vor_cloud cloud;
     struct vor_domain domain;
@@ -92,9 +90,8 @@ START_TEST(a_cloud_far_from_its_origin_fills_the_unit_cube)
     vor_domain_free(&domain);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(coincident_points_are_dropped_for_the_first_of_them)
+VT_TEST_LOOP(coincident_points_are_dropped_for_the_first_of_them, SEEDS)
 {
     struct vor_cloud cloud;
     struct vor_domain domain;
@@ -111,9 +108,8 @@ START_TEST(coincident_points_are_dropped_for_the_first_of_them)
     vor_domain_free(&domain);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(zero_and_minus_zero_are_one_place)
+VT_TEST(zero_and_minus_zero_are_one_place)
 {
     static const float xyz[18] = {0, 0, 0, -0.0f, 0, -0.0f, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
     struct vor_cloud cloud;
@@ -126,10 +122,9 @@ START_TEST(zero_and_minus_zero_are_one_place)
     vor_domain_free(&domain);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* A point far from all others: float32 tells these apart no more, and the message names it. */
-START_TEST(an_outlier_that_hides_all_others_is_named)
+VT_TEST(an_outlier_that_hides_all_others_is_named)
 {
     struct vor_domain domain;
     struct vor_cloud cloud;
@@ -145,15 +140,4 @@ START_TEST(an_outlier_that_hides_all_others_is_named)
     ck_assert_ptr_null(strstr(vt_err.message, "away"));
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, every_distinct_point_is_there_once, SEEDS);
-    vt_add_loop(suite, the_unit_is_a_power_of_two_and_positions_lose_nothing, SEEDS);
-    vt_add_loop(suite, a_cloud_far_from_its_origin_fills_the_unit_cube, SEEDS);
-    vt_add_loop(suite, coincident_points_are_dropped_for_the_first_of_them, SEEDS);
-    vt_add(suite, zero_and_minus_zero_are_one_place);
-    vt_add(suite, an_outlier_that_hides_all_others_is_named);
 }

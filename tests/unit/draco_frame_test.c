@@ -31,7 +31,7 @@ static void encode_at(struct vt_bytes *out, const struct vor_cloud *cloud, int b
     vt_assert_ok(vor_draco_write(&sink, cloud, &options, &vt_err));
 }
 
-START_TEST(an_origin_is_written_as_single_doubles)
+VT_TEST(an_origin_is_written_as_single_doubles)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -45,11 +45,10 @@ START_TEST(an_origin_is_written_as_single_doubles)
     free(bytes.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Property: in whatever frame, positions are those of the cloud within half a cell and a step of
  * float32, and the origin is the one asked for. */
-START_TEST(positions_survive_a_change_of_frame)
+VT_TEST_LOOP(positions_survive_a_change_of_frame, 12)
 {
     static const double origins[][3] = {
         {637000, 5849000, 80}, {637100.125, 5849000.5, 80}, {0, 0, 0}};
@@ -80,10 +79,9 @@ START_TEST(positions_survive_a_change_of_frame)
     free(bytes.data);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 /* A float cloud with origin 0 in absolute coordinates is what it always was. */
-START_TEST(a_frame_that_does_not_change_costs_no_bit)
+VT_TEST(a_frame_that_does_not_change_costs_no_bit)
 {
     static const double zero[3] = {0, 0, 0};
     struct vt_bytes plain, framed;
@@ -102,10 +100,9 @@ START_TEST(a_frame_that_does_not_change_costs_no_bit)
     }
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Of coordinates that float32 tells apart only in the frame, as many stay apart as it can. */
-START_TEST(points_that_the_frame_merges_do_not_cost_more_bits)
+VT_TEST(points_that_the_frame_merges_do_not_cost_more_bits)
 {
     static const double zero[3] = {0, 0, 0};
     struct vor_cloud cloud, back;
@@ -121,7 +118,6 @@ START_TEST(points_that_the_frame_merges_do_not_cost_more_bits)
     vor_cloud_free(&back);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Writes all, or nothing. */
 static vor_status try_write(void *ctx)
@@ -136,7 +132,7 @@ static vor_status try_write(void *ctx)
     return status;
 }
 
-START_TEST(a_frame_that_does_not_fit_into_memory_is_an_error)
+VT_TEST(a_frame_that_does_not_fit_into_memory_is_an_error)
 {
     struct vor_cloud cloud;
 
@@ -144,7 +140,6 @@ START_TEST(a_frame_that_does_not_fit_into_memory_is_an_error)
     vt_fail_each(try_write, &cloud);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 static int no_charge(void *ctx, size_t bytes)
 {
@@ -158,7 +153,7 @@ static void no_release(void *ctx, size_t bytes)
 }
 
 /* Positions in double with an origin, as a stranger may write them: it counts for them too. */
-START_TEST(an_origin_counts_for_positions_in_double)
+VT_TEST(an_origin_counts_for_positions_in_double)
 {
     static const double xyz[] = {0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3};
     static const double origin[3] = {637000.5, -849000.25, 1e6};
@@ -187,15 +182,4 @@ START_TEST(an_origin_counts_for_positions_in_double)
     }
     free(bytes.data);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, an_origin_is_written_as_single_doubles);
-    vt_add_loop(suite, positions_survive_a_change_of_frame, 12);
-    vt_add(suite, a_frame_that_does_not_change_costs_no_bit);
-    vt_add(suite, points_that_the_frame_merges_do_not_cost_more_bits);
-    vt_add(suite, a_frame_that_does_not_fit_into_memory_is_an_error);
-    vt_add(suite, an_origin_counts_for_positions_in_double);
 }

@@ -20,7 +20,7 @@ static struct vt_bytes *find(const char *name)
 
 /* Regression: 43 bytes that declare 200 points made the library ask for 3 GB. The gate refuses
  * them; this goes round the gate. */
-START_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
+VT_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
 {
     static const struct {
         const char *name;
@@ -54,11 +54,10 @@ START_TEST(the_meter_alone_stops_what_the_gate_would_have_stopped)
         ck_assert_uint_eq(atomic_load(&memory.used), 0);
     }
 }
-END_TEST
 
 /* 63 attributes of 16 equal integers: 800 MB out of a few kilobytes, all of it declared honestly.
  */
-START_TEST(a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget)
+VT_TEST(a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget)
 {
     struct vor_cloud cloud, back;
     struct vor_memory memory;
@@ -78,11 +77,10 @@ START_TEST(a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget)
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     free(bytes.data);
 }
-END_TEST
 
 /* Property: wherever the cap lies, the writer succeeds or says so, nothing stays booked, and it
  * hands nothing to the sink unless all is well. */
-START_TEST(any_cap_on_the_writer_ends_cleanly)
+VT_TEST(any_cap_on_the_writer_ends_cleanly)
 {
     struct vor_cloud cloud;
 
@@ -108,7 +106,6 @@ START_TEST(any_cap_on_the_writer_ends_cleanly)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 struct writing {
     const struct vor_cloud *cloud;
@@ -127,7 +124,7 @@ static vor_status write_once(void *ctx)
 }
 
 /* Property: any allocation of the writer's fails. */
-START_TEST(any_allocation_of_the_writer_may_fail)
+VT_TEST_LOOP(any_allocation_of_the_writer_may_fail, 2)
 {
     struct vor_cloud cloud;
     struct writing writing = {&cloud, _i};
@@ -139,15 +136,10 @@ START_TEST(any_allocation_of_the_writer_may_fail)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     static const char *const table = "tests/data/draco.txt";
 
     files = vt_files(&table, 1, &file_count);
-    vt_add(suite, the_meter_alone_stops_what_the_gate_would_have_stopped);
-    vt_add(suite, a_small_file_that_unpacks_to_a_large_cloud_meets_its_budget);
-    vt_add(suite, any_cap_on_the_writer_ends_cleanly);
-    vt_add_loop(suite, any_allocation_of_the_writer_may_fail, 2);
 }

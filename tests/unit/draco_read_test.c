@@ -32,7 +32,7 @@ static int by_color(const void *a, const void *b)
 
 /* Vector: the Draco project's own point clouds, one object in both encodings and two bitstreams
  * (2.2 sequential, 2.3 kd-tree): the order differs, the colours are the same. */
-START_TEST(both_encodings_of_one_cloud_hold_the_same_points)
+VT_TEST(both_encodings_of_one_cloud_hold_the_same_points)
 {
     struct vor_cloud clouds[2];
     double extent;
@@ -57,9 +57,8 @@ START_TEST(both_encodings_of_one_cloud_hold_the_same_points)
     vor_cloud_free(&clouds[1]);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(redrocks_has_all_its_points_and_colours)
+VT_TEST(redrocks_has_all_its_points_and_colours)
 {
     struct vor_cloud cloud;
 
@@ -70,7 +69,6 @@ START_TEST(redrocks_has_all_its_points_and_colours)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* The surface of the three meshes in the corpus: 5 x 5 vertices at (x, y, sin(x + 2 y)), coloured
  * (50 x, 50 y, c) where c is 0 in the left half and 200 in the right: a seam at x = 2. */
@@ -129,7 +127,7 @@ static void check_faces(const struct vor_cloud *cloud)
 /* Vector: the seam makes 30 points of 25 vertices, as each belongs to one side, in a file that
  * shares positions between points as in those that store them twice. A sheet of 5 x 5 vertices has
  * 32 triangles, which are given or named. */
-START_TEST(meshes_give_their_points_and_where_wanted_their_faces)
+VT_TEST_LOOP(meshes_give_their_points_and_where_wanted_their_faces, 3)
 {
     static const char *const paths[] = {"tests/fuzz/corpus/draco/mesh-edgebreaker.drc",
                                         "tests/fuzz/corpus/draco/mesh-edgebreaker-fast.drc",
@@ -157,7 +155,6 @@ START_TEST(meshes_give_their_points_and_where_wanted_their_faces)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 static void put(struct vt_bytes *out, const void *bytes, size_t size)
 {
@@ -177,7 +174,7 @@ static void put_head(struct vt_bytes *out, const char version[2], uint32_t n, in
 
 /* Vector: our kd-tree in the dress of bitstream 2.2, which stored the integers themselves: the
  * positions come out as cells, and integer positions go through double. */
-START_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
+VT_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
 {
     struct vor_cloud cloud, back, old;
     struct vt_bytes bytes, dressed = {0};
@@ -213,9 +210,8 @@ START_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
     free(dressed.data);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(what_the_library_held_is_in_the_peak_and_given_back)
+VT_TEST(what_the_library_held_is_in_the_peak_and_given_back)
 {
     struct vor_cloud cloud, back;
     struct vor_memory memory;
@@ -233,7 +229,6 @@ START_TEST(what_the_library_held_is_in_the_peak_and_given_back)
     vor_cloud_free(&cloud);
     free(bytes.data);
 }
-END_TEST
 
 /* One thread's share: its own allocator, capped on every other turn. */
 static void *trips(void *ctx)
@@ -259,7 +254,7 @@ static void *trips(void *ctx)
 }
 
 /* Property: the meter of one call never sees the allocations of another. */
-START_TEST(calls_on_several_threads_share_nothing)
+VT_TEST(calls_on_several_threads_share_nothing)
 {
     pthread_t threads[4];
     struct vor_cloud cloud;
@@ -276,15 +271,4 @@ START_TEST(calls_on_several_threads_share_nothing)
     }
     free(bytes.data);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, both_encodings_of_one_cloud_hold_the_same_points);
-    vt_add(suite, redrocks_has_all_its_points_and_colours);
-    vt_add_loop(suite, meshes_give_their_points_and_where_wanted_their_faces, 3);
-    vt_add(suite, a_kd_tree_of_an_older_bitstream_holds_the_same_cells);
-    vt_add(suite, what_the_library_held_is_in_the_peak_and_given_back);
-    vt_add(suite, calls_on_several_threads_share_nothing);
 }

@@ -60,14 +60,13 @@ static void check_full(int bits, int keep_order)
 }
 
 /* By the kd-tree, by sequential encoding in order, by auto. */
-START_TEST(everything_survives)
+VT_TEST_LOOP(everything_survives, 3)
 {
     check_full(_i < 2 ? 14 : -1, _i == 1);
 }
-END_TEST
 
 /* Vector: byte 8 of a Draco file is the method, 1 the kd-tree. */
-START_TEST(the_kd_tree_is_used_where_it_can_be_and_only_there)
+VT_TEST(the_kd_tree_is_used_where_it_can_be_and_only_there)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -97,10 +96,9 @@ START_TEST(the_kd_tree_is_used_where_it_can_be_and_only_there)
     free(bytes.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Vector: the library computes in int32 and would lose these. */
-START_TEST(integers_of_every_size_are_exact_up_to_their_ends)
+VT_TEST(integers_of_every_size_are_exact_up_to_their_ends)
 {
     static const enum vor_type types[] = {VOR_INT8,  VOR_UINT8,  VOR_INT16, VOR_UINT16,
                                           VOR_INT32, VOR_UINT32, VOR_INT64, VOR_UINT64};
@@ -132,10 +130,9 @@ START_TEST(integers_of_every_size_are_exact_up_to_their_ends)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: the encoder fails on NaN, and computes a range of infinity. */
-START_TEST(values_that_are_not_finite_are_kept_as_they_are)
+VT_TEST(values_that_are_not_finite_are_kept_as_they_are)
 {
     struct vor_cloud cloud, back;
     float *value;
@@ -156,10 +153,9 @@ START_TEST(values_that_are_not_finite_are_kept_as_they_are)
     draco_assert_same(&back, &cloud, "value", NULL);
     vt_free_last(&back, &cloud);
 }
-END_TEST
 
 /* Vector: normals that are not of length 1 do not lose their length in sequential encoding. */
-START_TEST(long_normals_stay_long)
+VT_TEST(long_normals_stay_long)
 {
     struct vor_cloud cloud, back;
     float *normal;
@@ -181,10 +177,9 @@ START_TEST(long_normals_stay_long)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Vector: everything of ours stands in the metadata, which other readers skip. */
-START_TEST(a_reader_that_ignores_the_metadata_gets_the_relative_positions)
+VT_TEST(a_reader_that_ignores_the_metadata_gets_the_relative_positions)
 {
     struct vor_cloud cloud;
     struct vt_bytes plain, ours;
@@ -201,9 +196,8 @@ START_TEST(a_reader_that_ignores_the_metadata_gets_the_relative_positions)
     free(ours.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(names_survive_and_implied_ones_cost_nothing)
+VT_TEST(names_survive_and_implied_ones_cost_nothing)
 {
     static const char *const names[] = {"generic",         "generic_2",          "a",
                                         "GPS time",        "tex\ncoord\xc3\xa9", "normal",
@@ -231,9 +225,8 @@ START_TEST(names_survive_and_implied_ones_cost_nothing)
     free(bytes.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(more_compression_makes_a_flat_cloud_smaller)
+VT_TEST(more_compression_makes_a_flat_cloud_smaller)
 {
     struct vor_sink sink;
     struct vor_cloud cloud;
@@ -252,10 +245,9 @@ START_TEST(more_compression_makes_a_flat_cloud_smaller)
     ck_assert_uint_lt(sizes[1], sizes[0]);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Vector: the smallest clouds there are. */
-START_TEST(clouds_of_one_two_and_three_points_and_of_one_place_survive)
+VT_TEST(clouds_of_one_two_and_three_points_and_of_one_place_survive)
 {
     struct vor_cloud cloud, back;
 
@@ -274,10 +266,9 @@ START_TEST(clouds_of_one_two_and_three_points_and_of_one_place_survive)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: such a file is a hundred bytes long, and the reader's gate takes it for a bomb. */
-START_TEST(many_points_in_few_places_can_be_read_back)
+VT_TEST(many_points_in_few_places_can_be_read_back)
 {
     struct vor_cloud cloud, back;
     size_t n = 300000;
@@ -293,11 +284,10 @@ START_TEST(many_points_in_few_places_can_be_read_back)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: the encoder counts in a table as long as the largest number, so that 30 bits in
  * sequential encoding, or integers far apart, took it 4 GB. */
-START_TEST(large_numbers_do_not_take_large_memory)
+VT_TEST(large_numbers_do_not_take_large_memory)
 {
     struct vor_cloud cloud, back;
 
@@ -322,7 +312,6 @@ START_TEST(large_numbers_do_not_take_large_memory)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 static int refuse_bytes(void *ctx, const void *bytes, size_t size)
 {
@@ -332,7 +321,7 @@ static int refuse_bytes(void *ctx, const void *bytes, size_t size)
     return -1;
 }
 
-START_TEST(a_sink_that_refuses_is_an_io_error)
+VT_TEST(a_sink_that_refuses_is_an_io_error)
 {
     struct vor_write_options options = {.quantization_bits = 10, .compression = 7};
     struct vor_sink sink = {.ctx = NULL, .write = refuse_bytes};
@@ -343,9 +332,8 @@ START_TEST(a_sink_that_refuses_is_an_io_error)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(clouds_without_points_or_with_nan_are_refused)
+VT_TEST(clouds_without_points_or_with_nan_are_refused)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -358,22 +346,4 @@ START_TEST(clouds_without_points_or_with_nan_are_refused)
     ck_assert_ptr_nonnull(strstr(vt_err.message, "33"));
     ck_assert_ptr_null(bytes.data);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, everything_survives, 3);
-    vt_add(suite, the_kd_tree_is_used_where_it_can_be_and_only_there);
-    vt_add(suite, integers_of_every_size_are_exact_up_to_their_ends);
-    vt_add(suite, values_that_are_not_finite_are_kept_as_they_are);
-    vt_add(suite, long_normals_stay_long);
-    vt_add(suite, a_reader_that_ignores_the_metadata_gets_the_relative_positions);
-    vt_add(suite, names_survive_and_implied_ones_cost_nothing);
-    vt_add(suite, more_compression_makes_a_flat_cloud_smaller);
-    vt_add(suite, clouds_of_one_two_and_three_points_and_of_one_place_survive);
-    vt_add(suite, many_points_in_few_places_can_be_read_back);
-    vt_add(suite, large_numbers_do_not_take_large_memory);
-    vt_add(suite, a_sink_that_refuses_is_an_io_error);
-    vt_add(suite, clouds_without_points_or_with_nan_are_refused);
 }

@@ -71,7 +71,7 @@ static struct vt_segments cube_edges(double end[12 * 6])
     return truth;
 }
 
-START_TEST(the_edges_of_a_cube_are_found_and_nothing_else)
+VT_TEST_FIGURES(the_edges_of_a_cube_are_found_and_nothing_else, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     double end_of[12 * 6];
     struct vt_segments truth = cube_edges(end_of);
@@ -83,9 +83,8 @@ START_TEST(the_edges_of_a_cube_are_found_and_nothing_else)
     assert_at_least(judge(&bed, &truth, 6), 0.98);
     end(&bed);
 }
-END_TEST
 
-START_TEST(what_is_smooth_has_none)
+VT_TEST_FIGURES(what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static void (*const makes[])(struct vor_cloud *, uint64_t, size_t) = {
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_square, vt_cloud_dome};
@@ -100,9 +99,9 @@ START_TEST(what_is_smooth_has_none)
         end(&bed);
     }
 }
-END_TEST
 
-START_TEST(two_sheets_nearer_than_a_crease_is_wide_have_hardly_any)
+VT_TEST_FIGURES(two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
+                VT_FEWER(VT_SOAK_LOOPS(1, 2)))
 {
     double spacing = sqrt(2.0 / LARGER);
 
@@ -115,7 +114,6 @@ START_TEST(two_sheets_nearer_than_a_crease_is_wide_have_hardly_any)
         end(&bed);
     }
 }
-END_TEST
 
 /* Two squares of side 2 and 1 that meet in the y axis, with that angle inside. */
 static void make_wedge(struct vor_cloud *cloud, uint64_t seed, double degrees)
@@ -146,7 +144,7 @@ static double mean_strength(const struct vor_edges *edges)
     return sum / (double)edges->flagged;
 }
 
-START_TEST(a_wedge_has_its_edge_angle_and_direction)
+VT_TEST_FIGURES(a_wedge_has_its_edge_angle_and_direction, VT_FEWER(VT_SOAK_LOOPS(3, 6)))
 {
     static const double inside[] = {120, 150, 90};
     double along_y[6] = {0, 0.1, 0, 0, 1.9, 0}; /* at its ends an edge has too few neighbours */
@@ -164,7 +162,6 @@ START_TEST(a_wedge_has_its_edge_angle_and_direction)
     ck_assert_double_eq_tol(mean_strength(&bed.edges), cos(inside[_i % 3] * M_PI / 360), 0.05);
     end(&bed);
 }
-END_TEST
 
 /* The mesh of ../shared/data, or 0 where it is not there. */
 static int read_mesh(struct vt_mesh *mesh, const char *name)
@@ -191,7 +188,7 @@ static const struct {
     double noise, least, length; /* length: largest relative error */
 } levels[] = {{0, 0.96, 0.12}, {0.002, 0.9, 0.12}, {0.001, 0.92, 0.12}};
 
-START_TEST(the_edges_of_fandisk_are_those_of_its_mesh)
+VT_TEST_FIGURES(the_edges_of_fandisk_are_those_of_its_mesh, VT_FEWER(VT_SOAK_LOOPS(3, 12)))
 {
     struct vt_segments truth;
     struct vt_mesh mesh;
@@ -212,9 +209,8 @@ START_TEST(the_edges_of_fandisk_are_those_of_its_mesh)
     vt_segments_free(&truth);
     vt_mesh_free(&mesh);
 }
-END_TEST
 
-START_TEST(hardly_a_point_of_igea_is_on_one)
+VT_TEST_FIGURES(hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vt_mesh mesh;
     struct bed bed;
@@ -228,7 +224,6 @@ START_TEST(hardly_a_point_of_igea_is_on_one)
     end(&bed);
     vt_mesh_free(&mesh);
 }
-END_TEST
 
 /* A grid, a volume, and a volume of which half is nearer to one point than float32 can square. */
 static void make_odd(struct vor_cloud *cloud, uint64_t seed, int kind)
@@ -241,7 +236,7 @@ static void make_odd(struct vor_cloud *cloud, uint64_t seed, int kind)
         cloud->xyz[i] *= 1e-25F;
 }
 
-START_TEST(no_cloud_is_too_odd_for_finite_figures)
+VT_TEST_FIGURES(no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6))
 {
     struct bed bed;
 
@@ -256,9 +251,8 @@ START_TEST(no_cloud_is_too_odd_for_finite_figures)
     ck_assert(_i % 3 != 0 || bed.edges.flagged == 0);
     end(&bed);
 }
-END_TEST
 
-START_TEST(a_point_takes_44_bytes)
+VT_TEST(a_point_takes_44_bytes)
 {
     struct vor_memory memory;
     struct bed bed;
@@ -272,20 +266,4 @@ START_TEST(a_point_takes_44_bytes)
     ck_assert_uint_le(atomic_load(&memory.peak) / N, 44);
     end(&bed);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_edges_of_a_cube_are_found_and_nothing_else,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, what_is_smooth_has_none, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, two_sheets_nearer_than_a_crease_is_wide_have_hardly_any,
-                   VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_figures(suite, a_wedge_has_its_edge_angle_and_direction, VT_FEWER(VT_SOAK_LOOPS(3, 6)));
-    vt_add_figures(suite, the_edges_of_fandisk_are_those_of_its_mesh,
-                   VT_FEWER(VT_SOAK_LOOPS(3, 12)));
-    vt_add_figures(suite, hardly_a_point_of_igea_is_on_one, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, no_cloud_is_too_odd_for_finite_figures, VT_SOAK_LOOPS(3, 6));
-    vt_add(suite, a_point_takes_44_bytes);
 }

@@ -83,7 +83,7 @@ static vor_status encode(struct scene *scene, const struct vor_codec_place *plac
 }
 
 /* _i: the format, with and without faces. */
-START_TEST(a_child_writes_the_bytes_that_this_process_writes)
+VT_TEST_LOOP(a_child_writes_the_bytes_that_this_process_writes, 4)
 {
     const struct vor_codec_place here = {.zygote = NULL};
     struct vt_bytes wanted, got;
@@ -101,9 +101,8 @@ START_TEST(a_child_writes_the_bytes_that_this_process_writes)
     free(got.data);
     stop(&scene);
 }
-END_TEST
 
-START_TEST(the_memory_of_a_child_counts_as_the_job_s)
+VT_TEST(the_memory_of_a_child_counts_as_the_job_s)
 {
     struct vt_bytes bytes;
     struct scene scene;
@@ -117,10 +116,9 @@ START_TEST(the_memory_of_a_child_counts_as_the_job_s)
     free(bytes.data);
     stop(&scene);
 }
-END_TEST
 
 /* _i: 0 not even the copy that the child reads, 1 not what the child makes of it. */
-START_TEST(what_does_not_fit_under_the_job_s_cap_is_refused)
+VT_TEST_LOOP(what_does_not_fit_under_the_job_s_cap_is_refused, 2)
 {
     struct vt_bytes bytes;
     struct scene scene;
@@ -134,9 +132,8 @@ START_TEST(what_does_not_fit_under_the_job_s_cap_is_refused)
     free(bytes.data);
     stop(&scene);
 }
-END_TEST
 
-START_TEST(a_result_that_is_none_is_told_as_our_fault)
+VT_TEST(a_result_that_is_none_is_told_as_our_fault)
 {
     static const char nonsense[] = "no triangles, and no dump";
     struct vor_codec_order order = {
@@ -154,13 +151,8 @@ START_TEST(a_result_that_is_none_is_told_as_our_fault)
     ck_assert_str_eq(vt_err.message, "the codec process received an invalid request");
     ck_assert_uint_eq(bytes.size, 0);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
-    vt_add_loop(suite, a_child_writes_the_bytes_that_this_process_writes, 4);
-    vt_add(suite, the_memory_of_a_child_counts_as_the_job_s);
-    vt_add_loop(suite, what_does_not_fit_under_the_job_s_cap_is_refused, 2);
-    vt_add(suite, a_result_that_is_none_is_told_as_our_fault);
 }

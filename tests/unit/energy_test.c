@@ -71,7 +71,7 @@ static double slope_along(struct made *made, double *x)
 
 /* The step is so short that hardly a corner appears or goes within it: there the second derivative
  * jumps. */
-START_TEST(the_gradient_is_that_of_finite_differences)
+VT_TEST_FIGURES(the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS)
 {
     struct made made;
     struct vor_energy energy;
@@ -94,7 +94,6 @@ START_TEST(the_gradient_is_that_of_finite_differences)
     ck_assert_double_gt(all, 0);
     ck_assert_double_le(off, 1e-6 * all);
 }
-END_TEST
 
 /* The integral by the midpoints of the sides of many small triangles. */
 static double by_quadrature(const struct made *made, const struct vor_flat *cell)
@@ -127,7 +126,7 @@ static double by_quadrature(const struct made *made, const struct vor_flat *cell
     return sum;
 }
 
-START_TEST(the_energy_is_that_of_a_numeric_quadrature)
+VT_TEST_FIGURES(the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2)
 {
     struct made made;
     struct vor_flat cell;
@@ -139,10 +138,9 @@ START_TEST(the_energy_is_that_of_a_numeric_quadrature)
     ck_assert_double_gt(energy, 0);
     ck_assert_double_eq_tol(by_quadrature(&made, &cell) / energy, 1, 1e-5);
 }
-END_TEST
 
 /* The square from -h to h: the integral of x^p is 2 h times 2 h^(p + 1) / (p + 1). */
-START_TEST(a_square_has_the_energy_of_the_textbook)
+VT_TEST_LOOP(a_square_has_the_energy_of_the_textbook, POWERS)
 {
     const double h = 0.4, other[4][3] = {{2 * h, 0}, {0, 2 * h}, {-2 * h, 0}, {0, -2 * h}};
     struct vor_energy_plane plane = {{1.5, 0.5}, 2 + 2 * (unsigned)_i, 1, {0, 0}, INFINITY};
@@ -166,12 +164,4 @@ START_TEST(a_square_has_the_energy_of_the_textbook)
     ck_assert_double_eq_tol(shape.moment[0], 4 * h * h * h * h / 3, 1e-14);
     ck_assert_double_eq_tol(shape.moment[1], 0, 1e-14);
     ck_assert_double_eq_tol(shape.energy, 8 * h * h * h * h / 3, 1e-14);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 3 * POWERS * SEEDS);
-    vt_add_figures(suite, the_energy_is_that_of_a_numeric_quadrature, 3 * POWERS * 2);
-    vt_add_loop(suite, a_square_has_the_energy_of_the_textbook, POWERS);
 }

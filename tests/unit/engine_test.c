@@ -78,7 +78,7 @@ static void close_job(struct job *job)
     vt_assert_no_leak();
 }
 
-START_TEST(explicit_iterations_are_run_to_the_last)
+VT_TEST(explicit_iterations_are_run_to_the_last)
 {
     static const size_t counts[5] = {0, 1, 2, 17, 60};
 
@@ -103,9 +103,8 @@ START_TEST(explicit_iterations_are_run_to_the_last)
         close_job(&job);
     }
 }
-END_TEST
 
-START_TEST(a_plateau_ends_the_default_only)
+VT_TEST(a_plateau_ends_the_default_only)
 {
     struct job job;
 
@@ -125,10 +124,9 @@ START_TEST(a_plateau_ends_the_default_only)
     ck_assert_uint_eq(job.report.iterations, 100);
     close_job(&job);
 }
-END_TEST
 
 /* What the request does not name is left to the engine: how it iterates, and that it polishes. */
-START_TEST(a_request_without_more_iterates_briefly_and_is_polished)
+VT_TEST(a_request_without_more_iterates_briefly_and_is_polished)
 {
     for (size_t points = 12; points <= 600; points *= 7) {
         struct job job;
@@ -147,9 +145,8 @@ START_TEST(a_request_without_more_iterates_briefly_and_is_polished)
         close_job(&job);
     }
 }
-END_TEST
 
-START_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
+VT_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
 {
     struct job job;
 
@@ -173,10 +170,9 @@ START_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
     ck_assert_uint_eq(job.report.iterations, 0);
     close_job(&job);
 }
-END_TEST
 
 /* The clock advances by 0.25 s at every reading; the budget is met, not passed. */
-START_TEST(a_budget_of_seconds_ends_the_run_by_the_watchs_clock)
+VT_TEST(a_budget_of_seconds_ends_the_run_by_the_watchs_clock)
 {
     struct job job;
 
@@ -193,9 +189,8 @@ START_TEST(a_budget_of_seconds_ends_the_run_by_the_watchs_clock)
     ck_assert_double_gt(job.spy.last.seconds, 9);
     close_job(&job);
 }
-END_TEST
 
-START_TEST(without_a_clock_no_budget_ends_the_run)
+VT_TEST(without_a_clock_no_budget_ends_the_run)
 {
     struct job job;
 
@@ -209,9 +204,8 @@ START_TEST(without_a_clock_no_budget_ends_the_run)
     ck_assert(job.report.seconds_iterate == 0 && job.spy.last.seconds == 0);
     close_job(&job);
 }
-END_TEST
 
-START_TEST(a_caller_who_stops_gets_the_best_cloud_so_far)
+VT_TEST(a_caller_who_stops_gets_the_best_cloud_so_far)
 {
     for (uint32_t at = 1; at <= 20; at += 6) {
         struct job job;
@@ -228,11 +222,10 @@ START_TEST(a_caller_who_stops_gets_the_best_cloud_so_far)
         close_job(&job);
     }
 }
-END_TEST
 
 /* The last iterate need not be the best: on a coarse cloud delta goes up and down. Putting the
  * points onto the surface once more costs some of it. */
-START_TEST(the_result_is_the_most_even_iterate)
+VT_TEST(the_result_is_the_most_even_iterate)
 {
     unsigned last_is_worse = 0;
 
@@ -255,9 +248,8 @@ START_TEST(the_result_is_the_most_even_iterate)
     }
     ck_assert_uint_gt(last_is_worse, 0);
 }
-END_TEST
 
-START_TEST(the_report_says_what_the_result_is)
+VT_TEST(the_report_says_what_the_result_is)
 {
     struct job job;
     struct vor_measure measure;
@@ -285,7 +277,6 @@ START_TEST(the_report_says_what_the_result_is)
     ck_assert_uint_eq(job.report.memory_peak_bytes, atomic_load(&vt_memory.peak));
     close_job(&job);
 }
-END_TEST
 
 static void assert_refused(struct job *job, vor_status status, const char *parameter)
 {
@@ -298,7 +289,7 @@ static void assert_refused(struct job *job, vor_status status, const char *param
     ck_assert_uint_eq(job->spy.records, 0);
 }
 
-START_TEST(a_number_of_points_out_of_range_is_refused_by_value_and_range)
+VT_TEST(a_number_of_points_out_of_range_is_refused_by_value_and_range)
 {
     static const struct {
         const char *name, *text, *says;
@@ -316,10 +307,9 @@ START_TEST(a_number_of_points_out_of_range_is_refused_by_value_and_range)
         close_job(&job);
     }
 }
-END_TEST
 
 /* Hand values, in a frame of another origin and with the reference in yet another. */
-START_TEST(a_measure_has_its_hand_computed_values)
+VT_TEST(a_measure_has_its_hand_computed_values)
 {
     static const float xyz[9] = {0, 0, 0, 1, 0, 0, 3, 0, 0};
     struct vt_engine engine;
@@ -353,9 +343,8 @@ START_TEST(a_measure_has_its_hand_computed_values)
     vt_engine_close(&engine);
     vt_free_last(&reference, &cloud);
 }
-END_TEST
 
-START_TEST(a_measure_of_no_extent_is_refused)
+VT_TEST(a_measure_of_no_extent_is_refused)
 {
     struct vt_engine engine;
     struct vor_cloud cloud, reference;
@@ -377,21 +366,4 @@ START_TEST(a_measure_of_no_extent_is_refused)
     ck_assert_uint_eq(m.n, 77);
     vt_engine_close(&engine);
     vt_free_last(&cloud, &reference);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, explicit_iterations_are_run_to_the_last);
-    vt_add(suite, a_plateau_ends_the_default_only);
-    vt_add(suite, a_request_without_more_iterates_briefly_and_is_polished);
-    vt_add(suite, a_delta_ends_the_run_at_the_first_iterate_that_reaches_it);
-    vt_add(suite, a_budget_of_seconds_ends_the_run_by_the_watchs_clock);
-    vt_add(suite, without_a_clock_no_budget_ends_the_run);
-    vt_add(suite, a_caller_who_stops_gets_the_best_cloud_so_far);
-    vt_add(suite, the_result_is_the_most_even_iterate);
-    vt_add(suite, the_report_says_what_the_result_is);
-    vt_add(suite, a_number_of_points_out_of_range_is_refused_by_value_and_range);
-    vt_add(suite, a_measure_has_its_hand_computed_values);
-    vt_add(suite, a_measure_of_no_extent_is_refused);
 }

@@ -57,7 +57,7 @@ static void draw(struct vor_cloud *out, const struct vor_cloud *in, size_t n, ui
 }
 
 /* Property: the count of a triangle is its share of the area, rounded up or down. */
-START_TEST(a_triangle_gets_its_share_of_the_area)
+VT_TEST_LOOP(a_triangle_gets_its_share_of_the_area, 40)
 {
     struct vor_cloud in, out;
     size_t n = 1 + (size_t)(vt_unit((uint64_t)_i, 1) * 3000), counts[LOOSE] = {0};
@@ -77,7 +77,6 @@ START_TEST(a_triangle_gets_its_share_of_the_area)
     ck_assert_uint_eq(counts[7], 0);
     vt_free_last(&in, &out);
 }
-END_TEST
 
 static const uint32_t single[] = {0, 1, 2};
 
@@ -101,7 +100,7 @@ static unsigned part_of(const float x[3])
 
 /* Property: over seeds each place of a triangle is as likely as the others, whatever their number.
  * 103.4 is the 99.9th percentile of chi-square for 63 degrees of freedom. */
-START_TEST(places_in_a_triangle_are_alike)
+VT_TEST_LOOP(places_in_a_triangle_are_alike, 6)
 {
     enum { SEEDS = 3000 };
     size_t each = (size_t)_i + 1;
@@ -126,11 +125,10 @@ START_TEST(places_in_a_triangle_are_alike)
     ck_assert_msg(chi2 < 103.4, "%zu points: chi-square is %g", each, chi2);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* Property: 64 points of a triangle lie in 64 different parts of it; of independent ones 23 parts
  * or so would have none. */
-START_TEST(points_of_a_triangle_keep_clear_of_each_other)
+VT_TEST_LOOP(points_of_a_triangle_keep_clear_of_each_other, 20)
 {
     int taken[128] = {0};
     struct vor_cloud in, out;
@@ -142,7 +140,6 @@ START_TEST(points_of_a_triangle_keep_clear_of_each_other)
     vor_cloud_free(&in);
     vor_cloud_free(&out);
 }
-END_TEST
 
 static void *add(struct vor_cloud *cloud, const char *name, enum vor_semantic semantic,
                  enum vor_type type, unsigned components)
@@ -196,7 +193,7 @@ static void check_attributes(const struct vor_cloud *in, const struct vor_cloud 
     }
 }
 
-START_TEST(attributes_are_interpolated_or_those_of_the_nearest_corner)
+VT_TEST(attributes_are_interpolated_or_those_of_the_nearest_corner)
 {
     struct vor_cloud in, out;
 
@@ -208,11 +205,10 @@ START_TEST(attributes_are_interpolated_or_those_of_the_nearest_corner)
         check_attributes(&in, &out, i);
     vt_free_last(&in, &out);
 }
-END_TEST
 
 /* Property: neither the unit of a cloud nor its origin says where points are drawn, up to the
  * ends of float32. */
-START_TEST(points_are_drawn_alike_in_every_unit)
+VT_TEST_LOOP(points_are_drawn_alike_in_every_unit, 4)
 {
     static const double units[] = {1e-20, 1e-6, 1e6, 1e34};
     double unit = ldexp(1, ilogb(units[_i]));
@@ -233,9 +229,8 @@ START_TEST(points_are_drawn_alike_in_every_unit)
     vor_cloud_free(&small);
     vor_cloud_free(&out);
 }
-END_TEST
 
-START_TEST(the_number_of_points_drawn_follows_the_rule)
+VT_TEST(the_number_of_points_drawn_follows_the_rule)
 {
     ck_assert_uint_eq(vor_faces_samples(5000, 3000), 40000);
     ck_assert_uint_eq(vor_faces_samples(5000, 100000), 100000);
@@ -245,10 +240,9 @@ START_TEST(the_number_of_points_drawn_follows_the_rule)
     ck_assert_uint_eq(vor_faces_samples((double)INFINITY, 8), 10000000);
     ck_assert_uint_eq(vor_faces_samples(1e7, 40000000), 40000000);
 }
-END_TEST
 
 /* Refusal: memory that runs out at any point leaves nothing. */
-START_TEST(points_that_do_not_fit_leave_nothing)
+VT_TEST(points_that_do_not_fit_leave_nothing)
 {
     struct vor_cloud in, out;
     vor_status status = VOR_E_NOMEM;
@@ -267,7 +261,6 @@ START_TEST(points_that_do_not_fit_leave_nothing)
     ck_assert_uint_gt(at, 1);
     vt_free_last(&in, &out);
 }
-END_TEST
 
 /* The unit cube: eight vertices, twelve triangles. */
 static void make_cube(struct vor_cloud *cloud)
@@ -297,7 +290,7 @@ static void resample_cube(struct vor_cloud *out, struct vor_report *report, unsi
 }
 
 /* The eight corners of a cube become points all over it, for any number of threads. */
-START_TEST(a_cube_of_eight_vertices_is_resampled)
+VT_TEST(a_cube_of_eight_vertices_is_resampled)
 {
     struct vor_cloud out[2];
     struct vor_report report;
@@ -322,10 +315,9 @@ START_TEST(a_cube_of_eight_vertices_is_resampled)
     vor_cloud_free(&out[1]);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* 6 / (sqrt(3)/2 * 0.1^2) = 693 points; a ratio counts vertices. */
-START_TEST(spacing_and_ratio_say_how_many)
+VT_TEST(spacing_and_ratio_say_how_many)
 {
     struct vor_cloud out;
     struct vor_report report;
@@ -337,7 +329,6 @@ START_TEST(spacing_and_ratio_say_how_many)
     ck_assert_uint_eq(out.n, 128);
     vor_cloud_free(&out);
 }
-END_TEST
 
 static vor_status check_target(const char *process, const char *sample, double points)
 {
@@ -350,7 +341,7 @@ static vor_status check_target(const char *process, const char *sample, double p
 }
 
 /* Refusal: what may be asked of a mesh of eight vertices. */
-START_TEST(vertices_bound_only_what_adds_no_points)
+VT_TEST(vertices_bound_only_what_adds_no_points)
 {
     vt_assert_fails(VOR_E_TARGET, check_target("resample", "vertices", 129));
     vt_assert_ok(check_target("resample", "faces", 129));
@@ -360,9 +351,8 @@ START_TEST(vertices_bound_only_what_adds_no_points)
     vt_assert_fails(VOR_E_TARGET, check_target("resample", "faces", 1e7 + 1));
     vt_assert_fails(VOR_E_TARGET, check_target("simplify", "faces", 9));
 }
-END_TEST
 
-START_TEST(a_cloud_without_faces_is_refused)
+VT_TEST(a_cloud_without_faces_is_refused)
 {
     struct vt_engine engine;
     struct vor_cloud in, out;
@@ -377,20 +367,4 @@ START_TEST(a_cloud_without_faces_is_refused)
     vt_engine_close(&engine);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_triangle_gets_its_share_of_the_area, 40);
-    vt_add_loop(suite, places_in_a_triangle_are_alike, 6);
-    vt_add_loop(suite, points_of_a_triangle_keep_clear_of_each_other, 20);
-    vt_add(suite, attributes_are_interpolated_or_those_of_the_nearest_corner);
-    vt_add_loop(suite, points_are_drawn_alike_in_every_unit, 4);
-    vt_add(suite, the_number_of_points_drawn_follows_the_rule);
-    vt_add(suite, points_that_do_not_fit_leave_nothing);
-    vt_add(suite, a_cube_of_eight_vertices_is_resampled);
-    vt_add(suite, spacing_and_ratio_say_how_many);
-    vt_add(suite, vertices_bound_only_what_adds_no_points);
-    vt_add(suite, a_cloud_without_faces_is_refused);
 }

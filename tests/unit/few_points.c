@@ -39,7 +39,7 @@ static struct box box_of(const struct vor_cloud *cloud)
     return box;
 }
 
-START_TEST(few_points_give_a_result_near_their_box)
+VT_TEST_LOOP(few_points_give_a_result_near_their_box, 3 * (MOST - FEWEST + 1) * SEEDS)
 {
     int shape = _i % 3;
     size_t n = FEWEST + (size_t)(_i / 3) % (MOST - FEWEST + 1);
@@ -63,10 +63,4 @@ START_TEST(few_points_give_a_result_near_their_box)
     ck_assert_uint_eq(vt_coincident(&out), 0);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, few_points_give_a_result_near_their_box, 3 * (MOST - FEWEST + 1) * SEEDS);
 }

@@ -8,7 +8,8 @@
 
 enum { SEEDS = 2, N = 3000, SMALL = 300 };
 
-START_TEST(every_point_keeps_its_place_in_the_order_and_its_attributes)
+VT_TEST_FIGURES(every_point_keeps_its_place_in_the_order_and_its_attributes,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -29,10 +30,9 @@ START_TEST(every_point_keeps_its_place_in_the_order_and_its_attributes)
     }
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Every fifth point once more, and a stray twice: twins go together. */
-START_TEST(points_that_share_a_place_stay_together)
+VT_TEST_FIGURES(points_that_share_a_place_stay_together, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -65,10 +65,10 @@ START_TEST(points_that_share_a_place_stay_together)
     ck_assert_uint_gt(pairs, N / 6);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* The report against `measure`, and all that only a method tells. */
-START_TEST(the_report_measures_the_result_and_tells_of_no_step)
+VT_TEST_FIGURES(the_report_measures_the_result_and_tells_of_no_step,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     const size_t points = N / 2;
     struct vor_cloud in, out;
@@ -97,9 +97,8 @@ START_TEST(the_report_measures_the_result_and_tells_of_no_step)
     vt_engine_close(&engine);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
+VT_TEST_FIGURES(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones, 0)
 {
     for (int inward = 0; inward < 2; inward++) {
         struct vor_attribute *carried;
@@ -128,9 +127,8 @@ START_TEST(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
+VT_TEST_FIGURES(islands_are_counted_and_stay_in_their_places_of_the_order, 0)
 {
     enum { ISLAND = 8 };
     struct vor_cloud in, out;
@@ -155,9 +153,8 @@ START_TEST(islands_are_counted_and_stay_in_their_places_of_the_order)
     ck_assert_uint_eq(vt_number_of(&out, 0), ISLAND);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(double_positions_far_from_the_origin_stay_exact)
+VT_TEST_FIGURES(double_positions_far_from_the_origin_stay_exact, 0)
 {
     double xyz[3 * SMALL];
     struct vor_cloud in, out;
@@ -173,9 +170,8 @@ START_TEST(double_positions_far_from_the_origin_stay_exact)
     ck_assert(vt_cloud_hash(&out) == vt_cloud_hash(&in));
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
+VT_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
 {
     struct vor_cloud in, out;
     const struct vt_ask request = {&in, "filters=mls,outliers,thin", 1};
@@ -194,19 +190,4 @@ START_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
         vor_cloud_free(&in);
     }
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, every_point_keeps_its_place_in_the_order_and_its_attributes,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, points_that_share_a_place_stay_together,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, the_report_measures_the_result_and_tells_of_no_step,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, fitted_normals_are_those_of_the_sphere_and_follow_the_carried_ones, 0);
-    vt_add_figures(suite, islands_are_counted_and_stay_in_their_places_of_the_order, 0);
-    vt_add_figures(suite, double_positions_far_from_the_origin_stay_exact, 0);
-    vt_add(suite, clouds_without_a_surface_are_refused_as_ever_and_few_points_pass);
 }

@@ -16,7 +16,8 @@ static double rms_height(const struct vor_cloud *cloud)
     return sqrt(sum / (double)cloud->n);
 }
 
-START_TEST(noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half)
+VT_TEST_FIGURES(noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     for (int is_sphere = 0; is_sphere < 2; is_sphere++) {
         struct vor_cloud in, out;
@@ -35,11 +36,10 @@ START_TEST(noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A quadric has no plane's error, and a sphere's only of fourth order: 2e-4 at 20 of 6,000 points.
  */
-START_TEST(exact_planes_and_spheres_stay_where_they_are)
+VT_TEST_FIGURES(exact_planes_and_spheres_stay_where_they_are, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -56,9 +56,9 @@ START_TEST(exact_planes_and_spheres_stay_where_they_are)
     ck_assert_double_lt(report.out_to_ref.rms, 2e-4);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(the_filter_outliers_drops_strays_and_moves_no_other_point)
+VT_TEST_LOOP(the_filter_outliers_drops_strays_and_moves_no_other_point,
+             VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -81,9 +81,9 @@ START_TEST(the_filter_outliers_drops_strays_and_moves_no_other_point)
     ck_assert(report.ref_to_out.max == 0 && report.out_to_ref.max == 0);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(pull_moves_strays_onto_the_surface_and_keeps_every_point)
+VT_TEST_FIGURES(pull_moves_strays_onto_the_surface_and_keeps_every_point,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -102,9 +102,8 @@ START_TEST(pull_moves_strays_onto_the_surface_and_keeps_every_point)
     ck_assert_msg(off <= VT_STRAYS / 50, "%zu are off", off);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(a_resampling_takes_pulled_points_for_a_part_of_the_surface)
+VT_TEST_FIGURES(a_resampling_takes_pulled_points_for_a_part_of_the_surface, VT_ONCE(1))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -117,9 +116,8 @@ START_TEST(a_resampling_takes_pulled_points_for_a_part_of_the_surface)
     ck_assert_double_lt(vt_rms_off_sphere(&out), 0.005);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(mls_before_a_resampling_brings_it_nearer_to_the_surface)
+VT_TEST_FIGURES(mls_before_a_resampling_brings_it_nearer_to_the_surface, VT_ONCE(1))
 {
     static const char *const options[2] = {"points=800 neighbors=20 polish=5 filters=none",
                                            "points=800 neighbors=20 polish=5 filters=mls"};
@@ -139,10 +137,9 @@ START_TEST(mls_before_a_resampling_brings_it_nearer_to_the_surface)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Half of the sphere has nine times as many points. */
-START_TEST(thin_evens_the_density_and_leaves_no_twins)
+VT_TEST_LOOP(thin_evens_the_density_and_leaves_no_twins, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -164,11 +161,10 @@ START_TEST(thin_evens_the_density_and_leaves_no_twins)
                   north[1], south[1], north[0], south[0]);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Two sheets two of their spacings apart, told apart by layers; away from the border, where there
  * are too few points on one side to tell (geom/layers.h). */
-START_TEST(noisy_sheets_are_not_pulled_together)
+VT_TEST_FIGURES(noisy_sheets_are_not_pulled_together, VT_ONCE(1))
 {
     enum { MANY = 1500 };
     const double gap = 0.08;
@@ -194,22 +190,4 @@ START_TEST(noisy_sheets_are_not_pulled_together)
     ck_assert_msg(between <= MANY / 1000, "%zu points in between", between);
     ck_assert_double_lt(sqrt(sum / (double)inside), 0.05 * gap);
     vt_free_last(&out, &in);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, exact_planes_and_spheres_stay_where_they_are,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, the_filter_outliers_drops_strays_and_moves_no_other_point,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, pull_moves_strays_onto_the_surface_and_keeps_every_point,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_resampling_takes_pulled_points_for_a_part_of_the_surface, VT_ONCE(1));
-    vt_add_figures(suite, mls_before_a_resampling_brings_it_nearer_to_the_surface, VT_ONCE(1));
-    vt_add_loop(suite, thin_evens_the_density_and_leaves_no_twins,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, noisy_sheets_are_not_pulled_together, VT_ONCE(1));
 }

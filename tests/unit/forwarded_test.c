@@ -46,7 +46,7 @@ static void assert_silent(const struct vor_via *via, const char *client, const c
 }
 
 /* Vector: RFC 7239, sections 4, 5.2, 6 and 7, each as if the last hop was ours. */
-START_TEST(the_examples_of_rfc_7239_are_read)
+VT_TEST(the_examples_of_rfc_7239_are_read)
 {
     static const struct {
         const char *value, *client, *scheme;
@@ -73,9 +73,8 @@ START_TEST(the_examples_of_rfc_7239_are_read)
             ck_assert_str_eq(via.scheme, vectors[i].scheme);
     }
 }
-END_TEST
 
-START_TEST(values_may_be_quoted_escaped_and_spaced)
+VT_TEST(values_may_be_quoted_escaped_and_spaced)
 {
     static const char *const same[] = {
         "for=192.0.2.1;proto=https;host=cloud.example",
@@ -98,9 +97,8 @@ START_TEST(values_may_be_quoted_escaped_and_spaced)
     ck_assert_str_eq(read_forwarded("host=\"cloud.example:8443\"").host, "cloud.example:8443");
     ck_assert_str_eq(read_forwarded("host=\"[2001:db8::1]:8443\"").host, "[2001:db8::1]:8443");
 }
-END_TEST
 
-START_TEST(a_malformed_line_is_ignored_whole)
+VT_TEST(a_malformed_line_is_ignored_whole)
 {
     static const char *const bad[] = {
         "for=192.0.2.1:80",            /* a colon wants quotes */
@@ -126,9 +124,8 @@ START_TEST(a_malformed_line_is_ignored_whole)
         assert_silent(&via, "10.0.0.1", bad[i]);
     }
 }
-END_TEST
 
-START_TEST(a_malformed_line_hides_none_behind_it)
+VT_TEST(a_malformed_line_hides_none_behind_it)
 {
     struct vor_field fields[] = {{"Forwarded", "for=\"192.0.2.66;host=evil.example, "},
                                  {"Forwarded", "for=192.0.2.1;host=cloud.example"},
@@ -142,10 +139,9 @@ START_TEST(a_malformed_line_hides_none_behind_it)
     via = read_from("10.0.0.1", VOR_PROXY_FORWARDED, fields);
     assert_silent(&via, "10.0.0.1", "the line of the peer is the malformed one");
 }
-END_TEST
 
 /* What a client writes into the header itself lies left of what the outermost proxy adds. */
-START_TEST(the_client_is_the_rightmost_that_is_no_trusted_proxy)
+VT_TEST(the_client_is_the_rightmost_that_is_no_trusted_proxy)
 {
     static const struct {
         const char *forwarded_for, *client;
@@ -180,9 +176,8 @@ START_TEST(the_client_is_the_rightmost_that_is_no_trusted_proxy)
         assert_silent(&via, vectors[i].client, vectors[i].forwarded_for);
     }
 }
-END_TEST
 
-START_TEST(several_lines_are_one_list)
+VT_TEST(several_lines_are_one_list)
 {
     struct vor_field fields[] = {{"X-Forwarded-For", "192.0.2.66, 192.0.2.1"},
                                  {"x-forwarded-for", "10.3.3.3"},
@@ -195,9 +190,8 @@ START_TEST(several_lines_are_one_list)
     ck_assert_str_eq(via.client, "192.0.2.1");
     ck_assert_str_eq(via.host, "cloud.example:8443");
 }
-END_TEST
 
-START_TEST(a_chain_longer_than_is_looked_at_ends_at_its_last_proxy)
+VT_TEST(a_chain_longer_than_is_looked_at_ends_at_its_last_proxy)
 {
     char chain[40 * 16] = "192.0.2.1", number[32];
 
@@ -209,9 +203,8 @@ START_TEST(a_chain_longer_than_is_looked_at_ends_at_its_last_proxy)
     (void)strcat(chain, ", 10.1.1.99");
     ck_assert_str_eq(read_for(chain).client, "10.1.1.1");
 }
-END_TEST
 
-START_TEST(scheme_host_and_prefix_are_taken_when_they_are_sound)
+VT_TEST(scheme_host_and_prefix_are_taken_when_they_are_sound)
 {
     struct vor_field fields[] = {{"X-Forwarded-Proto", "https"},
                                  {"X-Forwarded-Host", "cloud.example"},
@@ -240,9 +233,8 @@ START_TEST(scheme_host_and_prefix_are_taken_when_they_are_sound)
     fields[2].value = "/";
     ck_assert_str_eq(read_from("10.0.0.1", VOR_PROXY_X_FORWARDED, fields).prefix, "");
 }
-END_TEST
 
-START_TEST(of_forwarded_the_outermost_trusted_proxy_names_the_host)
+VT_TEST(of_forwarded_the_outermost_trusted_proxy_names_the_host)
 {
     struct vor_via via = read_forwarded("for=192.0.2.66;host=evil.example;proto=http, "
                                         "for=192.0.2.1;host=cloud.example;proto=https, "
@@ -259,7 +251,6 @@ START_TEST(of_forwarded_the_outermost_trusted_proxy_names_the_host)
     ck_assert_str_eq(via.client, "10.0.0.1");
     ck_assert_str_eq(via.host, "cloud.example");
 }
-END_TEST
 
 /* Every header of both families. */
 static const struct vor_field everything[] = {
@@ -271,7 +262,7 @@ static const struct vor_field everything[] = {
     {"Forwarded", "for=192.0.2.2;proto=https;host=f.example"},
     {NULL, NULL}};
 
-START_TEST(the_other_family_is_ignored)
+VT_TEST(the_other_family_is_ignored)
 {
     struct vor_via x = read_from("10.0.0.1", VOR_PROXY_X_FORWARDED, everything);
     struct vor_via f = read_from("10.0.0.1", VOR_PROXY_FORWARDED, everything);
@@ -285,9 +276,8 @@ START_TEST(the_other_family_is_ignored)
     none = read_from("10.0.0.1", VOR_PROXY_X_FORWARDED, everything + 5);
     assert_silent(&none, "10.0.0.1", "Forwarded alone");
 }
-END_TEST
 
-START_TEST(an_untrusted_peer_is_not_believed_a_word)
+VT_TEST(an_untrusted_peer_is_not_believed_a_word)
 {
     static const char *const peers[] = {"127.0.0.1", "11.0.0.1", "192.0.2.1", "::1", "fe80::1"};
 
@@ -301,20 +291,4 @@ START_TEST(an_untrusted_peer_is_not_believed_a_word)
     ck_assert_str_eq(read_from("fd00::1", VOR_PROXY_FORWARDED, everything).client, "192.0.2.2");
     ck_assert_str_eq(read_from("::ffff:10.0.0.9", VOR_PROXY_FORWARDED, everything).client,
                      "192.0.2.2");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_examples_of_rfc_7239_are_read);
-    vt_add(suite, values_may_be_quoted_escaped_and_spaced);
-    vt_add(suite, a_malformed_line_is_ignored_whole);
-    vt_add(suite, a_malformed_line_hides_none_behind_it);
-    vt_add(suite, the_client_is_the_rightmost_that_is_no_trusted_proxy);
-    vt_add(suite, several_lines_are_one_list);
-    vt_add(suite, a_chain_longer_than_is_looked_at_ends_at_its_last_proxy);
-    vt_add(suite, scheme_host_and_prefix_are_taken_when_they_are_sound);
-    vt_add(suite, of_forwarded_the_outermost_trusted_proxy_names_the_host);
-    vt_add(suite, the_other_family_is_ignored);
-    vt_add(suite, an_untrusted_peer_is_not_believed_a_word);
 }

@@ -65,7 +65,7 @@ static void scatter(struct bed *bed, uint64_t seed)
 
 /* The step is so short that hardly a corner appears or goes within it: there the second derivative
  * jumps. */
-START_TEST(the_gradient_is_that_of_finite_differences)
+VT_TEST_FIGURES(the_gradient_is_that_of_finite_differences, 24)
 {
     static const double at[4] = {-2, -1, 1, 2}, weight[4] = {1, -8, 8, -1};
     const double h = 2e-6;
@@ -97,10 +97,9 @@ START_TEST(the_gradient_is_that_of_finite_differences)
     }
     close_bed(&bed);
 }
-END_TEST
 
 /* Two seeds that share a place would keep it: their gradients are the same. */
-START_TEST(seeds_that_share_a_place_come_apart)
+VT_TEST_FIGURES(seeds_that_share_a_place_come_apart, 3)
 {
     static struct bed bed;
     struct vor_lbfgs_function function;
@@ -120,11 +119,4 @@ START_TEST(seeds_that_share_a_place_come_apart)
     ck_assert_double_gt(hypot(apart[0], apart[1]), 0.1);
     vor_lbfgs_free(&lbfgs);
     close_bed(&bed);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_gradient_is_that_of_finite_differences, 24);
-    vt_add_figures(suite, seeds_that_share_a_place_come_apart, 3);
 }

@@ -44,7 +44,7 @@ static uint8_t *make_bytes(int seed, size_t size)
     return bytes;
 }
 
-START_TEST(what_was_compressed_comes_back)
+VT_TEST_LOOP(what_was_compressed_comes_back, 80)
 {
     static const size_t sizes[] = {0, 1, 100, 32767, 32768, 32769, 65536, 300000};
     size_t size = sizes[_i % 8];
@@ -62,9 +62,8 @@ START_TEST(what_was_compressed_comes_back)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
-START_TEST(members_one_behind_the_other_are_one_body)
+VT_TEST(members_one_behind_the_other_are_one_body)
 {
     struct vt_bytes in = {0}, out = {0};
 
@@ -77,10 +76,9 @@ START_TEST(members_one_behind_the_other_are_one_body)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
 /* Refusal: cut after any byte. */
-START_TEST(what_is_cut_short_is_refused)
+VT_TEST(what_is_cut_short_is_refused)
 {
     struct vt_bytes in = {0}, out = {0};
     uint8_t *bytes = make_bytes(1, 500);
@@ -99,9 +97,8 @@ START_TEST(what_is_cut_short_is_refused)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
-START_TEST(what_follows_a_body_is_refused)
+VT_TEST_LOOP(what_follows_a_body_is_refused, 5)
 {
     static const char *const tails[] = {"x", "\x1f", "\x1fx", "\x1f\x8b", "garbage that goes on"};
     static const char *const words[] = {"has data after its end", "has data after its end",
@@ -119,10 +116,9 @@ START_TEST(what_follows_a_body_is_refused)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
 /* Refusal: any byte but those of a header's time, system and level is checked. */
-START_TEST(a_changed_byte_is_refused_or_changes_nothing)
+VT_TEST(a_changed_byte_is_refused_or_changes_nothing)
 {
     struct vt_bytes in = {0}, out = {0};
     uint8_t *bytes = make_bytes(2, 500);
@@ -145,10 +141,9 @@ START_TEST(a_changed_byte_is_refused_or_changes_nothing)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
 /* Refusal: a bomb writes no more than its ratio allows, and less than 1 MiB is free. */
-START_TEST(a_bomb_stops_at_its_ratio)
+VT_TEST(a_bomb_stops_at_its_ratio)
 {
     static uint8_t zeros[16 << 20];
     struct vt_bytes in = {0}, out = {0};
@@ -169,9 +164,8 @@ START_TEST(a_bomb_stops_at_its_ratio)
     free(in.data);
     free(out.data);
 }
-END_TEST
 
-START_TEST(other_codings_are_no_gzip)
+VT_TEST_LOOP(other_codings_are_no_gzip, 5)
 {
     static const char *const bytes[] = {"ply\nformat ascii 1.0\n", "x\x9c\x03\x00\x00\x00\x00\x01",
                                         "\x1f\x8b\x07\x01", "\x28\xb5\x2f\xfd", "\x1f\x9d"};
@@ -185,7 +179,6 @@ START_TEST(other_codings_are_no_gzip)
     ck_assert_uint_eq(out.size, 0);
     free(out.data);
 }
-END_TEST
 
 static int refuse_all(void *ctx, const void *bytes, size_t size)
 {
@@ -193,7 +186,7 @@ static int refuse_all(void *ctx, const void *bytes, size_t size)
     return -1;
 }
 
-START_TEST(a_sink_that_refuses_is_said)
+VT_TEST(a_sink_that_refuses_is_said)
 {
     const struct vor_sink sink = {NULL, refuse_all};
     struct vt_bytes in = {0};
@@ -201,17 +194,4 @@ START_TEST(a_sink_that_refuses_is_said)
     add_member(&in, "one", 3, 6);
     vt_assert_fails(VOR_E_IO, vor_gzip_inflate(&sink, in.data, in.size, 100, &vt_err));
     free(in.data);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, what_was_compressed_comes_back, 80);
-    vt_add(suite, members_one_behind_the_other_are_one_body);
-    vt_add(suite, what_is_cut_short_is_refused);
-    vt_add_loop(suite, what_follows_a_body_is_refused, 5);
-    vt_add(suite, a_changed_byte_is_refused_or_changes_nothing);
-    vt_add(suite, a_bomb_stops_at_its_ratio);
-    vt_add_loop(suite, other_codings_are_no_gzip, 5);
-    vt_add(suite, a_sink_that_refuses_is_said);
 }

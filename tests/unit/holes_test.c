@@ -130,7 +130,7 @@ static double off_ball(const struct vor_cloud *cloud, double z, double radius, s
 }
 
 /* Points in holes are as many as their area has of the ball's, and lie on it. */
-START_TEST(holes_of_a_ball_are_closed)
+VT_TEST_FIGURES(holes_of_a_ball_are_closed, VT_FEWER(SEEDS))
 {
     static const double radius[] = {5, 3}, z[] = {-1, 1}, most[] = {0.1, 0.05};
     struct vor_cloud cloud;
@@ -159,10 +159,9 @@ START_TEST(holes_of_a_ball_are_closed)
     }
     vt_free_last(&filled.out, &cloud);
 }
-END_TEST
 
 /* The outer border of a sheet is none that auto fills, whatever holeMax is. */
-START_TEST(the_rim_of_a_sheet_stays_open)
+VT_TEST_FIGURES(the_rim_of_a_sheet_stays_open, 0)
 {
     struct vor_cloud cloud;
     struct filled filled;
@@ -183,10 +182,9 @@ START_TEST(the_rim_of_a_sheet_stays_open)
     assert_hole(&filled, 1, VOR_LOOP_HOLE, VOR_HOLE_TOO_LONG);
     vt_free_last(&filled.out, &cloud);
 }
-END_TEST
 
 /* A tube ends in rims, which auto leaves; by its number one is capped. */
-START_TEST(an_end_of_a_tube_is_capped_if_it_is_named)
+VT_TEST_FIGURES(an_end_of_a_tube_is_capped_if_it_is_named, 0)
 {
     struct vor_cloud cloud;
     struct filled filled;
@@ -218,10 +216,9 @@ START_TEST(an_end_of_a_tube_is_capped_if_it_is_named)
     ck_assert_uint_eq(loops_of(&filled.out), 1);
     vt_free_last(&filled.out, &cloud);
 }
-END_TEST
 
 /* A disc that floats in a hole lies where the surface would go: neither loop can be closed. */
-START_TEST(what_lies_in_the_way_keeps_a_hole_open)
+VT_TEST_FIGURES(what_lies_in_the_way_keeps_a_hole_open, 0)
 {
     struct vor_cloud cloud;
     struct filled filled;
@@ -244,9 +241,8 @@ START_TEST(what_lies_in_the_way_keeps_a_hole_open)
     vor_cloud_free(&filled.out);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(a_number_that_no_loop_has_is_refused)
+VT_TEST_FIGURES(a_number_that_no_loop_has_is_refused, 0)
 {
     struct vor_cloud cloud;
     struct filled filled;
@@ -262,10 +258,9 @@ START_TEST(a_number_that_no_loop_has_is_refused)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* What a closed input has of boundary=fill is what it has of keep. */
-START_TEST(a_closed_input_stays_as_it_is)
+VT_TEST_FIGURES(a_closed_input_stays_as_it_is, 0)
 {
     struct vor_cloud cloud;
     struct filled filled, kept;
@@ -280,10 +275,9 @@ START_TEST(a_closed_input_stays_as_it_is)
     vor_cloud_free(&filled.out);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* A spline through a quadric is that quadric; too few points are none. */
-START_TEST(a_spline_has_the_quadrics)
+VT_TEST_FIGURES(a_spline_has_the_quadrics, 0)
 {
     double at[2 * 30], value[3 * 30], u[2] = {0.1, -0.2}, x[3];
     struct vor_spline spline;
@@ -311,16 +305,4 @@ START_TEST(a_spline_has_the_quadrics)
     vt_assert_fails(VOR_E_DEGENERATE,
                     vor_spline_fit(&spline, at, value, 5, 0, &vt_memory, &vt_err));
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, holes_of_a_ball_are_closed, VT_FEWER(SEEDS));
-    vt_add_figures(suite, the_rim_of_a_sheet_stays_open, 0);
-    vt_add_figures(suite, an_end_of_a_tube_is_capped_if_it_is_named, 0);
-    vt_add_figures(suite, what_lies_in_the_way_keeps_a_hole_open, 0);
-    vt_add_figures(suite, a_number_that_no_loop_has_is_refused, 0);
-    vt_add_figures(suite, a_closed_input_stays_as_it_is, 0);
-    vt_add_figures(suite, a_spline_has_the_quadrics, 0);
 }

@@ -15,7 +15,7 @@ static struct vor_job_key key_of(const char *principal, const char *text)
     return key;
 }
 
-START_TEST(a_key_has_one_holder_until_it_is_given_back)
+VT_TEST(a_key_has_one_holder_until_it_is_given_back)
 {
     struct vor_inflight *inflight = vor_inflight_create();
     struct vor_job_key a = key_of("", "a"), b = key_of("", "b"), foreign = key_of("other", "a");
@@ -32,7 +32,6 @@ START_TEST(a_key_has_one_holder_until_it_is_given_back)
     vor_inflight_destroy(inflight); /* whatever is held */
     vor_inflight_destroy(NULL);
 }
-END_TEST
 
 struct race {
     struct vor_inflight *inflight;
@@ -55,7 +54,7 @@ static void *fight(void *arg)
     return NULL;
 }
 
-START_TEST(of_many_threads_one_holds_a_key)
+VT_TEST(of_many_threads_one_holds_a_key)
 {
     enum { THREADS = 4 };
     struct race race = {.inflight = vor_inflight_create()};
@@ -67,11 +66,4 @@ START_TEST(of_many_threads_one_holds_a_key)
         pthread_join(threads[i], NULL);
     ck_assert_int_gt(atomic_load(&race.won), 0);
     vor_inflight_destroy(race.inflight);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_key_has_one_holder_until_it_is_given_back);
-    vt_add(suite, of_many_threads_one_holds_a_key);
 }

@@ -54,7 +54,7 @@ static struct vor_inspect inspect(struct vor_cloud *cloud, const char *intrinsic
 
 static const char *const words[] = {"local", "satellites", "none"};
 
-START_TEST(an_even_sphere_is_one_part_without_noise_sheets_or_lattice)
+VT_TEST_FIGURES(an_even_sphere_is_one_part_without_noise_sheets_or_lattice, 3)
 {
     struct vor_cloud cloud;
     struct vor_inspect told;
@@ -74,11 +74,10 @@ START_TEST(an_even_sphere_is_one_part_without_noise_sheets_or_lattice)
     /* Lists by satellites leave points out, and fits to the others bend more: 4.5 % less. */
     ck_assert_double_eq_tol(told.area, 4 * M_PI, (_i == 1 ? 0.06 : 0.02) * 4 * M_PI);
 }
-END_TEST
 
 /* White noise of density d: the mean distance to the nearest point is 1 / (2 sqrt(d)), and a share
  * of 1 - exp(-pi d r^2) of the points have one within r. */
-START_TEST(spacing_is_that_of_white_noise)
+VT_TEST_FIGURES(spacing_is_that_of_white_noise, SEEDS)
 {
     double spacing = 0.5 * sqrt(4 * M_PI / N), scale = 2 * spacing / sqrt(M_PI);
     struct vor_cloud cloud;
@@ -91,9 +90,8 @@ START_TEST(spacing_is_that_of_white_noise)
     ck_assert_double_eq_tol(told.spacing_p50, scale * sqrt(log(2)), 0.03 * told.spacing_p50);
     ck_assert_double_eq_tol(told.spacing_p99, scale * sqrt(log(100)), 0.06 * told.spacing_p99);
 }
-END_TEST
 
-START_TEST(noise_is_told_in_the_unit_of_the_cloud)
+VT_TEST_FIGURES(noise_is_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const double sizes[] = {1e-3, 1000};
     const double noise = 0.01;
@@ -114,7 +112,6 @@ START_TEST(noise_is_told_in_the_unit_of_the_cloud)
         ck_assert_double_eq_tol(told.area / (sizes[s] * sizes[s]), 1, 0.06);
     }
 }
-END_TEST
 
 /* Two spheres, a cluster of eight points and a lone point, far from each other. */
 static void make_parts(struct vor_cloud *cloud, uint64_t seed)
@@ -129,7 +126,7 @@ static void make_parts(struct vor_cloud *cloud, uint64_t seed)
         cloud->xyz[3 * 8 + c] = -20;
 }
 
-START_TEST(parts_are_counted_and_small_ones_too)
+VT_TEST_FIGURES(parts_are_counted_and_small_ones_too, 3)
 {
     struct vor_cloud cloud;
     struct vor_inspect told;
@@ -144,9 +141,9 @@ START_TEST(parts_are_counted_and_small_ones_too)
     ck_assert_uint_ge(told.largest, N / 2 - 4 - 2);
     ck_assert_uint_le(told.largest, N / 2 - 4);
 }
-END_TEST
 
-START_TEST(outliers_are_left_aside_and_coincident_points_count_once)
+VT_TEST_LOOP(outliers_are_left_aside_and_coincident_points_count_once,
+             VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud cloud;
     struct vor_inspect told;
@@ -162,9 +159,8 @@ START_TEST(outliers_are_left_aside_and_coincident_points_count_once)
     ck_assert_uint_ge(told.outliers, 10);
     ck_assert_uint_le(told.outliers, 15);
 }
-END_TEST
 
-START_TEST(a_lattice_is_told_with_its_cell)
+VT_TEST_FIGURES(a_lattice_is_told_with_its_cell, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud cloud;
     struct vor_inspect told;
@@ -178,10 +174,9 @@ START_TEST(a_lattice_is_told_with_its_cell)
     ck_assert_int_eq(told.lattice_matters, VOR_YES);
     ck_assert_uint_lt(told.distinct, N);
 }
-END_TEST
 
 /* The sheets lie 1.5 spacings apart: fits to the nearest points run between them. */
-START_TEST(sheets_are_found_unless_nobody_looks)
+VT_TEST_FIGURES(sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)))
 {
     double gap = 1.5 * vt_spacing(&vt_metrics[VT_SHEETS], N);
     struct vor_cloud cloud;
@@ -198,10 +193,9 @@ START_TEST(sheets_are_found_unless_nobody_looks)
     ck_assert(told.own == 0);
     ck_assert_double_gt(told.noise, 0.25 * gap);
 }
-END_TEST
 
 /* As resample: from four points on that are not on a line. */
-START_TEST(few_points_are_told_of_or_refused)
+VT_TEST_LOOP(few_points_are_told_of_or_refused, 3)
 {
     static const size_t counts[] = {3, 4, 5, 7, 12, 19, 20, 21, 22};
     struct vor_inspect told;
@@ -225,10 +219,9 @@ START_TEST(few_points_are_told_of_or_refused)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* The twelve edges of a cube are 12 long; a sphere has none. */
-START_TEST(edges_are_told_in_the_unit_of_the_cloud)
+VT_TEST_FIGURES(edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)))
 {
     struct vor_cloud cloud;
     struct vor_inspect told;
@@ -242,19 +235,4 @@ START_TEST(edges_are_told_in_the_unit_of_the_cloud)
     vt_cloud_sphere(&cloud, (uint64_t)_i, N);
     told = inspect(&cloud, "none", "keep");
     ck_assert_uint_le(told.edge_points, N / 200);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, an_even_sphere_is_one_part_without_noise_sheets_or_lattice, 3);
-    vt_add_figures(suite, spacing_is_that_of_white_noise, SEEDS);
-    vt_add_figures(suite, noise_is_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, parts_are_counted_and_small_ones_too, 3);
-    vt_add_loop(suite, outliers_are_left_aside_and_coincident_points_count_once,
-                VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_lattice_is_told_with_its_cell, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, sheets_are_found_unless_nobody_looks, VT_ONCE(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, few_points_are_told_of_or_refused, 3);
-    vt_add_figures(suite, edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1, 2)));
 }

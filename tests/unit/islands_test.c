@@ -87,13 +87,12 @@ static size_t off_sphere(const struct vor_cloud *out)
 static void resample(struct vor_cloud *out, struct vor_report *report, const struct vor_cloud *in,
                      size_t points, const char *outliers)
 {
-
     vt_resample(out, report, in, "points=%zu polish=8 outliers=%s", points, outliers);
     ck_assert_uint_eq(out->n, points);
     ck_assert_uint_eq(report->points_out, points);
 }
 
-START_TEST(each_gets_at_most_its_own_points_in_their_places)
+VT_TEST_FIGURES(each_gets_at_most_its_own_points_in_their_places, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const size_t wanted[] = {1, 3, 300, 2000, SCAN + SCAN / 2};
 
@@ -122,9 +121,8 @@ START_TEST(each_gets_at_most_its_own_points_in_their_places)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(points_beside_islands_are_as_even_as_without_any)
+VT_TEST_FIGURES(points_beside_islands_are_as_even_as_without_any, VT_FEWER(VT_SOAK_LOOPS(1, 2)))
 {
     enum { LARGE = 100000, POINTS = 1500 };
     struct vor_cloud in, out;
@@ -142,10 +140,9 @@ START_TEST(points_beside_islands_are_as_even_as_without_any)
     ck_assert_double_eq_tol(with.delta_beside / without.delta, 1, 0.08);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* The number is exact whatever it is, and none lies between the parts. */
-START_TEST(more_points_than_small_parts_have_are_spread_over_them)
+VT_TEST_FIGURES(more_points_than_small_parts_have_are_spread_over_them, 0)
 {
     static const size_t wanted[] = {201, 400, 2000};
 
@@ -171,10 +168,9 @@ START_TEST(more_points_than_small_parts_have_are_spread_over_them)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A floor beside the sphere, 20 times as coarse and one point in fifty. */
-START_TEST(a_coarse_part_of_the_surface_is_no_islands)
+VT_TEST_FIGURES(a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS))
 {
     enum { N = 20000, FLOOR = 400 };
     struct vor_cloud in, out;
@@ -192,9 +188,8 @@ START_TEST(a_coarse_part_of_the_surface_is_no_islands)
     ck_assert_uint_eq(report.islands, 0);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
+VT_TEST_FIGURES(drop_leaves_out_those_that_a_fit_does_not_fill, 0)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -207,9 +202,8 @@ START_TEST(drop_leaves_out_those_that_a_fit_does_not_fill)
     ck_assert_uint_eq(report.islands, 1);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(drop_keeps_an_input_of_small_parts)
+VT_TEST_FIGURES(drop_keeps_an_input_of_small_parts, SEEDS)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -221,7 +215,6 @@ START_TEST(drop_keeps_an_input_of_small_parts)
         ck_assert_uint_eq(count_at(&out, &in, 15 * i, 15), 10);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Each point carries its own number. */
 static void number(struct vor_cloud *cloud)
@@ -234,7 +227,7 @@ static void number(struct vor_cloud *cloud)
         ((uint32_t *)attribute->data)[i] = (uint32_t)i;
 }
 
-START_TEST(their_points_bring_attributes_and_normals_in_any_order)
+VT_TEST_FIGURES(their_points_bring_attributes_and_normals_in_any_order, 0)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -255,9 +248,8 @@ START_TEST(their_points_bring_attributes_and_normals_in_any_order)
     ck_assert_uint_eq(off, report.on_islands);
     vt_free_last(&out, &in);
 }
-END_TEST
 
-START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
+VT_TEST_FIGURES(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -269,10 +261,9 @@ START_TEST(spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside)
     ck_assert_uint_eq(report.on_islands, off_sphere(&out));
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Also not of their ragged ends. office1 has two parts, one behind a window. */
-START_TEST(a_real_scan_has_no_islands)
+VT_TEST_FIGURES(a_real_scan_has_no_islands, 4)
 {
     static const char *const names[] = {"scannet.ply", "office1.ply", "autzen.ply",
                                         "kitti_000008.ply"};
@@ -291,20 +282,4 @@ START_TEST(a_real_scan_has_no_islands)
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, each_gets_at_most_its_own_points_in_their_places,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, points_beside_islands_are_as_even_as_without_any,
-                   VT_FEWER(VT_SOAK_LOOPS(1, 2)));
-    vt_add_figures(suite, more_points_than_small_parts_have_are_spread_over_them, 0);
-    vt_add_figures(suite, a_coarse_part_of_the_surface_is_no_islands, VT_SOAK_LOOPS(1, SEEDS));
-    vt_add_figures(suite, drop_leaves_out_those_that_a_fit_does_not_fill, 0);
-    vt_add_figures(suite, drop_keeps_an_input_of_small_parts, SEEDS);
-    vt_add_figures(suite, their_points_bring_attributes_and_normals_in_any_order, 0);
-    vt_add_figures(suite, spacing_asks_for_points_of_the_rest_and_islands_have_theirs_beside, 0);
-    vt_add_figures(suite, a_real_scan_has_no_islands, 4);
 }

@@ -78,7 +78,7 @@ static int unpack(struct vor_event *out, size_t max, const uint8_t *bytes, size_
 }
 
 /* From any event on, and with little room. */
-START_TEST(events_come_back_as_they_were)
+VT_TEST_LOOP(events_come_back_as_they_were, 20)
 {
     uint32_t records = (uint32_t)_i * 11, first = 7;
     struct vor_event_batch batch = {.position = {4, first - 1 + records * (uint32_t)(_i % 3) / 3}};
@@ -106,7 +106,6 @@ START_TEST(events_come_back_as_they_were)
     ck_assert_uint_eq(batch.position.number, first + records);
     vor_text_free(&text);
 }
-END_TEST
 
 /* Bytes that are built up little endian. */
 struct bytes {
@@ -173,7 +172,7 @@ static void add_trace_of(struct bytes *bytes, size_t members, size_t more)
 
 /* Members are added at the end of the record: a build that has fewer or more of them reads those
  * that both have. */
-START_TEST(records_with_other_members_are_read)
+VT_TEST(records_with_other_members_are_read)
 {
     for (size_t members = 1; members <= vor_record_members.count; members++) {
         size_t more = members == vor_record_members.count ? 12 : 0;
@@ -192,9 +191,8 @@ START_TEST(records_with_other_members_are_read)
         ck_assert_int_eq(events[1].status, VOR_JOB_FAILED);
     }
 }
-END_TEST
 
-START_TEST(a_stage_that_there_is_not_is_refused)
+VT_TEST(a_stage_that_there_is_not_is_refused)
 {
     struct vor_event events[3];
     struct bytes bytes;
@@ -206,7 +204,6 @@ START_TEST(a_stage_that_there_is_not_is_refused)
     bytes.data[stage] = VOR_RUN_STAGE_COUNT;
     ck_assert_int_eq(unpack(events, 3, bytes.data, bytes.size), -1);
 }
-END_TEST
 
 /* Every beginning of a piece is refused, whether its events are wanted or passed over; each is a
  * block of its own, so that reading past it is seen. */
@@ -228,7 +225,7 @@ static void assert_no_beginning_is_read(const uint8_t *bytes, size_t size)
 
 /* Kind, status, stage and progress of the first event, the version, and the bytes of a record:
  * none, and too many. */
-START_TEST(a_damaged_piece_is_refused)
+VT_TEST(a_damaged_piece_is_refused)
 {
     static const struct {
         size_t at;
@@ -251,7 +248,6 @@ START_TEST(a_damaged_piece_is_refused)
     ck_assert_int_eq(unpack(events, 5, bytes, piece.size), 1);
     vor_text_free(&text);
 }
-END_TEST
 
 /* --- of a live job ---------------------------------------------------------------------------- */
 
@@ -306,7 +302,7 @@ static size_t read_some(struct vor_job *job, struct vor_position *position, enum
     return batch.count;
 }
 
-START_TEST(events_are_numbered_from_one_without_gaps)
+VT_TEST(events_are_numbered_from_one_without_gaps)
 {
     struct vor_job *job = iterated(1, 40);
     struct vor_position position = {0, 0};
@@ -326,9 +322,8 @@ START_TEST(events_are_numbered_from_one_without_gaps)
     ck_assert_uint_eq(position.number, 44);
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(a_position_of_another_attempt_starts_from_the_first_event)
+VT_TEST(a_position_of_another_attempt_starts_from_the_first_event)
 {
     struct vor_job *job = iterated(2, 2); /* 6 events: REPLACED is the first */
     static const struct vor_position elsewhere[] = {{1, 3}, {3, 1}, {2, 7}, {0, 0}, {2, 4000000}};
@@ -343,9 +338,8 @@ START_TEST(a_position_of_another_attempt_starts_from_the_first_event)
     }
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(a_slow_reader_gets_the_latest_progress_and_every_change_of_state)
+VT_TEST(a_slow_reader_gets_the_latest_progress_and_every_change_of_state)
 {
     struct vor_job *job = iterated(1, 1000);
     struct vor_position position = {0, 0};
@@ -364,9 +358,8 @@ START_TEST(a_slow_reader_gets_the_latest_progress_and_every_change_of_state)
     ck_assert_uint_eq(events[7].number, 1008);
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(events_that_the_store_has_are_not_kept)
+VT_TEST(events_that_the_store_has_are_not_kept)
 {
     struct vor_job *job = iterated(1, 20);
     struct vor_position position = {1, 23};
@@ -388,9 +381,8 @@ START_TEST(events_that_the_store_has_are_not_kept)
     ck_assert_uint_eq(event.number, 1);
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(the_events_are_bounded_and_the_end_always_fits)
+VT_TEST(the_events_are_bounded_and_the_end_always_fits)
 {
     struct vor_job *job = iterated(1, VOR_EVENTS_MAX + 100);
     struct vor_position position = {1, VOR_EVENTS_MAX - 1};
@@ -402,20 +394,18 @@ START_TEST(the_events_are_bounded_and_the_end_always_fits)
     ck_assert_uint_eq(event.number, VOR_EVENTS_MAX);
     vor_job_release(job);
 }
-END_TEST
 
 /* The longest request, with a record for every iteration and every step, and the state around it.
  */
-START_TEST(the_longest_request_loses_no_event)
+VT_TEST(the_longest_request_loses_no_event)
 {
     double most = vor_parameter_info(VOR_PARAM_ITERATIONS)->max + 1 +
                   vor_parameter_info(VOR_PARAM_POLISH)->max;
 
     ck_assert_double_le(most + 8, VOR_EVENTS_MAX);
 }
-END_TEST
 
-START_TEST(only_attempt_dot_number_is_a_position)
+VT_TEST(only_attempt_dot_number_is_a_position)
 {
     static const char *const bad[] = {
         "",     "1",    "1.",   ".1",   "1.2.3", "a.1",          "1.b",           " 1.2",
@@ -429,7 +419,6 @@ START_TEST(only_attempt_dot_number_is_a_position)
     ck_assert_uint_eq(position.attempt, 4294967295u);
     ck_assert_uint_eq(position.number, 0);
 }
-END_TEST
 
 struct counter {
     atomic_int wakes, ends;
@@ -443,7 +432,7 @@ static void count_wake(void *ctx, enum vor_event_kind kind)
     atomic_fetch_add(&counter->ends, kind == VOR_EVENT_END);
 }
 
-START_TEST(subscribers_are_woken_once_an_event_until_they_leave)
+VT_TEST(subscribers_are_woken_once_an_event_until_they_leave)
 {
     struct vor_job *job = iterated(1, 0);
     struct counter stays = {0}, leaves = {0};
@@ -464,7 +453,6 @@ START_TEST(subscribers_are_woken_once_an_event_until_they_leave)
     vor_job_unsubscribe(job, &a);
     vor_job_release(job);
 }
-END_TEST
 
 /* A reader that sleeps until woken, as the HTTP layer does. */
 struct sleeper {
@@ -515,7 +503,7 @@ static void *read_all(void *arg)
     return NULL;
 }
 
-START_TEST(readers_in_threads_miss_no_wake_and_no_end)
+VT_TEST(readers_in_threads_miss_no_wake_and_no_end)
 {
     enum { READERS = 6, ITERATIONS = 2000 };
     struct sleeper sleepers[READERS];
@@ -541,32 +529,12 @@ START_TEST(readers_in_threads_miss_no_wake_and_no_end)
     }
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(statuses_are_found_by_their_words)
+VT_TEST(statuses_are_found_by_their_words)
 {
     for (int i = 0; i < VOR_JOB_STATUSES; i++)
         ck_assert_int_eq(vor_job_status_find(vor_job_status_word((enum vor_job_status)i)), i);
     ck_assert_int_eq(vor_job_status_find("done"), VOR_JOB_STATUSES);
     ck_assert_str_eq(vor_stage_word(VOR_STAGE_OPTIMIZE), "optimize");
     ck_assert_str_eq(vor_event_word(VOR_EVENT_REPLACED), "replaced");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, events_come_back_as_they_were, 20);
-    vt_add(suite, records_with_other_members_are_read);
-    vt_add(suite, a_stage_that_there_is_not_is_refused);
-    vt_add(suite, a_damaged_piece_is_refused);
-    vt_add(suite, events_are_numbered_from_one_without_gaps);
-    vt_add(suite, a_position_of_another_attempt_starts_from_the_first_event);
-    vt_add(suite, a_slow_reader_gets_the_latest_progress_and_every_change_of_state);
-    vt_add(suite, events_that_the_store_has_are_not_kept);
-    vt_add(suite, the_events_are_bounded_and_the_end_always_fits);
-    vt_add(suite, the_longest_request_loses_no_event);
-    vt_add(suite, only_attempt_dot_number_is_a_position);
-    vt_add(suite, subscribers_are_woken_once_an_event_until_they_leave);
-    vt_add(suite, readers_in_threads_miss_no_wake_and_no_end);
-    vt_add(suite, statuses_are_found_by_their_words);
 }

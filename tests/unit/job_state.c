@@ -80,7 +80,7 @@ static void end_as(struct vor_job *job, enum vor_job_status status)
     vor_job_thaw(job);
 }
 
-START_TEST(progress_follows_the_iterations_and_never_falls)
+VT_TEST(progress_follows_the_iterations_and_never_falls)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_job_view view;
@@ -101,10 +101,9 @@ START_TEST(progress_follows_the_iterations_and_never_falls)
     ck_assert_str_eq(view.message, "Encoding the result");
     vor_job_release(job);
 }
-END_TEST
 
 /* Who follows the events is told the same estimate as who asks for the job. */
-START_TEST(an_event_has_the_estimate_of_its_moment)
+VT_TEST(an_event_has_the_estimate_of_its_moment)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_record records[3] = {record_of(0, 2, 50, 100), record_of(10, 7, 50, 100),
@@ -127,10 +126,9 @@ START_TEST(an_event_has_the_estimate_of_its_moment)
     ck_assert_uint_eq(seen, 3);
     vor_job_release(job);
 }
-END_TEST
 
 /* A stage is told by its own word, and its limit only where it has one. */
-START_TEST(the_message_names_the_step_of_the_stage)
+VT_TEST(the_message_names_the_step_of_the_stage)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_record record = {.stage = VOR_RUN_STAGE_POLISH, .step = 3, .of = 7};
@@ -145,9 +143,8 @@ START_TEST(the_message_names_the_step_of_the_stage)
     ck_assert_str_eq(view.message, "Polish step 3");
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(a_job_that_is_over_does_not_change)
+VT_TEST(a_job_that_is_over_does_not_change)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_record record = record_of(7, 1, 12, 0);
@@ -169,11 +166,10 @@ START_TEST(a_job_that_is_over_does_not_change)
     ck_assert_int_eq(events[2].status, VOR_JOB_DISMISSED);
     vor_job_release(job);
 }
-END_TEST
 
 /* A stop that comes while the input is prepared waits for the end of that, and says so; in the
  * iterations it takes effect at once, and is no news. */
-START_TEST(a_stop_is_told_while_the_input_is_prepared)
+VT_TEST(a_stop_is_told_while_the_input_is_prepared)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_record record = record_of(1, 1, 12, 0);
@@ -198,9 +194,8 @@ START_TEST(a_stop_is_told_while_the_input_is_prepared)
     ck_assert_str_eq(view.message, "Iteration 1 of at most 12");
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(a_second_attempt_begins_with_replaced)
+VT_TEST(a_second_attempt_begins_with_replaced)
 {
     struct vor_job_view row = vt_row(10);
     struct vor_position position = {0, 0};
@@ -215,7 +210,6 @@ START_TEST(a_second_attempt_begins_with_replaced)
     ck_assert_int_eq(events[1].kind, VOR_EVENT_STATUS);
     vor_job_release(job);
 }
-END_TEST
 
 static struct vor_event next_event(struct vor_job *job, struct vor_position *position)
 {
@@ -226,7 +220,7 @@ static struct vor_event next_event(struct vor_job *job, struct vor_position *pos
 }
 
 /* Readers who were in the middle find themselves before the first event of the next attempt. */
-START_TEST(a_job_that_begins_anew_waits_again_and_forgets_its_events)
+VT_TEST_LOOP(a_job_that_begins_anew_waits_again_and_forgets_its_events, 2)
 {
     struct vor_job *job = running_job("iterations", 10);
     struct vor_position position = {1, 2};
@@ -256,9 +250,8 @@ START_TEST(a_job_that_begins_anew_waits_again_and_forgets_its_events)
     ck_assert_uint_eq(event.attempt, 2);
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(a_job_that_is_over_does_not_begin_anew)
+VT_TEST(a_job_that_is_over_does_not_begin_anew)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_position position = {1, 2};
@@ -269,9 +262,8 @@ START_TEST(a_job_that_is_over_does_not_begin_anew)
     ck_assert_uint_eq(position.attempt, 1);
     vor_job_release(job);
 }
-END_TEST
 
-START_TEST(what_was_asked_only_grows)
+VT_TEST(what_was_asked_only_grows)
 {
     struct vor_job *job = running_job(NULL, 0);
 
@@ -283,7 +275,6 @@ START_TEST(what_was_asked_only_grows)
     ck_assert_int_eq(vor_job_asked(job), VOR_CANCEL);
     vor_job_release(job);
 }
-END_TEST
 
 static void *iterate(void *arg)
 {
@@ -296,7 +287,7 @@ static void *iterate(void *arg)
 }
 
 /* What is packed while a job is frozen is all that its readers will ever see, but the end. */
-START_TEST(nothing_is_published_between_freezing_and_the_end)
+VT_TEST(nothing_is_published_between_freezing_and_the_end)
 {
     struct vor_job *job = running_job(NULL, 0);
     struct vor_position position = {1, 0};
@@ -322,10 +313,9 @@ START_TEST(nothing_is_published_between_freezing_and_the_end)
     ck_assert_uint_eq(position.number, last + 1);
     vor_job_release(job);
 }
-END_TEST
 
 /* A wall clock that is set back while a job waits or runs. */
-START_TEST(no_time_of_a_job_is_before_one_that_came_earlier)
+VT_TEST(no_time_of_a_job_is_before_one_that_came_earlier)
 {
     struct vor_job_view row = vt_row(10), view;
     struct vor_record record = {.iteration = 1};
@@ -345,23 +335,4 @@ START_TEST(no_time_of_a_job_is_before_one_that_came_earlier)
     ck_assert_int_eq(vor_job_now(&view, 200), 1700);
     ck_assert_int_eq(vor_job_now(&view, 2000), 2000);
     vor_job_release(job);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("job_state");
-
-    vt_add(suite, progress_follows_the_iterations_and_never_falls);
-    vt_add(suite, an_event_has_the_estimate_of_its_moment);
-    vt_add(suite, the_message_names_the_step_of_the_stage);
-    vt_add(suite, a_job_that_is_over_does_not_change);
-    vt_add(suite, a_stop_is_told_while_the_input_is_prepared);
-    vt_add(suite, a_second_attempt_begins_with_replaced);
-    vt_add_loop(suite, a_job_that_begins_anew_waits_again_and_forgets_its_events, 2);
-    vt_add(suite, a_job_that_is_over_does_not_begin_anew);
-    vt_add(suite, what_was_asked_only_grows);
-    vt_add(suite, nothing_is_published_between_freezing_and_the_end);
-    vt_add(suite, no_time_of_a_job_is_before_one_that_came_earlier);
-    return vt_run(suite);
 }

@@ -88,7 +88,7 @@ static struct basket basket_of(int is_sold)
     "\"flavour\":\"sour\",\"first\":{\"seeds\":4,\"weight\":0.25},"                                \
     "\"others\":[{\"seeds\":5,\"weight\":0.125},{\"seeds\":6,\"weight\":null}],"
 
-START_TEST(a_document_follows_its_table)
+VT_TEST(a_document_follows_its_table)
 {
     struct basket basket = basket_of(1);
     struct vor_document document = {"basket", &basket_members, &basket};
@@ -97,9 +97,8 @@ START_TEST(a_document_follows_its_table)
     vor_json_document(&text, &document);
     expect(BEFORE "\"sale\":{\"price\":3.5,\"day\":17},\"sales\":1}");
 }
-END_TEST
 
-START_TEST(an_optional_object_is_left_out_and_what_follows_it_is_not)
+VT_TEST(an_optional_object_is_left_out_and_what_follows_it_is_not)
 {
     struct basket basket = basket_of(0);
     struct vor_document document = {"basket", &basket_members, &basket};
@@ -108,9 +107,8 @@ START_TEST(an_optional_object_is_left_out_and_what_follows_it_is_not)
     vor_json_document(&text, &document);
     expect(BEFORE "\"sales\":1}");
 }
-END_TEST
 
-START_TEST(a_word_past_the_last_is_null)
+VT_TEST(a_word_past_the_last_is_null)
 {
     struct basket basket = basket_of(0);
     struct vor_document document = {"basket", &basket_members, &basket};
@@ -121,9 +119,8 @@ START_TEST(a_word_past_the_last_is_null)
     ck_assert_ptr_nonnull(strstr(text.data, "\"flavour\":null,"));
     vor_text_free(&text);
 }
-END_TEST
 
-START_TEST(the_schema_names_every_member_with_its_unit)
+VT_TEST(the_schema_names_every_member_with_its_unit)
 {
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
@@ -162,7 +159,6 @@ START_TEST(the_schema_names_every_member_with_its_unit)
            "\"sales\":{\"type\":\"integer\",\"minimum\":0,"
            "\"description\":\"Begins like the object before it\"}}}");
 }
-END_TEST
 
 /* Numbers and words only: what is read back and what is a line of CSV. */
 #define CRATE_TABLE(X)                                                                             \
@@ -195,7 +191,7 @@ static struct crate read_crate(const char *json)
     return crate;
 }
 
-START_TEST(members_come_back)
+VT_TEST(members_come_back)
 {
     struct crate crate = read_crate("{\"flavour\":\"sour\",\"height\":-0.1,\"bytes\":"
                                     "9007199254740991,\"other\":[],\"rows\":4294967295}");
@@ -205,9 +201,8 @@ START_TEST(members_come_back)
     ck_assert_double_eq(crate.height, -0.1);
     ck_assert_int_eq(crate.flavour, SOUR);
 }
-END_TEST
 
-START_TEST(what_is_missing_or_wrong_is_nothing)
+VT_TEST(what_is_missing_or_wrong_is_nothing)
 {
     static const char *const wrong[] = {"{}", "[]", "{\"rows\":-1,\"bytes\":1e16,\"height\":\"1\"}",
                                         "{\"rows\":4294967296,\"bytes\":null,\"height\":[]}"};
@@ -222,9 +217,8 @@ START_TEST(what_is_missing_or_wrong_is_nothing)
     ck_assert_int_eq(read_crate("{\"flavour\":null}").flavour, 2);
     ck_assert_int_eq(read_crate("{\"flavour\":1}").flavour, 2);
 }
-END_TEST
 
-START_TEST(a_number_that_is_not_finite_stays_so)
+VT_TEST(a_number_that_is_not_finite_stays_so)
 {
     struct crate crate = {.height = (double)INFINITY};
 
@@ -235,9 +229,8 @@ START_TEST(a_number_that_is_not_finite_stays_so)
     ck_assert(isnan(read_crate(text.data).height));
     vor_text_free(&text);
 }
-END_TEST
 
-START_TEST(a_line_of_the_table_has_a_column_for_each_member)
+VT_TEST(a_line_of_the_table_has_a_column_for_each_member)
 {
     struct crate crate = {3, 10000000000000001u, 0.1, SOUR};
 
@@ -248,17 +241,4 @@ START_TEST(a_line_of_the_table_has_a_column_for_each_member)
     crate.flavour = (enum flavour)7;
     vor_csv_line(&text, &crate_members, &crate);
     expect("rows,bytes,height,flavour\n3,10000000000000001,0.1,sour\n3,10000000000000001,,\n");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_document_follows_its_table);
-    vt_add(suite, an_optional_object_is_left_out_and_what_follows_it_is_not);
-    vt_add(suite, a_word_past_the_last_is_null);
-    vt_add(suite, the_schema_names_every_member_with_its_unit);
-    vt_add(suite, members_come_back);
-    vt_add(suite, what_is_missing_or_wrong_is_nothing);
-    vt_add(suite, a_number_that_is_not_finite_stays_so);
-    vt_add(suite, a_line_of_the_table_has_a_column_for_each_member);
 }

@@ -121,7 +121,7 @@ static const struct hostile hostile[] = {
 
 enum { HOSTILE = sizeof hostile / sizeof hostile[0] };
 
-START_TEST(hostile_text_is_refused_where_it_goes_wrong)
+VT_TEST_LOOP(hostile_text_is_refused_where_it_goes_wrong, HOSTILE)
 {
     const struct hostile *h = &hostile[_i];
     struct vor_json *json = (struct vor_json *)&vt_err;
@@ -134,9 +134,8 @@ START_TEST(hostile_text_is_refused_where_it_goes_wrong)
     ck_assert_ptr_null(strchr(vt_err.message, '\n'));
     ck_assert_int_eq(vor_json_parse(&json, h->text, strlen(h->text), NULL), VOR_E_REQUEST);
 }
-END_TEST
 
-START_TEST(nul_bytes_are_refused_wherever_they_stand)
+VT_TEST(nul_bytes_are_refused_wherever_they_stand)
 {
     static const char *const texts[] = {"?", "[1?]", "{}?", "\"a?b\"", "{\"a?\":1}", "1?", "tr?e"};
 
@@ -151,7 +150,6 @@ START_TEST(nul_bytes_are_refused_wherever_they_stand)
         ck_assert_int_eq(vt_err.byte_offset, (i == 6) ? 0 : (int64_t)at);
     }
 }
-END_TEST
 
 /* open * count, middle, close * count. */
 static char *nested(const char *open, size_t count, const char *middle, const char *close)
@@ -183,7 +181,7 @@ static void expect_read(char *text)
     free(text);
 }
 
-START_TEST(depth_ends_at_its_limit)
+VT_TEST(depth_ends_at_its_limit)
 {
     expect_read(nested("[", 32, "", "]"));
     expect_exceeded(nested("[", 33, "", "]"), 32, 33, "nested");
@@ -192,9 +190,8 @@ START_TEST(depth_ends_at_its_limit)
     expect_exceeded(nested("{\"a\":", 33, "1", "}"), 32, 33, "nested");
     expect_exceeded(nested("[{\"a\":", 17, "1", "}]"), 32, 33, "nested");
 }
-END_TEST
 
-START_TEST(the_number_of_tokens_ends_at_its_limit)
+VT_TEST(the_number_of_tokens_ends_at_its_limit)
 {
     for (size_t extra = 0; extra < 2; extra++) {
         size_t count = VOR_JSON_TOKENS_MAX - 2 + extra; /* and the array, and the last element */
@@ -212,9 +209,8 @@ START_TEST(the_number_of_tokens_ends_at_its_limit)
             expect_exceeded(text, VOR_JSON_TOKENS_MAX, VOR_JSON_TOKENS_MAX + 1, "tokens");
     }
 }
-END_TEST
 
-START_TEST(the_size_ends_at_its_limit)
+VT_TEST(the_size_ends_at_its_limit)
 {
     char *text = malloc(VOR_JSON_SIZE_MAX + 2);
 
@@ -226,9 +222,8 @@ START_TEST(the_size_ends_at_its_limit)
     text[VOR_JSON_SIZE_MAX + 1] = '\0';
     expect_exceeded(text, VOR_JSON_SIZE_MAX, VOR_JSON_SIZE_MAX + 1, "bytes");
 }
-END_TEST
 
-START_TEST(a_long_number_ends_at_its_limit)
+VT_TEST(a_long_number_ends_at_its_limit)
 {
     char text[80];
     double value = 0;
@@ -245,9 +240,8 @@ START_TEST(a_long_number_ends_at_its_limit)
     text[64] = '\0';
     expect_exceeded(strdup(text), 63, 64, "number");
 }
-END_TEST
 
-START_TEST(many_keys_are_told_apart)
+VT_TEST(many_keys_are_told_apart)
 {
     struct vor_text text;
     struct vor_json *json = NULL;
@@ -269,9 +263,8 @@ START_TEST(many_keys_are_told_apart)
     vor_json_free(json);
     vor_text_free(&text);
 }
-END_TEST
 
-START_TEST(every_kind_is_read)
+VT_TEST(every_kind_is_read)
 {
     struct vor_json *json = parsed(" {\"o\":{\"x\":-1.5e2},\"a\":[1,\"two\",null],\"t\":true,"
                                    "\"f\":false,\"n\":null,\"s\":\"\\u00fc\\ud83d\\ude00\\/\"} ");
@@ -294,9 +287,8 @@ START_TEST(every_kind_is_read)
     ck_assert_str_eq(vor_json_kind_word(a), "an array");
     vor_json_free(json);
 }
-END_TEST
 
-START_TEST(names_are_compared_with_their_case)
+VT_TEST(names_are_compared_with_their_case)
 {
     struct vor_json *json = parsed("{\"Points\":1,\"points\":2}");
     double value = 0;
@@ -305,9 +297,8 @@ START_TEST(names_are_compared_with_their_case)
     ck_assert(vor_json_get_number(vor_json_get(json, "points"), &value) && value == 2);
     vor_json_free(json);
 }
-END_TEST
 
-START_TEST(getters_of_the_wrong_kind_yield_nothing)
+VT_TEST(getters_of_the_wrong_kind_yield_nothing)
 {
     struct vor_json *json = parsed("[1,\"a\",true]");
     const struct vor_json *number = vor_json_first(json), *string = vor_json_next(number);
@@ -328,9 +319,8 @@ START_TEST(getters_of_the_wrong_kind_yield_nothing)
     ck_assert_uint_eq(vt_json_count(string), 0);
     vor_json_free(json);
 }
-END_TEST
 
-START_TEST(a_text_needs_no_nul_behind_it)
+VT_TEST(a_text_needs_no_nul_behind_it)
 {
     struct vor_json *json = NULL;
     char *exact = malloc(4); /* a heap block of its own: reading past it is seen by ASan */
@@ -342,20 +332,4 @@ START_TEST(a_text_needs_no_nul_behind_it)
     ck_assert_double_eq(value, 1234);
     vor_json_free(json);
     free(exact);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, hostile_text_is_refused_where_it_goes_wrong, HOSTILE);
-    vt_add(suite, nul_bytes_are_refused_wherever_they_stand);
-    vt_add(suite, depth_ends_at_its_limit);
-    vt_add(suite, the_number_of_tokens_ends_at_its_limit);
-    vt_add(suite, the_size_ends_at_its_limit);
-    vt_add(suite, a_long_number_ends_at_its_limit);
-    vt_add(suite, many_keys_are_told_apart);
-    vt_add(suite, every_kind_is_read);
-    vt_add(suite, names_are_compared_with_their_case);
-    vt_add(suite, getters_of_the_wrong_kind_yield_nothing);
-    vt_add(suite, a_text_needs_no_nul_behind_it);
 }

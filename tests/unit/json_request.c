@@ -15,7 +15,7 @@ static struct vor_json *parsed(const char *json)
     return out;
 }
 
-START_TEST(a_vector_comes_back_with_its_text)
+VT_TEST(a_vector_comes_back_with_its_text)
 {
     static const char *const texts[] = {"637000,849000,0", "+1e3,-0.5,.25", "0,0,0"};
     char pointer[VOR_JSON_POINTER_MAX];
@@ -42,7 +42,6 @@ START_TEST(a_vector_comes_back_with_its_text)
         vor_text_free(&text);
     }
 }
-END_TEST
 
 struct refused {
     const char *json, *pointer, *parameter, *message;
@@ -65,7 +64,7 @@ static const struct refused refused[] = {
     {"{\"Points\":1}", "/Points", "Points", NULL},
 };
 
-START_TEST(a_wrong_member_is_named_and_nothing_is_set)
+VT_TEST_LOOP(a_wrong_member_is_named_and_nothing_is_set, (int)(sizeof refused / sizeof refused[0]))
 {
     const struct refused *r = &refused[_i];
     struct vor_json *json = parsed(r->json);
@@ -83,7 +82,6 @@ START_TEST(a_wrong_member_is_named_and_nothing_is_set)
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vor_json_free(json);
 }
-END_TEST
 
 static const struct vor_json *at(const struct vor_json *json, const char *a, const char *b,
                                  const char *c)
@@ -92,7 +90,7 @@ static const struct vor_json *at(const struct vor_json *json, const char *a, con
 }
 
 /* A cloud has no members; the schema of a document names all of its own. _i is the process. */
-START_TEST(a_process_describes_the_documents_that_it_gives)
+VT_TEST_LOOP(a_process_describes_the_documents_that_it_gives, 5)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
     struct vor_json *json;
@@ -111,10 +109,9 @@ START_TEST(a_process_describes_the_documents_that_it_gives)
     vor_json_free(json);
     vor_text_free(&text);
 }
-END_TEST
 
 /* Each parameter by itself: spec_table. _i is the process. */
-START_TEST(a_process_describes_what_it_takes)
+VT_TEST_LOOP(a_process_describes_what_it_takes, 5)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
     size_t inputs = 0;
@@ -135,14 +132,4 @@ START_TEST(a_process_describes_what_it_takes)
     ck_assert_uint_eq(vt_json_count(vor_json_get(json, "inputs")), inputs);
     vor_json_free(json);
     vor_text_free(&text);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_vector_comes_back_with_its_text);
-    vt_add_loop(suite, a_wrong_member_is_named_and_nothing_is_set,
-                (int)(sizeof refused / sizeof refused[0]));
-    vt_add_loop(suite, a_process_describes_the_documents_that_it_gives, 5);
-    vt_add_loop(suite, a_process_describes_what_it_takes, 5);
 }

@@ -49,15 +49,14 @@ static const struct vor_record record = {.iteration = 37,
     "\"step\":30,\"of\":100,\"ahead\":5,\"best\":{\"iteration\":36,\"polish\":20,"                 \
     "\"delta\":0.08,\"sigma\":0.0002,\"epsilon\":0.9968}}"
 
-START_TEST(a_record_has_its_shape)
+VT_TEST(a_record_has_its_shape)
 {
     vor_text_init(&text, 0);
     vor_json_record(&text, &record);
     expect(RECORD);
 }
-END_TEST
 
-START_TEST(a_record_comes_back)
+VT_TEST(a_record_comes_back)
 {
     struct vor_json *json = parsed(RECORD);
     struct vor_record back;
@@ -73,9 +72,8 @@ START_TEST(a_record_comes_back)
     ck_assert(back.iteration == 0 && back.polish == 0 && back.held == 0 && isnan(back.delta));
     vor_json_free(json);
 }
-END_TEST
 
-START_TEST(a_stage_of_another_build_is_none_of_ours)
+VT_TEST(a_stage_of_another_build_is_none_of_ours)
 {
     struct vor_json *json =
         parsed("{\"iteration\":0,\"run_stage\":\"melt\",\"step\":3,\"of\":7,\"ahead\":9}");
@@ -90,7 +88,6 @@ START_TEST(a_stage_of_another_build_is_none_of_ours)
     ck_assert_ptr_nonnull(strstr(text.data, "\"run_stage\":null"));
     vor_text_free(&text);
 }
-END_TEST
 
 static void holds(const char *part)
 {
@@ -98,7 +95,7 @@ static void holds(const char *part)
 }
 
 /* What is more than a row of its table (json_members): parts, lists, vectors, and the request. */
-START_TEST(a_report_tells_of_its_stages_warnings_and_request)
+VT_TEST(a_report_tells_of_its_stages_warnings_and_request)
 {
     struct vor_report report = {
         .points_in = 35947,
@@ -141,9 +138,8 @@ START_TEST(a_report_tells_of_its_stages_warnings_and_request)
     vor_text_free(&request);
     vor_text_free(&text);
 }
-END_TEST
 
-START_TEST(a_measure_has_an_input_where_it_has_a_reference)
+VT_TEST(a_measure_has_an_input_where_it_has_a_reference)
 {
     struct vor_measure measure = {.n = 3, .d1_mse = 11, .d2_psnr = (double)INFINITY};
     struct vor_document document = {"measure", &vor_measure_members, &measure};
@@ -159,9 +155,8 @@ START_TEST(a_measure_has_an_input_where_it_has_a_reference)
         vor_text_free(&text);
     }
 }
-END_TEST
 
-START_TEST(a_problem_has_its_shape)
+VT_TEST(a_problem_has_its_shape)
 {
     static const struct vor_problem_error errors[] = {
         {"/inputs/points", NULL, "is 0"},
@@ -196,9 +191,8 @@ START_TEST(a_problem_has_its_shape)
            "\"byteOffset\":0,\"queueDepth\":256,\"errors\":[{\"pointer\":\"/inputs/points\","
            "\"detail\":\"is 0\"},{\"parameter\":\"seed\",\"detail\":\"is \\\"x\\\"\"}]}");
 }
-END_TEST
 
-START_TEST(a_status_has_its_shape)
+VT_TEST(a_status_has_its_shape)
 {
     static const struct vor_link links[] = {
         {"self", "application/json", NULL, "http://h/v1/jobs/1", -1},
@@ -261,16 +255,4 @@ START_TEST(a_status_has_its_shape)
                    "\"sha256\":\"ab\"},\"reference\":{\"format\":\"ply\",\"points\":5,"
                    "\"bytes\":7}},\"target\""));
     vor_text_free(&text);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_record_has_its_shape);
-    vt_add(suite, a_record_comes_back);
-    vt_add(suite, a_stage_of_another_build_is_none_of_ours);
-    vt_add(suite, a_report_tells_of_its_stages_warnings_and_request);
-    vt_add(suite, a_measure_has_an_input_where_it_has_a_reference);
-    vt_add(suite, a_problem_has_its_shape);
-    vt_add(suite, a_status_has_its_shape);
 }

@@ -20,7 +20,7 @@ static void expect(const char *wanted)
     vor_text_free(&text);
 }
 
-START_TEST(commas_stand_between_values_and_nowhere_else)
+VT_TEST(commas_stand_between_values_and_nowhere_else)
 {
     start();
     vor_json_begin_object(&text);
@@ -44,9 +44,8 @@ START_TEST(commas_stand_between_values_and_nowhere_else)
     expect("{\"a\":\"b\",\"c\":[18446744073709551615,-9223372036854775808,[],{},{\"x\":1}],"
            "\"d\":true,\"e\":false,\"f\":null,\"g\":null}");
 }
-END_TEST
 
-START_TEST(a_document_after_other_text_begins_without_a_comma)
+VT_TEST(a_document_after_other_text_begins_without_a_comma)
 {
     start();
     vor_json_begin_object(&text);
@@ -57,9 +56,8 @@ START_TEST(a_document_after_other_text_begins_without_a_comma)
     vor_text_printf(&text, " %d", 7);
     expect("{}\n{} 7");
 }
-END_TEST
 
-START_TEST(strings_are_escaped_as_the_rfc_wants)
+VT_TEST(strings_are_escaped_as_the_rfc_wants)
 {
     static const char bytes[] = "\"\\/\b\f\n\r\t\x01\x1f\x7f\0z";
 
@@ -67,9 +65,8 @@ START_TEST(strings_are_escaped_as_the_rfc_wants)
     vor_json_bytes(&text, bytes, sizeof bytes - 1);
     expect("\"\\\"\\\\/\\b\\f\\n\\r\\t\\u0001\\u001f\\u007f\\u0000z\"");
 }
-END_TEST
 
-START_TEST(utf8_passes_and_what_is_not_becomes_the_replacement_character)
+VT_TEST(utf8_passes_and_what_is_not_becomes_the_replacement_character)
 {
     start();
     vor_json_string(&text, "\xc3\xbc\xe2\x82\xac\xf0\x9f\x90\x84");
@@ -79,9 +76,8 @@ START_TEST(utf8_passes_and_what_is_not_becomes_the_replacement_character)
     expect("\"a\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd"
            "z\xef\xbf\xbd\xef\xbf\xbd\"");
 }
-END_TEST
 
-START_TEST(doubles_are_as_short_as_they_can_be)
+VT_TEST(doubles_are_as_short_as_they_can_be)
 {
     static const double values[] = {0,    -0.0,      1,      0.1,    1.0 / 3, 100000, 1e15,
                                     1e16, 123456.75, 5e-324, 1e-300, 2.5e300, -1.5};
@@ -92,9 +88,8 @@ START_TEST(doubles_are_as_short_as_they_can_be)
     expect("0,-0,1,0.1,0.3333333333333333,100000,1e+15,1e+16,123456.75,4.94065645841247e-324,"
            "1e-300,2.5e+300,-1.5");
 }
-END_TEST
 
-START_TEST(what_is_no_number_is_null)
+VT_TEST(what_is_no_number_is_null)
 {
     start();
     vor_json_double(&text, NAN);
@@ -102,10 +97,9 @@ START_TEST(what_is_no_number_is_null)
     vor_json_double(&text, -INFINITY);
     expect("null,null,null");
 }
-END_TEST
 
 /* Property: every double comes back bit for bit through our own reader. */
-START_TEST(every_double_comes_back_bit_for_bit)
+VT_TEST_LOOP(every_double_comes_back_bit_for_bit, 20)
 {
     for (uint64_t i = 0; i < 500; i++) {
         uint64_t bits = vor_rng_bits((uint64_t)_i, 3, i);
@@ -128,10 +122,9 @@ START_TEST(every_double_comes_back_bit_for_bit)
         vor_text_free(&text);
     }
 }
-END_TEST
 
 /* Property: any bytes make a valid string, and valid UTF-8 without NUL comes back as it was. */
-START_TEST(any_bytes_make_a_valid_string)
+VT_TEST_LOOP(any_bytes_make_a_valid_string, 20)
 {
     for (uint64_t i = 0; i < 300; i++) {
         char bytes[48];
@@ -163,9 +156,8 @@ START_TEST(any_bytes_make_a_valid_string)
         vor_text_free(&text);
     }
 }
-END_TEST
 
-START_TEST(a_text_stops_at_its_cap_and_says_so)
+VT_TEST(a_text_stops_at_its_cap_and_says_so)
 {
     vor_text_init(&text, 10);
     vor_text_puts(&text, "0123456789");
@@ -179,18 +171,4 @@ START_TEST(a_text_stops_at_its_cap_and_says_so)
     vor_json_string(&text, "longer than ten");
     vt_assert_fails(VOR_E_NOMEM, vor_text_status(&text, &vt_err));
     vor_text_free(&text);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, commas_stand_between_values_and_nowhere_else);
-    vt_add(suite, a_document_after_other_text_begins_without_a_comma);
-    vt_add(suite, strings_are_escaped_as_the_rfc_wants);
-    vt_add(suite, utf8_passes_and_what_is_not_becomes_the_replacement_character);
-    vt_add(suite, doubles_are_as_short_as_they_can_be);
-    vt_add(suite, what_is_no_number_is_null);
-    vt_add_loop(suite, every_double_comes_back_bit_for_bit, 20);
-    vt_add_loop(suite, any_bytes_make_a_valid_string, 20);
-    vt_add(suite, a_text_stops_at_its_cap_and_says_so);
 }

@@ -58,7 +58,7 @@ static double left_after_jump(struct vt_daemon *daemon, const struct vor_uuid *i
 }
 
 /* Regression: +25 h expired every result at the next sweep. */
-START_TEST(a_result_keeps_the_time_it_had_left_when_the_clock_jumps)
+VT_TEST_LOOP(a_result_keeps_the_time_it_had_left_when_the_clock_jumps, 2)
 {
     static const long jumps[] = {25 * HOUR, -25 * HOUR};
     struct vt_daemon_options options = {.ttl_seconds = DAY};
@@ -80,7 +80,6 @@ START_TEST(a_result_keeps_the_time_it_had_left_when_the_clock_jumps)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 static struct vor_uuid finish_kept_for(struct vt_daemon *daemon, const char *dir, double seconds)
 {
@@ -94,7 +93,7 @@ static struct vor_uuid finish_kept_for(struct vt_daemon *daemon, const char *dir
 
 /* The clock is wrong when the daemon starts, and is put right while it runs. A sweeper looks once
  * before it ends, however soon; that it looked again is seen by the job whose time is over then. */
-START_TEST(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does)
+VT_TEST_LOOP(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does, 2)
 {
     static const long wrong[] = {30L * DAY, -30L * DAY};
     const char *dir = vt_dir_make();
@@ -118,9 +117,8 @@ START_TEST(a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does)
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).expires, view.expires);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(time_that_the_daemon_was_down_counts)
+VT_TEST(time_that_the_daemon_was_down_counts)
 {
     struct vt_daemon_options options = {.ttl_seconds = 1800};
     const char *dir = vt_dir_make();
@@ -136,11 +134,10 @@ START_TEST(time_that_the_daemon_was_down_counts)
         vt_nap();
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* --- room ------------------------------------------------------------------------------------- */
 
-START_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
+VT_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
 {
     enum { JOBS = 5 };
     const char *dir = vt_dir_make();
@@ -169,13 +166,8 @@ START_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
     ck_assert(!vt_daemon_get(&daemon, &id[JOBS - 1]).expired);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add_loop(suite, a_result_keeps_the_time_it_had_left_when_the_clock_jumps, 2);
-    vt_add_loop(suite, a_start_with_a_clock_that_does_not_fit_expires_nothing_until_it_does, 2);
-    vt_add(suite, time_that_the_daemon_was_down_counts);
-    vt_add(suite, results_beyond_their_room_go_in_the_order_in_which_they_ended);
 }

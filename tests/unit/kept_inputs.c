@@ -40,7 +40,7 @@ static void expect_bytes(struct vor_blobs *blobs, const struct vor_uuid *id, con
 
 /* Shared where the first one is still there, else copied; bytes and name are durable, though the
  * first one's commit was lazy. */
-START_TEST(a_blob_becomes_that_of_another_job_whether_it_stays_or_goes)
+VT_TEST_LOOP(a_blob_becomes_that_of_another_job_whether_it_stays_or_goes, 2)
 {
     struct vor_uuid first = vt_row(1).id, second = vt_row(1).id;
     const char *dir = vt_dir_make();
@@ -74,9 +74,8 @@ START_TEST(a_blob_becomes_that_of_another_job_whether_it_stays_or_goes)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays)
+VT_TEST(a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays)
 {
     struct vor_uuid id = vt_row(1).id;
     const char *dir = vt_dir_make();
@@ -94,7 +93,6 @@ START_TEST(a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays
     expect_bytes(blobs, &id, "the cloud");
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* --- a job and its upload --------------------------------------------------------------------- */
 
@@ -128,7 +126,7 @@ static struct vor_uuid submit(struct vt_daemon *daemon, int iterations)
 
 /* Before the answer the decoded input, its name and the row, later the result, its name and the
  * last row; a claim and a kept upload wait for no disk. */
-START_TEST(a_job_waits_for_the_disk_six_times)
+VT_TEST(a_job_waits_for_the_disk_six_times)
 {
     struct vt_daemon daemon;
     struct vor_uuid id;
@@ -145,7 +143,6 @@ START_TEST(a_job_waits_for_the_disk_six_times)
     ck_assert(vt_sync_open());
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 static int is_there(const char *dir, const struct vor_uuid *id)
 {
@@ -157,12 +154,11 @@ static int is_there(const char *dir, const struct vor_uuid *id)
 
 static void wait_until_gone(const char *dir, const struct vor_uuid *id)
 {
-
     while (is_there(dir, id))
         vt_nap();
 }
 
-START_TEST(an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted)
+VT_TEST(an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted)
 {
     struct vor_admitted admitted = {.count = 0}, other = {.count = 0}, none = {.count = 0};
     const char *dir = vt_dir_make();
@@ -182,9 +178,8 @@ START_TEST(an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs)
+VT_TEST(the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs)
 {
     struct vt_daemon_options options = {.jobs = 1, .keep = 1};
     const char *dir = vt_dir_make();
@@ -205,9 +200,8 @@ START_TEST(the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs)
     ck_assert_uint_eq(vt_daemon_get(&daemon, &runs).kept, 0);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_dismissal_drops_the_upload_and_a_failure_keeps_it)
+VT_TEST(a_dismissal_drops_the_upload_and_a_failure_keeps_it)
 {
     struct vt_daemon_options options = {.jobs = 1, .keep = UINT64_MAX / 2};
     const char *dir = vt_dir_make();
@@ -228,7 +222,6 @@ START_TEST(a_dismissal_drops_the_upload_and_a_failure_keeps_it)
     ck_assert(!is_there(dir, &waits));
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* --- between two steps ------------------------------------------------------------------------ */
 
@@ -282,7 +275,7 @@ static void leave(struct vor_store *store, struct vor_job_view *row, enum left l
     ck_assert_uint_eq(evictions.count, 1);
 }
 
-START_TEST(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others)
+VT_TEST_LOOP(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others, LEFTS)
 {
     struct vt_daemon_options options = {.keep = UINT64_MAX / 2};
     struct vor_admitted admitted = {.count = 0};
@@ -312,11 +305,10 @@ START_TEST(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(is_there(dir, &row.id), stays[_i]);
 }
-END_TEST
 
 /* What a power cut takes that comes after the rows and before the bytes of kept uploads: all of
  * them, or their end. */
-START_TEST(the_next_start_forgets_uploads_that_are_missing_or_not_whole)
+VT_TEST(the_next_start_forgets_uploads_that_are_missing_or_not_whole)
 {
     enum { MISSING, SHORT, WHOLE, JOBS };
     struct vt_daemon_options options = {.keep = UINT64_MAX / 2};
@@ -349,20 +341,11 @@ START_TEST(the_next_start_forgets_uploads_that_are_missing_or_not_whole)
     vt_daemon_stop(&daemon);
     ck_assert(is_there(dir, &rows[WHOLE].id));
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("kept_inputs");
 
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add_loop(suite, a_blob_becomes_that_of_another_job_whether_it_stays_or_goes, 2);
-    vt_add(suite, a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays);
-    vt_add(suite, an_upload_is_kept_if_it_fits_and_dropped_with_what_is_not_submitted);
-    vt_add(suite, the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs);
-    vt_add(suite, a_job_waits_for_the_disk_six_times);
-    vt_add(suite, a_dismissal_drops_the_upload_and_a_failure_keeps_it);
-    vt_add_loop(suite, the_next_start_drops_the_uploads_that_no_row_counts_and_no_others, LEFTS);
-    vt_add(suite, the_next_start_forgets_uploads_that_are_missing_or_not_whole);
     return vt_run(suite);
 }

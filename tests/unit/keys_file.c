@@ -35,7 +35,7 @@ static const char *write_file(const char *dir, const char *text, mode_t mode)
 }
 
 /* Vector: RFC 4231, cases 1, 2 and 6 (a key longer than a block). */
-START_TEST(signatures_are_the_published_ones)
+VT_TEST(signatures_are_the_published_ones)
 {
     static const struct {
         int key_byte, key_size;
@@ -63,10 +63,9 @@ START_TEST(signatures_are_the_published_ones)
         ck_assert_mem_eq(out, vectors[i].begins, 4);
     }
 }
-END_TEST
 
 /* Vector: RFC 4648, section 10, without padding; and the two characters that differ in URLs. */
-START_TEST(base64_is_the_published_one)
+VT_TEST(base64_is_the_published_one)
 {
     static const char *const vectors[][2] = {
         {"", ""},           {"f", "Zg"},          {"fo", "Zm8"},          {"foo", "Zm9v"},
@@ -84,9 +83,8 @@ START_TEST(base64_is_the_published_one)
         ck_assert_mem_eq(back, vectors[i][0], size);
     }
 }
-END_TEST
 
-START_TEST(what_is_no_base64_of_ours_is_refused)
+VT_TEST(what_is_no_base64_of_ours_is_refused)
 {
     static const char *const bad[] = {"Z", "Zg==", "Zh", "Zm9", "Zm 9v", "Zm9v+", "Zm9vYmFyZm9v"};
     uint8_t back[8];
@@ -94,9 +92,8 @@ START_TEST(what_is_no_base64_of_ours_is_refused)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         ck_assert_msg(vor_base64_read(bad[i], back, sizeof back) == -1, "%s is read", bad[i]);
 }
-END_TEST
 
-START_TEST(a_key_finds_its_caller_and_no_other_text_does)
+VT_TEST(a_key_finds_its_caller_and_no_other_text_does)
 {
     const char *dir = vt_dir_make();
     const char *path = write_file(dir,
@@ -131,10 +128,9 @@ START_TEST(a_key_finds_its_caller_and_no_other_text_does)
     ck_assert_str_eq(caller.name, "bob");
     vor_keys_close(keys);
 }
-END_TEST
 
 /* Refusal: each names the line and what is wrong with it, and none shows what may be a key. */
-START_TEST(a_wrong_line_is_named_with_its_reason)
+VT_TEST(a_wrong_line_is_named_with_its_reason)
 {
     static const struct {
         const char *text, *reason;
@@ -175,9 +171,8 @@ START_TEST(a_wrong_line_is_named_with_its_reason)
         ck_assert_ptr_null(keys);
     }
 }
-END_TEST
 
-START_TEST(reading_again_takes_the_new_keys_or_leaves_the_old)
+VT_TEST(reading_again_takes_the_new_keys_or_leaves_the_old)
 {
     const char *dir = vt_dir_make();
     const char *path = write_file(dir, "alice:read:" ALPHA "\n", 0600);
@@ -200,9 +195,8 @@ START_TEST(reading_again_takes_the_new_keys_or_leaves_the_old)
     ck_assert(vor_keys_find(keys, "beta", &caller));
     vor_keys_close(keys);
 }
-END_TEST
 
-START_TEST(a_line_without_end_is_refused)
+VT_TEST(a_line_without_end_is_refused)
 {
     const char *dir = vt_dir_make();
     char text[VOR_KEY_LINE_SIZE + 10];
@@ -214,7 +208,6 @@ START_TEST(a_line_without_end_is_refused)
     ck_assert_ptr_nonnull(strstr(vt_err.message, "line 1: the line has more than 510 bytes"));
     vt_assert_fails(VOR_E_PARAM, vor_keys_open(&keys, "/dev/zero", &vt_err));
 }
-END_TEST
 
 struct look {
     struct vor_keys *keys;
@@ -233,7 +226,7 @@ static void *look_for_alpha(void *arg)
     return NULL;
 }
 
-START_TEST(reading_again_loses_no_key_for_a_moment)
+VT_TEST(reading_again_loses_no_key_for_a_moment)
 {
     enum { THREADS = 3, TIMES = 100 };
     const char *dir = vt_dir_make();
@@ -253,9 +246,8 @@ START_TEST(reading_again_loses_no_key_for_a_moment)
     ck_assert_int_eq(atomic_load(&look.missed), 0);
     vor_keys_close(look.keys);
 }
-END_TEST
 
-START_TEST(a_file_that_others_may_read_is_told_of_in_the_log)
+VT_TEST(a_file_that_others_may_read_is_told_of_in_the_log)
 {
     static const struct {
         mode_t mode;
@@ -282,9 +274,8 @@ START_TEST(a_file_that_others_may_read_is_told_of_in_the_log)
         close(fd);
     }
 }
-END_TEST
 
-START_TEST(a_key_that_is_made_opens_the_line_that_is_made_with_it)
+VT_TEST(a_key_that_is_made_opens_the_line_that_is_made_with_it)
 {
     const char *dir = vt_dir_make();
     char key[VOR_KEY_SIZE], other[VOR_KEY_SIZE], line[VOR_KEY_LINE_SIZE];
@@ -306,22 +297,4 @@ START_TEST(a_key_that_is_made_opens_the_line_that_is_made_with_it)
     vt_assert_fails(VOR_E_PARAM, vor_key_make("a", "write", NULL, other, line, &vt_err));
     vt_assert_fails(VOR_E_PARAM, vor_key_make("a", "read", "jobs=x", other, line, &vt_err));
     vor_keys_close(keys);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("keys_file");
-
-    vt_add(suite, signatures_are_the_published_ones);
-    vt_add(suite, base64_is_the_published_one);
-    vt_add(suite, what_is_no_base64_of_ours_is_refused);
-    vt_add(suite, a_key_finds_its_caller_and_no_other_text_does);
-    vt_add(suite, a_wrong_line_is_named_with_its_reason);
-    vt_add(suite, reading_again_takes_the_new_keys_or_leaves_the_old);
-    vt_add(suite, a_line_without_end_is_refused);
-    vt_add(suite, reading_again_loses_no_key_for_a_moment);
-    vt_add(suite, a_file_that_others_may_read_is_told_of_in_the_log);
-    vt_add(suite, a_key_that_is_made_opens_the_line_that_is_made_with_it);
-    return vt_run(suite);
 }

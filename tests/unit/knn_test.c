@@ -23,7 +23,7 @@ static vor_status build(int kind, struct vor_knn **out, const float *xyz, size_t
     return status;
 }
 
-START_TEST(an_index_of_no_points_is_refused)
+VT_TEST_LOOP(an_index_of_no_points_is_refused, 2)
 {
     struct vor_knn *knn = NULL;
     const float x[3] = {0};
@@ -32,9 +32,8 @@ START_TEST(an_index_of_no_points_is_refused)
     ck_assert_ptr_null(knn);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_coordinate_that_would_mislead_the_index_is_refused_by_name)
+VT_TEST_LOOP(a_coordinate_that_would_mislead_the_index_is_refused_by_name, 2)
 {
     static const float bad[4] = {NAN, INFINITY, -INFINITY, 1.1e6f};
 
@@ -53,9 +52,8 @@ START_TEST(a_coordinate_that_would_mislead_the_index_is_refused_by_name)
         }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(an_index_is_charged_to_its_allocator_and_given_back)
+VT_TEST_LOOP(an_index_is_charged_to_its_allocator_and_given_back, 2)
 {
     struct vor_memory memory;
     struct vor_knn *knn;
@@ -70,9 +68,8 @@ START_TEST(an_index_is_charged_to_its_allocator_and_given_back)
     vor_knn_free(NULL);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(neighbours_come_nearest_first)
+VT_TEST_LOOP(neighbours_come_nearest_first, 2)
 {
     const float x[12] = {0, 0, 0, 1, 0, 0, 3, 0, 0, 7, 0, 0}, query[6] = {2.9f, 0, 0, -1, 0, 0};
     struct vor_knn *knn;
@@ -88,9 +85,8 @@ START_TEST(neighbours_come_nearest_first)
     ck_assert(distance2[4] == 1 && distance2[5] == 4 && distance2[6] == 16 && distance2[7] == 64);
     vor_knn_free(knn);
 }
-END_TEST
 
-START_TEST(no_queries_write_nothing)
+VT_TEST_LOOP(no_queries_write_nothing, 2)
 {
     const float x[3] = {1, 2, 3};
     struct vor_knn *knn;
@@ -104,9 +100,8 @@ START_TEST(no_queries_write_nothing)
     ck_assert(index == 0 && distance2 == 0);
     vor_knn_free(knn);
 }
-END_TEST
 
-START_TEST(the_first_bad_coordinate_of_many_is_named)
+VT_TEST_LOOP(the_first_bad_coordinate_of_many_is_named, 2)
 {
     enum { N = 100000 };
     float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
@@ -118,11 +113,10 @@ START_TEST(the_first_bad_coordinate_of_many_is_named)
     ck_assert_ptr_nonnull(strstr(vt_err.message, "coordinate y of point 70001"));
     vor_free(&vt_memory, x);
 }
-END_TEST
 
 /* A million queries that each looked at all of the points would not end within the harness's ten
  * minutes. */
-START_TEST(points_all_in_one_place_do_not_make_a_query_long)
+VT_TEST_LOOP(points_all_in_one_place_do_not_make_a_query_long, 2)
 {
     enum { N = 1000000, QUERIES = 1000000, K = 8 };
     float *x = vor_malloc(&vt_memory, N, 3 * sizeof *x);
@@ -143,11 +137,10 @@ START_TEST(points_all_in_one_place_do_not_make_a_query_long)
     vor_knn_free(knn);
     vor_free(&vt_memory, x);
 }
-END_TEST
 
 /* As above: neither the queries of the points in that place nor of those around it, which are all
  * as far from it, look at all of the others. */
-START_TEST(many_points_in_one_place_do_not_make_queries_beside_them_long)
+VT_TEST_LOOP(many_points_in_one_place_do_not_make_queries_beside_them_long, 2)
 {
     enum { N = 500000, K = 8 };
     float *x = vor_calloc(&vt_memory, N, 3 * sizeof *x);
@@ -170,17 +163,4 @@ START_TEST(many_points_in_one_place_do_not_make_queries_beside_them_long)
     }
     vor_knn_free(knn);
     vor_free(&vt_memory, x);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, an_index_of_no_points_is_refused, 2);
-    vt_add_loop(suite, a_coordinate_that_would_mislead_the_index_is_refused_by_name, 2);
-    vt_add_loop(suite, an_index_is_charged_to_its_allocator_and_given_back, 2);
-    vt_add_loop(suite, neighbours_come_nearest_first, 2);
-    vt_add_loop(suite, no_queries_write_nothing, 2);
-    vt_add_loop(suite, the_first_bad_coordinate_of_many_is_named, 2);
-    vt_add_loop(suite, points_all_in_one_place_do_not_make_a_query_long, 2);
-    vt_add_loop(suite, many_points_in_one_place_do_not_make_queries_beside_them_long, 2);
 }

@@ -85,7 +85,7 @@ static void assert_none(const struct bed *bed)
         ck_assert_msg(bed->lattice.cell[c] == 0, "axis %d: %g", c, bed->lattice.cell[c]);
 }
 
-START_TEST(known_lattices_are_found)
+VT_TEST_FIGURES(known_lattices_are_found, VT_FEWER(SEEDS))
 {
     static const double ratios[3][3] = {{1, 1, 1}, {1, 1.37, 0.71}, {0.5, 2, 1}};
     static const double factors[3][2] = {{1, 0}, {1e-3, 5e-3}, {1e4, -7e4}};
@@ -108,9 +108,8 @@ START_TEST(known_lattices_are_found)
         end(&bed);
     }
 }
-END_TEST
 
-START_TEST(clouds_without_one_are_not_taken_for_one)
+VT_TEST_FIGURES(clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS))
 {
     static void (*const makes[])(struct vor_cloud *, uint64_t,
                                  size_t) = {vt_cloud_sphere, vt_cloud_torus,  vt_cloud_box,
@@ -126,10 +125,9 @@ START_TEST(clouds_without_one_are_not_taken_for_one)
             end(&bed);
         }
 }
-END_TEST
 
 /* A scan rounded to a millimetre. */
-START_TEST(one_of_small_cells_is_found_and_does_not_matter)
+VT_TEST_FIGURES(one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS))
 {
     static const double shares[] = {0.35, 0.05, 0.01};
 
@@ -146,9 +144,8 @@ START_TEST(one_of_small_cells_is_found_and_does_not_matter)
         end(&bed);
     }
 }
-END_TEST
 
-START_TEST(six_digits_do_not_hide_it)
+VT_TEST_FIGURES(six_digits_do_not_hide_it, VT_FEWER(SEEDS))
 {
     struct bed bed;
     double cell = spacing(&vt_shapes[VT_SPHERE]);
@@ -168,9 +165,8 @@ START_TEST(six_digits_do_not_hide_it)
         assert_cell(&bed, c, 77 * cell);
     end(&bed);
 }
-END_TEST
 
-START_TEST(a_few_strays_and_gaps_do_not_hide_it_and_many_do)
+VT_TEST_FIGURES(a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS))
 {
     static const size_t every[] = {4000, 50};
 
@@ -196,9 +192,8 @@ START_TEST(a_few_strays_and_gaps_do_not_hide_it_and_many_do)
         end(&bed);
     }
 }
-END_TEST
 
-START_TEST(all_points_in_a_plane_leave_one_axis_without)
+VT_TEST_FIGURES(all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS))
 {
     struct bed bed;
 
@@ -216,7 +211,6 @@ START_TEST(all_points_in_a_plane_leave_one_axis_without)
         ck_assert((double)bed.domain.xyz[3 * i + 2] * bed.domain.unit + bed.domain.shift[2] == 7);
     end(&bed);
 }
-END_TEST
 
 /* Mean distance to the shape of what the engine makes of a cloud. */
 static double off_result(const struct vt_shape *shape, const struct vor_cloud *in,
@@ -237,7 +231,7 @@ static double off_result(const struct vt_shape *shape, const struct vor_cloud *i
 }
 
 /* A lattice shaken by a twentieth of its cell is none, and hardly another cloud. */
-START_TEST(a_result_lies_nearer_to_the_surface_than_without)
+VT_TEST_FIGURES(a_result_lies_nearer_to_the_surface_than_without, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     for (int i = 0; i < VT_SMOOTH; i++) {
         const struct vt_shape *shape = &vt_shapes[i];
@@ -263,7 +257,6 @@ START_TEST(a_result_lies_nearer_to_the_surface_than_without)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 static void restore(struct vor_cloud *cloud, struct vor_report *report, unsigned threads)
 {
@@ -276,7 +269,7 @@ static void restore(struct vor_cloud *cloud, struct vor_report *report, unsigned
 }
 
 /* One lattice, or one on each side of x = 0, of cells of half a spacing to one and a half. */
-START_TEST(restored_points_lie_nearer_each_in_its_cell)
+VT_TEST_FIGURES(restored_points_lie_nearer_each_in_its_cell, VT_FEWER(SEEDS))
 {
     for (int i = 0; i < 4; i++) {
         const struct vt_shape *shape = &vt_shapes[(_i + i) % VT_SMOOTH];
@@ -310,10 +303,9 @@ START_TEST(restored_points_lie_nearer_each_in_its_cell)
             vor_cloud_free(&cloud[j]);
     }
 }
-END_TEST
 
 /* No lattice, cells of a twentieth of the distance between points, too few points. */
-START_TEST(restore_leaves_alone_what_it_cannot_tell)
+VT_TEST_FIGURES(restore_leaves_alone_what_it_cannot_tell, 1)
 {
     for (int i = 0; i < 3; i++) {
         struct vor_cloud cloud;
@@ -330,19 +322,4 @@ START_TEST(restore_leaves_alone_what_it_cannot_tell)
         ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_NOT_RESTORED);
         vor_cloud_free(&cloud);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, restored_points_lie_nearer_each_in_its_cell, VT_FEWER(SEEDS));
-    vt_add_figures(suite, restore_leaves_alone_what_it_cannot_tell, 1);
-    vt_add_figures(suite, known_lattices_are_found, VT_FEWER(SEEDS));
-    vt_add_figures(suite, clouds_without_one_are_not_taken_for_one, VT_FEWER(SEEDS));
-    vt_add_figures(suite, one_of_small_cells_is_found_and_does_not_matter, VT_FEWER(SEEDS));
-    vt_add_figures(suite, six_digits_do_not_hide_it, VT_FEWER(SEEDS));
-    vt_add_figures(suite, a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS));
-    vt_add_figures(suite, all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS));
-    vt_add_figures(suite, a_result_lies_nearer_to_the_surface_than_without,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
 }

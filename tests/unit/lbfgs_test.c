@@ -87,7 +87,7 @@ static struct vor_lbfgs_told run(struct bowl *bowl, double *x, unsigned window, 
     return told;
 }
 
-START_TEST(a_stretched_bowl_is_descended_to_its_lowest_point)
+VT_TEST_LOOP(a_stretched_bowl_is_descended_to_its_lowest_point, SEEDS)
 {
     struct bowl bowl;
     double x[N] = {0};
@@ -99,9 +99,8 @@ START_TEST(a_stretched_bowl_is_descended_to_its_lowest_point)
     ck_assert_uint_eq(told.evaluations, bowl.asked);
     ck_assert_uint_le(told.evaluations, 2 * told.steps + 30); /* mostly one for each step */
 }
-END_TEST
 
-START_TEST(a_known_bend_makes_the_first_step_the_last)
+VT_TEST_LOOP(a_known_bend_makes_the_first_step_the_last, SEEDS)
 {
     struct bowl bowl;
     double x[N] = {0};
@@ -117,7 +116,6 @@ START_TEST(a_known_bend_makes_the_first_step_the_last)
     ck_assert_double_le(error_of(&bowl, x), 1e-12);
     vor_lbfgs_free(&lbfgs);
 }
-END_TEST
 
 /* No variable may leave -1 .. 1. */
 static void stay_within_one(void *ctx, const double *x, double *step)
@@ -131,7 +129,7 @@ static void stay_within_one(void *ctx, const double *x, double *step)
     }
 }
 
-START_TEST(a_function_that_shortens_steps_is_asked_nowhere_else)
+VT_TEST_LOOP(a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS)
 {
     struct bowl bowl;
     double x[N] = {0};
@@ -149,9 +147,8 @@ START_TEST(a_function_that_shortens_steps_is_asked_nowhere_else)
     ck_assert_double_lt(told.after, told.before);
     vor_lbfgs_free(&lbfgs);
 }
-END_TEST
 
-START_TEST(a_value_that_is_no_number_is_stepped_back_from)
+VT_TEST_LOOP(a_value_that_is_no_number_is_stepped_back_from, SEEDS)
 {
     struct bowl bowl;
     double x[N] = {0};
@@ -165,9 +162,8 @@ START_TEST(a_value_that_is_no_number_is_stepped_back_from)
     for (int i = 0; i < N; i++)
         ck_assert(isfinite(x[i]));
 }
-END_TEST
 
-START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
+VT_TEST_LOOP(a_failure_is_handed_on_at_the_last_place_taken, SEEDS)
 {
     struct bowl bowl;
     struct vor_lbfgs_function function = {&bowl, at_bowl, NULL, NULL};
@@ -184,14 +180,4 @@ START_TEST(a_failure_is_handed_on_at_the_last_place_taken)
         vt_assert_ok(at_bowl(&bowl, x, &value, gradient, &vt_err));
         ck_assert(value == told.after);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_stretched_bowl_is_descended_to_its_lowest_point, SEEDS);
-    vt_add_loop(suite, a_known_bend_makes_the_first_step_the_last, SEEDS);
-    vt_add_loop(suite, a_function_that_shortens_steps_is_asked_nowhere_else, SEEDS);
-    vt_add_loop(suite, a_value_that_is_no_number_is_stepped_back_from, SEEDS);
-    vt_add_loop(suite, a_failure_is_handed_on_at_the_last_place_taken, SEEDS);
 }

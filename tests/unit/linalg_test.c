@@ -34,7 +34,7 @@ static void assert_reconstructs(const double m[6], const double values[3], doubl
     }
 }
 
-START_TEST(a_diagonal_matrix_keeps_its_entries_and_axes)
+VT_TEST(a_diagonal_matrix_keeps_its_entries_and_axes)
 {
     const double m[6] = {3, 0, 0, 1, 0, 2};
     double values[3], vectors[3][3];
@@ -44,9 +44,8 @@ START_TEST(a_diagonal_matrix_keeps_its_entries_and_axes)
     ck_assert(fabs(vectors[0][1]) == 1 && fabs(vectors[1][2]) == 1 && fabs(vectors[2][0]) == 1);
     assert_orthonormal(vectors);
 }
-END_TEST
 
-START_TEST(repeated_eigenvalues_have_orthonormal_vectors)
+VT_TEST(repeated_eigenvalues_have_orthonormal_vectors)
 {
     static const double matrices[4][6] = {
         {0}, {7, 0, 0, 7, 0, 7}, {2, 1, 1, 2, 1, 2}, {2, -1, 0, 2, 0, 3}};
@@ -61,9 +60,8 @@ START_TEST(repeated_eigenvalues_have_orthonormal_vectors)
         assert_reconstructs(matrices[k], values, vectors);
     }
 }
-END_TEST
 
-START_TEST(eigenvectors_rebuild_the_matrix_at_every_scale)
+VT_TEST_LOOP(eigenvectors_rebuild_the_matrix_at_every_scale, SEEDS)
 {
     double m[6], values[3], vectors[3][3], scale = pow(10, 6 * (_i % 41) - 120);
 
@@ -74,7 +72,6 @@ START_TEST(eigenvectors_rebuild_the_matrix_at_every_scale)
     assert_orthonormal(vectors);
     assert_reconstructs(m, values, vectors);
 }
-END_TEST
 
 /* A = B B^T / n + I / 10 and b = A x for a known x; what is above the diagonal must not be read. */
 static void known_system(uint64_t seed, int n, double *a, double *b, double *x)
@@ -100,7 +97,7 @@ static void known_system(uint64_t seed, int n, double *a, double *b, double *x)
     }
 }
 
-START_TEST(a_system_of_1_to_20_has_its_known_solution)
+VT_TEST_LOOP(a_system_of_1_to_20_has_its_known_solution, SEEDS)
 {
     double a[400], b[20], x[20];
 
@@ -111,10 +108,9 @@ START_TEST(a_system_of_1_to_20_has_its_known_solution)
             ck_assert_double_eq_tol(b[i], x[i], 1e-11);
     }
 }
-END_TEST
 
 /* 1 1 / 1 1+e has pivots 1 and e: the measure is e / (1 + e). */
-START_TEST(the_measure_of_rank_is_the_smallest_relative_pivot)
+VT_TEST(the_measure_of_rank_is_the_smallest_relative_pivot)
 {
     const double e = 0.25;
     double a[4] = {1, NAN, 1, 1 + e}, b[2] = {2, 2 + e};
@@ -123,9 +119,8 @@ START_TEST(the_measure_of_rank_is_the_smallest_relative_pivot)
     ck_assert_double_eq_tol(b[0], 1, 1e-14);
     ck_assert_double_eq_tol(b[1], 1, 1e-14);
 }
-END_TEST
 
-START_TEST(a_system_below_the_rank_asked_for_is_refused_untouched)
+VT_TEST(a_system_below_the_rank_asked_for_is_refused_untouched)
 {
     static const double systems[4][4] = {
         {1, NAN, 1, 1.25}, {1, NAN, 1, 1}, {0, NAN, 0, 1}, {1, NAN, 2, 1}};
@@ -138,24 +133,11 @@ START_TEST(a_system_below_the_rank_asked_for_is_refused_untouched)
         ck_assert(b[0] == 3 && b[1] == 5);
     }
 }
-END_TEST
 
-START_TEST(a_system_that_is_not_a_number_is_refused)
+VT_TEST(a_system_that_is_not_a_number_is_refused)
 {
     double a[1] = {NAN}, b[1] = {1};
 
     ck_assert(vor_solve_spd(a, b, 1, 0) == 0);
     ck_assert(b[0] == 1);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_diagonal_matrix_keeps_its_entries_and_axes);
-    vt_add(suite, repeated_eigenvalues_have_orthonormal_vectors);
-    vt_add_loop(suite, eigenvectors_rebuild_the_matrix_at_every_scale, SEEDS);
-    vt_add_loop(suite, a_system_of_1_to_20_has_its_known_solution, SEEDS);
-    vt_add(suite, the_measure_of_rank_is_the_smallest_relative_pivot);
-    vt_add(suite, a_system_below_the_rank_asked_for_is_refused_untouched);
-    vt_add(suite, a_system_that_is_not_a_number_is_refused);
 }

@@ -74,7 +74,7 @@ static long count_in_order(char *text, long total)
 }
 
 /* 20,000 lines of 100 bytes are twice what the queue takes. */
-START_TEST(nobody_waits_for_a_log_that_nobody_reads)
+VT_TEST(nobody_waits_for_a_log_that_nobody_reads)
 {
     enum { LINES = 20000 };
     uint64_t before = vor_log_sink_dropped();
@@ -91,9 +91,8 @@ START_TEST(nobody_waits_for_a_log_that_nobody_reads)
     free(text);
     vor_log_sink_stop(10);
 }
-END_TEST
 
-START_TEST(the_last_lines_are_written_where_the_reader_reads)
+VT_TEST(the_last_lines_are_written_where_the_reader_reads)
 {
     enum { LINES = 3000 };
     char *text;
@@ -117,9 +116,8 @@ START_TEST(the_last_lines_are_written_where_the_reader_reads)
     ck_assert_int_eq(status, 0);
     vor_log_open(STDERR_FILENO, VOR_LOG_INFO);
 }
-END_TEST
 
-START_TEST(a_log_that_nobody_reads_is_given_up_at_the_end)
+VT_TEST(a_log_that_nobody_reads_is_given_up_at_the_end)
 {
     int ends[2];
     char *text;
@@ -134,10 +132,9 @@ START_TEST(a_log_that_nobody_reads_is_given_up_at_the_end)
     ck_assert_ptr_null(strstr(text, "and one at once"));
     free(text);
 }
-END_TEST
 
 /* The writer of the parent hangs, and a child has none. */
-START_TEST(a_child_logs_at_once)
+VT_TEST(a_child_logs_at_once)
 {
     int ends[2], status = -1;
     pid_t child;
@@ -157,9 +154,8 @@ START_TEST(a_child_logs_at_once)
     free(text);
     vor_log_sink_stop(10);
 }
-END_TEST
 
-START_TEST(lines_for_a_reader_that_has_gone_are_counted)
+VT_TEST(lines_for_a_reader_that_has_gone_are_counted)
 {
     uint64_t before = vor_log_sink_dropped();
     int ends[2];
@@ -174,10 +170,9 @@ START_TEST(lines_for_a_reader_that_has_gone_are_counted)
     ck_assert_uint_eq(vor_log_sink_dropped() - before, 10);
     vor_log_open(STDERR_FILENO, VOR_LOG_INFO);
 }
-END_TEST
 
 /* Two bytes a character: a cut inside of one would show as U+FFFD. */
-START_TEST(a_long_text_loses_its_middle_and_says_how_much)
+VT_TEST_LOOP(a_long_text_loses_its_middle_and_says_how_much, 2)
 {
     char path[8193] = "/v1/", *text, *mark;
     size_t begin = 4 - (size_t)_i;
@@ -199,7 +194,6 @@ START_TEST(a_long_text_loses_its_middle_and_says_how_much)
     vt_assert_ok(vor_json_scan(text, strlen(text), NULL, &vt_err));
     free(text);
 }
-END_TEST
 
 /* Bytes of memory that this process has touched. */
 static long touched(void)
@@ -227,7 +221,8 @@ static void write_and_read(int from, int i)
 
 /* The queue was gone through from end to end, however little was in it: a daemon seemed to grow by
  * a MiB with its first 3,000 requests. */
-START_TEST(a_reader_who_keeps_up_leaves_the_queue_untouched)
+#if !defined(__SANITIZE_ADDRESS__) /* which keeps what was freed */
+VT_TEST_FIGURES(a_reader_who_keeps_up_leaves_the_queue_untouched, 0)
 {
     enum { FIRST = 100, LINES = 9000 };
     int ends[2];
@@ -243,19 +238,4 @@ START_TEST(a_reader_who_keeps_up_leaves_the_queue_untouched)
     ck_assert_int_lt(touched() - before, VOR_LOG_QUEUE_BYTES / 4);
     vor_log_sink_stop(10);
 }
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, nobody_waits_for_a_log_that_nobody_reads);
-    vt_add(suite, the_last_lines_are_written_where_the_reader_reads);
-    vt_add(suite, a_log_that_nobody_reads_is_given_up_at_the_end);
-    vt_add(suite, a_child_logs_at_once);
-    vt_add(suite, lines_for_a_reader_that_has_gone_are_counted);
-    vt_add_loop(suite, a_long_text_loses_its_middle_and_says_how_much, 2);
-#if defined(__SANITIZE_ADDRESS__) /* which keeps what was freed */
-    (void)a_reader_who_keeps_up_leaves_the_queue_untouched;
-#else
-    vt_add_figures(suite, a_reader_who_keeps_up_leaves_the_queue_untouched, 0);
 #endif
-}

@@ -66,7 +66,7 @@ static void assert_centre(const struct vor_inspect *told, unsigned i, double x, 
     ck_assert_msg(off <= most, "loop %u: %g off its centre, want at most %g", i, off, most);
 }
 
-START_TEST(a_square_has_one_rim)
+VT_TEST_FIGURES(a_square_has_one_rim, SEEDS)
 {
     double spacing = 1 / sqrt(N);
     struct vor_cloud cloud;
@@ -82,9 +82,8 @@ START_TEST(a_square_has_one_rim)
     ck_assert_double_eq_tol(told.loops[0].turns, -1, 0.2);
     ck_assert_double_eq(told.border_length, told.loops[0].length);
 }
-END_TEST
 
-START_TEST(a_tube_has_two_rims)
+VT_TEST_FIGURES(a_tube_has_two_rims, SEEDS)
 {
     double spacing = vt_spacing(&vt_metrics[VT_CYLINDER], N);
     struct vor_cloud cloud;
@@ -100,7 +99,6 @@ START_TEST(a_tube_has_two_rims)
     }
     ck_assert_double_gt(fabs(told.loops[0].centre[2] - told.loops[1].centre[2]), 1.9);
 }
-END_TEST
 
 /* Takes the points nearer to the axis point at the given z than `radius` out. */
 static void punch(struct vor_cloud *cloud, double z, double radius)
@@ -136,7 +134,7 @@ static double circle(double distance)
 }
 
 /* Ten and twenty spacings across. */
-START_TEST(holes_are_told_with_length_and_centre)
+VT_TEST_FIGURES(holes_are_told_with_length_and_centre, VT_SOAK_LOOPS(SEEDS, 8 * SEEDS))
 {
     struct vor_cloud cloud;
     double spacing = punched(&cloud, (uint64_t)_i, 20), large = 10 * spacing, small = 5 * spacing;
@@ -149,11 +147,10 @@ START_TEST(holes_are_told_with_length_and_centre)
     assert_centre(&told, 0, 0, 0, 1 - large * large / 2, spacing);
     assert_centre(&told, 1, 0, 0, small * small / 2 - 1, spacing);
 }
-END_TEST
 
 /* The smaller hole of a ball with two. Points lie so unevenly around it that one in forty is not
  * found, and that lengths differ by 8 %; on the mean they are 7 % short. */
-START_TEST(holes_of_five_spacings_are_mostly_found)
+VT_TEST_FIGURES(holes_of_five_spacings_are_mostly_found, VT_ONCE(1))
 {
     struct vt_engine engine;
     unsigned found = 0;
@@ -180,10 +177,9 @@ START_TEST(holes_of_five_spacings_are_mostly_found)
     ck_assert_uint_ge(found, HOLES - 2);
     ck_assert_double_eq_tol(sum / found, 0.93, 0.07);
 }
-END_TEST
 
 /* White noise has empty discs of its own: one sphere in some may be told a loop. */
-START_TEST(hardly_any_closed_surface_has_a_loop)
+VT_TEST_FIGURES(hardly_any_closed_surface_has_a_loop, VT_SMOOTH)
 {
     struct vt_engine engine;
     unsigned with = 0;
@@ -207,9 +203,8 @@ START_TEST(hardly_any_closed_surface_has_a_loop)
     vt_assert_no_leak();
     ck_assert_uint_le(with, 1);
 }
-END_TEST
 
-START_TEST(a_small_sheet_over_a_large_one_hides_no_rim)
+VT_TEST_FIGURES(a_small_sheet_over_a_large_one_hides_no_rim, 3)
 {
     static const double gaps[] = {0.5, 1, 1.5};
     double gap = gaps[_i] / sqrt(2 * N);
@@ -228,9 +223,8 @@ START_TEST(a_small_sheet_over_a_large_one_hides_no_rim)
     assert_loop(&told, 0, VOR_LOOP_RIM, VOR_LOOP_WITHIN, 4, 0.05);
     assert_loop(&told, 1, VOR_LOOP_RIM, VOR_LOOP_WITHIN, 2, 0.05);
 }
-END_TEST
 
-START_TEST(places_far_from_zero_keep_their_digits)
+VT_TEST_FIGURES(places_far_from_zero_keep_their_digits, VT_ONCE(1))
 {
     const double origin[3] = {500000, 4100000, 300};
     struct vor_cloud cloud;
@@ -247,16 +241,4 @@ START_TEST(places_far_from_zero_keep_their_digits)
         for (int c = 0; c < 3; c++)
             ck_assert_double_eq_tol(there.loops[i].centre[c], origin[c] + here.loops[i].centre[c],
                                     1e-8);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, a_square_has_one_rim, SEEDS);
-    vt_add_figures(suite, a_tube_has_two_rims, SEEDS);
-    vt_add_figures(suite, holes_are_told_with_length_and_centre, VT_SOAK_LOOPS(SEEDS, 8 * SEEDS));
-    vt_add_figures(suite, holes_of_five_spacings_are_mostly_found, VT_ONCE(1));
-    vt_add_figures(suite, hardly_any_closed_surface_has_a_loop, VT_SMOOTH);
-    vt_add_figures(suite, a_small_sheet_over_a_large_one_hides_no_rim, 3);
-    vt_add_figures(suite, places_far_from_zero_keep_their_digits, VT_ONCE(1));
 }

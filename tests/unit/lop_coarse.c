@@ -10,7 +10,7 @@ enum { N = 24000, FEWEST = 1200, EDGE = 20, GRID = EDGE * EDGE, STRAYS = 3 };
 
 /* A layer over a unit square, as thick as fits are wide, one that they see over, and a ball: the
  * 150 points nearest to one reach 0.055 where they fill space. */
-START_TEST(a_layer_as_thick_as_fits_are_wide_has_fewer_points)
+VT_TEST_LOOP(a_layer_as_thick_as_fits_are_wide_has_fewer_points, 3)
 {
     static const float heights[] = {0.1F, 0.02F, 1};
     struct vor_cloud cloud, other;
@@ -35,10 +35,9 @@ START_TEST(a_layer_as_thick_as_fits_are_wide_has_fewer_points)
     vt_engine_close(&engine);
     vt_free_last(&other, &cloud);
 }
-END_TEST
 
 /* Of a hexagonal lattice and three points over it; points of the zigzag sides may go. */
-START_TEST(samples_far_from_an_even_spread_are_dropped)
+VT_TEST(samples_far_from_an_even_spread_are_dropped)
 {
     struct vor_lop_samples samples;
 
@@ -62,11 +61,4 @@ START_TEST(samples_far_from_an_even_spread_are_dropped)
     ck_assert_uint_ge(samples.n, 2);
     vor_lop_samples_free(&samples);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_layer_as_thick_as_fits_are_wide_has_fewer_points, 3);
-    vt_add(suite, samples_far_from_an_even_spread_are_dropped);
 }

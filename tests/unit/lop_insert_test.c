@@ -72,7 +72,7 @@ static double off_plane(const struct vor_lop_samples *samples, size_t i, const d
 
 /* Points of a wedge that are put between others: on its planes, with their normals, none past the
  * edge, the same for any number of threads. */
-START_TEST(points_between_others_stay_on_their_side_of_an_edge)
+VT_TEST(points_between_others_stay_on_their_side_of_an_edge)
 {
     enum { MANY = 7001 };
     double normal[2][3], spacing, turned;
@@ -106,9 +106,8 @@ START_TEST(points_between_others_stay_on_their_side_of_an_edge)
     vor_lop_samples_free(&samples[1]);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(points_that_all_coincide_leave_no_place)
+VT_TEST(points_that_all_coincide_leave_no_place)
 {
     struct vor_lop_samples samples;
     struct vor_lop_insert_how how = how_of(0.1, 0);
@@ -125,9 +124,8 @@ START_TEST(points_that_all_coincide_leave_no_place)
     vt_engine_close(&engine);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(powers_are_those_of_pow)
+VT_TEST(powers_are_those_of_pow)
 {
     for (uint64_t i = 0; i < 500; i++) {
         double x = 1 + 2 * vt_unit(1, i), y = 20 * vt_unit(2, i), want = pow(x, y);
@@ -138,7 +136,6 @@ START_TEST(powers_are_those_of_pow)
     ck_assert(vor_lop_power(1.5, 0) <= 1 && vor_lop_power(1.5, 0) >= 1);
     ck_assert_double_eq_tol(vor_lop_power(2.25, 0.5), 1.5, 1e-15);
 }
-END_TEST
 
 /* A point of a cloud that is dense here and there, with a few that coincide. */
 static void clustered(uint64_t seed, size_t i, float xyz[3], float normal[3])
@@ -158,7 +155,7 @@ static void clustered(uint64_t seed, size_t i, float xyz[3], float normal[3])
 }
 
 /* Oracle: the tree finds what looking at every point finds. */
-START_TEST(the_tree_finds_what_looking_at_every_point_finds)
+VT_TEST_LOOP(the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20))
 {
     enum { MANY = 3000 };
     static float xyz[MANY][3], normal[MANY][3];
@@ -194,9 +191,8 @@ START_TEST(the_tree_finds_what_looking_at_every_point_finds)
     vor_lop_tree_free(&tree);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(the_polish_pushes_no_point_over_an_open_border)
+VT_TEST(the_polish_pushes_no_point_over_an_open_border)
 {
     enum { SIDE = 24 };
     struct vor_lop_samples samples;
@@ -214,14 +210,4 @@ START_TEST(the_polish_pushes_no_point_over_an_open_border)
     ck_assert_double_lt(most, before + 0.25 / SIDE);
     vor_lop_samples_free(&samples);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, points_between_others_stay_on_their_side_of_an_edge);
-    vt_add(suite, points_that_all_coincide_leave_no_place);
-    vt_add(suite, powers_are_those_of_pow);
-    vt_add_loop(suite, the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20));
-    vt_add(suite, the_polish_pushes_no_point_over_an_open_border);
 }

@@ -33,7 +33,9 @@ static void *leave_behind(void)
     return small;
 }
 
-START_TEST(large_pieces_go_back_each_time)
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which have their own heap   \
+                                                                     */
+VT_TEST(large_pieces_go_back_each_time)
 {
     size_t before;
     void *small[4];
@@ -46,14 +48,13 @@ START_TEST(large_pieces_go_back_each_time)
     for (size_t i = 0; i < 4; i++)
         free(small[i]);
 }
-END_TEST
+#endif
 
-START_TEST(a_machine_has_cores_and_memory)
+VT_TEST(a_machine_has_cores_and_memory)
 {
     ck_assert_uint_ge(vor_machine_cores(), 1);
     ck_assert_uint_ge(vor_machine_memory(), (size_t)64 << 20);
 }
-END_TEST
 
 /* Writes a file of that text below dir, and the folders that it lies in. */
 static void put_file(const char *dir, const char *name, const char *text)
@@ -79,7 +80,7 @@ static size_t group_memory(const char *dir, const char *groups)
     return vor_machine_group_memory(path, dir);
 }
 
-START_TEST(the_least_limit_of_the_groups_around_holds)
+VT_TEST(the_least_limit_of_the_groups_around_holds)
 {
     const char *dir = vt_dir_make();
 
@@ -94,9 +95,8 @@ START_TEST(the_least_limit_of_the_groups_around_holds)
     ck_assert_uint_eq(group_memory(dir, "4:cpu,memory:/outer/inner\n0::/\n"), 500);
     ck_assert_uint_eq(group_memory(dir, "4:cpu:/outer/inner\n0::/\n"), 0);
 }
-END_TEST
 
-START_TEST(a_container_finds_its_limit_at_the_top)
+VT_TEST(a_container_finds_its_limit_at_the_top)
 {
     const char *dir = vt_dir_make();
 
@@ -105,16 +105,4 @@ START_TEST(a_container_finds_its_limit_at_the_top)
     ck_assert_uint_eq(vor_machine_group_memory("/nonexistent", dir), 7000);
     put_file(dir, "memory/memory.limit_in_bytes", "6000\n");
     ck_assert_uint_eq(group_memory(dir, "5:memory:/docker/0123\n"), 6000);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_machine_has_cores_and_memory);
-    vt_add(suite, the_least_limit_of_the_groups_around_holds);
-    vt_add(suite, a_container_finds_its_limit_at_the_top);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which have their own heap   \
-                                                                     */
-    vt_add(suite, large_pieces_go_back_each_time);
-#endif
 }

@@ -57,7 +57,7 @@ static void march(struct bed *bed, uint32_t source)
 
 /* Lv 2022, Sec. 3.2: the distances are those along the surface. Beyond ten spacings each is within
  * 3 %, and their mean error is below 1 %. */
-START_TEST(distances_are_those_along_the_surface)
+VT_TEST_LOOP(distances_are_those_along_the_surface, VT_ONCE(SHAPES *VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const int shapes[] = {VT_SQUARE, VT_BALL, VT_CYLINDER, VT_FOLD};
     uint64_t seed = (uint64_t)_i / SHAPES;
@@ -88,9 +88,8 @@ START_TEST(distances_are_those_along_the_surface)
                   metric->name, 100 * worst, 100 * sum / (double)count);
     end(&bed);
 }
-END_TEST
 
-START_TEST(points_that_no_chain_leads_to_are_infinitely_far)
+VT_TEST_LOOP(points_that_no_chain_leads_to_are_infinitely_far, SEEDS)
 {
     struct bed bed;
     size_t reached = 0;
@@ -106,9 +105,8 @@ START_TEST(points_that_no_chain_leads_to_are_infinitely_far)
     ck_assert_uint_eq(reached, 2000);
     end(&bed);
 }
-END_TEST
 
-START_TEST(several_sources_are_the_nearest_of_each)
+VT_TEST_LOOP(several_sources_are_the_nearest_of_each, SEEDS)
 {
     uint32_t sources[2] = {10, 900};
     struct bed bed;
@@ -127,13 +125,4 @@ START_TEST(several_sources_are_the_nearest_of_each)
         ck_assert_float_eq_tol(bed.far[i], first[i], 0.02F * first[i] + 1e-3F);
     vor_free(&vt_memory, first);
     end(&bed);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, distances_are_those_along_the_surface,
-                VT_ONCE(SHAPES * VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, points_that_no_chain_leads_to_are_infinitely_far, SEEDS);
-    vt_add_loop(suite, several_sources_are_the_nearest_of_each, SEEDS);
 }

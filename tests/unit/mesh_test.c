@@ -85,7 +85,7 @@ static void assert_sound(const struct vt_meshed *meshed)
     ck_assert_int_eq(meshed->report.mesh_manifold, VOR_YES);
 }
 
-START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
+VT_TEST_FIGURES(a_sphere_and_a_torus_are_closed_and_face_outward, VT_FEWER(VT_SOAK_LOOPS(1, 20)))
 {
     static const double euler[] = {2, 0};
 
@@ -121,12 +121,11 @@ START_TEST(a_sphere_and_a_torus_are_closed_and_face_outward)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regressions: at edges of 70 degrees cells in tangent planes disagreed, it fell apart in its
  * faces; with as many input points a loop stayed open, the points of which lay badly until they
  * moved. */
-START_TEST(a_tetrahedron_is_closed_and_faces_outward)
+VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20))
 {
     size_t n = _i % 2 == 0 ? 2000 : 800;
     static const float tip[4][3] = {{1, 1, 1}, {-1, -1, 1}, {-1, 1, -1}, {1, -1, -1}};
@@ -154,9 +153,8 @@ START_TEST(a_tetrahedron_is_closed_and_faces_outward)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_square_has_one_loop_and_a_cylinder_two)
+VT_TEST_FIGURES(a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)))
 {
     static const struct {
         int metric;
@@ -181,10 +179,9 @@ START_TEST(a_square_has_one_loop_and_a_cylinder_two)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* The length and the middle of the one loop of a square of side 1. */
-START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
+VT_TEST_FIGURES(a_loop_is_told_in_the_unit_of_the_cloud, 0)
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -204,10 +201,9 @@ START_TEST(a_loop_is_told_in_the_unit_of_the_cloud)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Gaps in spacings of the result, whose sheets are also nearer than the input's spacing. */
-START_TEST(no_triangle_joins_two_sheets)
+VT_TEST_FIGURES(no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)))
 {
     static const double gaps[] = {0.3, 0.6, 1, 2};
 
@@ -234,7 +230,6 @@ START_TEST(no_triangle_joins_two_sheets)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Height, and waves a unit over 2 pi, of two sheets that bend; their distance in input spacings. */
 #define HIGH 0.03
@@ -267,7 +262,8 @@ static size_t joining(const struct vt_meshed *meshed, double apart)
 }
 
 /* Fits alone leave points 0.014 off on average, the surface through the points 0.007. */
-START_TEST(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places)
+VT_TEST_FIGURES(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places,
+                VT_SOAK_LOOPS(1, 2))
 {
     double apart = APART / sqrt(IN), off = 0;
     struct vor_cloud in;
@@ -294,11 +290,10 @@ START_TEST(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_pla
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Two squares that cross along a line, at four degrees as a surface and its copy turned a little:
  * near the line points lie on both, and triangles join what they please. */
-START_TEST(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure)
+VT_TEST_FIGURES(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1)
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -326,10 +321,9 @@ START_TEST(where_sheets_cross_the_report_tells_how_many_triangles_are_unsure)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: nothing was unsure where the input has no lists of neighbours. */
-START_TEST(two_spheres_an_input_spacing_apart_are_unsure)
+VT_TEST_FIGURES(two_spheres_an_input_spacing_apart_are_unsure, 0)
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -345,11 +339,10 @@ START_TEST(two_spheres_an_input_spacing_apart_are_unsure)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Regression: too few places showed two sheets, so fits mixed them where they are two spacings
  * apart. */
-START_TEST(a_ball_two_spacings_within_another_is_apart_from_it)
+VT_TEST_FIGURES(a_ball_two_spacings_within_another_is_apart_from_it, VT_SOAK_LOOPS(1, 3))
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -367,7 +360,6 @@ START_TEST(a_ball_two_spacings_within_another_is_apart_from_it)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Six times the volume of a tetrahedron. */
 static double volume6_of(const float *a, const float *b, const float *c, const float *d)
@@ -404,7 +396,7 @@ static int passes(const struct vt_meshed *meshed, size_t s, int c, size_t t)
 
 /* Regression: triangles were compared with those around one corner, and with none that shared one;
  * loops were closed without a look. */
-START_TEST(a_mesh_of_noisy_points_does_not_pass_through_itself)
+VT_TEST_FIGURES(a_mesh_of_noisy_points_does_not_pass_through_itself, VT_FEWER(VT_SOAK_LOOPS(1, 5)))
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -429,9 +421,8 @@ START_TEST(a_mesh_of_noisy_points_does_not_pass_through_itself)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(triangles_follow_the_points_into_another_order)
+VT_TEST_FIGURES(triangles_follow_the_points_into_another_order, 0)
 {
     struct vor_cloud in;
     struct vt_meshed spatial, progressive;
@@ -456,9 +447,8 @@ START_TEST(triangles_follow_the_points_into_another_order)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_moebius_band_has_one_side_and_one_loop)
+VT_TEST_FIGURES(a_moebius_band_has_one_side_and_one_loop, 0)
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -474,9 +464,8 @@ START_TEST(a_moebius_band_has_one_side_and_one_loop)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(fewer_than_three_points_have_no_triangles)
+VT_TEST(fewer_than_three_points_have_no_triangles)
 {
     struct vor_cloud in;
     struct vt_meshed meshed;
@@ -491,28 +480,4 @@ START_TEST(fewer_than_three_points_have_no_triangles)
     }
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("mesh");
-
-    vt_add_figures(suite, a_sphere_and_a_torus_are_closed_and_face_outward,
-                   VT_FEWER(VT_SOAK_LOOPS(1, 20)));
-    vt_add_figures(suite, a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20));
-    vt_add_figures(suite, a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)));
-    vt_add_figures(suite, a_loop_is_told_in_the_unit_of_the_cloud, 0);
-    vt_add_figures(suite, no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)));
-    vt_add_figures(suite, a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_few_places,
-                   VT_SOAK_LOOPS(1, 2));
-    vt_add_figures(suite, where_sheets_cross_the_report_tells_how_many_triangles_are_unsure, 1);
-    vt_add_figures(suite, two_spheres_an_input_spacing_apart_are_unsure, 0);
-    vt_add_figures(suite, a_ball_two_spacings_within_another_is_apart_from_it, VT_SOAK_LOOPS(1, 3));
-    vt_add_figures(suite, a_mesh_of_noisy_points_does_not_pass_through_itself,
-                   VT_FEWER(VT_SOAK_LOOPS(1, 5)));
-    vt_add_figures(suite, triangles_follow_the_points_into_another_order, 0);
-    vt_add_figures(suite, a_moebius_band_has_one_side_and_one_loop, 0);
-    vt_add(suite, fewer_than_three_points_have_no_triangles);
-    return vt_run(suite);
 }

@@ -38,7 +38,7 @@ static void with_aspect(double plane[3], double aspect, double turn)
     plane[2] = v * v / aspect + u * u * aspect;
 }
 
-START_TEST(a_tensor_of_a_plane_survives_space)
+VT_TEST_LOOP(a_tensor_of_a_plane_survives_space, SEEDS)
 {
     uint64_t seed = (uint64_t)_i;
     double normal[3], axis[2][3], plane[3], back[3], g[6], d[3];
@@ -60,9 +60,8 @@ START_TEST(a_tensor_of_a_plane_survives_space)
     ck_assert_double_eq_tol(vor_metric_length2(g, normal), 1, 1e-12);
     ck_assert_double_eq_tol(vor_metric_length2(g, axis[0]), plane[0], 1e-12);
 }
-END_TEST
 
-START_TEST(a_tensor_is_scaled_and_capped_and_keeps_its_directions)
+VT_TEST_LOOP(a_tensor_is_scaled_and_capped_and_keeps_its_directions, SEEDS)
 {
     uint64_t seed = (uint64_t)_i;
     double aspect = 1 + 9 * vt_unit(seed, 1), most = 1 + 9 * vt_unit(seed, 2);
@@ -79,9 +78,8 @@ START_TEST(a_tensor_is_scaled_and_capped_and_keeps_its_directions)
     ck_assert_double_eq_tol(fabs(side[0] * cos(turn) + side[1] * sin(turn)), 1,
                             1e-10 / (wanted - 1));
 }
-END_TEST
 
-START_TEST(a_tensor_that_is_not_positive_becomes_that_of_all_directions)
+VT_TEST(a_tensor_that_is_not_positive_becomes_that_of_all_directions)
 {
     double planes[][3] = {{1, 2, 1}, {0, 0, 0}, {-1, 0, -1}, {1, 0, 0}, {NAN, 0, 1}};
 
@@ -90,11 +88,10 @@ START_TEST(a_tensor_that_is_not_positive_becomes_that_of_all_directions)
         ck_assert(planes[i][0] == 1 && planes[i][1] == 0 && planes[i][2] == 1);
     }
 }
-END_TEST
 
 /* Curvatures k and l along axes turned by 0.4: cells are longer where it bends less, whatever the
  * signs. */
-START_TEST(curvature_asks_for_the_root_of_the_ratio_of_its_sizes)
+VT_TEST(curvature_asks_for_the_root_of_the_ratio_of_its_sizes)
 {
     const struct {
         double k, l, aspect;
@@ -113,10 +110,9 @@ START_TEST(curvature_asks_for_the_root_of_the_ratio_of_its_sizes)
             ck_assert_double_eq_tol(fabs(side[0] * v - side[1] * u), 1, 1e-9);
     }
 }
-END_TEST
 
 /* On a torus: the tensor has the curvature of the tube across and that of the circle along it. */
-START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions)
+VT_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions)
 {
     struct vor_cloud cloud;
     struct vor_knn *knn;
@@ -149,14 +145,4 @@ START_TEST(the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_direction
     vor_knn_free(knn);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_tensor_of_a_plane_survives_space, SEEDS);
-    vt_add_loop(suite, a_tensor_is_scaled_and_capped_and_keeps_its_directions, SEEDS);
-    vt_add(suite, a_tensor_that_is_not_positive_becomes_that_of_all_directions);
-    vt_add(suite, curvature_asks_for_the_root_of_the_ratio_of_its_sizes);
-    vt_add(suite, the_curvature_tensor_has_the_curvatures_of_a_torus_in_their_directions);
 }

@@ -27,7 +27,7 @@ static void check_line(const char *text, const char *line)
                   text);
 }
 
-START_TEST(what_was_never_counted_is_not_written)
+VT_TEST(what_was_never_counted_is_not_written)
 {
     char *text;
 
@@ -35,9 +35,8 @@ START_TEST(what_was_never_counted_is_not_written)
     ck_assert_str_eq(text, "");
     free(text);
 }
-END_TEST
 
-START_TEST(counters_of_different_labels_are_apart)
+VT_TEST(counters_of_different_labels_are_apart)
 {
     char *text;
 
@@ -56,9 +55,8 @@ START_TEST(counters_of_different_labels_are_apart)
                "voronoid_connections 7\n");
     free(text);
 }
-END_TEST
 
-START_TEST(a_label_s_value_is_escaped_and_cut)
+VT_TEST(a_label_s_value_is_escaped_and_cut)
 {
     char value[100], line[160];
     char *text;
@@ -74,10 +72,9 @@ START_TEST(a_label_s_value_is_escaped_and_cut)
     check_line(text, line);
     free(text);
 }
-END_TEST
 
 /* A bound belongs to its bucket; buckets add up; +Inf is the count. */
-START_TEST(a_histogram_counts_up_to_each_bound)
+VT_TEST(a_histogram_counts_up_to_each_bound)
 {
     static const double values[] = {0, 0.001, 0.0011, 0.5, 1e9};
     char *text;
@@ -103,7 +100,6 @@ START_TEST(a_histogram_counts_up_to_each_bound)
                "voronoid_http_request_duration_seconds_sum{route=\"/livez\"} 1000000000.5021");
     free(text);
 }
-END_TEST
 
 enum { THREADS = 4, ROUNDS = 2000, LABELS = 50 };
 
@@ -120,7 +116,7 @@ static void *count_all(void *unused)
     return NULL;
 }
 
-START_TEST(threads_that_count_at_once_lose_nothing)
+VT_TEST(threads_that_count_at_once_lose_nothing)
 {
     pthread_t threads[THREADS];
     char *text, line[80];
@@ -139,10 +135,9 @@ START_TEST(threads_that_count_at_once_lose_nothing)
     check_line(text, line);
     free(text);
 }
-END_TEST
 
 /* What promtool's lint asks of names and units. */
-START_TEST(names_end_in_their_unit_and_counters_in_total)
+VT_TEST(names_end_in_their_unit_and_counters_in_total)
 {
     static const struct {
         const char *name, *kind, *unit, *labels, *sentence;
@@ -170,15 +165,4 @@ START_TEST(names_end_in_their_unit_and_counters_in_total)
                           strstr(rows[i].labels, "job") == NULL,
                       "%s has a label without end", name);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, what_was_never_counted_is_not_written);
-    vt_add(suite, counters_of_different_labels_are_apart);
-    vt_add(suite, a_label_s_value_is_escaped_and_cut);
-    vt_add(suite, a_histogram_counts_up_to_each_bound);
-    vt_add(suite, threads_that_count_at_once_lose_nothing);
-    vt_add(suite, names_end_in_their_unit_and_counters_in_total);
 }

@@ -16,7 +16,7 @@ static void order_of(uint32_t *order, const struct vor_cloud *cloud)
 }
 
 /* Vector: the corners of a cube, x running fastest. */
-START_TEST(the_corners_of_a_cube_come_with_x_fastest)
+VT_TEST(the_corners_of_a_cube_come_with_x_fastest)
 {
     struct vor_cloud cloud;
     uint32_t order[8];
@@ -30,11 +30,10 @@ START_TEST(the_corners_of_a_cube_come_with_x_fastest)
         ck_assert_uint_eq(order[i], 7 - i);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Property: what it is for. Steps along the order are far shorter than between random points, whose
  * mean distance in a cube is 0.66. */
-START_TEST(neighbours_in_the_order_are_near_in_space)
+VT_TEST_LOOP(neighbours_in_the_order_are_near_in_space, SEEDS)
 {
     struct vor_cloud cloud;
     uint32_t order[N];
@@ -55,11 +54,4 @@ START_TEST(neighbours_in_the_order_are_near_in_space)
     }
     ck_assert_double_lt(sum / (N - 1), 0.2 * 0.2);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, the_corners_of_a_cube_come_with_x_fastest);
-    vt_add_loop(suite, neighbours_in_the_order_are_near_in_space, SEEDS);
 }

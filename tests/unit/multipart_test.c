@@ -107,7 +107,7 @@ static const struct {
     {TYPE, FILE_HEAD "--Xy\r\n\r\n--Xy\r\r\n" END, "[cloud file ]--Xy\r\n\r\n--Xy\r|"},
 };
 
-START_TEST(a_form_comes_to_its_parts_in_pieces_of_any_size)
+VT_TEST_LOOP(a_form_comes_to_its_parts_in_pieces_of_any_size, sizeof sound / sizeof sound[0])
 {
     static struct told told;
     size_t size = strlen(sound[_i].body);
@@ -118,7 +118,6 @@ START_TEST(a_form_comes_to_its_parts_in_pieces_of_any_size)
                       piece, told.text);
     }
 }
-END_TEST
 
 #define DISPOSED(rest) "--XyZ\r\nContent-Disposition: " rest "\r\n\r\nx\r\n" END
 
@@ -186,7 +185,8 @@ static const struct {
      -1},
 };
 
-START_TEST(what_is_no_form_is_refused_at_the_same_byte_in_pieces_of_any_size)
+VT_TEST_LOOP(what_is_no_form_is_refused_at_the_same_byte_in_pieces_of_any_size,
+             sizeof bad / sizeof bad[0])
 {
     static struct told told, whole;
     size_t size = strlen(bad[_i].body);
@@ -204,10 +204,9 @@ START_TEST(what_is_no_form_is_refused_at_the_same_byte_in_pieces_of_any_size)
         ck_assert_str_eq(told.text, whole.text);
     }
 }
-END_TEST
 
 /* Refusal: the limits, at the last that is allowed and one beyond. */
-START_TEST(parts_and_heads_are_bounded)
+VT_TEST(parts_and_heads_are_bounded)
 {
     static const char part[] = "--XyZ\r\nContent-Disposition: form-data; name=a\r\n\r\n\r\n";
     static struct told told;
@@ -232,9 +231,8 @@ START_TEST(parts_and_heads_are_bounded)
     }
     ck_assert_ptr_nonnull(strstr(vt_err.message, "more than 4096 bytes"));
 }
-END_TEST
 
-START_TEST(a_failure_of_the_reader_ends_the_feed)
+VT_TEST(a_failure_of_the_reader_ends_the_feed)
 {
     static const char body[] = FILE_HEAD "abc!def\r\n" FIELD END;
     static struct told told;
@@ -244,7 +242,6 @@ START_TEST(a_failure_of_the_reader_ends_the_feed)
     vt_assert_fails(VOR_E_PARAM, scan(&told, TYPE, body, strlen(body), 1));
     ck_assert_str_eq(told.text, "[cloud file ]abc");
 }
-END_TEST
 
 /* The next number of a seed below a bound. */
 static size_t draw(int seed, uint64_t bound)
@@ -274,7 +271,7 @@ static void add_part(int seed, char *body, char *want)
 }
 
 /* Property: parts of random bytes come back, in pieces of random sizes. */
-START_TEST(random_parts_come_back_in_random_pieces)
+VT_TEST_LOOP(random_parts_come_back_in_random_pieces, 200)
 {
     static char body[8192], want[8192];
     static struct vor_multipart scanner;
@@ -297,9 +294,8 @@ START_TEST(random_parts_come_back_in_random_pieces)
     vt_assert_ok(vor_multipart_finish(&scanner, &vt_err));
     ck_assert_str_eq(told.text, want);
 }
-END_TEST
 
-START_TEST(a_form_is_told_by_its_media_type)
+VT_TEST(a_form_is_told_by_its_media_type)
 {
     ck_assert(vor_multipart_is_form("multipart/form-data"));
     ck_assert(vor_multipart_is_form(" MULTIPART/form-data ;boundary=a"));
@@ -307,17 +303,4 @@ START_TEST(a_form_is_told_by_its_media_type)
     ck_assert(!vor_multipart_is_form("multipart/mixed; boundary=a"));
     ck_assert(!vor_multipart_is_form("application/x-www-form-urlencoded"));
     ck_assert(!vor_multipart_is_form(""));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_form_comes_to_its_parts_in_pieces_of_any_size,
-                sizeof sound / sizeof sound[0]);
-    vt_add_loop(suite, what_is_no_form_is_refused_at_the_same_byte_in_pieces_of_any_size,
-                sizeof bad / sizeof bad[0]);
-    vt_add(suite, parts_and_heads_are_bounded);
-    vt_add(suite, a_failure_of_the_reader_ends_the_feed);
-    vt_add_loop(suite, random_parts_come_back_in_random_pieces, 200);
-    vt_add(suite, a_form_is_told_by_its_media_type);
 }

@@ -88,7 +88,7 @@ static void set_all(struct vor_spec *spec, const struct need_case *of)
     vt_assert_ok(vor_spec_complete(spec, &vt_err));
 }
 
-START_TEST(the_estimate_is_near_the_peak)
+VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
 {
     const struct need_case *of = &cases[_i];
     struct vor_memory memory;
@@ -120,7 +120,6 @@ START_TEST(the_estimate_is_near_the_peak)
     vor_artefacts_free(&in);
     vt_engine_close(&engine);
 }
-END_TEST
 
 /* What a job of that request is let in with. */
 static uint64_t need_of(const struct vor_spec *spec)
@@ -133,7 +132,7 @@ static uint64_t need_of(const struct vor_spec *spec)
     return vor_need_bytes(&row.spec, row.inputs, row.input);
 }
 
-START_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
+VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
 {
     struct vor_spec endless = vt_request(1000, 10000), quick = vt_request(1000, 3);
     struct vt_daemon_options options = {.jobs = 4, .budget = need_of(&endless) * 3 / 2};
@@ -157,9 +156,8 @@ START_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
+VT_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
 {
     struct vor_spec spec = vt_request(1000, 3);
     struct vt_daemon_options options = {.budget = 1 << 20};
@@ -176,12 +174,8 @@ START_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add_loop(suite, the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0]);
-    vt_add(suite, jobs_that_fit_alone_but_not_together_wait_for_each_other);
-    vt_add(suite, a_job_larger_than_all_memory_is_refused_with_the_numbers);
 }

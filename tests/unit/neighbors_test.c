@@ -53,7 +53,8 @@ static double neighbors(const struct vor_report *report)
     return report->parameters.value[VOR_PARAM_NEIGHBORS];
 }
 
-START_TEST(what_it_finds_denoises_and_the_report_says_what_it_was)
+VT_TEST_LOOP(what_it_finds_denoises_and_the_report_says_what_it_was,
+             VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     const struct vt_shape *sphere = &vt_shapes[VT_SPHERE];
     struct vor_report report;
@@ -70,9 +71,9 @@ START_TEST(what_it_finds_denoises_and_the_report_says_what_it_was)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number)
+VT_TEST_FIGURES(a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
+                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const char *const ladder[] = {"20", "45", "70", "150"};
     const struct vt_shape *torus = &vt_shapes[VT_TORUS];
@@ -97,7 +98,6 @@ START_TEST(a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A disc of radius 1, so many spacings thick, its rim round. */
 static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n, double thick)
@@ -117,7 +117,7 @@ static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n, double 
     }
 }
 
-START_TEST(a_plate_is_not_noisy)
+VT_TEST_LOOP(a_plate_is_not_noisy, VT_SOAK_LOOPS(2, SEEDS))
 {
     struct vt_engine engine;
     struct vor_cloud cloud, out;
@@ -133,17 +133,4 @@ START_TEST(a_plate_is_not_noisy)
     vt_engine_close(&engine);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("neighbors");
-
-    vt_add_loop(suite, a_plate_is_not_noisy, VT_SOAK_LOOPS(2, SEEDS));
-    vt_add_loop(suite, what_it_finds_denoises_and_the_report_says_what_it_was,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, a_cloud_noisy_in_parts_is_off_by_less_than_with_any_one_number,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    return vt_run(suite);
 }

@@ -33,7 +33,7 @@ static void sick_cloud(struct vor_cloud *cloud, uint64_t seed, size_t n, size_t 
 }
 
 /* Property: the others stay, in their order, each with its own values. */
-START_TEST(points_that_are_dropped_take_nothing_else_along)
+VT_TEST_LOOP(points_that_are_dropped_take_nothing_else_along, 20)
 {
     uint64_t seed = (uint64_t)_i;
     size_t n = 5 + seed * 17, sick, kept = 0;
@@ -60,9 +60,8 @@ START_TEST(points_that_are_dropped_take_nothing_else_along)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(coordinates_that_are_still_doubles_close_up_in_their_place)
+VT_TEST(coordinates_that_are_still_doubles_close_up_in_their_place)
 {
     double wide[] = {1, 2, 3, NAN, 0, 0, 4, 5, 6, 0, 0, INFINITY};
     static const double left[] = {1, 2, 3, 4, 5, 6};
@@ -75,10 +74,9 @@ START_TEST(coordinates_that_are_still_doubles_close_up_in_their_place)
     ck_assert_mem_eq(wide, left, sizeof left);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* Refusal. */
-START_TEST(a_refusal_counts_the_points_and_names_the_way_out)
+VT_TEST(a_refusal_counts_the_points_and_names_the_way_out)
 {
     struct vor_cloud cloud;
 
@@ -98,7 +96,6 @@ START_TEST(a_refusal_counts_the_points_and_names_the_way_out)
     ck_assert_uint_eq(cloud.n, 9);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 static vor_status read_text(struct vor_cloud *out, const char *text, size_t size, int drop)
 {
@@ -112,7 +109,7 @@ static vor_status read_text(struct vor_cloud *out, const char *text, size_t size
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
 
 /* Vector: what is in the header and not in the cloud. */
-START_TEST(a_ply_file_tells_what_is_left_out_of_it)
+VT_TEST(a_ply_file_tells_what_is_left_out_of_it)
 {
     static const char text[] =
         "ply\nformat ascii 1.0\ncomment one\nelement camera 1\nproperty int id\nelement vertex "
@@ -141,10 +138,9 @@ START_TEST(a_ply_file_tells_what_is_left_out_of_it)
     ck_assert_int_eq(vt_err.byte_offset, (int64_t)(strstr(text, "nan") - text));
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Refusal: in a file of the old Macintosh a line may hold what ends a line elsewhere. */
-START_TEST(a_remark_cannot_become_another_line_of_the_header)
+VT_TEST(a_remark_cannot_become_another_line_of_the_header)
 {
     static const char text[] = "ply\rformat ascii 1.0\rcomment a\nelement vertex 9\n\001b\r"
                                "element vertex 1\rproperty float x\rproperty float y\r"
@@ -165,10 +161,9 @@ START_TEST(a_remark_cannot_become_another_line_of_the_header)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Else we would refuse what we wrote. */
-START_TEST(remarks_never_fill_a_header_beyond_what_is_read)
+VT_TEST(remarks_never_fill_a_header_beyond_what_is_read)
 {
     struct vt_bytes file = {0}, bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -200,9 +195,8 @@ START_TEST(remarks_never_fill_a_header_beyond_what_is_read)
     free(file.data);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_list_of_what_was_left_out_never_grows_beyond_its_end)
+VT_TEST(a_list_of_what_was_left_out_never_grows_beyond_its_end)
 {
     struct vor_notes notes = {.format = 0};
     uint64_t sum = 0;
@@ -221,10 +215,9 @@ START_TEST(a_list_of_what_was_left_out_never_grows_beyond_its_end)
     ck_assert_str_eq(notes.dropped[VOR_DROPPED_MAX - 1].what, "others");
     ck_assert_uint_eq(notes.dropped[VOR_DROPPED_MAX - 1].count, sum);
 }
-END_TEST
 
 /* Vector: 2^53 + 1 is the least whole number that is no double. */
-START_TEST(integers_that_a_format_rounds_are_counted)
+VT_TEST(integers_that_a_format_rounds_are_counted)
 {
     static const int64_t values[] = {
         1, -((INT64_C(1) << 53) + 1), INT64_C(1) << 60, INT64_MIN, INT64_MAX, 0};
@@ -244,7 +237,6 @@ START_TEST(integers_that_a_format_rounds_are_counted)
     ck_assert_uint_eq(report.dropped[0].count, 2);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 static void noted_cloud(struct vor_cloud *cloud)
 {
@@ -261,7 +253,7 @@ static void noted_cloud(struct vor_cloud *cloud)
     cloud->notes.remarks_size = sizeof remarks - 1;
 }
 
-START_TEST(a_dump_keeps_the_notes_and_is_refused_where_they_are_cut)
+VT_TEST(a_dump_keeps_the_notes_and_is_refused_where_they_are_cut)
 {
     struct vt_bytes bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -289,20 +281,10 @@ START_TEST(a_dump_keeps_the_notes_and_is_refused_where_they_are_cut)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("cloud/notes");
 
-    vt_add_loop(suite, points_that_are_dropped_take_nothing_else_along, 20);
-    vt_add(suite, coordinates_that_are_still_doubles_close_up_in_their_place);
-    vt_add(suite, a_refusal_counts_the_points_and_names_the_way_out);
-    vt_add(suite, a_ply_file_tells_what_is_left_out_of_it);
-    vt_add(suite, a_remark_cannot_become_another_line_of_the_header);
-    vt_add(suite, remarks_never_fill_a_header_beyond_what_is_read);
-    vt_add(suite, a_list_of_what_was_left_out_never_grows_beyond_its_end);
-    vt_add(suite, integers_that_a_format_rounds_are_counted);
-    vt_add(suite, a_dump_keeps_the_notes_and_is_refused_where_they_are_cut);
     return vt_run(suite);
 }

@@ -41,7 +41,7 @@ static const char *heard(int fd)
     return text;
 }
 
-START_TEST(a_supervisor_hears_what_it_is_told)
+VT_TEST_LOOP(a_supervisor_hears_what_it_is_told, 2)
 {
     const char *text;
     char name[64];
@@ -59,10 +59,9 @@ START_TEST(a_supervisor_hears_what_it_is_told)
     (void)close(fd);
     (void)unlink(name);
 }
-END_TEST
 
 /* A supervisor listens where each of these names would lead if it were cut, or taken as it is. */
-START_TEST(nobody_is_told_where_nobody_asked)
+VT_TEST(nobody_is_told_where_nobody_asked)
 {
     static const char *const wrong[] = {"", "@", "vt-relative", "/no/such/socket"};
     char longest[sizeof((struct sockaddr_un *)0)->sun_path], longer[sizeof longest + 1];
@@ -91,10 +90,9 @@ START_TEST(nobody_is_told_where_nobody_asked)
     (void)close(relative);
     ck_assert_int_eq(chdir("/"), 0);
 }
-END_TEST
 
 /* What its buffer does not hold is dropped, and what comes once it reads again is not. */
-START_TEST(a_supervisor_that_does_not_read_stops_nothing)
+VT_TEST(a_supervisor_that_does_not_read_stops_nothing)
 {
     enum { SENT = 5000 };
     int fd, kept = 0;
@@ -112,9 +110,8 @@ START_TEST(a_supervisor_that_does_not_read_stops_nothing)
     ck_assert_str_eq(heard(fd), "READY=1");
     (void)close(fd);
 }
-END_TEST
 
-START_TEST(the_watchdog_is_fed_twice_as_often_as_it_asks)
+VT_TEST(the_watchdog_is_fed_twice_as_often_as_it_asks)
 {
     static const struct {
         const char *allowed;
@@ -136,7 +133,6 @@ START_TEST(the_watchdog_is_fed_twice_as_often_as_it_asks)
     ck_assert_int_eq(setenv("WATCHDOG_USEC", "4000000", 1), 0);
     ck_assert_double_eq_tol(vor_notify_watchdog(), 2, 1e-9);
 }
-END_TEST
 
 static struct vor_watchdog watchdog;
 
@@ -151,7 +147,7 @@ static void *hang(void *ctx)
     return NULL;
 }
 
-START_TEST(a_thread_that_hangs_is_seen_beside_one_that_does_not)
+VT_TEST(a_thread_that_hangs_is_seen_beside_one_that_does_not)
 {
     pthread_barrier_t barrier;
     pthread_t thread;
@@ -169,17 +165,4 @@ START_TEST(a_thread_that_hangs_is_seen_beside_one_that_does_not)
     pthread_barrier_wait(&barrier);
     pthread_join(thread, NULL);
     ck_assert(vor_watchdog_longest(&watchdog) == 0);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("notify");
-
-    vt_add_loop(suite, a_supervisor_hears_what_it_is_told, 2);
-    vt_add(suite, nobody_is_told_where_nobody_asked);
-    vt_add(suite, a_supervisor_that_does_not_read_stops_nothing);
-    vt_add(suite, the_watchdog_is_fed_twice_as_often_as_it_asks);
-    vt_add(suite, a_thread_that_hangs_is_seen_beside_one_that_does_not);
-    return vt_run(suite);
 }

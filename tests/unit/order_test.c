@@ -45,7 +45,7 @@ static void expect_permutation(const uint32_t *order, size_t n)
     free(seen);
 }
 
-START_TEST(of_three_points_the_farther_one_is_second)
+VT_TEST(of_three_points_the_farther_one_is_second)
 {
     static const float xyz[9] = {0, 0, 0, 0.25f, 0, 0, 1, 0, 0};
     static const uint32_t wanted[3] = {0, 2, 1};
@@ -55,9 +55,8 @@ START_TEST(of_three_points_the_farther_one_is_second)
     expect(xyz, 3, 0, wanted);
     expect(xyz, 3, 0.25, wanted);
 }
-END_TEST
 
-START_TEST(points_in_one_place_come_last_by_index)
+VT_TEST(points_in_one_place_come_last_by_index)
 {
     static const uint32_t one[6] = {0, 1, 2, 3, 4, 5}, two[6] = {0, 3, 1, 2, 4, 5};
     float xyz[18] = {0};
@@ -69,10 +68,9 @@ START_TEST(points_in_one_place_come_last_by_index)
     xyz[9] = xyz[12] = -7;
     expect(xyz, 6, 0, two);
 }
-END_TEST
 
 /* The oracle: how far each is from all before it, by looking at every one. */
-START_TEST(every_next_point_is_nearly_the_farthest)
+VT_TEST_FIGURES(every_next_point_is_nearly_the_farthest, SEEDS)
 {
     struct vor_cloud cloud;
     uint32_t *order;
@@ -104,11 +102,10 @@ START_TEST(every_next_point_is_nearly_the_farthest)
     free(order);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* One crowd in a corner no wider than 1e-7 of the whole, as an outlier in the input can leave it.
  */
-START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
+VT_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
 {
     enum { FEW = 50 };
     struct vor_cloud cloud;
@@ -125,13 +122,4 @@ START_TEST(a_crowd_in_a_corner_comes_after_all_that_is_wide)
     }
     free(order);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, of_three_points_the_farther_one_is_second);
-    vt_add(suite, points_in_one_place_come_last_by_index);
-    vt_add_figures(suite, every_next_point_is_nearly_the_farthest, SEEDS);
-    vt_add(suite, a_crowd_in_a_corner_comes_after_all_that_is_wide);
 }

@@ -108,7 +108,7 @@ static void done(struct oriented *oriented)
     vor_domain_free(&oriented->domain);
 }
 
-START_TEST(a_knot_faces_outward)
+VT_TEST_FIGURES(a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     float *truth = malloc(3 * N * sizeof *truth);
     struct vor_cloud cloud;
@@ -128,7 +128,6 @@ START_TEST(a_knot_faces_outward)
     free(truth);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* A mesh, points on it with the normals of their faces, and many more to look at its faces. */
 struct sampled {
@@ -196,7 +195,7 @@ static const struct {
 /* Of ten draws of armadillo half have no such point; in the others 1 to 35 on its fingers. */
 static const uint64_t draws[2 + DRAWS] = {4, 5, 3, 6, 7, 9};
 
-START_TEST(meshes_face_outward)
+VT_TEST_FIGURES(meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)))
 {
     size_t which = _i < 2 ? (size_t)_i + 1 : 0, any = 0, sure = 0;
     struct sampled sampled;
@@ -220,12 +219,11 @@ START_TEST(meshes_face_outward)
     sampled_free(&sampled);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Prisms about the origin, the edge at the top with 70, 60 or 50 degrees, without noise and with a
  * third of the spacing, which walks would follow: fits at the edge have a
  * normal of neither face. */
-START_TEST(sharp_prisms_face_outward)
+VT_TEST_FIGURES(sharp_prisms_face_outward, VT_ONCE(6))
 {
     static uint32_t face[] = {0, 1, 2, 3, 4, 5, 0, 1, 4, 0, 4, 3,
                               1, 2, 5, 1, 5, 4, 2, 0, 3, 2, 3, 5};
@@ -250,11 +248,11 @@ START_TEST(sharp_prisms_face_outward)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Half of a square faces the other way, though most edges across the line deny it: it is turned. On
  * a sphere the same edges are wrong, as winding numbers show: nothing is turned. */
-START_TEST(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface)
+VT_TEST_LOOP(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface,
+             VT_ONCE(2))
 {
     const struct vor_flip_how how = {
         .doubt = 0.1, .margin = 0.5, .closed = 0.25, .apart = 0.06, .clean = 0.015};
@@ -301,9 +299,8 @@ START_TEST(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_s
     free(edge);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
+VT_TEST_FIGURES(a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     static const double widths[] = {0.8, 0.2};
     struct oriented oriented;
@@ -325,10 +322,10 @@ START_TEST(a_moebius_band_is_told_from_a_sheet_and_a_torus)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Carried normals of random sign are turned outward, and none of them changes otherwise. */
-START_TEST(oriented_makes_the_signs_of_carried_normals_consistent)
+VT_TEST_LOOP(oriented_makes_the_signs_of_carried_normals_consistent,
+             VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -348,11 +345,10 @@ START_TEST(oriented_makes_the_signs_of_carried_normals_consistent)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Normals that lead inward decide under auto, also if some have no direction; estimate does not
  * look at them. */
-START_TEST(carried_normals_decide_the_side_unless_they_are_to_be_ignored)
+VT_TEST_LOOP(carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_ONCE(1))
 {
     for (size_t bad = 0; bad < 2; bad++) {
         struct vor_cloud in, out;
@@ -379,9 +375,8 @@ START_TEST(carried_normals_decide_the_side_unless_they_are_to_be_ignored)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
+VT_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -405,23 +400,4 @@ START_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_firs
     vor_cloud_free(&in);
     vt_engine_close(&engine);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("orient");
-
-    vt_add_figures(suite, a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_figures(suite, meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)));
-    vt_add_figures(suite, sharp_prisms_face_outward, VT_ONCE(6));
-    vt_add_loop(suite, regions_that_edges_contradict_are_turned_unless_that_opens_a_closed_surface,
-                VT_ONCE(2));
-    vt_add_figures(suite, a_moebius_band_is_told_from_a_sheet_and_a_torus,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, oriented_makes_the_signs_of_carried_normals_consistent,
-                VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add_loop(suite, carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_ONCE(1));
-    vt_add(suite, normals_that_cannot_be_used_are_refused_with_their_count_and_the_first);
-    return vt_run(suite);
 }

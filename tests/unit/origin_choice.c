@@ -27,7 +27,7 @@ static struct vor_extent square_at(double x)
 }
 
 /* 1.0746 / 200 is 0.00537: float32 has steps of 2^-8 from 2^15 on, of 2^-7 from 2^16 on. */
-START_TEST(auto_is_absolute_as_long_as_float32_is_fine_enough)
+VT_TEST(auto_is_absolute_as_long_as_float32_is_fine_enough)
 {
     static const struct {
         double x, origin;
@@ -44,9 +44,8 @@ START_TEST(auto_is_absolute_as_long_as_float32_is_fine_enough)
         ck_assert(origin[1] == (cases[i].origin != 0 ? 50 : 0) && origin[2] == 0);
     }
 }
-END_TEST
 
-START_TEST(the_frame_does_not_depend_on_the_number_of_points)
+VT_TEST_LOOP(the_frame_does_not_depend_on_the_number_of_points, 60)
 {
     static const char *const words[] = {"auto", "relative"};
     static const char *const points[] = {"1", "100", "160000"};
@@ -68,9 +67,8 @@ START_TEST(the_frame_does_not_depend_on_the_number_of_points)
             ck_assert(origin[c] == rint(origin[c]));
     }
 }
-END_TEST
 
-START_TEST(numbers_are_taken_as_they_are)
+VT_TEST(numbers_are_taken_as_they_are)
 {
     struct vor_spec spec = asked("637000.25,-1e2,+3", "100");
     struct vor_extent input = square_at(637000);
@@ -79,10 +77,9 @@ START_TEST(numbers_are_taken_as_they_are)
     vt_assert_ok(vor_origin_resolve(origin, &spec, &input, 10, &vt_err));
     ck_assert(origin[0] == 637000.25 && origin[1] == -100 && origin[2] == 3);
 }
-END_TEST
 
 /* Vector: at 849254 the step is 0.0625, a 20th of 1.25. */
-START_TEST(an_origin_that_leaves_float32_too_coarse_is_refused_with_its_step)
+VT_TEST(an_origin_that_leaves_float32_too_coarse_is_refused_with_its_step)
 {
     static const char *const words[] = {"absolute", "-200000,0,0"};
     struct vor_extent input = square_at(849154);
@@ -102,11 +99,10 @@ START_TEST(an_origin_that_leaves_float32_too_coarse_is_refused_with_its_step)
     }
     ck_assert_int_eq(vor_status_http(VOR_E_ORIGIN), 422);
 }
-END_TEST
 
 /* Property: what is refused before the work would be refused after it, at any spacing that the
  * estimate is not wrong about by more than the margin. */
-START_TEST(an_early_refusal_is_never_wrong)
+VT_TEST_LOOP(an_early_refusal_is_never_wrong, SEEDS)
 {
     char points[16];
     struct vor_extent input = square_at(pow(10, 3 + 5 * vt_unit((uint64_t)_i, 0)));
@@ -119,9 +115,8 @@ START_TEST(an_early_refusal_is_never_wrong)
     ck_assert_int_eq(vor_origin_check(&spec, &input, NULL),
                      vor_origin_resolve(origin, &spec, &input, most, NULL));
 }
-END_TEST
 
-START_TEST(a_spacing_that_is_asked_for_decides_early)
+VT_TEST(a_spacing_that_is_asked_for_decides_early)
 {
     struct vor_extent input = square_at(849154);
     struct vor_spec spec;
@@ -133,9 +128,8 @@ START_TEST(a_spacing_that_is_asked_for_decides_early)
     vt_assert_ok(vor_spec_set(&spec, "spacing", "1.2", &vt_err));
     vt_assert_fails(VOR_E_ORIGIN, vor_origin_check(&spec, &input, &vt_err));
 }
-END_TEST
 
-START_TEST(an_origin_beyond_float32_is_refused_whatever_the_spacing)
+VT_TEST(an_origin_beyond_float32_is_refused_whatever_the_spacing)
 {
     struct vor_extent input = square_at(0);
     struct vor_spec spec = asked("1e30,0,0", "100");
@@ -146,9 +140,8 @@ START_TEST(an_origin_beyond_float32_is_refused_whatever_the_spacing)
     spec = asked("absolute", "100");
     vt_assert_fails(VOR_E_ORIGIN, vor_origin_resolve(origin, &spec, &input, 0, &vt_err));
 }
-END_TEST
 
-START_TEST(an_origin_is_written_as_it_is_read)
+VT_TEST(an_origin_is_written_as_it_is_read)
 {
     static const double origins[][3] = {{0, 0, 0},
                                         {637000, -849000, 12},
@@ -167,9 +160,8 @@ START_TEST(an_origin_is_written_as_it_is_read)
         ck_assert_mem_eq(back, origins[i], sizeof back);
     }
 }
-END_TEST
 
-START_TEST(only_draco_takes_an_origin)
+VT_TEST(only_draco_takes_an_origin)
 {
     struct vor_result_facts facts = {square_at(849154), 0.5};
     struct vor_spec spec = asked("absolute", "100000");
@@ -190,18 +182,4 @@ START_TEST(only_draco_takes_an_origin)
         vor_write_options_from(&options, vor_format(VOR_FORMAT_DRC), &spec, &facts, &vt_err));
     ck_assert_int_eq(options.has_origin, 1);
     ck_assert(options.origin[0] == 849204 && options.origin[1] == 50 && options.origin[2] == 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, auto_is_absolute_as_long_as_float32_is_fine_enough);
-    vt_add_loop(suite, the_frame_does_not_depend_on_the_number_of_points, 60);
-    vt_add(suite, numbers_are_taken_as_they_are);
-    vt_add(suite, an_origin_that_leaves_float32_too_coarse_is_refused_with_its_step);
-    vt_add_loop(suite, an_early_refusal_is_never_wrong, SEEDS);
-    vt_add(suite, a_spacing_that_is_asked_for_decides_early);
-    vt_add(suite, an_origin_beyond_float32_is_refused_whatever_the_spacing);
-    vt_add(suite, an_origin_is_written_as_it_is_read);
-    vt_add(suite, only_draco_takes_an_origin);
 }

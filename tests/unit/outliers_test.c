@@ -43,7 +43,7 @@ static void stray(struct vor_cloud *cloud, uint64_t seed)
             cloud->xyz[3 * i + c] *= (float)(1.1 + 0.9 * vt_unit(seed, i));
 }
 
-START_TEST(hardly_a_point_of_a_surface_is_one)
+VT_TEST_FIGURES(hardly_a_point_of_a_surface_is_one, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)))
 {
     static void (*const makes[])(struct vor_cloud *, uint64_t, size_t) = {
         vt_cloud_sphere, vt_cloud_torus, vt_cloud_box, vt_cloud_dome, vt_cloud_square};
@@ -57,7 +57,6 @@ START_TEST(hardly_a_point_of_a_surface_is_one)
         end(&bed);
     }
 }
-END_TEST
 
 /* Puts every `every`-th point anywhere in the box around a sphere of half its width. */
 static void scatter(struct vor_cloud *cloud, uint64_t seed, size_t every)
@@ -74,7 +73,7 @@ static double off_sphere(const float x[3])
 
 /* Regression: scattered points are among the nearest of each other, so that a result had half of
  * its points on surfaces between them. */
-START_TEST(points_that_fill_space_are_outliers_however_many)
+VT_TEST_FIGURES(points_that_fill_space_are_outliers_however_many, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)))
 {
     static const size_t every[3] = {100, 50, 10};
 
@@ -95,10 +94,9 @@ START_TEST(points_that_fill_space_are_outliers_however_many)
         end(&bed);
     }
 }
-END_TEST
 
 /* The same nearest points, thick around a corner, flat where a surface is thin. */
-START_TEST(thin_and_sharp_parts_of_a_surface_are_none)
+VT_TEST_FIGURES(thin_and_sharp_parts_of_a_surface_are_none, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)))
 {
     struct bed bed;
     size_t kept = 0;
@@ -113,9 +111,8 @@ START_TEST(thin_and_sharp_parts_of_a_surface_are_none)
     ck_assert_uint_le(bed.dropped, N / 1000);
     end(&bed);
 }
-END_TEST
 
-START_TEST(few_points_have_none)
+VT_TEST_FIGURES(few_points_have_none, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)))
 {
     struct bed bed;
 
@@ -125,7 +122,6 @@ START_TEST(few_points_have_none)
     ck_assert_uint_eq(bed.dropped, 0);
     end(&bed);
 }
-END_TEST
 
 /* Tight balls of 21 points, far apart, each in the middle of the twelve corners of an icosahedron.
  * A corner has the ball nearer than any other corner, and the points of a ball have each other:
@@ -152,7 +148,7 @@ static void make_hubs(struct vor_cloud *cloud, uint64_t seed, size_t n)
     }
 }
 
-START_TEST(where_more_than_a_quarter_would_go_all_stay)
+VT_TEST_FIGURES(where_more_than_a_quarter_would_go_all_stay, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)))
 {
     enum { FEW = 33 * 45 };
     struct bed bed;
@@ -162,7 +158,6 @@ START_TEST(where_more_than_a_quarter_would_go_all_stay)
     ck_assert_uint_eq(bed.dropped, 0);
     end(&bed);
 }
-END_TEST
 
 /* Mean distance to the unit sphere of a result, and what the report counts. */
 static double off(const struct vor_cloud *in, const char *method, const char *outliers,
@@ -189,7 +184,7 @@ static double off(const struct vor_cloud *in, const char *method, const char *ou
     return mean;
 }
 
-START_TEST(a_result_without_them_lies_on_the_surface)
+VT_TEST_FIGURES(a_result_without_them_lies_on_the_surface, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
 {
     struct vor_cloud cloud;
     uint64_t none, some;
@@ -208,10 +203,9 @@ START_TEST(a_result_without_them_lies_on_the_surface)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Outliers hide the edges that ear is asked for. */
-START_TEST(ear_drops_them_and_others_keep_them_unless_told)
+VT_TEST(ear_drops_them_and_others_keep_them_unless_told)
 {
     struct vor_cloud cloud;
     uint64_t dropped, kept;
@@ -226,23 +220,4 @@ START_TEST(ear_drops_them_and_others_keep_them_unless_told)
     ck_assert_uint_eq(kept, 0);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("outliers");
-
-    vt_add_figures(suite, hardly_a_point_of_a_surface_is_one, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
-    vt_add_figures(suite, points_that_fill_space_are_outliers_however_many,
-                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
-    vt_add_figures(suite, thin_and_sharp_parts_of_a_surface_are_none,
-                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
-    vt_add_figures(suite, few_points_have_none, VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
-    vt_add_figures(suite, where_more_than_a_quarter_would_go_all_stay,
-                   VT_FEWER(VT_SOAK_LOOPS(2, SEEDS)));
-    vt_add_figures(suite, a_result_without_them_lies_on_the_surface,
-                   VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)));
-    vt_add(suite, ear_drops_them_and_others_keep_them_unless_told);
-    return vt_run(suite);
 }

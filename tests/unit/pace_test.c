@@ -55,7 +55,7 @@ static double left_after(struct vor_record first, struct vor_record last, double
     return vor_pace_left(&pace, &spec);
 }
 
-START_TEST(steps_of_all_stages_count_alike)
+VT_TEST(steps_of_all_stages_count_alike)
 {
     struct vor_record first = at(FIRST, 0, 30, 70, 0);
 
@@ -65,10 +65,9 @@ START_TEST(steps_of_all_stages_count_alike)
     ck_assert_double_eq_tol(done_after(first, at(SECOND, 7, 70, 0, 9), -1), 0.37, 1e-12);
     ck_assert_double_eq(done_after(first, at(SECOND, 70, 70, 0, 9), -1), 1);
 }
-END_TEST
 
 /* Whoever follows a run from its middle counts what is ahead and what its stage has behind it. */
-START_TEST(a_run_may_be_seen_from_its_middle)
+VT_TEST(a_run_may_be_seen_from_its_middle)
 {
     ck_assert_double_eq_tol(done_after(at(FIRST, 8, 12, 88, 1), at(FIRST, 10, 12, 88, 2), -1), 0.1,
                             1e-12);
@@ -77,10 +76,9 @@ START_TEST(a_run_may_be_seen_from_its_middle)
     ck_assert_double_eq_tol(left_after(at(SECOND, 20, 80, 0, 1), at(SECOND, 60, 80, 0, 2), -1),
                             (20 * 1.2 + 5.5) / (40 * 1.2), 1e-12);
 }
-END_TEST
 
 /* What another build sends need not keep to what it said. */
-START_TEST(more_than_was_allowed_is_all)
+VT_TEST(more_than_was_allowed_is_all)
 {
     struct vor_record first = at(FIRST, 0, 10, 10, 0);
 
@@ -89,9 +87,8 @@ START_TEST(more_than_was_allowed_is_all)
     ck_assert_double_le(left_after(first, at(SECOND, 4000000000, 10, 0, 1), -1), 1e-8);
     ck_assert_double_eq_tol(done_after(first, at(FIRST, 20, 100, 100, 1), -1), 0.1, 1e-12);
 }
-END_TEST
 
-START_TEST(a_budget_counts_where_more_of_it_is_used_up)
+VT_TEST(a_budget_counts_where_more_of_it_is_used_up)
 {
     struct vor_record first = at(FIRST, 0, 100, 100, 0);
 
@@ -106,9 +103,8 @@ START_TEST(a_budget_counts_where_more_of_it_is_used_up)
                             1e-12); /* not by zero */
     ck_assert_double_eq(left_after(first, at(FIRST, 10, 100, 100, 1), 0), 0);
 }
-END_TEST
 
-START_TEST(there_is_no_pace_before_the_second_record)
+VT_TEST(there_is_no_pace_before_the_second_record)
 {
     struct vor_pace pace = {0};
     struct vor_spec spec = request(-1);
@@ -120,9 +116,8 @@ START_TEST(there_is_no_pace_before_the_second_record)
     ck_assert_double_eq_tol(left_after(at(FIRST, 0, 100, 100, 2), at(FIRST, 20, 100, 100, 12), -1),
                             10 * (21 * 2.5 + 100 * 1.2 + 5.5) / (5 + 19 * 2.5), 1e-12);
 }
-END_TEST
 
-START_TEST(each_of_three_stages_has_a_pace_of_its_own)
+VT_TEST(each_of_three_stages_has_a_pace_of_its_own)
 {
     const struct vor_record records[] = {
         at(FIRST, 0, 20, 150, 1),    at(FIRST, 10, 20, 150, 21),  at(FIRST, 20, 20, 150, 41),
@@ -147,10 +142,9 @@ START_TEST(each_of_three_stages_has_a_pace_of_its_own)
         ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), done[i] / 170, 1e-12);
     }
 }
-END_TEST
 
 /* A stage may tell that it begins, as the first one does. */
-START_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
+VT_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
 {
     const struct vor_record records[] = {at(FIRST, 0, 20, 150, 1),   at(FIRST, 20, 20, 150, 41),
                                          at(SECOND, 0, 100, 50, 45), at(SECOND, 10, 100, 50, 55),
@@ -170,10 +164,9 @@ START_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
     }
     ck_assert_double_eq(left_after(at(FIRST, 0, 0, 50, 1), at(SECOND, 0, 50, 0, 2), -1), -1);
 }
-END_TEST
 
 /* A plateau after 8 of 12: the four that did not come are done, and take no time. */
-START_TEST(a_stage_that_ends_early_is_done)
+VT_TEST(a_stage_that_ends_early_is_done)
 {
     const struct vor_record records[] = {at(FIRST, 0, 12, 100, 1), at(FIRST, 8, 12, 100, 9),
                                          at(SECOND, 10, 100, 0, 10)};
@@ -183,9 +176,8 @@ START_TEST(a_stage_that_ends_early_is_done)
     ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 22.0 / 112, 1e-12);
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (90 * 1.2 + 5.5) / (10 * 1.2), 1e-12);
 }
-END_TEST
 
-START_TEST(without_a_limit_there_is_neither_share_nor_time_left)
+VT_TEST(without_a_limit_there_is_neither_share_nor_time_left)
 {
     const struct vor_record records[] = {at(FIRST, 0, 0, 0, 1), at(FIRST, 8, 0, 0, 9),
                                          at(SECOND, 10, 0, 0, 10)};
@@ -201,7 +193,6 @@ START_TEST(without_a_limit_there_is_neither_share_nor_time_left)
                                 1e-12);
     }
 }
-END_TEST
 
 static struct vor_spec request_of(const char *process, const char *points)
 {
@@ -214,7 +205,7 @@ static struct vor_spec request_of(const char *process, const char *points)
 }
 
 /* upsample iterates once and takes 8 steps of the polish. */
-START_TEST(before_the_first_record_the_request_says_how_long)
+VT_TEST(before_the_first_record_the_request_says_how_long)
 {
     struct vor_spec spec = request_of("upsample", "120000");
     struct vor_pace pace = {.work = vor_pace_work_of(&spec, 30000, 1)};
@@ -227,11 +218,10 @@ START_TEST(before_the_first_record_the_request_says_how_long)
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", 0.5, &vt_err));
     ck_assert_double_eq(vor_pace_left(&pace, &spec), 0.5);
 }
-END_TEST
 
 /* ear: 15 of 30 thousand points are projected in 12 steps, 45 thousand inserted by one thread,
  * however many there are, then 8 steps of the polish; all times as the table of pace.c has them. */
-START_TEST(projected_and_inserted_points_count_by_what_they_take)
+VT_TEST(projected_and_inserted_points_count_by_what_they_take)
 {
     static const double project = 12 * 15e3 * 2.5e-6, insert = 45e3 * 15e-6,
                         polish = 8 * 60e3 * 3.3e-6, end = 60e3 * 5.5e-6, start = 30e3 * 80e-6;
@@ -261,9 +251,8 @@ START_TEST(projected_and_inserted_points_count_by_what_they_take)
         ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 1, 1e-12);
     }
 }
-END_TEST
 
-START_TEST(without_the_work_nothing_is_known_before_a_step)
+VT_TEST(without_the_work_nothing_is_known_before_a_step)
 {
     struct vor_spec measure = request_of("measure", NULL), spaced = request_of("resample", NULL);
 
@@ -271,11 +260,10 @@ START_TEST(without_the_work_nothing_is_known_before_a_step)
     ck_assert_double_eq(vor_pace_work_of(&measure, 1000, 2).points_out, 0);
     ck_assert_double_eq(vor_pace_work_of(&spaced, 1000, 2).points_out, 0);
 }
-END_TEST
 
 /* A run that began four times as slowly as usual takes twice as long; so do its polish and its end
  * while iterations are four times as slow. */
-START_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
+VT_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
 {
     struct vor_spec spec = request_of("resample", "100000");
     struct vor_pace pace = {.work = vor_pace_work_of(&spec, 500000, 1)};
@@ -295,10 +283,9 @@ START_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
     vor_pace_add(&pace, &record);
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 3 * 0.1 * (50 * 1.2 + 5.5), 1e-9);
 }
-END_TEST
 
 /* The last 40 steps of the polish on the whole of a dense input cost 2.8 times as much. */
-START_TEST(the_last_steps_on_a_dense_input_take_longer)
+VT_TEST(the_last_steps_on_a_dense_input_take_longer)
 {
     static const uint32_t in[] = {1990000, 2000000};
     static const double whole[] = {1, 2.8};
@@ -319,10 +306,9 @@ START_TEST(the_last_steps_on_a_dense_input_take_longer)
                                 1e-9);
     }
 }
-END_TEST
 
 /* 100 are allowed, 41 are usual; past them a few more are expected, but never more than allowed. */
-START_TEST(iterations_without_a_number_end_where_they_usually_do)
+VT_TEST(iterations_without_a_number_end_where_they_usually_do)
 {
     static const uint32_t steps[] = {1, 40, 41, 60, 99, 100};
     static const double more[] = {40, 3, 3, 3, 1, 0};
@@ -341,24 +327,4 @@ START_TEST(iterations_without_a_number_end_where_they_usually_do)
                                                              .last = at(FIRST, 1, 100, 0, 5)},
                                           &spec),
                             99 * 2.5 + 5.5, 1e-9);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, steps_of_all_stages_count_alike);
-    vt_add(suite, a_run_may_be_seen_from_its_middle);
-    vt_add(suite, more_than_was_allowed_is_all);
-    vt_add(suite, a_budget_counts_where_more_of_it_is_used_up);
-    vt_add(suite, there_is_no_pace_before_the_second_record);
-    vt_add(suite, each_of_three_stages_has_a_pace_of_its_own);
-    vt_add(suite, a_stage_that_begins_has_the_pace_of_the_one_before);
-    vt_add(suite, a_stage_that_ends_early_is_done);
-    vt_add(suite, without_a_limit_there_is_neither_share_nor_time_left);
-    vt_add(suite, before_the_first_record_the_request_says_how_long);
-    vt_add(suite, projected_and_inserted_points_count_by_what_they_take);
-    vt_add(suite, without_the_work_nothing_is_known_before_a_step);
-    vt_add(suite, how_slow_one_part_is_tells_half_of_how_slow_others_are);
-    vt_add(suite, the_last_steps_on_a_dense_input_take_longer);
-    vt_add(suite, iterations_without_a_number_end_where_they_usually_do);
 }

@@ -27,7 +27,7 @@ static size_t lattices(struct vor_bond *bond, uint64_t seed, double wrong)
     return count;
 }
 
-START_TEST(two_lattices_are_two_groups_though_some_pairs_are_wrong)
+VT_TEST_LOOP(two_lattices_are_two_groups_though_some_pairs_are_wrong, 3)
 {
     static struct vor_bond bond[PAIRS * N];
     static uint32_t group[N];
@@ -42,10 +42,4 @@ START_TEST(two_lattices_are_two_groups_though_some_pairs_are_wrong)
     ck_assert_uint_ne(group[MIDDLE], group[SHEET + MIDDLE]);
     ck_assert_msg(strange <= (_i == 0 ? 0 : N / 25), "%zu nodes in another group", strange);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, two_lattices_are_two_groups_though_some_pairs_are_wrong, 3);
 }

@@ -80,7 +80,9 @@ static void list_attributes(const struct vor_cloud *cloud, char *out, size_t siz
                                cloud->attributes[i].components);
 }
 
-START_TEST(a_scan_has_its_points_box_and_attributes)
+static int count; /* of scans */
+
+VT_TEST_LOOP(a_scan_has_its_points_box_and_attributes, count)
 {
     const struct scan *scan = &scans[_i];
     struct vor_cloud cloud;
@@ -104,9 +106,8 @@ START_TEST(a_scan_has_its_points_box_and_attributes)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(a_scan_survives_being_written_and_read)
+VT_TEST_LOOP(a_scan_survives_being_written_and_read, count)
 {
     struct vt_bytes bytes = {0};
     struct vor_sink sink = {&bytes, vt_bytes_write};
@@ -130,10 +131,9 @@ START_TEST(a_scan_survives_being_written_and_read)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* The ascii scan is the binary one as it was distributed. */
-START_TEST(ascii_and_binary_bunny_are_the_same_points)
+VT_TEST(ascii_and_binary_bunny_are_the_same_points)
 {
     struct vor_cloud ascii, binary;
 
@@ -146,10 +146,9 @@ START_TEST(ascii_and_binary_bunny_are_the_same_points)
     }
     vor_cloud_free(&ascii);
 }
-END_TEST
 
 /* The contract of vor_cloud_set_double on survey coordinates: half a cell of extent / 2^24. */
-START_TEST(survey_coordinates_keep_their_last_digit)
+VT_TEST(survey_coordinates_keep_their_last_digit)
 {
     const char *path = vt_data("autzen.ply");
     struct vor_cloud cloud;
@@ -176,14 +175,8 @@ START_TEST(survey_coordinates_keep_their_last_digit)
     vor_cloud_free(&cloud);
     free(bytes);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
-    int count = read_scans();
-
-    vt_add_loop(suite, a_scan_has_its_points_box_and_attributes, count);
-    vt_add_loop(suite, a_scan_survives_being_written_and_read, count);
-    vt_add(suite, ascii_and_binary_bunny_are_the_same_points);
-    vt_add(suite, survey_coordinates_keep_their_last_digit);
+    count = read_scans();
 }

@@ -57,7 +57,7 @@ static void assert_bytes(struct vt_bytes bytes, const char *want, size_t size)
     "ply\nformat binary_little_endian 1.0\ncomment written by voronoid\nelement vertex " #n "\n"
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
 
-START_TEST(a_float_cloud_has_these_bytes)
+VT_TEST(a_float_cloud_has_these_bytes)
 {
     static const char want[] = HEAD(2) XYZ
         "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty short label\n"
@@ -83,9 +83,8 @@ START_TEST(a_float_cloud_has_these_bytes)
     assert_bytes(written(&cloud), want, sizeof want - 1);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(a_double_cloud_has_these_bytes)
+VT_TEST(a_double_cloud_has_these_bytes)
 {
     static const char want[] =
         HEAD(1) "property double x\nproperty double y\nproperty double z\nend_header\n"
@@ -101,9 +100,8 @@ START_TEST(a_double_cloud_has_these_bytes)
     assert_bytes(written(&cloud), want, sizeof want - 1);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(a_float_cloud_with_an_origin_is_written_in_absolute_coordinates)
+VT_TEST(a_float_cloud_with_an_origin_is_written_in_absolute_coordinates)
 {
     struct vor_cloud cloud, back;
     struct vor_limits limits = VOR_LIMITS_DEFAULT;
@@ -120,7 +118,6 @@ START_TEST(a_float_cloud_with_an_origin_is_written_in_absolute_coordinates)
     vor_cloud_free(&cloud);
     free(bytes.data);
 }
-END_TEST
 
 /* Attributes, and their lines in the header. */
 static const struct {
@@ -168,7 +165,7 @@ static const struct {
      "property float g\nproperty double h\n"},
 };
 
-START_TEST(attributes_have_these_lines_in_the_header)
+VT_TEST_LOOP(attributes_have_these_lines_in_the_header, (int)(sizeof headers / sizeof headers[0]))
 {
     struct vor_cloud cloud;
     char *header;
@@ -183,9 +180,8 @@ START_TEST(attributes_have_these_lines_in_the_header)
     free(header);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(integers_of_64_bits_become_doubles)
+VT_TEST(integers_of_64_bits_become_doubles)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -205,10 +201,9 @@ START_TEST(integers_of_64_bits_become_doubles)
     free(bytes.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* 64 attributes of 16 components with long names: the longest row and header there can be. */
-START_TEST(the_widest_cloud_is_written_whole)
+VT_TEST(the_widest_cloud_is_written_whole)
 {
     struct vor_cloud cloud;
     struct vt_bytes bytes;
@@ -229,7 +224,6 @@ START_TEST(the_widest_cloud_is_written_whole)
     free(bytes.data);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 struct narrow {
     size_t left, calls, largest;
@@ -249,7 +243,7 @@ static int narrow_write(void *ctx, const void *data, size_t size)
     return 0;
 }
 
-START_TEST(a_sink_that_refuses_ends_the_writing)
+VT_TEST(a_sink_that_refuses_ends_the_writing)
 {
     struct vor_cloud cloud;
     size_t used;
@@ -266,9 +260,8 @@ START_TEST(a_sink_that_refuses_ends_the_writing)
     }
     vor_cloud_free(&cloud);
 }
-END_TEST
 
-START_TEST(the_file_is_never_held_as_a_whole)
+VT_TEST(the_file_is_never_held_as_a_whole)
 {
     struct narrow narrow = {.left = SIZE_MAX};
     struct vor_sink sink = {&narrow, narrow_write};
@@ -285,18 +278,4 @@ START_TEST(the_file_is_never_held_as_a_whole)
     ck_assert_uint_le(narrow.largest, 65536);
     ck_assert_uint_le(atomic_load(&memory.peak) - used, 65536 + 4096);
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_float_cloud_has_these_bytes);
-    vt_add(suite, a_double_cloud_has_these_bytes);
-    vt_add(suite, a_float_cloud_with_an_origin_is_written_in_absolute_coordinates);
-    vt_add_loop(suite, attributes_have_these_lines_in_the_header,
-                (int)(sizeof headers / sizeof headers[0]));
-    vt_add(suite, integers_of_64_bits_become_doubles);
-    vt_add(suite, the_widest_cloud_is_written_whole);
-    vt_add(suite, a_sink_that_refuses_ends_the_writing);
-    vt_add(suite, the_file_is_never_held_as_a_whole);
 }

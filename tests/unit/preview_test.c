@@ -37,7 +37,7 @@ static struct vor_shown frame(float *xyz, size_t n, float value, uint32_t iterat
     return (struct vor_shown){.moving = {.xyz = xyz, .n = n, .unit = 1}, .iteration = iteration};
 }
 
-START_TEST(points_are_picked_evenly_and_put_into_their_frame)
+VT_TEST(points_are_picked_evenly_and_put_into_their_frame)
 {
     float xyz[3 * 10], out[3];
     struct vor_moving moving = {.xyz = xyz, .n = 10, .unit = 2, .shift = {100, 0, -1}};
@@ -55,9 +55,8 @@ START_TEST(points_are_picked_evenly_and_put_into_their_frame)
     ck_assert_uint_eq(vor_shown_count(7, 10), 7);
     ck_assert_uint_eq(vor_shown_count(10000000, MOST), MOST);
 }
-END_TEST
 
-START_TEST(a_board_shows_what_was_written_last_and_once)
+VT_TEST(a_board_shows_what_was_written_last_and_once)
 {
     struct vor_board *board = new_board();
     float *in = room(2 * MOST), *out = room(MOST);
@@ -84,9 +83,8 @@ START_TEST(a_board_shows_what_was_written_last_and_once)
     free(in);
     vor_board_unmap(board);
 }
-END_TEST
 
-START_TEST(a_count_that_makes_no_sense_reads_nothing_beyond)
+VT_TEST(a_count_that_makes_no_sense_reads_nothing_beyond)
 {
     struct vor_board *board = new_board();
     float *out = room(MOST);
@@ -102,9 +100,8 @@ START_TEST(a_count_that_makes_no_sense_reads_nothing_beyond)
     free(out);
     vor_board_unmap(board);
 }
-END_TEST
 
-START_TEST(what_nobody_looks_at_any_more_takes_no_memory)
+VT_TEST(what_nobody_looks_at_any_more_takes_no_memory)
 {
     struct vor_board *board = new_board();
     float *in = room(MOST);
@@ -119,7 +116,6 @@ START_TEST(what_nobody_looks_at_any_more_takes_no_memory)
     free(in);
     vor_board_unmap(board);
 }
-END_TEST
 
 struct writer {
     struct vor_board *board;
@@ -142,7 +138,7 @@ static void *write_frames(void *arg)
     return NULL;
 }
 
-START_TEST(a_frame_that_is_read_is_whole)
+VT_TEST(a_frame_that_is_read_is_whole)
 {
     struct writer writer = {.board = new_board()};
     float *out = room(MOST);
@@ -164,7 +160,6 @@ START_TEST(a_frame_that_is_read_is_whole)
     free(out);
     vor_board_unmap(writer.board);
 }
-END_TEST
 
 /* The cloud of a preview. */
 static vor_status cloud_of(struct vor_preview *preview, size_t most, struct vor_cloud *cloud,
@@ -174,7 +169,7 @@ static vor_status cloud_of(struct vor_preview *preview, size_t most, struct vor_
     return vor_preview_cloud(preview, most, cloud, info, &vt_err);
 }
 
-START_TEST(a_preview_shows_the_last_frame_that_was_put)
+VT_TEST(a_preview_shows_the_last_frame_that_was_put)
 {
     struct vor_preview *preview = vor_preview_create();
     struct vor_preview_info info;
@@ -206,15 +201,4 @@ START_TEST(a_preview_shows_the_last_frame_that_was_put)
     free(in);
     vor_preview_destroy(preview);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, points_are_picked_evenly_and_put_into_their_frame);
-    vt_add(suite, a_board_shows_what_was_written_last_and_once);
-    vt_add(suite, a_count_that_makes_no_sense_reads_nothing_beyond);
-    vt_add(suite, what_nobody_looks_at_any_more_takes_no_memory);
-    vt_add(suite, a_frame_that_is_read_is_whole);
-    vt_add(suite, a_preview_shows_the_last_frame_that_was_put);
 }

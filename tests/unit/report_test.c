@@ -23,7 +23,7 @@ static void object_of(char out[64], const struct vor_member *row)
     out[length] = '\0';
 }
 
-START_TEST(every_row_has_a_name_of_its_own_and_a_sentence)
+VT_TEST_LOOP(every_row_has_a_name_of_its_own_and_a_sentence, TABLES)
 {
     const struct vor_members *members = all[_i];
 
@@ -38,10 +38,9 @@ START_TEST(every_row_has_a_name_of_its_own_and_a_sentence)
             ck_assert_msg(strcmp(members->rows[j].name, row->name) != 0, "%s", row->name);
     }
 }
-END_TEST
 
 /* Else the object would be in the JSON twice. */
-START_TEST(the_rows_of_an_object_stand_next_to_each_other)
+VT_TEST_LOOP(the_rows_of_an_object_stand_next_to_each_other, TABLES)
 {
     const struct vor_members *members = all[_i];
 
@@ -58,10 +57,9 @@ START_TEST(the_rows_of_an_object_stand_next_to_each_other)
         }
     }
 }
-END_TEST
 
 /* CSV and traces take nothing else. */
-START_TEST(a_record_has_numbers_and_words_only)
+VT_TEST(a_record_has_numbers_and_words_only)
 {
     for (unsigned i = 0; i < vor_record_members.count; i++) {
         const struct vor_member *row = &vor_record_members.rows[i];
@@ -71,17 +69,15 @@ START_TEST(a_record_has_numbers_and_words_only)
                       "%s", row->name);
     }
 }
-END_TEST
 
-START_TEST(documents_are_found_by_their_names)
+VT_TEST(documents_are_found_by_their_names)
 {
     ck_assert_ptr_eq(vor_document_members("report"), &vor_report_members);
     ck_assert_ptr_eq(vor_document_members("measure"), &vor_measure_members);
     ck_assert_ptr_null(vor_document_members("cloud"));
 }
-END_TEST
 
-START_TEST(stages_are_found_by_their_names)
+VT_TEST(stages_are_found_by_their_names)
 {
     for (int i = 0; i < VOR_RUN_STAGE_COUNT; i++) {
         const struct vor_run_stage_info *info = vor_run_stage_info((enum vor_run_stage)i);
@@ -93,18 +89,16 @@ START_TEST(stages_are_found_by_their_names)
     ck_assert_str_eq(vor_run_stage_info(VOR_RUN_STAGE_COUNT)->step, "step");
     ck_assert_str_eq(vor_run_stage_info((enum vor_run_stage)1000)->step, "step");
 }
-END_TEST
 
-START_TEST(every_reason_to_stop_has_a_word_of_its_own)
+VT_TEST(every_reason_to_stop_has_a_word_of_its_own)
 {
     for (int i = 0; i < VOR_STOPPED_COUNT; i++)
         for (int j = 0; j < i; j++)
             ck_assert_str_ne(vor_stopped_word((enum vor_stopped)i),
                              vor_stopped_word((enum vor_stopped)j));
 }
-END_TEST
 
-START_TEST(a_stage_that_is_gone_through_twice_is_told_once)
+VT_TEST(a_stage_that_is_gone_through_twice_is_told_once)
 {
     struct vor_report report = {0};
     char text[64], little[10];
@@ -126,26 +120,12 @@ START_TEST(a_stage_that_is_gone_through_twice_is_told_once)
                      "42 polish steps and 8 iterations");
     ck_assert_str_eq(vor_report_steps(&report, little, sizeof little), "42 polish");
 }
-END_TEST
 
-START_TEST(of_a_record_without_it_the_best_is_not_known)
+VT_TEST(of_a_record_without_it_the_best_is_not_known)
 {
     struct vor_record record = {.best_iteration = 3, .best_polish = 4};
 
     vor_record_unknown_best(&record);
     ck_assert(record.best_iteration == 0 && record.best_polish == 0);
     ck_assert(isnan(record.best_delta) && isnan(record.best_sigma) && isnan(record.best_epsilon));
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, every_row_has_a_name_of_its_own_and_a_sentence, TABLES);
-    vt_add_loop(suite, the_rows_of_an_object_stand_next_to_each_other, TABLES);
-    vt_add(suite, a_record_has_numbers_and_words_only);
-    vt_add(suite, documents_are_found_by_their_names);
-    vt_add(suite, stages_are_found_by_their_names);
-    vt_add(suite, every_reason_to_stop_has_a_word_of_its_own);
-    vt_add(suite, a_stage_that_is_gone_through_twice_is_told_once);
-    vt_add(suite, of_a_record_without_it_the_best_is_not_known);
 }

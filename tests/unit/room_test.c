@@ -27,7 +27,7 @@ static struct vor_blob_writer *create(struct vor_blobs *blobs)
     return writer;
 }
 
-START_TEST(room_promised_to_one_is_not_promised_to_another)
+VT_TEST(room_promised_to_one_is_not_promised_to_another)
 {
     enum { SPARE = 1 << 30 }; /* what else comes and goes on this disk meanwhile */
     const char *dir = vt_dir_make();
@@ -50,9 +50,8 @@ START_TEST(room_promised_to_one_is_not_promised_to_another)
     vt_assert_ok(vor_blobs_room(blobs, most, &vt_err));
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(bytes_beyond_a_promise_do_not_take_what_stays_free)
+VT_TEST(bytes_beyond_a_promise_do_not_take_what_stays_free)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
@@ -69,9 +68,8 @@ START_TEST(bytes_beyond_a_promise_do_not_take_what_stays_free)
     vt_assert_ok(vor_blob_commit(other, &id, "cloud", &vt_err));
     vor_blobs_close(blobs);
 }
-END_TEST
 
-START_TEST(a_decoded_input_that_does_not_fit_is_refused_before_it_is_written)
+VT_TEST(a_decoded_input_that_does_not_fit_is_refused_before_it_is_written)
 {
     struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = (size_t)1 << 30};
     struct vor_admitted admitted = {.count = 0};
@@ -91,7 +89,6 @@ START_TEST(a_decoded_input_that_does_not_fit_is_refused_before_it_is_written)
     vor_cloud_free(&cloud);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 static void count_failure(void *ctx, const struct vor_error *why)
 {
@@ -100,7 +97,7 @@ static void count_failure(void *ctx, const struct vor_error *why)
 }
 
 /* Regression: every change was refused for ever, and the daemon lived on. */
-START_TEST(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accepted)
+VT_TEST_LOOP(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accepted, 2)
 {
     static atomic_int told;
     struct vt_daemon_options options = {.failed = count_failure, .failed_ctx = &told};
@@ -136,7 +133,6 @@ START_TEST(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accept
     vt_daemon_stop(&daemon);
     vor_cloud_free(&cloud);
 }
-END_TEST
 
 /* --- the queue -------------------------------------------------------------------------------- */
 
@@ -150,7 +146,7 @@ static enum vor_job_outcome submit(struct vt_daemon *daemon, struct vor_uuid *id
     return vt_daemon_try_sphere(daemon, 500, &endless, id);
 }
 
-START_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)
+VT_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)
 {
     struct vt_daemon_options options = {.jobs = 1, .queue_bytes = 2 * DECODED + 1000};
     const char *dir = vt_dir_make();
@@ -174,9 +170,8 @@ START_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)
     ck_assert_int_eq(submit(&daemon, &other), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(an_input_that_never_fits_into_the_queue_is_told_the_bound)
+VT_TEST(an_input_that_never_fits_into_the_queue_is_told_the_bound)
 {
     struct vt_daemon_options options = {.jobs = 1, .queue_bytes = 2000};
     const char *dir = vt_dir_make();
@@ -191,18 +186,11 @@ START_TEST(an_input_that_never_fits_into_the_queue_is_told_the_bound)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("room");
 
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add(suite, room_promised_to_one_is_not_promised_to_another);
-    vt_add(suite, bytes_beyond_a_promise_do_not_take_what_stays_free);
-    vt_add(suite, a_decoded_input_that_does_not_fit_is_refused_before_it_is_written);
-    vt_add_loop(suite, a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_accepted, 2);
-    vt_add(suite, inputs_that_wait_are_bounded_by_their_decoded_bytes);
-    vt_add(suite, an_input_that_never_fits_into_the_queue_is_told_the_bound);
     return vt_run(suite);
 }

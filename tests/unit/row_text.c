@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Else a job of another version would run with defaults that nobody asked for. */
-START_TEST(a_request_that_cannot_be_read_is_not_made_up)
+VT_TEST(a_request_that_cannot_be_read_is_not_made_up)
 {
     static const struct {
         const char *process, *request;
@@ -37,11 +37,10 @@ START_TEST(a_request_that_cannot_be_read_is_not_made_up)
                       cases[k].request != NULL ? cases[k].request : "without a request");
     }
 }
-END_TEST
 
 /* No process has two blobs among its outputs yet: one with three is written, and read as one that
  * has the second of them. What this version does not know is left out. */
-START_TEST(outputs_beside_the_main_one_are_kept_by_name)
+VT_TEST(outputs_beside_the_main_one_are_kept_by_name)
 {
     static const char kept[] =
         "{\"mesh\":{\"format\":1,\"points\":7,\"bytes\":99,\"sha256\":\"cafe\"},"
@@ -78,10 +77,9 @@ START_TEST(outputs_beside_the_main_one_are_kept_by_name)
     ck_assert_str_eq(row.output[1].sha256, "beef");
     ck_assert_uint_eq(row.output[2].bytes, 0);
 }
-END_TEST
 
 /* Of the main output too, whose other members are columns. */
-START_TEST(origins_of_outputs_are_kept_to_the_bit)
+VT_TEST(origins_of_outputs_are_kept_to_the_bit)
 {
     static const double origin[3] = {637000.1, -1.0 / 3, 1e-300};
     static const char *const strange[] = {
@@ -106,12 +104,4 @@ START_TEST(origins_of_outputs_are_kept_to_the_bit)
         vor_row_read(&back, &(struct vor_row_columns){.outputs = strange[i]});
         ck_assert_msg(!back.output[0].has_origin, "%s", strange[i]);
     }
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_request_that_cannot_be_read_is_not_made_up);
-    vt_add(suite, outputs_beside_the_main_one_are_kept_by_name);
-    vt_add(suite, origins_of_outputs_are_kept_to_the_bit);
 }

@@ -286,7 +286,7 @@ START_TEST(whatever_a_child_may_not_do_is_stopped_and_the_cause_is_told)
 }
 END_TEST
 
-START_TEST(what_a_child_says_is_not_believed)
+VT_TEST(what_a_child_says_is_not_believed)
 {
     struct fixture fixture;
 
@@ -298,14 +298,13 @@ START_TEST(what_a_child_says_is_not_believed)
     }
     vor_zygote_stop(&fixture.zygote);
 }
-END_TEST
 
 static int after_a_moment(void *ctx)
 {
     return vor_clock_seconds() > *(double *)ctx;
 }
 
-START_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
+VT_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
 {
     struct fixture fixture;
     double began = vor_clock_seconds(), leaves = began + 0.1;
@@ -321,7 +320,6 @@ START_TEST(a_child_that_sleeps_ends_with_its_time_or_its_caller)
     ck_assert_double_lt(vor_clock_seconds() - began, 10);
     vor_zygote_stop(&fixture.zygote);
 }
-END_TEST
 
 /* --- where the kernel takes no list ------------------------------------------------------------
  */
@@ -428,7 +426,7 @@ static void same_answers(const struct fixture *fixture, const struct vor_codec_o
     free(b.bytes.data);
 }
 
-START_TEST(a_child_decodes_and_refuses_as_the_calling_thread_does)
+VT_TEST(a_child_decodes_and_refuses_as_the_calling_thread_does)
 {
     struct fixture fixture;
 
@@ -448,10 +446,9 @@ START_TEST(a_child_decodes_and_refuses_as_the_calling_thread_does)
     }
     vor_zygote_stop(&fixture.zygote);
 }
-END_TEST
 
 /* Several times as many bytes as the ring has. */
-START_TEST(a_large_cloud_comes_whole_through_the_ring)
+VT_TEST(a_large_cloud_comes_whole_through_the_ring)
 {
     enum { POINTS = 300000 };
     static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 300000\n"
@@ -480,7 +477,6 @@ START_TEST(a_large_cloud_comes_whole_through_the_ring)
     close(input);
     free(bytes);
 }
-END_TEST
 
 void vt_suite(Suite *suite)
 {
@@ -489,8 +485,4 @@ void vt_suite(Suite *suite)
         vt_add_loop(suite, whatever_a_child_may_not_do_is_stopped_and_the_cause_is_told, 2);
         vt_add(suite, without_a_list_of_system_calls_no_daemon_starts_unless_that_is_allowed);
     }
-    vt_add(suite, what_a_child_says_is_not_believed);
-    vt_add(suite, a_child_that_sleeps_ends_with_its_time_or_its_caller);
-    vt_add(suite, a_child_decodes_and_refuses_as_the_calling_thread_does);
-    vt_add(suite, a_large_cloud_comes_whole_through_the_ring);
 }

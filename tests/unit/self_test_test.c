@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-START_TEST(the_engine_works)
+VT_TEST_LOOP(the_engine_works, 3)
 {
     struct vor_pool *pool;
 
@@ -14,9 +14,8 @@ START_TEST(the_engine_works)
     vt_assert_ok(vor_self_test(pool, &vt_memory, &vt_err));
     vor_pool_destroy(pool);
 }
-END_TEST
 
-START_TEST(a_run_that_fails_says_why)
+VT_TEST(a_run_that_fails_says_why)
 {
     struct vor_memory memory;
     struct vor_pool *pool;
@@ -34,7 +33,6 @@ START_TEST(a_run_that_fails_says_why)
     ck_assert_uint_gt(at, 7);
     vor_pool_destroy(pool);
 }
-END_TEST
 
 /* Points of a sphere, as the judge wants them. */
 static void make_right(struct vor_cloud *cloud)
@@ -51,7 +49,7 @@ static void make_right(struct vor_cloud *cloud)
     }
 }
 
-START_TEST(what_is_wrong_is_told)
+VT_TEST(what_is_wrong_is_told)
 {
     struct vor_cloud cloud;
 
@@ -71,12 +69,4 @@ START_TEST(what_is_wrong_is_told)
     vt_assert_fails(VOR_E_INTERNAL, vor_self_test_judge(&cloud, .03, &vt_err));
     ck_assert_str_eq(vt_err.message, "the result has 149 points, want 150");
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_engine_works, 3);
-    vt_add(suite, a_run_that_fails_says_why);
-    vt_add(suite, what_is_wrong_is_told);
 }

@@ -114,7 +114,7 @@ static int dismiss_slowly(const struct vt_serve *serve, const struct vor_uuid *i
 /* --- tests ------------------------------------------------------------------------------------ */
 
 /* Regression: the one HTTP thread waited for the disk, and with it everybody. */
-START_TEST(nobody_waits_for_the_disk_of_somebody_else_s_dismissal)
+VT_TEST(nobody_waits_for_the_disk_of_somebody_else_s_dismissal)
 {
     static const char *const others[] = {"GET /livez", "GET /readyz", "GET /v1/jobs", "GET /"};
     static const char *const suffixes[] = {
@@ -142,9 +142,8 @@ START_TEST(nobody_waits_for_the_disk_of_somebody_else_s_dismissal)
     ck_assert_int_eq(status_of(&serve, "GET", &done, ""), 404);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
-START_TEST(nobody_waits_for_the_disk_when_a_caller_leaves)
+VT_TEST(nobody_waits_for_the_disk_when_a_caller_leaves)
 {
     struct vt_serve serve;
     const char *text;
@@ -169,10 +168,9 @@ START_TEST(nobody_waits_for_the_disk_when_a_caller_leaves)
     } while (strstr(text, "the client disconnected") == NULL);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
 /* The first one ends the job, the second one removes it, the others find none. */
-START_TEST(dismissals_at_the_same_time_are_answered_as_one_after_another)
+VT_TEST_LOOP(dismissals_at_the_same_time_are_answered_as_one_after_another, 2)
 {
     enum { MANY = 6 };
     struct vt_serve serve;
@@ -194,9 +192,8 @@ START_TEST(dismissals_at_the_same_time_are_answered_as_one_after_another)
     ck_assert_int_eq(statuses[404], _i == 0 ? MANY - 2 : MANY - 1);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
-START_TEST(who_closes_his_side_behind_a_dismissal_still_gets_the_answer)
+VT_TEST(who_closes_his_side_behind_a_dismissal_still_gets_the_answer)
 {
     struct vt_serve serve;
     struct vor_uuid id;
@@ -212,9 +209,8 @@ START_TEST(who_closes_his_side_behind_a_dismissal_still_gets_the_answer)
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
-START_TEST(a_dismissal_whose_caller_left_is_done_all_the_same)
+VT_TEST(a_dismissal_whose_caller_left_is_done_all_the_same)
 {
     struct vt_serve serve;
     struct vor_uuid id;
@@ -227,9 +223,8 @@ START_TEST(a_dismissal_whose_caller_left_is_done_all_the_same)
     wait_for(&serve, &id, "dismissed");
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
-START_TEST(a_dismissal_with_a_body_is_answered)
+VT_TEST(a_dismissal_with_a_body_is_answered)
 {
     struct vt_serve serve;
     struct vor_uuid id;
@@ -247,9 +242,8 @@ START_TEST(a_dismissal_with_a_body_is_answered)
     ck_assert_int_eq(vt_serve_answer(fd, NULL), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
 }
-END_TEST
 
-START_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
+VT_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
 {
     struct timespec pause = {.tv_nsec = 300000000};
     struct vt_serve serve;
@@ -267,11 +261,10 @@ START_TEST(a_dismissal_under_way_is_answered_before_the_daemon_ends)
     ck_assert_int_eq(waitpid(serve.pid, &status, 0), serve.pid);
     ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
-END_TEST
 
 /* Regression: reads and dismissals for which no thread could be started were told as the daemon's
  * end. */
-START_TEST(who_gets_no_thread_is_told_so)
+VT_TEST(who_gets_no_thread_is_told_so)
 {
     struct rlimit limit = {RLIM_INFINITY, RLIM_INFINITY}, tight = limit;
     unsigned long pages = 0;
@@ -304,17 +297,4 @@ START_TEST(who_gets_no_thread_is_told_so)
     ck_assert_int_eq(status_of(&serve, "GET", &id, "/trace"), 200);
     ck_assert_int_eq(status_of(&serve, "DELETE", &id, ""), 200);
     ck_assert_int_eq(vt_serve_stop(&serve), 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, nobody_waits_for_the_disk_of_somebody_else_s_dismissal);
-    vt_add(suite, nobody_waits_for_the_disk_when_a_caller_leaves);
-    vt_add_loop(suite, dismissals_at_the_same_time_are_answered_as_one_after_another, 2);
-    vt_add(suite, who_closes_his_side_behind_a_dismissal_still_gets_the_answer);
-    vt_add(suite, a_dismissal_whose_caller_left_is_done_all_the_same);
-    vt_add(suite, a_dismissal_with_a_body_is_answered);
-    vt_add(suite, a_dismissal_under_way_is_answered_before_the_daemon_ends);
-    vt_add(suite, who_gets_no_thread_is_told_so);
 }

@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 /* Vector: FIPS 180-4 examples, and a million a's. */
-START_TEST(sha256_gives_the_published_digests)
+VT_TEST(sha256_gives_the_published_digests)
 {
     static const struct {
         const char *text, *hex;
@@ -46,14 +46,13 @@ START_TEST(sha256_gives_the_published_digests)
         vor_digest_destroy(digest);
     }
 }
-END_TEST
 
 static int compare_ids(const void *a, const void *b)
 {
     return strcmp(((const struct vor_uuid *)a)->text, ((const struct vor_uuid *)b)->text);
 }
 
-START_TEST(identifiers_are_version_7_and_never_repeat)
+VT_TEST(identifiers_are_version_7_and_never_repeat)
 {
     enum { COUNT = 20000 };
     struct vor_uuid *ids = calloc(COUNT, sizeof *ids), read;
@@ -70,9 +69,8 @@ START_TEST(identifiers_are_version_7_and_never_repeat)
         ck_assert_str_ne(ids[i - 1].text, ids[i].text);
     free(ids);
 }
-END_TEST
 
-START_TEST(an_identifier_made_later_sorts_later)
+VT_TEST(an_identifier_made_later_sorts_later)
 {
     struct vor_uuid first, second;
     struct timespec pause = {.tv_nsec = 3000000};
@@ -82,9 +80,8 @@ START_TEST(an_identifier_made_later_sorts_later)
     vt_assert_ok(vor_uuid_make(&second, &vt_err));
     ck_assert_str_lt(first.text, second.text);
 }
-END_TEST
 
-START_TEST(what_is_no_identifier_is_refused)
+VT_TEST(what_is_no_identifier_is_refused)
 {
     static const char *const bad[] = {
         "",
@@ -104,9 +101,8 @@ START_TEST(what_is_no_identifier_is_refused)
     ck_assert(!vor_uuid_parse(&out, "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e1\0", 36));
     ck_assert_str_eq(out.text, "untouched");
 }
-END_TEST
 
-START_TEST(times_are_written_as_rfc_3339_in_utc)
+VT_TEST(times_are_written_as_rfc_3339_in_utc)
 {
     char text[VOR_CLOCK_TEXT_SIZE];
 
@@ -114,7 +110,6 @@ START_TEST(times_are_written_as_rfc_3339_in_utc)
     ck_assert_str_eq(vor_clock_text(951827696789, text), "2000-02-29T12:34:56.789Z");
     ck_assert_str_eq(vor_clock_text(2147483648001, text), "2038-01-19T03:14:08.001Z");
 }
-END_TEST
 
 /* Reads everything a pipe holds. */
 static char *drain(int fd)
@@ -136,7 +131,7 @@ static void open_log(int ends[2], enum vor_log_level level)
     vor_log_open(ends[1], level);
 }
 
-START_TEST(hostile_text_stays_inside_its_log_line)
+VT_TEST(hostile_text_stays_inside_its_log_line)
 {
     const char *evil = "\"}\n{\"level\":\"error\",\x01\x1b[31m\xff\xfe\r\n";
     struct vor_json *json = NULL;
@@ -157,9 +152,8 @@ START_TEST(hostile_text_stays_inside_its_log_line)
     ck_assert_int_eq(vor_json_kind(vor_json_get(json, "none")), VOR_JSON_NULL);
     vor_json_free(json);
 }
-END_TEST
 
-START_TEST(levels_below_the_log_s_are_not_written)
+VT_TEST(levels_below_the_log_s_are_not_written)
 {
     int ends[2];
     char *text;
@@ -173,7 +167,6 @@ START_TEST(levels_below_the_log_s_are_not_written)
     ck_assert_ptr_null(strstr(text, "two"));
     ck_assert_ptr_nonnull(strstr(text, "three"));
 }
-END_TEST
 
 static void *log_many(void *arg)
 {
@@ -183,7 +176,7 @@ static void *log_many(void *arg)
     return NULL;
 }
 
-START_TEST(lines_of_several_threads_do_not_mix)
+VT_TEST(lines_of_several_threads_do_not_mix)
 {
     static char a[] = "a", b[] = "b", c[] = "c";
     pthread_t threads[3];
@@ -201,9 +194,8 @@ START_TEST(lines_of_several_threads_do_not_mix)
         vt_assert_ok(vor_json_scan(line, strlen(line), NULL, &vt_err));
     ck_assert_int_eq(lines, 150);
 }
-END_TEST
 
-START_TEST(a_full_disk_is_told_apart)
+VT_TEST(a_full_disk_is_told_apart)
 {
     struct vor_error err;
 
@@ -219,9 +211,8 @@ START_TEST(a_full_disk_is_told_apart)
     ck_assert(!vor_error_storage_full(&err));
     ck_assert_int_eq(vor_fail_errno(NULL, EIO, "no error wanted"), VOR_E_IO);
 }
-END_TEST
 
-START_TEST(directories_are_made_with_their_parents)
+VT_TEST(directories_are_made_with_their_parents)
 {
     const char *dir = vt_dir_make();
     char path[512];
@@ -237,7 +228,6 @@ START_TEST(directories_are_made_with_their_parents)
     (void)snprintf(path, sizeof path, "%s/file/below", dir);
     vt_assert_fails(VOR_E_IO, vor_storage_directory(path, &vt_err));
 }
-END_TEST
 
 /* The message of a failure that a child without privileges meets; act sets vt_err. */
 static const char *unprivileged(void (*act)(const char *path), const char *path)
@@ -290,7 +280,7 @@ static void lock_in_closed_folder(const char *path)
 }
 
 /* A folder that a container's host mounted, as root. */
-START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
+VT_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
 {
     unsigned user = geteuid() == 0 ? 65532 : (unsigned)geteuid();
     unsigned group = geteuid() == 0 ? 65532 : (unsigned)getegid();
@@ -316,7 +306,6 @@ START_TEST(a_folder_of_another_user_is_named_with_what_mends_it)
                    dir, user, dir);
     ck_assert_str_eq(unprivileged(lock_in_closed_folder, dir), want);
 }
-END_TEST
 
 /* A child that has the lock until it is killed. */
 static pid_t locked_child(const char *path)
@@ -340,7 +329,7 @@ static pid_t locked_child(const char *path)
     return child;
 }
 
-START_TEST(a_lock_names_its_holder_and_dies_with_it)
+VT_TEST(a_lock_names_its_holder_and_dies_with_it)
 {
     const char *dir = vt_dir_make();
     char path[512];
@@ -359,21 +348,4 @@ START_TEST(a_lock_names_its_holder_and_dies_with_it)
     vt_assert_ok(vor_storage_lock(&fd, path, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     close(fd);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, sha256_gives_the_published_digests);
-    vt_add(suite, identifiers_are_version_7_and_never_repeat);
-    vt_add(suite, an_identifier_made_later_sorts_later);
-    vt_add(suite, what_is_no_identifier_is_refused);
-    vt_add(suite, times_are_written_as_rfc_3339_in_utc);
-    vt_add(suite, hostile_text_stays_inside_its_log_line);
-    vt_add(suite, levels_below_the_log_s_are_not_written);
-    vt_add(suite, lines_of_several_threads_do_not_mix);
-    vt_add(suite, a_full_disk_is_told_apart);
-    vt_add(suite, directories_are_made_with_their_parents);
-    vt_add(suite, a_folder_of_another_user_is_named_with_what_mends_it);
-    vt_add(suite, a_lock_names_its_holder_and_dies_with_it);
 }

@@ -87,7 +87,7 @@ static double widest_gap(const struct vor_cloud *cloud)
     return widest;
 }
 
-START_TEST(the_border_of_a_square_has_the_spacing_inside)
+VT_TEST_FIGURES(the_border_of_a_square_has_the_spacing_inside, VT_FEWER(SEEDS))
 {
     struct vor_cloud in, out;
     struct vor_report report;
@@ -102,7 +102,6 @@ START_TEST(the_border_of_a_square_has_the_spacing_inside)
     ck_assert_msg(widest_gap(&out) < 0.8 * SPACING, "a gap of %g", widest_gap(&out) / SPACING);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Distance of a point of the unit cube's surface to the nearest of its edges. */
 static double from_cube_edge(const double x[3])
@@ -143,7 +142,7 @@ static size_t on_edges(const struct vor_cloud *cloud, double *covered)
     return count;
 }
 
-START_TEST(the_edges_of_a_cube_are_kept)
+VT_TEST_FIGURES(the_edges_of_a_cube_are_kept, 0)
 {
     struct vor_cloud in, out;
     double covered, without;
@@ -162,10 +161,9 @@ START_TEST(the_edges_of_a_cube_are_kept)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Without a border there are no sites. */
-START_TEST(a_closed_surface_is_spread_as_without)
+VT_TEST_FIGURES(a_closed_surface_is_spread_as_without, 0)
 {
     struct vor_cloud in, out, kept;
 
@@ -177,11 +175,10 @@ START_TEST(a_closed_surface_is_spread_as_without)
     vor_cloud_free(&out);
     vor_cloud_free(&in);
 }
-END_TEST
 
 /* Sites beside islands, with a density, on a thinned input and by every acceleration: as many
  * points as were asked for, and the border's stay where they are. */
-START_TEST(sites_stay_whatever_else_is_asked_for)
+VT_TEST_FIGURES(sites_stay_whatever_else_is_asked_for, VT_FEWER(6))
 {
     static const char *const with[][2] = {{"density", "curvature"}, {"anderson", "4"},
                                           {"metric", "lp"},         {"polish", "0"},
@@ -195,10 +192,9 @@ START_TEST(sites_stay_whatever_else_is_asked_for)
     ck_assert_msg(fabs(edge / (0.97 * SPACING) - 1) < 0.06, "%g spacings", edge / SPACING);
     vt_free_last(&out, &in);
 }
-END_TEST
 
 /* Few points have no room for a border of their own. */
-START_TEST(any_number_of_points_comes)
+VT_TEST_FIGURES(any_number_of_points_comes, 0)
 {
     struct vor_cloud in;
 
@@ -213,14 +209,4 @@ START_TEST(any_number_of_points_comes)
     }
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, the_border_of_a_square_has_the_spacing_inside, VT_FEWER(SEEDS));
-    vt_add_figures(suite, the_edges_of_a_cube_are_kept, 0);
-    vt_add_figures(suite, a_closed_surface_is_spread_as_without, 0);
-    vt_add_figures(suite, sites_stay_whatever_else_is_asked_for, VT_FEWER(6));
-    vt_add_figures(suite, any_number_of_points_comes, 0);
 }

@@ -83,7 +83,7 @@ static void assert_sound(const struct vt_meshed *souped)
     ck_assert_int_eq(souped->report.has_mesh, 1);
 }
 
-START_TEST(polygons_cover_a_sphere_and_a_torus)
+VT_TEST_FIGURES(polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)))
 {
     for (int shape = 0; shape < VT_SMOOTH; shape++) {
         struct vor_cloud in;
@@ -99,9 +99,8 @@ START_TEST(polygons_cover_a_sphere_and_a_torus)
     }
     vt_assert_no_leak();
 }
-END_TEST
 
-START_TEST(cells_of_a_square_end_where_it_does)
+VT_TEST_FIGURES(cells_of_a_square_end_where_it_does, 0)
 {
     struct vor_cloud in;
     struct vt_meshed souped;
@@ -115,10 +114,9 @@ START_TEST(cells_of_a_square_end_where_it_does)
     vor_cloud_free(&in);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Normals are as those of the points, which on a sphere point away from its middle. */
-START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
+VT_TEST_FIGURES(corners_have_the_values_of_their_point_and_faces_its_side, 0)
 {
     struct vor_cloud in;
     struct vt_meshed souped;
@@ -153,12 +151,4 @@ START_TEST(corners_have_the_values_of_their_point_and_faces_its_side)
     vt_meshed_free(&souped);
     vor_cloud_free(&in);
     vt_assert_no_leak();
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_figures(suite, polygons_cover_a_sphere_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(2, 20)));
-    vt_add_figures(suite, cells_of_a_square_end_where_it_does, 0);
-    vt_add_figures(suite, corners_have_the_values_of_their_point_and_faces_its_side, 0);
 }

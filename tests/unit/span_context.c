@@ -8,7 +8,7 @@
 #define TRACE "4bf92f3577b34da6a3ce929d0e0e4736"
 #define SPAN "00f067aa0ba902b7"
 
-START_TEST(a_traceparent_is_read_and_written_again)
+VT_TEST(a_traceparent_is_read_and_written_again)
 {
     struct vor_span span;
     char text[VOR_TRACEPARENT_SIZE];
@@ -18,10 +18,9 @@ START_TEST(a_traceparent_is_read_and_written_again)
     ck_assert_str_eq(span.id, SPAN);
     ck_assert_str_eq(vor_span_text(&span, text), "00-" TRACE "-" SPAN "-01");
 }
-END_TEST
 
 /* What a later version appends is not ours to know; its first fields are. */
-START_TEST(later_versions_are_read_as_far_as_they_are_known)
+VT_TEST(later_versions_are_read_as_far_as_they_are_known)
 {
     struct vor_span span;
     char text[VOR_TRACEPARENT_SIZE];
@@ -30,9 +29,8 @@ START_TEST(later_versions_are_read_as_far_as_they_are_known)
     ck_assert_str_eq(vor_span_text(&span, text), "00-" TRACE "-" SPAN "-01");
     ck_assert(vor_span_parse(&span, "01-" TRACE "-" SPAN "-ff"));
 }
-END_TEST
 
-START_TEST(what_is_no_traceparent_is_none)
+VT_TEST(what_is_no_traceparent_is_none)
 {
     static const char *const none[] = {
         "",
@@ -62,9 +60,8 @@ START_TEST(what_is_no_traceparent_is_none)
         ck_assert_str_eq(vor_span_text(&span, text), "");
     }
 }
-END_TEST
 
-START_TEST(a_step_of_ours_has_the_trace_and_an_id_of_its_own)
+VT_TEST(a_step_of_ours_has_the_trace_and_an_id_of_its_own)
 {
     struct vor_span of, first, second, none = {"", "", ""};
 
@@ -78,13 +75,4 @@ START_TEST(a_step_of_ours_has_the_trace_and_an_id_of_its_own)
     ck_assert_str_ne(first.id, second.id);
     vor_span_begin(&first, &none);
     ck_assert_str_eq(first.trace, "");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, a_traceparent_is_read_and_written_again);
-    vt_add(suite, later_versions_are_read_as_far_as_they_are_known);
-    vt_add(suite, what_is_no_traceparent_is_none);
-    vt_add(suite, a_step_of_ours_has_the_trace_and_an_id_of_its_own);
 }

@@ -89,7 +89,7 @@ static const struct {
     {VOR_KIND_COUNTS_OR_AUTO, "7,1,1000", VOR_COUNTS, VOR_FORM_COUNTS, NULL},
 };
 
-START_TEST(a_text_is_read_as_its_value_and_written_back)
+VT_TEST_LOOP(a_text_is_read_as_its_value_and_written_back, (int)(sizeof taken / sizeof taken[0]))
 {
     struct vor_parameter_info row = row_of(taken[_i].kind);
     struct vor_value value;
@@ -101,7 +101,6 @@ START_TEST(a_text_is_read_as_its_value_and_written_back)
     vor_kind_write(&row, value.number, value.text, text, sizeof text);
     ck_assert_str_eq(text, taken[_i].written != NULL ? taken[_i].written : taken[_i].text);
 }
-END_TEST
 
 static const struct {
     enum vor_kind kind;
@@ -190,7 +189,7 @@ static const struct {
     {VOR_KIND_COUNTS_OR_AUTO, "none"},
 };
 
-START_TEST(what_is_not_of_the_kind_is_refused)
+VT_TEST_LOOP(what_is_not_of_the_kind_is_refused, (int)(sizeof refused / sizeof refused[0]))
 {
     struct vor_parameter_info row = row_of(refused[_i].kind);
     struct vor_value value = {42, "untouched"};
@@ -200,9 +199,8 @@ START_TEST(what_is_not_of_the_kind_is_refused)
     ck_assert(value.number == 42);
     ck_assert_str_eq(value.text, "untouched");
 }
-END_TEST
 
-START_TEST(no_kind_takes_nothing)
+VT_TEST_LOOP(no_kind_takes_nothing, VOR_KINDS)
 {
     struct vor_parameter_info row = row_of((enum vor_kind)_i);
     struct vor_value value;
@@ -210,11 +208,10 @@ START_TEST(no_kind_takes_nothing)
     ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "", &value));
     ck_assert(!vor_kind_read(&row, VOR_SHAPE_ANY, "\x01", &value));
 }
-END_TEST
 
 /* JSON tells shapes apart: which of them a kind has, and that the same text is refused in another.
  */
-START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
+VT_TEST_LOOP(a_kind_takes_the_shapes_of_its_forms_alone, VOR_KINDS)
 {
     enum { N = 1 << VOR_SHAPE_NUMBER, B = 1 << VOR_SHAPE_BOOLEAN, S = 1 << VOR_SHAPE_STRING };
     enum { A = 1 << VOR_SHAPE_ARRAY };
@@ -252,9 +249,8 @@ START_TEST(a_kind_takes_the_shapes_of_its_forms_alone)
         }
     }
 }
-END_TEST
 
-START_TEST(a_kind_says_what_it_wants)
+VT_TEST_LOOP(a_kind_says_what_it_wants, VOR_KINDS)
 {
     static const struct {
         const char *want, *values;
@@ -292,10 +288,9 @@ START_TEST(a_kind_says_what_it_wants)
     vor_kind_values(&row, text);
     ck_assert_str_eq(text, says[_i].values);
 }
-END_TEST
 
 /* A word that a process does not allow is neither taken nor offered. */
-START_TEST(a_word_that_is_not_allowed_is_no_word)
+VT_TEST_LOOP(a_word_that_is_not_allowed_is_no_word, 2)
 {
     static const enum vor_kind kinds[] = {VOR_KIND_CHOICE, VOR_KIND_LIST};
     struct vor_parameter_info row = row_of(kinds[_i]);
@@ -310,9 +305,8 @@ START_TEST(a_word_that_is_not_allowed_is_no_word)
     ck_assert_ptr_null(strstr(text, "outliers"));
     ck_assert_ptr_nonnull(strstr(text, "mls, thin"));
 }
-END_TEST
 
-START_TEST(a_value_that_is_not_given_has_no_form_and_no_text)
+VT_TEST_LOOP(a_value_that_is_not_given_has_no_form_and_no_text, 9)
 {
     static const enum vor_kind kinds[] = {
         VOR_KIND_COUNT,          VOR_KIND_REAL,         VOR_KIND_CHOICE,
@@ -324,18 +318,4 @@ START_TEST(a_value_that_is_not_given_has_no_form_and_no_text)
     ck_assert_int_eq(vor_kind_form_of(&row, VOR_UNSET), VOR_FORM_NONE);
     vor_kind_write(&row, VOR_UNSET, NULL, text, sizeof text);
     ck_assert_str_eq(text, "");
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_text_is_read_as_its_value_and_written_back,
-                (int)(sizeof taken / sizeof taken[0]));
-    vt_add_loop(suite, what_is_not_of_the_kind_is_refused,
-                (int)(sizeof refused / sizeof refused[0]));
-    vt_add_loop(suite, no_kind_takes_nothing, VOR_KINDS);
-    vt_add_loop(suite, a_kind_takes_the_shapes_of_its_forms_alone, VOR_KINDS);
-    vt_add_loop(suite, a_kind_says_what_it_wants, VOR_KINDS);
-    vt_add_loop(suite, a_word_that_is_not_allowed_is_no_word, 2);
-    vt_add_loop(suite, a_value_that_is_not_given_has_no_form_and_no_text, 9);
 }

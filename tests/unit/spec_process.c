@@ -21,7 +21,7 @@ static struct vor_spec request_for(const char *process)
 }
 
 /* All eight ways to give points, ratio and spacing. */
-START_TEST(exactly_one_of_points_ratio_and_spacing_is_given)
+VT_TEST_LOOP(exactly_one_of_points_ratio_and_spacing_is_given, 8)
 {
     struct vor_spec spec;
 
@@ -39,9 +39,8 @@ START_TEST(exactly_one_of_points_ratio_and_spacing_is_given)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check(&spec, &vt_err));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "exactly one"));
 }
-END_TEST
 
-START_TEST(processes_are_found_by_their_id)
+VT_TEST(processes_are_found_by_their_id)
 {
     unsigned count = 0;
 
@@ -57,7 +56,6 @@ START_TEST(processes_are_found_by_their_id)
     ck_assert_ptr_null(vor_process_find("Resample"));
     ck_assert_ptr_null(vor_process_find(""));
 }
-END_TEST
 
 /* What a process has for itself; everything else is as in the table of parameters. */
 static const struct {
@@ -78,7 +76,7 @@ static const char *preset_of(const char *process, const char *parameter)
     return NULL;
 }
 
-START_TEST(a_process_differs_from_the_table_by_its_preset_alone)
+VT_TEST_LOOP(a_process_differs_from_the_table_by_its_preset_alone, PROCESSES)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
     struct vor_spec spec = request_for(process->id);
@@ -102,9 +100,8 @@ START_TEST(a_process_differs_from_the_table_by_its_preset_alone)
                                            info.max == vor_parameter_info(parameter)->max));
     }
 }
-END_TEST
 
-START_TEST(a_request_without_a_count_gets_that_of_its_process_or_is_refused)
+VT_TEST_LOOP(a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING)
 {
     static const struct {
         const char *process;
@@ -125,10 +122,9 @@ START_TEST(a_request_without_a_count_gets_that_of_its_process_or_is_refused)
     vt_assert_ok(vor_spec_complete(&again, &vt_err));
     ck_assert_mem_eq(&spec, &again, sizeof spec);
 }
-END_TEST
 
 /* Filters that move or drop points stand for a number of points, except in upsample. */
-START_TEST(filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own)
+VT_TEST_LOOP(filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own, 4)
 {
     static const char *const processes[4] = {"resample", "denoise", "simplify", "upsample"};
     static const char *const filters[4] = {"mls", "outliers", "thin,mls", "thin"};
@@ -153,10 +149,9 @@ START_TEST(filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own
         ck_assert_int_eq(vor_spec_only_filters(&spec), 0);
     }
 }
-END_TEST
 
 /* Each of the three counts in each process, and a parameter that has a preset. */
-START_TEST(what_a_caller_gives_wins_over_the_preset)
+VT_TEST_LOOP(what_a_caller_gives_wins_over_the_preset, SPREADING)
 {
     static const char *const counts[3] = {"points", "ratio", "spacing"};
     static const enum vor_parameter parameters[3] = {VOR_PARAM_POINTS, VOR_PARAM_RATIO,
@@ -176,9 +171,8 @@ START_TEST(what_a_caller_gives_wins_over_the_preset)
         vt_assert_fails(VOR_E_PARAM, vor_spec_complete(&spec, &vt_err));
     }
 }
-END_TEST
 
-START_TEST(a_ratio_that_its_process_does_not_allow_is_refused_with_the_range)
+VT_TEST_LOOP(a_ratio_that_its_process_does_not_allow_is_refused_with_the_range, SPREADING)
 {
     static const struct {
         const char *process;
@@ -207,10 +201,9 @@ START_TEST(a_ratio_that_its_process_does_not_allow_is_refused_with_the_range)
         vt_assert_ok(vor_spec_set_number(&spec, "ratio", cases[_i].taken[k], &vt_err));
     }
 }
-END_TEST
 
 /* The least and the most that each process allows for an input, and one point past either. */
-START_TEST(a_target_is_held_against_the_input_as_its_process_wants)
+VT_TEST_LOOP(a_target_is_held_against_the_input_as_its_process_wants, 7)
 {
     static const struct {
         const char *process;
@@ -246,9 +239,8 @@ START_TEST(a_target_is_held_against_the_input_as_its_process_wants)
         ck_assert_str_eq(vt_err.parameter, "points");
     }
 }
-END_TEST
 
-START_TEST(a_target_that_comes_of_ratio_or_spacing_is_said_beside_them)
+VT_TEST(a_target_that_comes_of_ratio_or_spacing_is_said_beside_them)
 {
     struct vor_spec spec = request_for("simplify");
 
@@ -265,10 +257,9 @@ START_TEST(a_target_that_comes_of_ratio_or_spacing_is_said_beside_them)
     ck_assert_str_eq(vt_err.parameter, "ratio");
     ck_assert_ptr_nonnull(strstr(vt_err.message, "ratio is 0.004 and needs 0 points, want 1 to"));
 }
-END_TEST
 
 /* More points than any result may have cannot be upsampled: there is no range to name. */
-START_TEST(an_input_too_large_for_its_process_is_told_so)
+VT_TEST(an_input_too_large_for_its_process_is_told_so)
 {
     struct vor_spec spec = request_for("upsample");
 
@@ -281,9 +272,8 @@ START_TEST(an_input_too_large_for_its_process_is_told_so)
         "20000000 or more, but a result may have at "
         "most 10000000 points");
 }
-END_TEST
 
-START_TEST(iterations_not_given_are_fewer_before_a_polish)
+VT_TEST(iterations_not_given_are_fewer_before_a_polish)
 {
     struct vor_spec spec = request_for("resample");
 
@@ -299,10 +289,9 @@ START_TEST(iterations_not_given_are_fewer_before_a_polish)
     vt_assert_ok(vor_spec_set(&spec, "iterations", "0", &vt_err));
     ck_assert_uint_eq(vor_spec_iterations(&spec), 0);
 }
-END_TEST
 
 /* Of wlop and ear they are projection steps; where the input's points stay, there are none. */
-START_TEST(projection_steps_are_rounds_times_steps)
+VT_TEST(projection_steps_are_rounds_times_steps)
 {
     struct vor_spec spec = request_for("resample");
 
@@ -322,10 +311,9 @@ START_TEST(projection_steps_are_rounds_times_steps)
     vt_assert_ok(vor_spec_set(&spec, "method", "wlop", &vt_err)); /* which has one phase */
     ck_assert_uint_eq(vor_spec_iterations(&spec), 10);
 }
-END_TEST
 
 /* A process that takes no points has no target to miss. */
-START_TEST(a_measure_asks_for_no_number_of_points)
+VT_TEST(a_measure_asks_for_no_number_of_points)
 {
     struct vor_spec spec = request_for("measure");
 
@@ -334,9 +322,8 @@ START_TEST(a_measure_asks_for_no_number_of_points)
     ck_assert(vor_spec_target(&spec, 100) == VOR_UNSET);
     vt_assert_ok(vor_spec_check_target(&spec, VOR_UNSET, 100, &vt_err));
 }
-END_TEST
 
-START_TEST(a_process_has_inputs_and_outputs_with_names_of_their_own)
+VT_TEST_LOOP(a_process_has_inputs_and_outputs_with_names_of_their_own, PROCESSES)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
 
@@ -357,9 +344,8 @@ START_TEST(a_process_has_inputs_and_outputs_with_names_of_their_own)
             ck_assert_str_ne(process->outputs[j].name, process->outputs[k].name);
     }
 }
-END_TEST
 
-START_TEST(an_input_that_is_required_must_come_along)
+VT_TEST_LOOP(an_input_that_is_required_must_come_along, 2)
 {
     struct vor_spec spec = request_for(_i == 0 ? "resample" : "measure");
 
@@ -370,9 +356,8 @@ START_TEST(an_input_that_is_required_must_come_along)
     ck_assert_str_eq(vt_err.message, _i == 0 ? "resample needs a cloud, but the request has none"
                                              : "measure needs a cloud, but the request has none");
 }
-END_TEST
 
-START_TEST(a_peak_needs_a_reference)
+VT_TEST(a_peak_needs_a_reference)
 {
     struct vor_spec spec = request_for("measure");
 
@@ -385,29 +370,4 @@ START_TEST(a_peak_needs_a_reference)
         vt_err.message,
         "the parameter peak is 1023, which needs a reference, but the request has none");
     ck_assert_str_eq(vt_err.parameter, "peak");
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("spec_process");
-
-    vt_add(suite, processes_are_found_by_their_id);
-    vt_add_loop(suite, a_process_has_inputs_and_outputs_with_names_of_their_own, PROCESSES);
-    vt_add_loop(suite, a_process_differs_from_the_table_by_its_preset_alone, PROCESSES);
-    vt_add_loop(suite, an_input_that_is_required_must_come_along, 2);
-    vt_add(suite, a_peak_needs_a_reference);
-    vt_add_loop(suite, exactly_one_of_points_ratio_and_spacing_is_given, 8);
-    vt_add_loop(suite, a_request_without_a_count_gets_that_of_its_process_or_is_refused, SPREADING);
-    vt_add_loop(suite, filters_alone_make_a_result_unless_the_process_has_a_ratio_of_its_own, 4);
-    vt_add_loop(suite, what_a_caller_gives_wins_over_the_preset, SPREADING);
-    vt_add_loop(suite, a_ratio_that_its_process_does_not_allow_is_refused_with_the_range,
-                SPREADING);
-    vt_add_loop(suite, a_target_is_held_against_the_input_as_its_process_wants, 7);
-    vt_add(suite, a_target_that_comes_of_ratio_or_spacing_is_said_beside_them);
-    vt_add(suite, an_input_too_large_for_its_process_is_told_so);
-    vt_add(suite, a_measure_asks_for_no_number_of_points);
-    vt_add(suite, iterations_not_given_are_fewer_before_a_polish);
-    vt_add(suite, projection_steps_are_rounds_times_steps);
-    return vt_run(suite);
 }

@@ -7,7 +7,7 @@
 
 enum { TITLE_MAX = 32 }; /* bytes: a title stands beside a field */
 
-START_TEST(a_parameter_has_a_title_of_its_own)
+VT_TEST_LOOP(a_parameter_has_a_title_of_its_own, VOR_PARAMETER_COUNT)
 {
     const char *title = vor_parameter_title((enum vor_parameter)_i);
     const char *name = vor_parameter_info((enum vor_parameter)_i)->name;
@@ -17,9 +17,8 @@ START_TEST(a_parameter_has_a_title_of_its_own)
     for (int i = 0; i < _i; i++)
         ck_assert_str_ne(title, vor_parameter_title((enum vor_parameter)i));
 }
-END_TEST
 
-START_TEST(few_parameters_of_a_process_are_basic)
+VT_TEST_LOOP(few_parameters_of_a_process_are_basic, 16)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
     int basic = 0, taken = 0;
@@ -34,7 +33,6 @@ START_TEST(few_parameters_of_a_process_are_basic)
     if (process != NULL && vor_process_takes(process, VOR_PARAM_POINTS))
         ck_assert_int_lt(3 * basic, taken);
 }
-END_TEST
 
 /* Whether a preset's request can be made; it counts the values that it sets. */
 static int values_of(const struct vor_process_info *process, const struct vor_named_preset *preset)
@@ -56,7 +54,7 @@ static int values_of(const struct vor_process_info *process, const struct vor_na
     return count;
 }
 
-START_TEST(a_preset_is_a_request_that_can_be_made)
+VT_TEST_LOOP(a_preset_is_a_request_that_can_be_made, 5)
 {
     static const char *const wanted[] = {"resample", "denoise", "upsample", "simplify", "mesh"};
     const struct vor_process_info *process = vor_process_find(wanted[_i]);
@@ -71,9 +69,8 @@ START_TEST(a_preset_is_a_request_that_can_be_made)
     }
     ck_assert_uint_ge(count, 1);
 }
-END_TEST
 
-START_TEST(every_preset_is_of_a_process_that_there_is)
+VT_TEST(every_preset_is_of_a_process_that_there_is)
 {
     const struct vor_process_info *process;
     unsigned of_processes = 0, rows = 0;
@@ -88,7 +85,6 @@ START_TEST(every_preset_is_of_a_process_that_there_is)
     ck_assert_ptr_null(vor_named_preset("resample", rows));
     ck_assert_ptr_null(vor_named_preset_find("resample", "mesh"));
 }
-END_TEST
 
 static int has_choice(const struct vor_parameter_info *info, const char *word)
 {
@@ -101,7 +97,7 @@ static int has_choice(const struct vor_parameter_info *info, const char *word)
     return 0;
 }
 
-START_TEST(a_parameter_hangs_on_words_of_another)
+VT_TEST_LOOP(a_parameter_hangs_on_words_of_another, VOR_PARAMETER_COUNT)
 {
     const struct vor_when *when = vor_parameter_when((enum vor_parameter)_i);
     const struct vor_parameter_info *other;
@@ -122,9 +118,8 @@ START_TEST(a_parameter_hangs_on_words_of_another)
     ck_assert_uint_ge(count, 1);
     ck_assert_uint_gt(vor_parameter_choice(other, count, &choice), 0); /* not all of its words */
 }
-END_TEST
 
-START_TEST(a_walk_over_values_ends)
+VT_TEST(a_walk_over_values_ends)
 {
     const char *at = " points=5  boundary=keep ";
     char value[VOR_PRESET_VALUE_SIZE];
@@ -141,15 +136,4 @@ START_TEST(a_walk_over_values_ends)
     at = "nonsense=1";
     ck_assert(vor_named_preset_next(&at, &parameter, value));
     ck_assert_int_eq(parameter, VOR_PARAMETER_COUNT);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_parameter_has_a_title_of_its_own, VOR_PARAMETER_COUNT);
-    vt_add_loop(suite, few_parameters_of_a_process_are_basic, 16);
-    vt_add_loop(suite, a_preset_is_a_request_that_can_be_made, 5);
-    vt_add(suite, every_preset_is_of_a_process_that_there_is);
-    vt_add_loop(suite, a_parameter_hangs_on_words_of_another, VOR_PARAMETER_COUNT);
-    vt_add(suite, a_walk_over_values_ends);
 }

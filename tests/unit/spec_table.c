@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { VALUES_MAX = 40, ALL = VOR_PARAMETER_COUNT };
+enum { VALUES_MAX = 40, ALL = VOR_PARAMETER_COUNT, PROCESSES_MAX = 16 };
 
 /* A value of a row: as text and in JSON. */
 struct sample {
@@ -144,7 +144,7 @@ static void assert_comes_back(const struct vor_spec *spec)
     vor_text_free(&text);
 }
 
-START_TEST(a_value_is_the_same_as_text_as_number_and_in_json)
+VT_TEST_LOOP(a_value_is_the_same_as_text_as_number_and_in_json, ALL)
 {
     struct sample samples[VALUES_MAX];
     struct vor_parameter_info row;
@@ -176,10 +176,9 @@ START_TEST(a_value_is_the_same_as_text_as_number_and_in_json)
         ck_assert_mem_eq(&other, &spec, sizeof spec);
     }
 }
-END_TEST
 
 /* Property: so is a request of all that its process takes; _i is the process. */
-START_TEST(a_whole_request_comes_back)
+VT_TEST_LOOP(a_whole_request_comes_back, PROCESSES_MAX)
 {
     const struct vor_process_info *process = vor_process_info((unsigned)_i);
 
@@ -200,7 +199,6 @@ START_TEST(a_whole_request_comes_back)
         assert_comes_back(&spec);
     }
 }
-END_TEST
 
 /* What the last call has refused is named with what is wanted, and nothing is changed. */
 static void assert_named(const struct vor_parameter_info *row, const struct vor_spec *spec,
@@ -217,7 +215,7 @@ static void assert_named(const struct vor_parameter_info *row, const struct vor_
     ck_assert_mem_eq(spec, before, sizeof *spec);
 }
 
-START_TEST(a_number_past_its_ends_is_refused_with_its_range)
+VT_TEST_LOOP(a_number_past_its_ends_is_refused_with_its_range, ALL)
 {
     struct vor_parameter_info row;
     struct vor_spec spec = request_for(_i, &row), before = spec;
@@ -246,10 +244,9 @@ START_TEST(a_number_past_its_ends_is_refused_with_its_range)
                                                                   : VOR_UNSET,
                                                          &vt_err));
 }
-END_TEST
 
 /* Of a list, words that are none have a status of their own. What each kind refuses: spec_kinds. */
-START_TEST(what_is_no_value_is_refused_with_what_is_wanted)
+VT_TEST_LOOP(what_is_no_value_is_refused_with_what_is_wanted, ALL)
 {
     static const char *const junk[] = {"", "abc", "Auto", "1x", "7\n", "0x10", " 7", "\xc2\xb2"};
     static const char *const json[] = {"null", "{}", "\"\\n\"", "[[]]"};
@@ -278,10 +275,9 @@ START_TEST(what_is_no_value_is_refused_with_what_is_wanted)
         ck_assert_str_eq(pointer + 1, row.name);
     }
 }
-END_TEST
 
 /* A list that is not well-formed is a wrong value; one with a word too many is not. */
-START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
+VT_TEST_LOOP(an_unknown_word_of_a_list_has_a_status_of_its_own, 8)
 {
     static const struct {
         const char *text;
@@ -301,10 +297,9 @@ START_TEST(an_unknown_word_of_a_list_has_a_status_of_its_own)
     vt_assert_fails(VOR_E_PARAM,
                     vor_spec_set_as(&spec, "filters", VOR_SHAPE_STRING, cases[_i].text, &vt_err));
 }
-END_TEST
 
 /* The default, and the schema that a process describes: _i is the parameter. */
-START_TEST(a_default_is_a_value_and_what_its_process_describes)
+VT_TEST_LOOP(a_default_is_a_value_and_what_its_process_describes, ALL)
 {
     const struct vor_process_info *process;
 
@@ -350,9 +345,8 @@ START_TEST(a_default_is_a_value_and_what_its_process_describes)
         vor_text_free(&part);
     }
 }
-END_TEST
 
-START_TEST(a_row_is_well_formed)
+VT_TEST_LOOP(a_row_is_well_formed, ALL)
 {
     struct vor_parameter_info row;
     struct vor_spec spec = request_for(_i, &row);
@@ -369,7 +363,6 @@ START_TEST(a_row_is_well_formed)
         ck_assert(row.min < row.max && row.min > VOR_UNSET);
     ck_assert_ptr_eq(vor_process_find(spec.process->id), spec.process);
 }
-END_TEST
 
 /* The name of a parameter stands in a message as a word of its own. */
 static int names(const char *message, const char *name)
@@ -386,7 +379,7 @@ static int names(const char *message, const char *name)
 /* Unknown names, and those of parameters that other processes take: _i is the process. At most
  * three that it takes are named, the nearest; none where the name is empty, or too long to be
  * compared. */
-START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
+VT_TEST_LOOP(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes, PROCESSES_MAX)
 {
     static const char *const strangers[] = {
         "",          "pints",
@@ -426,22 +419,4 @@ START_TEST(a_name_that_a_process_does_not_take_is_refused_with_those_it_takes)
         ck_assert_ptr_null(strchr(vt_err.message, '\n'));
         ck_assert_mem_eq(&spec, &before, sizeof spec);
     }
-}
-END_TEST
-
-int main(void)
-{
-    enum { PROCESSES_MAX = 16 };
-    Suite *suite = suite_create("spec_table");
-
-    vt_add_loop(suite, a_row_is_well_formed, ALL);
-    vt_add_loop(suite, a_value_is_the_same_as_text_as_number_and_in_json, ALL);
-    vt_add_loop(suite, a_number_past_its_ends_is_refused_with_its_range, ALL);
-    vt_add_loop(suite, what_is_no_value_is_refused_with_what_is_wanted, ALL);
-    vt_add_loop(suite, an_unknown_word_of_a_list_has_a_status_of_its_own, 8);
-    vt_add_loop(suite, a_default_is_a_value_and_what_its_process_describes, ALL);
-    vt_add_loop(suite, a_whole_request_comes_back, PROCESSES_MAX);
-    vt_add_loop(suite, a_name_that_a_process_does_not_take_is_refused_with_those_it_takes,
-                PROCESSES_MAX);
-    return vt_run(suite);
 }

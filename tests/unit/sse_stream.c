@@ -74,7 +74,7 @@ static const struct example examples[] = {
     {"event: a\nevent: b\ndata: x\n\n", "|b|x\x1e"},
 };
 
-START_TEST(the_grammar_is_the_standards)
+VT_TEST_LOOP(the_grammar_is_the_standards, (int)(sizeof examples / sizeof examples[0]))
 {
     const struct example *e = &examples[_i];
 
@@ -85,9 +85,8 @@ START_TEST(the_grammar_is_the_standards)
         free(log);
     }
 }
-END_TEST
 
-START_TEST(an_id_with_a_nul_is_ignored)
+VT_TEST(an_id_with_a_nul_is_ignored)
 {
     static const char stream[] = "id: a\ndata: 1\n\nid: b\0c\ndata: 2\n\n";
     char *log = heard(stream, sizeof stream - 1, 0, 0);
@@ -96,10 +95,9 @@ START_TEST(an_id_with_a_nul_is_ignored)
                           "a|message|2\x1e");
     free(log);
 }
-END_TEST
 
 /* Regression: a name of a lone NUL was neither a name nor "message". */
-START_TEST(a_name_is_cut_at_a_nul)
+VT_TEST(a_name_is_cut_at_a_nul)
 {
     static const char stream[] = "event: \0x\ndata: 1\n\nevent: a\0b\ndata: 2\n\n";
     char *log = heard(stream, sizeof stream - 1, 0, 0);
@@ -108,9 +106,8 @@ START_TEST(a_name_is_cut_at_a_nul)
                           "|a|2\x1e");
     free(log);
 }
-END_TEST
 
-START_TEST(a_formatted_stream_has_its_shape)
+VT_TEST(a_formatted_stream_has_its_shape)
 {
     struct vor_text text;
 
@@ -124,10 +121,9 @@ START_TEST(a_formatted_stream_has_its_shape)
                                 "data: a\ndata: b\ndata: c\ndata: \n\nevent: end\ndata: \n\n");
     vor_text_free(&text);
 }
-END_TEST
 
 /* Property: what is formatted arrives, however it is cut; line ends arrive as LF. */
-START_TEST(what_is_sent_arrives)
+VT_TEST_LOOP(what_is_sent_arrives, 40)
 {
     uint64_t seed = (uint64_t)_i;
     struct vor_text stream, wanted;
@@ -159,7 +155,6 @@ START_TEST(what_is_sent_arrives)
     vor_text_free(&stream);
     vor_text_free(&wanted);
 }
-END_TEST
 
 static vor_status feed_run(struct vor_sse_parser *parser, const char *start, size_t count,
                            const char *end)
@@ -171,7 +166,7 @@ static vor_status feed_run(struct vor_sse_parser *parser, const char *start, siz
     return status == VOR_OK ? vor_sse_feed(parser, end, strlen(end), &vt_err) : status;
 }
 
-START_TEST(a_line_ends_at_its_limit)
+VT_TEST(a_line_ends_at_its_limit)
 {
     struct seen seen = {.stop_after = 0};
     struct vor_sse_parser parser;
@@ -189,9 +184,8 @@ START_TEST(a_line_ends_at_its_limit)
     vor_sse_parser_free(&parser);
     vor_text_free(&seen.log);
 }
-END_TEST
 
-START_TEST(an_event_ends_at_its_limit)
+VT_TEST(an_event_ends_at_its_limit)
 {
     struct seen seen = {.stop_after = 0};
     struct vor_sse_parser parser;
@@ -212,9 +206,8 @@ START_TEST(an_event_ends_at_its_limit)
     vor_sse_parser_free(&parser);
     vor_text_free(&seen.log);
 }
-END_TEST
 
-START_TEST(the_handler_can_end_the_feed)
+VT_TEST(the_handler_can_end_the_feed)
 {
     static const char stream[] = "data: 1\n\ndata: 2\n\ndata: 3\n\n";
     struct seen seen = {.stop_after = 2};
@@ -227,9 +220,8 @@ START_TEST(the_handler_can_end_the_feed)
     vor_sse_parser_free(&parser);
     vor_text_free(&seen.log);
 }
-END_TEST
 
-START_TEST(a_restart_keeps_the_last_complete_id_and_the_retry)
+VT_TEST(a_restart_keeps_the_last_complete_id_and_the_retry)
 {
     struct seen seen = {.stop_after = 0};
     struct vor_sse_parser parser;
@@ -248,18 +240,4 @@ START_TEST(a_restart_keeps_the_last_complete_id_and_the_retry)
                                     "1.7|message|d\x1e");
     vor_sse_parser_free(&parser);
     vor_text_free(&seen.log);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, the_grammar_is_the_standards, (int)(sizeof examples / sizeof examples[0]));
-    vt_add(suite, an_id_with_a_nul_is_ignored);
-    vt_add(suite, a_name_is_cut_at_a_nul);
-    vt_add(suite, a_formatted_stream_has_its_shape);
-    vt_add_loop(suite, what_is_sent_arrives, 40);
-    vt_add(suite, a_line_ends_at_its_limit);
-    vt_add(suite, an_event_ends_at_its_limit);
-    vt_add(suite, the_handler_can_end_the_feed);
-    vt_add(suite, a_restart_keeps_the_last_complete_id_and_the_retry);
 }

@@ -86,7 +86,8 @@ static const struct {
      VOR_STOPPED_PLATEAU},
 };
 
-START_TEST(a_stage_ends_by_the_first_stop_and_tells_what_it_did)
+VT_TEST_LOOP(a_stage_ends_by_the_first_stop_and_tells_what_it_did,
+             (int)(sizeof rows / sizeof rows[0]))
 {
     struct toy toy = rows[_i].toy;
     struct vor_watch watch = {.ctx = &toy, .progress = progress, .clock = tick};
@@ -120,11 +121,4 @@ START_TEST(a_stage_ends_by_the_first_stop_and_tells_what_it_did)
     ck_assert_uint_eq(told.kept.iteration, rows[_i].steps);
     ck_assert_double_eq(toy.last.best_delta, told.kept.delta);
     vt_engine_close(&engine);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_stage_ends_by_the_first_stop_and_tells_what_it_did,
-                (int)(sizeof rows / sizeof rows[0]));
 }

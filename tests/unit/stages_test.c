@@ -407,31 +407,18 @@ _Static_assert(sizeof(struct vor_seeds) <= sizeof(((struct vt_call *)0)->out),
 
 enum { ROWS = sizeof rows / sizeof *rows };
 
-START_TEST(one_and_three_threads_give_the_same_bytes)
+VT_TEST_LOOP(one_and_three_threads_give_the_same_bytes, ROWS)
 {
     if (rows[_i].many > 0)
         vt_drive_threads(&rows[_i]);
 }
-END_TEST
 
-START_TEST(each_allocation_may_fail)
+VT_TEST_LOOP(each_allocation_may_fail, ROWS)
 {
     vt_drive_failures(&rows[_i]);
 }
-END_TEST
 
-START_TEST(a_cancel_leaves_nothing)
+VT_TEST_LOOP(a_cancel_leaves_nothing, ROWS)
 {
     vt_drive_answers(&rows[_i]);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("stages");
-
-    vt_add_loop(suite, one_and_three_threads_give_the_same_bytes, ROWS);
-    vt_add_loop(suite, each_allocation_may_fail, ROWS);
-    vt_add_loop(suite, a_cancel_leaves_nothing, ROWS);
-    return vt_run(suite);
 }

@@ -112,7 +112,7 @@ static size_t before_seconds(const struct vor_text *kept)
 }
 
 /* _i: the format, with and without children that encode. */
-START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
+VT_TEST_LOOP(a_run_in_another_process_gives_what_one_in_this_gives, 4)
 {
     struct vt_front front = _i / 2 == 0 ? front_with_codec(0) : front_with_codec(CODEC);
     struct vt_run_here here;
@@ -150,7 +150,6 @@ START_TEST(a_run_in_another_process_gives_what_one_in_this_gives)
     vor_pool_destroy(pool);
     vt_front_stop(&front);
 }
-END_TEST
 
 static void *run_real(void *arg)
 {
@@ -172,7 +171,7 @@ static void begin_real(struct vt_heard *heard, const struct vt_front *front)
     ck_assert_int_eq(pthread_create(&heard->thread, NULL, run_real, heard), 0);
 }
 
-START_TEST(an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it)
+VT_TEST(an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it)
 {
     struct vt_front front = front_with_codec(CRASHING_CODEC);
     struct vt_heard heard[3];
@@ -191,7 +190,6 @@ START_TEST(an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it)
     ck_assert_uint_eq(vt_front_counts(&front).crashed, 0);
     vt_front_stop(&front);
 }
-END_TEST
 
 /* Cancels once the outputs are being written. */
 static enum vor_answer cancel_at_end(void *ctx)
@@ -199,7 +197,7 @@ static enum vor_answer cancel_at_end(void *ctx)
     return atomic_load(&((struct vt_heard *)ctx)->stages) > 0 ? VOR_CANCEL : VOR_CONTINUE;
 }
 
-START_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
+VT_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
 {
     struct vt_heard heard = {.script = 0};
     struct vor_listener listener = vt_listener_of(&heard);
@@ -220,9 +218,8 @@ START_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
     (void)fclose(files.in);
     (void)fclose(files.out);
 }
-END_TEST
 
-START_TEST(an_input_that_is_no_dump_fails_the_run_and_not_the_worker)
+VT_TEST(an_input_that_is_no_dump_fails_the_run_and_not_the_worker)
 {
     struct vt_front front = front_with_codec(0);
     struct vt_heard heard = {.front = &front};
@@ -239,13 +236,8 @@ START_TEST(an_input_that_is_no_dump_fails_the_run_and_not_the_worker)
     vor_text_free(&heard.kept);
     vt_front_stop(&front);
 }
-END_TEST
 
-void vt_suite(Suite *suite)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
-    vt_add_loop(suite, a_run_in_another_process_gives_what_one_in_this_gives, 4);
-    vt_add(suite, an_encoder_that_crashes_fails_its_own_run_and_nothing_beside_it);
-    vt_add(suite, a_run_that_is_cancelled_does_not_wait_for_its_encoder);
-    vt_add(suite, an_input_that_is_no_dump_fails_the_run_and_not_the_worker);
 }

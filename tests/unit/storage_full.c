@@ -62,7 +62,7 @@ static void make_room(const char *dir)
     ck_assert_int_eq(unlink(path), 0);
 }
 
-START_TEST(a_blob_that_does_not_fit_is_refused_as_such)
+VT_TEST(a_blob_that_does_not_fit_is_refused_as_such)
 {
     const char *dir = vt_dir_make();
     struct vor_blob_writer *writer;
@@ -83,9 +83,8 @@ START_TEST(a_blob_that_does_not_fit_is_refused_as_such)
     vor_blobs_close(blobs);
     remove_disk(dir);
 }
-END_TEST
 
-START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
+VT_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
 {
     const char *dir = vt_dir_make();
     struct vor_job_view row = vt_row(10), back;
@@ -118,7 +117,6 @@ START_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     vor_store_close(store);
     remove_disk(dir);
 }
-END_TEST
 
 /* A daemon that uses such a disk to its end. */
 static void start(struct vt_daemon *daemon, const char *dir)
@@ -149,7 +147,7 @@ static void nap(long milliseconds)
     nanosleep(&pause, NULL);
 }
 
-START_TEST(a_result_that_does_not_fit_waits_for_room)
+VT_TEST(a_result_that_does_not_fit_waits_for_room)
 {
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
@@ -170,10 +168,9 @@ START_TEST(a_result_that_does_not_fit_waits_for_room)
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
-END_TEST
 
 /* By its caller, or because the daemon goes down: then its row is given back. */
-START_TEST(a_job_that_waits_for_room_can_be_ended_without_any)
+VT_TEST_LOOP(a_job_that_waits_for_room_can_be_ended_without_any, 2)
 {
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
@@ -197,7 +194,6 @@ START_TEST(a_job_that_waits_for_room_can_be_ended_without_any)
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
-END_TEST
 
 /* Takes rows until the store has no room for one more, whatever it still had for itself. */
 static void exhaust(struct vt_daemon *daemon)
@@ -211,7 +207,7 @@ static void exhaust(struct vt_daemon *daemon)
     ck_assert(vor_error_storage_full(&vt_err));
 }
 
-START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
+VT_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
 {
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
@@ -240,9 +236,8 @@ START_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
-END_TEST
 
-START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
+VT_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
 {
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
@@ -268,9 +263,8 @@ START_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
-END_TEST
 
-START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
+VT_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
 {
     const char *dir = vt_dir_make();
     struct vor_job_view row = vt_row(10);
@@ -290,10 +284,9 @@ START_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     vor_store_close(store);
     remove_disk(dir);
 }
-END_TEST
 
 /* _i: after an end in order, and after a start that has spent what was kept for it. */
-START_TEST(a_store_opens_on_a_full_disk_whose_reserve_is_spent)
+VT_TEST_LOOP(a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2)
 {
     const char *dir = vt_dir_make();
     struct vor_job_view row = vt_row(10), back;
@@ -319,10 +312,9 @@ START_TEST(a_store_opens_on_a_full_disk_whose_reserve_is_spent)
     }
     remove_disk(dir);
 }
-END_TEST
 
 /* A job that ran when the last daemon ended, on a disk that has no byte for its row. */
-START_TEST(what_a_start_cannot_put_in_order_waits_for_room)
+VT_TEST(what_a_start_cannot_put_in_order_waits_for_room)
 {
     const char *dir = vt_dir_make();
     struct vor_spec spec = vt_request(300, 3);
@@ -355,7 +347,6 @@ START_TEST(what_a_start_cannot_put_in_order_waits_for_room)
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
-END_TEST
 
 /* Whether a child may have such a disk. */
 static int allowed(void)
@@ -384,14 +375,5 @@ int main(void)
     }
     vor_log_open(2, VOR_LOG_OFF);
     suite = suite_create("storage_full");
-    vt_add(suite, a_blob_that_does_not_fit_is_refused_as_such);
-    vt_add(suite, a_store_without_room_refuses_and_goes_on_once_there_is_room);
-    vt_add(suite, a_result_that_does_not_fit_waits_for_room);
-    vt_add_loop(suite, a_job_that_waits_for_room_can_be_ended_without_any, 2);
-    vt_add(suite, what_ends_a_job_spends_the_reserve_which_is_made_again);
-    vt_add(suite, a_store_on_a_full_disk_opens_by_its_reserve);
-    vt_add(suite, an_end_that_cannot_be_stored_is_stored_once_there_is_room);
-    vt_add_loop(suite, a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2);
-    vt_add(suite, what_a_start_cannot_put_in_order_waits_for_room);
     return vt_run(suite);
 }

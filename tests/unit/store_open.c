@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-START_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
+VT_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = NULL, *second = NULL;
@@ -40,9 +40,8 @@ START_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
     ck_assert_int_eq(holder, 0);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(what_is_no_store_is_refused)
+VT_TEST(what_is_no_store_is_refused)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = NULL;
@@ -65,10 +64,9 @@ START_TEST(what_is_no_store_is_refused)
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(store);
 }
-END_TEST
 
 /* The version of a SQLite file's schema is the big-endian number at byte 60. */
-START_TEST(a_store_of_another_version_is_refused_and_left_alone)
+VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
 {
     static const int versions[] = {7, 11};
     char wanted[64];
@@ -93,7 +91,6 @@ START_TEST(a_store_of_another_version_is_refused_and_left_alone)
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
 }
-END_TEST
 
 /* What steps 1 to 6 of the schema made, with a job that ended, one that waits, one that expired,
  * and numbers of acceptance given up to 9. */
@@ -150,7 +147,7 @@ static int take_piece(void *ctx, const struct vor_event_piece *piece)
     return 1;
 }
 
-START_TEST(a_store_of_version_6_or_8_is_taken_with_its_jobs)
+VT_TEST(a_store_of_version_6_or_8_is_taken_with_its_jobs)
 {
     const char *dir = vt_dir_make();
     struct vor_uuid id = {"01908d7e-0000-7000-8000-000000000003"};
@@ -189,11 +186,10 @@ START_TEST(a_store_of_version_6_or_8_is_taken_with_its_jobs)
     ck_assert_int_eq(row.seq, 4);
     ck_assert_int_eq(next.seq, 10);
 }
-END_TEST
 
 /* A disk that refuses a write (here: a limit on the size of files) puts the store out of order:
  * what it acknowledged stays readable, nothing new is taken. */
-START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
+VT_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -219,17 +215,4 @@ START_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     vt_assert_ok(vor_store_check(store, &is_lost, &vt_err));
     vt_assert_ok(vor_store_insert(store, &more, NULL, &vt_err));
     vor_store_close(store);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("store_open");
-
-    vt_add(suite, a_second_daemon_is_refused_with_the_holder_s_name);
-    vt_add(suite, what_is_no_store_is_refused);
-    vt_add_loop(suite, a_store_of_another_version_is_refused_and_left_alone, 2);
-    vt_add(suite, a_store_of_version_6_or_8_is_taken_with_its_jobs);
-    vt_add(suite, a_store_whose_disk_failed_takes_no_more_and_says_so);
-    return vt_run(suite);
 }

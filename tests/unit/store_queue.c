@@ -46,7 +46,7 @@ static char claim_letter(struct vor_store *store)
 }
 
 /* Vector: letters are jobs that come, a dot claims the next one; whose that is, is told below. */
-START_TEST(tenants_take_turns)
+VT_TEST_LOOP(tenants_take_turns, 9)
 {
     static const struct {
         const char *steps, *out;
@@ -74,12 +74,11 @@ START_TEST(tenants_take_turns)
     ck_assert_str_eq(out, vectors[_i].out);
     vor_store_close(store);
 }
-END_TEST
 
 /* Property: whatever tenants come and are dismissed, each one's jobs leave in order, a position is
  * told as it comes out when nobody else comes, and between two jobs of a tenant who waits, and who
  * gave up no turn, no other has three. A job that is handed back keeps its place. */
-START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another)
+VT_TEST_LOOP(positions_come_true_and_nobody_has_three_turns_between_two_of_another, 4)
 {
     enum { TENANTS = 5, JOBS = 70 };
     struct vor_store *store = vt_dir_store(vt_dir_make());
@@ -127,10 +126,9 @@ START_TEST(positions_come_true_and_nobody_has_three_turns_between_two_of_another
     }
     vor_store_close(store);
 }
-END_TEST
 
 /* Places far behind are counted by rounds. */
-START_TEST(a_place_in_a_long_queue_is_counted_right)
+VT_TEST(a_place_in_a_long_queue_is_counted_right)
 {
     enum { JOBS = 600 };
     struct vor_store *store = vt_dir_store(vt_dir_make());
@@ -146,9 +144,8 @@ START_TEST(a_place_in_a_long_queue_is_counted_right)
     }
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
+VT_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
 {
     struct vor_store *store = vt_dir_store(vt_dir_make());
     struct vor_job_view rows[2] = {vt_row(10), vt_row(10)}, row;
@@ -176,10 +173,9 @@ START_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
     ck_assert(found && row.alone && row.attempt == 2);
     vor_store_close(store);
 }
-END_TEST
 
 /* A worker that was stopped past its lease and goes on. */
-START_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
+VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
 {
     struct vor_store *store = vt_dir_store(vt_dir_make());
     struct vor_job_view rows[2] = {insert_of(store, "", 0), insert_of(store, "", 0)}, row;
@@ -236,14 +232,4 @@ START_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
     vt_events(store, &rows[0].id, 2, 0, events);
     ck_assert_str_eq(events, "");
     vor_store_close(store);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, tenants_take_turns, 9);
-    vt_add_loop(suite, positions_come_true_and_nobody_has_three_turns_between_two_of_another, 4);
-    vt_add(suite, a_place_in_a_long_queue_is_counted_right);
-    vt_add(suite, the_next_job_is_claimed_once_it_may_and_none_before_it);
-    vt_add(suite, an_owner_whose_lease_was_reaped_changes_nothing_and_is_told);
 }

@@ -51,7 +51,7 @@ static int remove_row(struct vor_store *store, const struct vor_uuid *id)
     return changed;
 }
 
-START_TEST(a_row_comes_back_as_it_was_inserted)
+VT_TEST(a_row_comes_back_as_it_was_inserted)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -92,9 +92,8 @@ START_TEST(a_row_comes_back_as_it_was_inserted)
     ck_assert_int_eq(back.problem.status, VOR_OK);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
+VT_TEST_LOOP(a_request_comes_back_with_its_process_and_what_that_allows, 4)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -111,9 +110,8 @@ START_TEST(a_request_comes_back_with_its_process_and_what_that_allows)
     ck_assert_mem_eq(&back.spec, &row.spec, sizeof row.spec);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(inputs_beside_the_main_one_come_back)
+VT_TEST(inputs_beside_the_main_one_come_back)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -139,9 +137,8 @@ START_TEST(inputs_beside_the_main_one_come_back)
     ck_assert_uint_eq(vt_stored(store, &row.id).inputs, 3);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(a_successful_end_comes_back_with_report_events_and_record)
+VT_TEST(a_successful_end_comes_back_with_report_events_and_record)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -199,9 +196,8 @@ START_TEST(a_successful_end_comes_back_with_report_events_and_record)
     free(report);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(a_failure_comes_back_with_its_problem)
+VT_TEST(a_failure_comes_back_with_its_problem)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -223,9 +219,8 @@ START_TEST(a_failure_comes_back_with_its_problem)
     ck_assert_ptr_null(report);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(only_the_running_attempt_may_end_append_or_release)
+VT_TEST(only_the_running_attempt_may_end_append_or_release)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -248,7 +243,6 @@ START_TEST(only_the_running_attempt_may_end_append_or_release)
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));
     vor_store_close(store);
 }
-END_TEST
 
 /* --- lists ------------------------------------------------------------------------------------ */
 
@@ -279,7 +273,7 @@ static size_t count(struct vor_store *store, enum vor_job_status status)
     return list(store, (struct vor_job_filter){.limit = 64, .statuses = 1u << status}, 0).count;
 }
 
-START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
+VT_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -315,11 +309,10 @@ START_TEST(a_list_is_newest_first_filtered_and_continued_by_its_cursor)
     ck_assert_uint_eq(seen.count, 0);
     vor_store_close(store);
 }
-END_TEST
 
 /* --- time ------------------------------------------------------------------------------------- */
 
-START_TEST(results_expire_then_are_forgotten)
+VT_TEST(results_expire_then_are_forgotten)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -362,10 +355,9 @@ START_TEST(results_expire_then_are_forgotten)
     ck_assert(found); /* its second life is two milliseconds longer */
     vor_store_close(store);
 }
-END_TEST
 
 /* The process of one run, and not the daemon. */
-START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
+VT_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -398,7 +390,6 @@ START_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
     ck_assert_int_eq(vt_stored(store, &runs.id).status, VOR_JOB_RUNNING);
     vor_store_close(store);
 }
-END_TEST
 
 /* --- kills ------------------------------------------------------------------------------------ */
 
@@ -425,7 +416,7 @@ static void act_until_killed(void *ctx)
     raise(SIGKILL);
 }
 
-START_TEST(what_was_answered_before_a_kill_is_there_after_it)
+VT_TEST_LOOP(what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS)
 {
     struct killed killed = {.dir = vt_dir_make(), .point = (enum kill_point)_i, .row = vt_row(7)};
     static const enum vor_job_status expected[] = {
@@ -446,7 +437,6 @@ START_TEST(what_was_answered_before_a_kill_is_there_after_it)
         ck_assert_int_eq(row.status, expected[killed.point]);
     vor_store_close(store);
 }
-END_TEST
 
 struct torn {
     const char *dir;
@@ -466,7 +456,7 @@ static void insert_for_ever(struct torn *torn)
 }
 
 /* Killed from outside, at any instant: every row that was acknowledged is there. */
-START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
+VT_TEST_LOOP(no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8)
 {
     struct torn torn = {.dir = vt_dir_make()};
     struct vor_store *store;
@@ -496,7 +486,6 @@ START_TEST(no_acknowledged_row_is_lost_by_a_kill_at_any_instant)
     close(ends[0]);
     vor_store_close(store);
 }
-END_TEST
 
 /* --- threads ---------------------------------------------------------------------------------- */
 
@@ -518,7 +507,7 @@ static void *race(void *arg)
     return NULL;
 }
 
-START_TEST(of_two_threads_that_end_a_job_one_wins)
+VT_TEST(of_two_threads_that_end_a_job_one_wins)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -536,24 +525,4 @@ START_TEST(of_two_threads_that_end_a_job_one_wins)
     ck_assert_uint_eq(count(store, VOR_JOB_FAILED), (size_t)a.won);
     ck_assert_uint_eq(count(store, VOR_JOB_DISMISSED), (size_t)b.won);
     vor_store_close(store);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("store_rows");
-
-    vt_add(suite, a_row_comes_back_as_it_was_inserted);
-    vt_add_loop(suite, a_request_comes_back_with_its_process_and_what_that_allows, 4);
-    vt_add(suite, inputs_beside_the_main_one_come_back);
-    vt_add(suite, a_successful_end_comes_back_with_report_events_and_record);
-    vt_add(suite, a_failure_comes_back_with_its_problem);
-    vt_add(suite, only_the_running_attempt_may_end_append_or_release);
-    vt_add(suite, a_list_is_newest_first_filtered_and_continued_by_its_cursor);
-    vt_add(suite, results_expire_then_are_forgotten);
-    vt_add(suite, a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was);
-    vt_add_loop(suite, what_was_answered_before_a_kill_is_there_after_it, KILL_POINTS);
-    vt_add_loop(suite, no_acknowledged_row_is_lost_by_a_kill_at_any_instant, 8);
-    vt_add(suite, of_two_threads_that_end_a_job_one_wins);
-    return vt_run(suite);
 }

@@ -48,7 +48,7 @@ static const char *list(struct vor_store *store, const char *tenant)
     return letters;
 }
 
-START_TEST(a_tenant_gets_and_lists_his_rows_alone)
+VT_TEST(a_tenant_gets_and_lists_his_rows_alone)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -69,9 +69,8 @@ START_TEST(a_tenant_gets_and_lists_his_rows_alone)
     ck_assert_str_eq(list(store, NULL), "aba-");
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(a_key_of_a_request_is_one_s_own)
+VT_TEST(a_key_of_a_request_is_one_s_own)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -86,9 +85,8 @@ START_TEST(a_key_of_a_request_is_one_s_own)
     ck_assert_str_eq(back.id.text, b.id.text);
     vor_store_close(store);
 }
-END_TEST
 
-START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
+VT_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
@@ -110,15 +108,4 @@ START_TEST(what_is_stored_for_a_tenant_is_the_sum_of_his_jobs)
     vt_assert_ok(vor_store_ledger(store, "carol", &ledger, &vt_err));
     ck_assert_uint_eq(ledger.bytes, 0);
     vor_store_close(store);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("store_tenants");
-
-    vt_add(suite, a_tenant_gets_and_lists_his_rows_alone);
-    vt_add(suite, a_key_of_a_request_is_one_s_own);
-    vt_add(suite, what_is_stored_for_a_tenant_is_the_sum_of_his_jobs);
-    return vt_run(suite);
 }

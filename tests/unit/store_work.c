@@ -113,7 +113,7 @@ static int list(struct vor_store *store, const struct vor_job_filter *filter)
     return count;
 }
 
-START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
+VT_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = open_filled(dir);
@@ -145,10 +145,9 @@ START_TEST(what_a_submit_and_a_run_ask_walks_over_no_rows)
     ck_assert_int_eq(full_steps, 0);
     vor_store_close(store);
 }
-END_TEST
 
 /* Filters that no row passes, and where a walk over an index is allowed. */
-START_TEST(a_list_reads_the_rows_that_it_lists_alone)
+VT_TEST(a_list_reads_the_rows_that_it_lists_alone)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = open_filled(dir);
@@ -173,11 +172,10 @@ START_TEST(a_list_reads_the_rows_that_it_lists_alone)
     }
     vor_store_close(store);
 }
-END_TEST
 
 /* By names, and in steps of 20 from the newest on: no step walks over the rows of those before, and
  * none reads a trace. */
-START_TEST(a_list_in_steps_reads_each_row_once)
+VT_TEST_LOOP(a_list_in_steps_reads_each_row_once, 2)
 {
     const char *dir = vt_dir_make();
     struct vor_store *store = open_filled(dir);
@@ -198,10 +196,9 @@ START_TEST(a_list_in_steps_reads_each_row_once)
     ck_assert_int_le(most - least, 12);
     vor_store_close(store);
 }
-END_TEST
 
 /* Every principal has a job in every round. */
-START_TEST(a_place_in_the_queue_takes_no_look_at_each_job_before_it)
+VT_TEST(a_place_in_the_queue_takes_no_look_at_each_job_before_it)
 {
     enum { TENANTS = 20 };
     struct vor_store *store = open_store(vt_dir_make());
@@ -218,16 +215,4 @@ START_TEST(a_place_in_the_queue_takes_no_look_at_each_job_before_it)
     ck_assert_int_eq(back.queue_position, ROWS - 1);
     ck_assert_int_le(vm_steps, 3 * ROWS);
     vor_store_close(store);
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("store_work");
-
-    vt_add(suite, what_a_submit_and_a_run_ask_walks_over_no_rows);
-    vt_add(suite, a_list_reads_the_rows_that_it_lists_alone);
-    vt_add_loop(suite, a_list_in_steps_reads_each_row_once, 2);
-    vt_add(suite, a_place_in_the_queue_takes_no_look_at_each_job_before_it);
-    return vt_run(suite);
 }

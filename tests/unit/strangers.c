@@ -191,7 +191,7 @@ static void check_words(const char *name, const struct vor_cloud *cloud, const c
     }
 }
 
-START_TEST(files_of_strangers_are_read_and_come_back)
+VT_TEST_LOOP(files_of_strangers_are_read_and_come_back, sizeof strangers / sizeof *strangers)
 {
     const struct stranger *stranger = &strangers[_i];
     const char *dropped = strstr(stranger->want, "; dropped");
@@ -206,7 +206,6 @@ START_TEST(files_of_strangers_are_read_and_come_back)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 static void read_path(struct vor_cloud *out, const char *path)
 {
@@ -220,7 +219,7 @@ static void read_path(struct vor_cloud *out, const char *path)
 
 /* Vector, written by Draco's own encoder: metadata of a file, of a part of it and of an attribute,
  * a colour of two numbers, places in a texture of three, a name with a blank. */
-START_TEST(what_draco_has_beside_points_is_kept_or_named)
+VT_TEST(what_draco_has_beside_points_is_kept_or_named)
 {
 #define POINTS "1 2 3, 4 5 6; "
 #define PLACES "tex_coord! float32 0.5 0.25 0.75 1 0 0.5; "
@@ -244,10 +243,9 @@ START_TEST(what_draco_has_beside_points_is_kept_or_named)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Vector, written by Draco's own encoder: 200 points with places in a texture. */
-START_TEST(places_in_a_texture_stay_what_they_are)
+VT_TEST(places_in_a_texture_stay_what_they_are)
 {
     struct vor_cloud cloud, back;
 
@@ -265,11 +263,10 @@ START_TEST(places_in_a_texture_stay_what_they_are)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Vector, written by Draco's own encoder, edgebreaker: a cube from 0 to 1, whose corners are three
  * points each, one for every side, with the normal and the place in the texture of that side. */
-START_TEST(each_side_of_a_corner_is_a_point)
+VT_TEST(each_side_of_a_corner_is_a_point)
 {
     struct vor_cloud cloud;
     const float *normal, *place;
@@ -295,7 +292,6 @@ START_TEST(each_side_of_a_corner_is_a_point)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Colours as the Point Cloud Library packs them into a float, without alpha and with, which makes
  * some of them no numbers; and labels whose bits were taken for floats. */
@@ -314,7 +310,7 @@ static void add_bits(struct vor_cloud *cloud, const char *name, unsigned compone
 }
 
 /* Property: the quantised encodings, with the order of points and without. */
-START_TEST(bits_in_floats_survive_quantization)
+VT_TEST_LOOP(bits_in_floats_survive_quantization, 4)
 {
     const struct vor_write_options options = {
         .quantization_bits = 11, .compression = 7, .keep_order = _i & 1};
@@ -350,10 +346,9 @@ START_TEST(bits_in_floats_survive_quantization)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Property: a point drawn from a face gets the packed colour of a corner, not the mean of three. */
-START_TEST(packed_colours_are_not_averaged)
+VT_TEST(packed_colours_are_not_averaged)
 {
     static const uint32_t packed[3] = {0x00ff0000U, 0x0000ff00U, 0x000000ffU};
     struct vor_cloud cloud, drawn;
@@ -385,7 +380,6 @@ START_TEST(packed_colours_are_not_averaged)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Doubles that no origin and float32 hold: -0, and 17 digits of metres far from zero. */
 static const double doubles[6] = {500000.1, 4649776.2, -0.0,
@@ -440,7 +434,7 @@ static void check_doubles(const struct vor_cloud *cloud)
 
 /* Property: double in, double out, bit for bit, from every kind of file, also by way of a dump and
  * in another order; where nobody asks for it, no memory is taken. */
-START_TEST(doubles_come_back_bit_for_bit_where_they_are_kept)
+VT_TEST_LOOP(doubles_come_back_bit_for_bit_where_they_are_kept, 4)
 {
     static const uint32_t swap[2] = {1, 0};
     struct vt_bytes bytes = {0}, dump = {0};
@@ -478,10 +472,9 @@ START_TEST(doubles_come_back_bit_for_bit_where_they_are_kept)
     free(bytes.data);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* Doubles that the positions hold need no second copy. */
-START_TEST(doubles_that_positions_hold_are_not_kept_twice)
+VT_TEST(doubles_that_positions_hold_are_not_kept_twice)
 {
     static const char file[] = DOUBLES("ascii") "500000.25 0 0\n500001 1 2.5\n";
     struct vor_cloud cloud;
@@ -496,7 +489,6 @@ START_TEST(doubles_that_positions_hold_are_not_kept_twice)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* What cannot be read is named. */
 static const struct {
@@ -519,7 +511,7 @@ static const struct {
                                              "leaves such points out"),
 };
 
-START_TEST(what_is_refused_is_named)
+VT_TEST_LOOP(what_is_refused_is_named, sizeof refused / sizeof *refused)
 {
     static const struct vor_limits limits = VOR_LIMITS_DEFAULT;
     struct vor_cloud cloud;
@@ -530,22 +522,4 @@ START_TEST(what_is_refused_is_named)
                      VOR_OK);
     ck_assert_str_eq(vt_err.message, refused[_i].want);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("strangers");
-
-    vt_add_loop(suite, files_of_strangers_are_read_and_come_back,
-                sizeof strangers / sizeof *strangers);
-    vt_add(suite, what_draco_has_beside_points_is_kept_or_named);
-    vt_add(suite, places_in_a_texture_stay_what_they_are);
-    vt_add(suite, each_side_of_a_corner_is_a_point);
-    vt_add_loop(suite, bits_in_floats_survive_quantization, 4);
-    vt_add(suite, packed_colours_are_not_averaged);
-    vt_add_loop(suite, doubles_come_back_bit_for_bit_where_they_are_kept, 4);
-    vt_add(suite, doubles_that_positions_hold_are_not_kept_twice);
-    vt_add_loop(suite, what_is_refused_is_named, sizeof refused / sizeof *refused);
-    return vt_run(suite);
 }

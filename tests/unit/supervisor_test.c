@@ -252,7 +252,7 @@ static enum vor_run_end end_of_script(struct vt_heard *heard, const struct vt_fr
 
 /* --- what a run tells ------------------------------------------------------------------------- */
 
-START_TEST(a_run_tells_its_records_its_stage_and_its_result)
+VT_TEST(a_run_tells_its_records_its_stage_and_its_result)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard heard;
@@ -276,9 +276,8 @@ START_TEST(a_run_tells_its_records_its_stage_and_its_result)
     ck_assert_uint_eq(vt_front_counts(&front).crashed, 0);
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
+VT_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard obeys, other;
@@ -297,11 +296,10 @@ START_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
     ck_assert_uint_eq(vt_front_counts(&front).crashed, 0);
     vt_front_stop(&front);
 }
-END_TEST
 
 /* --- crashes ---------------------------------------------------------------------------------- */
 
-START_TEST(a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a_new_worker)
+VT_TEST_LOOP(a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a_new_worker, 3)
 {
     static const struct {
         enum script script;
@@ -321,9 +319,8 @@ START_TEST(a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a
     ck_assert_uint_eq(vt_front_counts(&front).started, 2);
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(a_crash_is_told_to_all_that_ran_there)
+VT_TEST(a_crash_is_told_to_all_that_ran_there)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard beside[3], heard;
@@ -343,9 +340,8 @@ START_TEST(a_crash_is_told_to_all_that_ran_there)
     vor_text_free(&numbers);
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(a_suspect_runs_in_a_process_of_its_own)
+VT_TEST(a_suspect_runs_in_a_process_of_its_own)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard beside, suspects[2], heard;
@@ -368,10 +364,9 @@ START_TEST(a_suspect_runs_in_a_process_of_its_own)
     ck_assert_uint_eq(vt_front_counts(&front).crashed, 2);
     vt_front_stop(&front);
 }
-END_TEST
 
 /* Regression: cancellation and signs of life of all runs waited for a worker that started. */
-START_TEST(runs_are_looked_after_while_another_worker_starts)
+VT_TEST(runs_are_looked_after_while_another_worker_starts)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard runs, suspect;
@@ -390,9 +385,8 @@ START_TEST(runs_are_looked_after_while_another_worker_starts)
     ck_assert_double_eq(suspect.result.report.delta, 1); /* thread, of two */
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(a_worker_that_ended_between_two_runs_costs_neither)
+VT_TEST(a_worker_that_ended_between_two_runs_costs_neither)
 {
     struct vt_front front = front_start(0, 0);
     struct vt_heard heard = {.front = &front, .script = ENDS_LATER};
@@ -412,9 +406,8 @@ START_TEST(a_worker_that_ended_between_two_runs_costs_neither)
     ck_assert_uint_eq(vt_front_counts(&front).started, 2);
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(a_worker_without_a_sign_of_life_is_ended)
+VT_TEST(a_worker_without_a_sign_of_life_is_ended)
 {
     struct vt_front front = front_start(0, 0.4);
     struct vt_heard heard;
@@ -424,11 +417,10 @@ START_TEST(a_worker_without_a_sign_of_life_is_ended)
     ck_assert_int_eq(end_of_script(&heard, &front, SAYS_ALL), VOR_RUN_DONE);
     vt_front_stop(&front);
 }
-END_TEST
 
 /* --- runs that do not listen ------------------------------------------------------------------ */
 
-START_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
+VT_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
 {
     struct vt_front front = front_start(1, 0);
     struct vt_heard deaf, beside;
@@ -444,9 +436,8 @@ START_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
     ck_assert_str_eq(beside.err.message, "the worker crashed (a cancelled run did not end)");
     vt_front_stop(&front);
 }
-END_TEST
 
-START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
+VT_TEST(a_worker_whose_threads_do_not_start_is_an_error)
 {
     struct vor_zygote zygote;
     struct vor_supervisor *supervisor;
@@ -464,11 +455,10 @@ START_TEST(a_worker_whose_threads_do_not_start_is_an_error)
         "the engine fails its self-test: delta of the result is 0.5, want at most 0.1");
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
 /* --- what is said and makes no sense ---------------------------------------------------------- */
 
-START_TEST(words_that_make_no_sense_break_the_channel)
+VT_TEST(words_that_make_no_sense_break_the_channel)
 {
     static const enum vor_stage no_stage = VOR_STAGES;
     static const struct vor_record no_record = {.stage = VOR_RUN_STAGE_COUNT};
@@ -506,9 +496,8 @@ START_TEST(words_that_make_no_sense_break_the_channel)
     close(ends[0]);
     close(ends[1]);
 }
-END_TEST
 
-START_TEST(an_order_arrives_with_its_files_or_not_at_all)
+VT_TEST(an_order_arrives_with_its_files_or_not_at_all)
 {
     struct vor_order order = vt_order_of(5), got;
     int ends[2];
@@ -532,7 +521,6 @@ START_TEST(an_order_arrives_with_its_files_or_not_at_all)
     close(ends[0]);
     close(ends[1]);
 }
-END_TEST
 
 int main(void)
 {
@@ -540,18 +528,5 @@ int main(void)
 
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
 
-    vt_add(suite, a_run_tells_its_records_its_stage_and_its_result);
-    vt_add(suite, what_a_listener_answers_reaches_its_run_and_no_other);
-    vt_add_loop(
-        suite, a_crash_with_nothing_beside_it_is_told_as_such_and_the_next_run_has_a_new_worker, 3);
-    vt_add(suite, a_crash_is_told_to_all_that_ran_there);
-    vt_add(suite, a_suspect_runs_in_a_process_of_its_own);
-    vt_add(suite, runs_are_looked_after_while_another_worker_starts);
-    vt_add(suite, a_worker_that_ended_between_two_runs_costs_neither);
-    vt_add(suite, a_worker_without_a_sign_of_life_is_ended);
-    vt_add(suite, a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone);
-    vt_add(suite, a_worker_whose_threads_do_not_start_is_an_error);
-    vt_add(suite, words_that_make_no_sense_break_the_channel);
-    vt_add(suite, an_order_arrives_with_its_files_or_not_at_all);
     return vt_run(suite);
 }

@@ -54,7 +54,7 @@ static void local_of(const struct vor_surface *surface, const float *near, unsig
 }
 
 /* Xiao 2024 Sec. III-B, row X1. */
-START_TEST(a_quadric_is_recovered_exactly_from_its_samples)
+VT_TEST_LOOP(a_quadric_is_recovered_exactly_from_its_samples, SEEDS)
 {
     float near[3 * K];
     struct vor_surface s;
@@ -72,11 +72,10 @@ START_TEST(a_quadric_is_recovered_exactly_from_its_samples)
                             1e-12 * s.reach);
     }
 }
-END_TEST
 
 /* Least squares: the residuals of noisy samples are orthogonal to each of the six terms, so no
  * other quadric over this plane fits better. */
-START_TEST(no_other_quadric_over_the_plane_fits_better)
+VT_TEST_LOOP(no_other_quadric_over_the_plane_fits_better, SEEDS)
 {
     float near[3 * 40];
     struct vor_surface s;
@@ -103,9 +102,8 @@ START_TEST(no_other_quadric_over_the_plane_fits_better)
     for (int t = 0; t < 6; t++)
         ck_assert_double_le(fabs(dot[t]), 1e-11);
 }
-END_TEST
 
-START_TEST(points_of_a_plane_give_that_plane)
+VT_TEST_LOOP(points_of_a_plane_give_that_plane, SEEDS)
 {
     float near[3 * K];
     struct vor_surface s;
@@ -126,9 +124,8 @@ START_TEST(points_of_a_plane_give_that_plane)
         }
     }
 }
-END_TEST
 
-START_TEST(points_of_a_line_have_no_surface)
+VT_TEST_LOOP(points_of_a_line_have_no_surface, SEEDS)
 {
     float near[3 * K];
     struct vor_surface s;
@@ -140,9 +137,8 @@ START_TEST(points_of_a_line_have_no_surface)
         ck_assert_int_eq(s.kind, VOR_SURFACE_NONE);
     }
 }
-END_TEST
 
-START_TEST(two_points_have_no_surface_and_three_have_a_plane)
+VT_TEST(two_points_have_no_surface_and_three_have_a_plane)
 {
     const float near[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0.5f};
     struct vor_surface s;
@@ -154,7 +150,6 @@ START_TEST(two_points_have_no_surface_and_three_have_a_plane)
     vor_surface_fit(&s, near, 3);
     ck_assert_int_eq(s.kind, VOR_SURFACE_PLANE);
 }
-END_TEST
 
 /* `distinct` places, each several times. */
 static enum vor_surface_kind fit_repeated(unsigned distinct)
@@ -169,7 +164,7 @@ static enum vor_surface_kind fit_repeated(unsigned distinct)
     return s.kind;
 }
 
-START_TEST(repeated_points_count_once)
+VT_TEST(repeated_points_count_once)
 {
     ck_assert_int_eq(fit_repeated(1), VOR_SURFACE_NONE);
     ck_assert_int_eq(fit_repeated(2), VOR_SURFACE_NONE);
@@ -177,10 +172,9 @@ START_TEST(repeated_points_count_once)
         ck_assert_int_eq(fit_repeated(distinct), VOR_SURFACE_PLANE);
     ck_assert_int_eq(fit_repeated(12), VOR_SURFACE_QUADRIC);
 }
-END_TEST
 
 /* uu + vv is constant on a circle, so it cannot be told from the constant. */
-START_TEST(points_of_a_circle_determine_a_plane_only)
+VT_TEST(points_of_a_circle_determine_a_plane_only)
 {
     float near[3 * K];
     struct vor_surface s;
@@ -193,9 +187,8 @@ START_TEST(points_of_a_circle_determine_a_plane_only)
     vor_surface_fit(&s, near, K);
     ck_assert_int_eq(s.kind, VOR_SURFACE_PLANE);
 }
-END_TEST
 
-START_TEST(the_spacing_of_a_lattice_is_found_inside_and_at_its_border)
+VT_TEST(the_spacing_of_a_lattice_is_found_inside_and_at_its_border)
 {
     for (int half = 0; half < 2; half++) {
         float near[3 * 81];
@@ -214,11 +207,10 @@ START_TEST(the_spacing_of_a_lattice_is_found_inside_and_at_its_border)
         ck_assert_double_eq_tol(s.spacing, 0.5, 0.04);
     }
 }
-END_TEST
 
 /* Departure of the header: no jump in height or slope where the quadric ends, and a straight line
  * from there on. */
-START_TEST(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink)
+VT_TEST_LOOP(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink, SEEDS)
 {
     const double h = 1e-5;
     float near[3 * K];
@@ -246,7 +238,6 @@ START_TEST(beyond_its_reach_a_quadric_goes_on_straight_without_a_kink)
         ck_assert_double_le(fabs(height[6] - 2 * height[5] + height[2]), 1e-11 * scale);
     }
 }
-END_TEST
 
 static double gap2(const double a[3], const double b[3])
 {
@@ -257,7 +248,7 @@ static double gap2(const double a[3], const double b[3])
 
 /* Xiao 2024 Sec. IV-D: the foot is on the surface, the way to it is along the normal, and no other
  * place of the surface around it is nearer. */
-START_TEST(a_projected_point_is_the_foot_of_its_perpendicular)
+VT_TEST_LOOP(a_projected_point_is_the_foot_of_its_perpendicular, SEEDS)
 {
     float near[3 * K];
     struct vor_surface s;
@@ -289,9 +280,8 @@ START_TEST(a_projected_point_is_the_foot_of_its_perpendicular)
             }
     }
 }
-END_TEST
 
-START_TEST(a_weight_counts_like_so_many_points)
+VT_TEST_LOOP(a_weight_counts_like_so_many_points, SEEDS)
 {
     float near[3 * K], repeated[9 * K], weight[K], ones[K];
     struct vor_surface weighted, listed, plain, one;
@@ -319,20 +309,4 @@ START_TEST(a_weight_counts_like_so_many_points)
     ck_assert_double_eq_tol(weighted.center[0], listed.center[0], 1e-12);
     ck_assert(fabs(weighted.c[0] - plain.c[0]) > 1e-6);
     ck_assert(weighted.spacing == 0);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_quadric_is_recovered_exactly_from_its_samples, SEEDS);
-    vt_add_loop(suite, no_other_quadric_over_the_plane_fits_better, SEEDS);
-    vt_add_loop(suite, points_of_a_plane_give_that_plane, SEEDS);
-    vt_add_loop(suite, points_of_a_line_have_no_surface, SEEDS);
-    vt_add(suite, two_points_have_no_surface_and_three_have_a_plane);
-    vt_add(suite, repeated_points_count_once);
-    vt_add(suite, points_of_a_circle_determine_a_plane_only);
-    vt_add(suite, the_spacing_of_a_lattice_is_found_inside_and_at_its_border);
-    vt_add_loop(suite, beyond_its_reach_a_quadric_goes_on_straight_without_a_kink, SEEDS);
-    vt_add_loop(suite, a_projected_point_is_the_foot_of_its_perpendicular, SEEDS);
-    vt_add_loop(suite, a_weight_counts_like_so_many_points, SEEDS);
 }

@@ -17,7 +17,7 @@ static double height(const struct vor_domain *domain)
 }
 
 /* An input whose fits take few of its points, or that has sheets, has none. */
-START_TEST(means_have_less_noise_and_fits_take_fewer_of_them)
+VT_TEST_LOOP(means_have_less_noise_and_fits_take_fewer_of_them, 3)
 {
     static const struct vor_conditioning known[] = {
         {.neighbors = {.usual = 100, .most = 100}},
@@ -49,13 +49,4 @@ START_TEST(means_have_less_noise_and_fits_take_fewer_of_them)
     vt_engine_close(&engine);
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
-}
-END_TEST
-
-int main(void)
-{
-    Suite *suite = suite_create("thin_means");
-
-    vt_add_loop(suite, means_have_less_noise_and_fits_take_fewer_of_them, 3);
-    return vt_run(suite);
 }

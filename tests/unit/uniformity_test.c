@@ -13,7 +13,7 @@ static void random_distances(uint64_t seed, float *d, size_t n)
 }
 
 /* Vector: mean 4/3, relative deviations -1/4, -1/4, 1/2. */
-START_TEST(three_distances_have_their_hand_computed_uniformity)
+VT_TEST(three_distances_have_their_hand_computed_uniformity)
 {
     const float d[3] = {1, 1, 2};
     struct vor_uniformity u;
@@ -25,9 +25,8 @@ START_TEST(three_distances_have_their_hand_computed_uniformity)
     ck_assert_double_eq_tol(u.mean, 4.0 / 3, 1e-15);
     ck_assert(u.min == 1 && u.max == 2 && u.coincident == 0);
 }
-END_TEST
 
-START_TEST(points_all_in_one_place_have_no_distances)
+VT_TEST(points_all_in_one_place_have_no_distances)
 {
     const float d[3] = {0, 0, 0};
     struct vor_uniformity u;
@@ -37,9 +36,8 @@ START_TEST(points_all_in_one_place_have_no_distances)
     ck_assert(u.min == 0 && u.max == 0);
     ck_assert_uint_eq(u.coincident, 3);
 }
-END_TEST
 
-START_TEST(coincident_points_are_counted)
+VT_TEST(coincident_points_are_counted)
 {
     const float d[4] = {0, 0, 1, 3};
     struct vor_uniformity u;
@@ -49,10 +47,9 @@ START_TEST(coincident_points_are_counted)
     ck_assert_double_eq_tol(u.delta, sqrt(6.0 / 4), 1e-15);
     ck_assert(u.min == 0 && u.max == 3);
 }
-END_TEST
 
 /* Property, Xiao 2024 Eq. 6: a cloud in feet is as even as in metres; sigma carries the unit. */
-START_TEST(delta_and_epsilon_have_no_scale)
+VT_TEST_LOOP(delta_and_epsilon_have_no_scale, SEEDS)
 {
     float d[N], scaled[N];
     struct vor_uniformity u, v;
@@ -67,10 +64,9 @@ START_TEST(delta_and_epsilon_have_no_scale)
     ck_assert_double_eq_tol(v.sigma * 0x1p20, u.sigma, 1e-14);
     ck_assert_double_eq_tol(v.mean * 0x1p20, u.mean, 1e-14);
 }
-END_TEST
 
 /* Property, Xiao 2024 Sec. V-B and row X21: the cosine itself, not the identity it follows. */
-START_TEST(epsilon_is_the_cosine_between_the_distances_and_their_mean)
+VT_TEST_LOOP(epsilon_is_the_cosine_between_the_distances_and_their_mean, SEEDS)
 {
     float d[N];
     double sum = 0, square = 0;
@@ -86,7 +82,6 @@ START_TEST(epsilon_is_the_cosine_between_the_distances_and_their_mean)
     ck_assert_double_eq_tol(u.epsilon, 1 / sqrt(1 + u.delta * u.delta), 1e-15);
     ck_assert_double_gt(u.delta, 0.3);
 }
-END_TEST
 
 static void measure(struct vor_uniformity *u, const struct vor_cloud *cloud)
 {
@@ -103,7 +98,7 @@ static void measure(struct vor_uniformity *u, const struct vor_cloud *cloud)
     vt_engine_close(&engine);
 }
 
-START_TEST(a_lattice_is_perfectly_even_and_its_spacing_is_its_own)
+VT_TEST(a_lattice_is_perfectly_even_and_its_spacing_is_its_own)
 {
     struct vor_cloud cloud;
     struct vor_uniformity u;
@@ -114,10 +109,9 @@ START_TEST(a_lattice_is_perfectly_even_and_its_spacing_is_its_own)
     vor_cloud_free(&cloud);
     vt_assert_no_leak();
 }
-END_TEST
 
 /* White noise in the plane: d is Rayleigh, whose deviation over mean is sqrt(4/pi - 1) = 0.5227. */
-START_TEST(white_noise_has_the_uniformity_of_a_rayleigh_distance)
+VT_TEST_LOOP(white_noise_has_the_uniformity_of_a_rayleigh_distance, 3)
 {
     struct vor_cloud cloud;
     struct vor_uniformity u;
@@ -127,16 +121,4 @@ START_TEST(white_noise_has_the_uniformity_of_a_rayleigh_distance)
     ck_assert_double_eq_tol(u.delta, sqrt(4 / M_PI - 1), 0.02);
     ck_assert_double_eq_tol(u.mean, 0.5 / sqrt(20000), 0.02 * 0.5 / sqrt(20000));
     vor_cloud_free(&cloud);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add(suite, three_distances_have_their_hand_computed_uniformity);
-    vt_add(suite, points_all_in_one_place_have_no_distances);
-    vt_add(suite, coincident_points_are_counted);
-    vt_add_loop(suite, delta_and_epsilon_have_no_scale, SEEDS);
-    vt_add_loop(suite, epsilon_is_the_cosine_between_the_distances_and_their_mean, SEEDS);
-    vt_add(suite, a_lattice_is_perfectly_even_and_its_spacing_is_its_own);
-    vt_add_loop(suite, white_noise_has_the_uniformity_of_a_rayleigh_distance, 3);
 }

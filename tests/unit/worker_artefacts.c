@@ -104,7 +104,7 @@ static void expect_document(struct vt_daemon *daemon, const struct vor_uuid *id,
 }
 
 /* With a reference, the inputs in either order; and without. */
-START_TEST(a_document_is_what_the_engine_gives)
+VT_TEST_LOOP(a_document_is_what_the_engine_gives, 3)
 {
     struct vt_input backwards[3], *given;
     struct vor_text wanted;
@@ -145,9 +145,8 @@ START_TEST(a_document_is_what_the_engine_gives)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_without_records_tells_its_stages_and_its_end)
+VT_TEST(a_job_without_records_tells_its_stages_and_its_end)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
@@ -172,10 +171,9 @@ START_TEST(a_job_without_records_tells_its_stages_and_its_end)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* Of a process that does not take a format, in that of the main input. */
-START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
+VT_TEST_LOOP(a_cloud_beside_the_main_output_is_saved_under_its_name, 2)
 {
     const struct vor_format *format;
     struct vor_job_output saved = {.points = 1};
@@ -216,9 +214,8 @@ START_TEST(a_cloud_beside_the_main_output_is_saved_under_its_name)
     vor_cloud_free(&artefact.cloud);
     vor_blobs_close(daemon.blobs);
 }
-END_TEST
 
-START_TEST(an_output_of_an_unknown_format_is_not_written)
+VT_TEST(an_output_of_an_unknown_format_is_not_written)
 {
     struct vor_job_output saved = {.points = 77};
     struct vor_result_facts facts = {.spacing = 0};
@@ -238,10 +235,9 @@ START_TEST(an_output_of_an_unknown_format_is_not_written)
     (void)fclose(file);
     vor_cloud_free(&artefact.cloud);
 }
-END_TEST
 
 /* What another process says that it has written is compared with what is there. */
-START_TEST(a_result_of_another_size_than_told_is_not_taken)
+VT_TEST(a_result_of_another_size_than_told_is_not_taken)
 {
     static const char sha256[VOR_DIGEST_SIZE] = "00";
     const char *dir = vt_dir_make();
@@ -256,11 +252,10 @@ START_TEST(a_result_of_another_size_than_told_is_not_taken)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
-END_TEST
 
 /* --- refusals --------------------------------------------------------------------------------- */
 
-START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
+VT_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
 {
     static const struct {
         const char *process, *peak;
@@ -302,7 +297,6 @@ START_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* --- crashes ---------------------------------------------------------------------------------- */
 
@@ -346,7 +340,7 @@ static void run_and_die(void *ctx)
 
 /* Killed while it waits, when it was claimed, before its document is written, and with its last row
  * just written: the next life has both clouds, and the same document. */
-START_TEST(both_inputs_survive_kill_9)
+VT_TEST_LOOP(both_inputs_survive_kill_9, VT_ONCE(4))
 {
     struct crash crash = {.instant = (uint32_t)_i + 1};
     struct vor_text wanted;
@@ -378,7 +372,6 @@ START_TEST(both_inputs_survive_kill_9)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* A job that waits in a directory whose daemon is down. */
 static struct vor_uuid leave_waiting(const char *dir)
@@ -399,7 +392,7 @@ static struct vor_uuid leave_waiting(const char *dir)
     return id;
 }
 
-START_TEST(a_job_that_lost_an_input_fails_and_names_it)
+VT_TEST_LOOP(a_job_that_lost_an_input_fails_and_names_it, 2)
 {
     static const char *const inputs[] = {"cloud", "reference"};
     const char *dir = vt_dir_make();
@@ -420,10 +413,9 @@ START_TEST(a_job_that_lost_an_input_fails_and_names_it)
         vt_nap();
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* Else it would be run with defaults that nobody asked for: all of this process's are allowed. */
-START_TEST(a_job_whose_request_cannot_be_read_is_not_run)
+VT_TEST(a_job_whose_request_cannot_be_read_is_not_run)
 {
     const char *dir = vt_dir_make();
     struct vor_uuid id = leave_waiting(dir);
@@ -449,7 +441,6 @@ START_TEST(a_job_whose_request_cannot_be_read_is_not_run)
         vt_nap();
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* --- what is left ----------------------------------------------------------------------------- */
 
@@ -461,7 +452,7 @@ static void keep(const char *dir, const struct vor_uuid *id, const char *name)
     vor_blobs_close(blobs);
 }
 
-START_TEST(a_start_removes_what_is_no_output_of_a_success)
+VT_TEST(a_start_removes_what_is_no_output_of_a_success)
 {
     const char *dir = vt_dir_make();
     struct vt_daemon daemon;
@@ -487,7 +478,6 @@ START_TEST(a_start_removes_what_is_no_output_of_a_success)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 enum ending { REMOVED, EXPIRED, DISMISSED_WAITING, DISMISSED_AT_ANY_TIME, REFUSED, ENDINGS };
 
@@ -510,7 +500,7 @@ static void end_job(struct vt_daemon *daemon, struct pair *pair, enum ending end
 }
 
 /* However a job ends, nothing of it is left once its results are not. */
-START_TEST(the_bytes_of_a_job_all_go)
+VT_TEST_LOOP(the_bytes_of_a_job_all_go, VT_ONCE(ENDINGS))
 {
     struct vt_daemon_options options = {.jobs = 1, .ttl_seconds = _i == EXPIRED ? 0.05 : 0};
     struct vt_daemon daemon;
@@ -535,11 +525,10 @@ START_TEST(the_bytes_of_a_job_all_go)
     pair_free(&pair);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* --- names ------------------------------------------------------------------------------------ */
 
-START_TEST(no_two_artefacts_of_a_process_share_a_blob)
+VT_TEST(no_two_artefacts_of_a_process_share_a_blob)
 {
     const struct vor_process_info *process;
     char blob[VOR_BLOB_NAME_MAX + 1];
@@ -558,24 +547,11 @@ START_TEST(no_two_artefacts_of_a_process_share_a_blob)
             ck_assert_uint_le(strlen(process->inputs[k].name), VOR_BLOB_NAME_MAX - 6);
     }
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("worker_artefacts");
 
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add_loop(suite, a_document_is_what_the_engine_gives, 3);
-    vt_add(suite, a_job_without_records_tells_its_stages_and_its_end);
-    vt_add_loop(suite, a_cloud_beside_the_main_output_is_saved_under_its_name, 2);
-    vt_add(suite, an_output_of_an_unknown_format_is_not_written);
-    vt_add(suite, a_result_of_another_size_than_told_is_not_taken);
-    vt_add(suite, what_a_process_cannot_work_on_is_refused_and_leaves_nothing);
-    vt_add_loop(suite, both_inputs_survive_kill_9, VT_ONCE(4));
-    vt_add_loop(suite, a_job_that_lost_an_input_fails_and_names_it, 2);
-    vt_add(suite, a_job_whose_request_cannot_be_read_is_not_run);
-    vt_add(suite, a_start_removes_what_is_no_output_of_a_success);
-    vt_add_loop(suite, the_bytes_of_a_job_all_go, VT_ONCE(ENDINGS));
-    vt_add(suite, no_two_artefacts_of_a_process_share_a_blob);
     return vt_run(suite);
 }

@@ -85,7 +85,7 @@ static void run_and_die(void *ctx)
 
 /* Property: a retry cannot be told from a first run, wherever the first one was killed: when it was
  * claimed, at an iteration, before encoding, or with its last row just written. */
-START_TEST(accepted_jobs_survive_kill_9_with_the_same_bytes)
+VT_TEST_LOOP(accepted_jobs_survive_kill_9_with_the_same_bytes, 5)
 {
     static const uint32_t instants[] = {2, 4, 30, ITERATIONS + 5, ITERATIONS + 6};
     struct crash crash = {.instant = instants[_i]};
@@ -122,9 +122,8 @@ START_TEST(accepted_jobs_survive_kill_9_with_the_same_bytes)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
 }
-END_TEST
 
-START_TEST(the_events_of_a_second_attempt_begin_anew)
+VT_TEST(the_events_of_a_second_attempt_begin_anew)
 {
     struct vt_daemon daemon;
     struct vor_spec spec = vt_request(200, 10000);
@@ -144,9 +143,8 @@ START_TEST(the_events_of_a_second_attempt_begin_anew)
     ck_assert_uint_eq(event.number, 1);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
+VT_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
 {
     struct vt_daemon daemon;
     struct vor_spec spec = vt_request(200, 30), longer = vt_request(200, 600);
@@ -175,9 +173,8 @@ START_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 2);
 }
-END_TEST
 
-START_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
+VT_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
 {
     struct vt_daemon daemon;
     struct vor_spec spec = vt_request(200, 10000);
@@ -198,9 +195,8 @@ START_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_that_waits_for_the_next_start_can_be_dismissed)
+VT_TEST(a_job_that_waits_for_the_next_start_can_be_dismissed)
 {
     struct vt_daemon daemon;
     struct vor_spec spec = vt_request(200, 10000);
@@ -217,9 +213,8 @@ START_TEST(a_job_that_waits_for_the_next_start_can_be_dismissed)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
 }
-END_TEST
 
-START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go)
+VT_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go)
 {
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_job_view row = vt_row(10), view;
@@ -241,9 +236,8 @@ START_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_g
         vt_nap();
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
+VT_TEST_LOOP(damaged_bytes_fail_the_job_and_not_the_daemon, 8)
 {
     struct vt_daemon daemon = {.dir = vt_dir_make()};
     struct vor_job_view row = vt_row(10), view;
@@ -261,19 +255,11 @@ START_TEST(damaged_bytes_fail_the_job_and_not_the_daemon)
     ck_assert_str_ne(view.message, "");
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("worker_crash");
 
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add_loop(suite, accepted_jobs_survive_kill_9_with_the_same_bytes, 5);
-    vt_add(suite, the_events_of_a_second_attempt_begin_anew);
-    vt_add(suite, a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones);
-    vt_add(suite, a_drain_that_is_over_gives_running_jobs_back_without_a_crash);
-    vt_add(suite, a_job_that_waits_for_the_next_start_can_be_dismissed);
-    vt_add(suite, a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go);
-    vt_add_loop(suite, damaged_bytes_fail_the_job_and_not_the_daemon, 8);
     return vt_run(suite);
 }

@@ -32,7 +32,7 @@ static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
     ck_assert_str_eq(view.id.text, id->text);
 }
 
-START_TEST(a_job_ends_with_exactly_the_points_asked_for)
+VT_TEST(a_job_ends_with_exactly_the_points_asked_for)
 {
     struct vt_daemon daemon;
     struct vor_cloud result;
@@ -78,10 +78,9 @@ START_TEST(a_job_ends_with_exactly_the_points_asked_for)
     vor_cloud_free(&result);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* From the first event on that the live job still has. */
-START_TEST(the_events_of_a_job_are_the_same_live_and_from_the_store)
+VT_TEST_LOOP(the_events_of_a_job_are_the_same_live_and_from_the_store, 2)
 {
     enum { EVENTS = 128 };
     struct vor_event live[EVENTS], stored[EVENTS];
@@ -115,7 +114,6 @@ START_TEST(the_events_of_a_job_are_the_same_live_and_from_the_store)
     vor_job_release(followed.job);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* A driver like the real one that counts the reads of single jobs. */
 static struct {
@@ -149,7 +147,7 @@ static void count_reads(struct vt_daemon *daemon)
 }
 
 /* Regression: a stream asked the store for the row at each of its events. */
-START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
+VT_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
 {
     struct vor_event events[128];
     struct vor_event_batch batch = {.events = events, .max = sizeof events / sizeof events[0]};
@@ -186,9 +184,8 @@ START_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     vor_job_release(live.job);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
+VT_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
@@ -210,9 +207,8 @@ START_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_waiting_job_is_dismissed_without_running)
+VT_TEST(a_waiting_job_is_dismissed_without_running)
 {
     struct vt_daemon daemon;
     struct vor_uuid runs, waits;
@@ -237,9 +233,8 @@ START_TEST(a_waiting_job_is_dismissed_without_running)
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
+VT_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
 {
     struct vt_daemon daemon;
     struct timespec pause = {.tv_nsec = 200000}; /* it encodes for many times that */
@@ -261,9 +256,8 @@ START_TEST(a_job_dismissed_while_it_encodes_leaves_no_bytes)
     }
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
+VT_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
@@ -291,9 +285,8 @@ START_TEST(a_job_the_engine_refuses_fails_with_the_engine_s_words)
     vor_cloud_free(&line);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
+VT_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
 {
     struct vt_daemon daemon;
     struct vor_uuid id, small;
@@ -310,9 +303,8 @@ START_TEST(a_job_that_needs_too_much_memory_fails_and_the_next_one_runs)
     ck_assert_msg(view.status == VOR_JOB_SUCCESSFUL, "%s", view.message);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_full_queue_refuses_and_keeps_nothing)
+VT_TEST(a_full_queue_refuses_and_keeps_nothing)
 {
     struct vt_daemon daemon;
     struct vor_uuid ids[3], refused;
@@ -341,9 +333,8 @@ START_TEST(a_full_queue_refuses_and_keeps_nothing)
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(a_finished_job_is_removed_with_its_bytes)
+VT_TEST(a_finished_job_is_removed_with_its_bytes)
 {
     struct vt_daemon daemon;
     struct vor_job_view view;
@@ -365,7 +356,6 @@ START_TEST(a_finished_job_is_removed_with_its_bytes)
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* A job whose result was kept for an hour, until so many minutes ago. */
 static struct vor_uuid ended(struct vt_daemon *daemon, int minutes)
@@ -386,7 +376,7 @@ static struct vor_uuid ended(struct vt_daemon *daemon, int minutes)
     return row.id;
 }
 
-START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
+VT_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
 {
     static const int minutes[3] = {-30, 30, 90}; /* kept, expired, forgotten */
     static const enum vor_job_outcome outcomes[3] = {VOR_DONE, VOR_DONE, VOR_UNKNOWN};
@@ -410,7 +400,6 @@ START_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     ck_assert_int_eq(event.kind, VOR_EVENT_END);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 struct counted {
     size_t count;
@@ -428,7 +417,7 @@ static int count_live(void *ctx, const struct vor_job_view *row)
     return 1;
 }
 
-START_TEST(a_list_shows_the_live_state_of_running_jobs)
+VT_TEST(a_list_shows_the_live_state_of_running_jobs)
 {
     struct vor_job_filter filter = {.limit = 10};
     struct vt_daemon daemon;
@@ -444,11 +433,10 @@ START_TEST(a_list_shows_the_live_state_of_running_jobs)
     dismiss(&daemon, &id);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* Property: a job dismissed, stopped or cancelled at a random instant ends once, its trace says the
  * same as its row, and no bytes are left but those of a success. */
-START_TEST(a_job_interrupted_at_any_instant_ends_once)
+VT_TEST_LOOP(a_job_interrupted_at_any_instant_ends_once, 6)
 {
     enum { JOBS = 12 };
     struct vor_job_view views[JOBS];
@@ -484,25 +472,11 @@ START_TEST(a_job_interrupted_at_any_instant_ends_once)
     ck_assert_int_eq(vt_dir_count(daemon.dir, "blobs/tmp"), 0);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("worker_jobs");
 
     vor_log_open(2, VOR_LOG_ERROR);
-    vt_add(suite, a_job_ends_with_exactly_the_points_asked_for);
-    vt_add_loop(suite, the_events_of_a_job_are_the_same_live_and_from_the_store, 2);
-    vt_add(suite, who_follows_a_job_asks_the_store_once_however_many_its_events);
-    vt_add(suite, a_running_job_is_dismissed_at_once_and_its_cores_are_free);
-    vt_add(suite, a_waiting_job_is_dismissed_without_running);
-    vt_add(suite, a_job_dismissed_while_it_encodes_leaves_no_bytes);
-    vt_add(suite, a_job_the_engine_refuses_fails_with_the_engine_s_words);
-    vt_add(suite, a_job_that_needs_too_much_memory_fails_and_the_next_one_runs);
-    vt_add(suite, a_full_queue_refuses_and_keeps_nothing);
-    vt_add(suite, a_finished_job_is_removed_with_its_bytes);
-    vt_add(suite, results_expire_and_say_so_for_as_long_as_they_were_kept);
-    vt_add(suite, a_list_shows_the_live_state_of_running_jobs);
-    vt_add_loop(suite, a_job_interrupted_at_any_instant_ends_once, 6);
     return vt_run(suite);
 }

@@ -80,7 +80,7 @@ static void leave_rows(struct life *life, struct vor_job_view rows[ROWS])
         ck_assert_uint_eq(vt_claim(life->store, &rows[i].id), 1);
 }
 
-START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
+VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
 {
     struct vt_daemon_options options = {.jobs = 1, .queue = 4};
     struct life life = begin_life();
@@ -123,7 +123,6 @@ START_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 static void leave_expired(struct life *life, struct vor_job_view *row)
 {
@@ -139,7 +138,7 @@ static void leave_expired(struct life *life, struct vor_job_view *row)
 }
 
 /* Regression: the start wrote every expired row before it looked at the jobs that waited. */
-START_TEST(a_start_does_not_wait_for_what_has_expired)
+VT_TEST(a_start_does_not_wait_for_what_has_expired)
 {
     enum { EXPIRED = 40, SYNCS = 8 }; /* of the recovery itself, with the first of a log file */
     struct life life = begin_life();
@@ -163,10 +162,9 @@ START_TEST(a_start_does_not_wait_for_what_has_expired)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &endless, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* An upload that is admitted while strays are looked for has bytes and no row yet. */
-START_TEST(bytes_that_came_after_the_start_are_no_strays)
+VT_TEST(bytes_that_came_after_the_start_are_no_strays)
 {
     enum { STRAYS = 60 };
     struct vor_admitted admitted = {.count = 0};
@@ -192,10 +190,9 @@ START_TEST(bytes_that_came_after_the_start_are_no_strays)
     vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* A crash between a result's bytes and its row leaves them to the next attempt, or to nobody. */
-START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
+VT_TEST_LOOP(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2)
 {
     struct vt_daemon_options options = {.jobs = 1};
     struct life life = begin_life();
@@ -216,7 +213,6 @@ START_TEST(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed)
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
 }
-END_TEST
 
 /* A driver like the real one, whose disk is full at the first recovery and which breaks off behind
  * the second. */
@@ -252,7 +248,7 @@ static void fail_first(struct vt_daemon *daemon)
 }
 
 /* Regression: the second round set what ran in this life back to accepted, and ran it again. */
-START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
+VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
 {
     struct vt_daemon_options options = {.jobs = 2, .prepare = fail_first};
     struct life life = begin_life();
@@ -275,7 +271,6 @@ START_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* Stands for an allocation that fails: the first jobs are not made, and the store refuses to take
  * the first one back. */
@@ -305,7 +300,7 @@ static void fail_memory(struct vt_daemon *daemon)
 }
 
 /* Regression: it stayed running, with nobody to run it, until the next start. */
-START_TEST(a_job_for_which_there_was_no_memory_is_tried_again)
+VT_TEST(a_job_for_which_there_was_no_memory_is_tried_again)
 {
     struct vt_daemon_options options = {.jobs = 1, .prepare = fail_memory};
     struct life life = begin_life();
@@ -320,11 +315,10 @@ START_TEST(a_job_for_which_there_was_no_memory_is_tried_again)
     ck_assert_int_eq(atomic_load(&refused), 3); /* the first call, its repetition, and one more */
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 /* As a daemon that was stopped for longer than its lease goes on: here it is told within seconds.
  */
-START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
+VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
 {
     struct life life = begin_life();
     struct vor_uuid runs = leave_endless(&life);
@@ -348,9 +342,8 @@ START_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     ck_assert(changed);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
-START_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
+VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
 {
     struct vor_spec endless = vt_request(200, 10000), brief = vt_request(200, 3);
     struct vt_daemon daemon;
@@ -379,20 +372,11 @@ START_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &innocent).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }
-END_TEST
 
 int main(void)
 {
     Suite *suite = suite_create("worker_recover");
 
     vor_log_open(2, VOR_LOG_OFF);
-    vt_add(suite, every_job_of_a_former_life_is_in_line_before_the_worker_is_there);
-    vt_add(suite, a_start_does_not_wait_for_what_has_expired);
-    vt_add(suite, bytes_that_came_after_the_start_are_no_strays);
-    vt_add_loop(suite, the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2);
-    vt_add(suite, a_recovery_that_is_repeated_leaves_alone_what_runs_since);
-    vt_add(suite, a_job_for_which_there_was_no_memory_is_tried_again);
-    vt_add(suite, what_ran_in_a_crash_runs_with_nothing_beside_it);
-    vt_add(suite, a_run_whose_job_another_owner_has_ends_and_leaves_it_alone);
     return vt_run(suite);
 }

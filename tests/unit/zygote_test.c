@@ -96,7 +96,7 @@ static const struct vor_child_kind kinds[KINDS] = {
 
 /* --- messages --------------------------------------------------------------------------------- */
 
-START_TEST(a_message_arrives_whole_with_its_descriptors)
+VT_TEST_LOOP(a_message_arrives_whole_with_its_descriptors, 3)
 {
     static char sent[VOR_CHANNEL_BYTES], bytes[VOR_CHANNEL_BYTES];
     struct vor_message message = {.bytes = bytes, .capacity = sizeof bytes};
@@ -126,9 +126,8 @@ START_TEST(a_message_arrives_whole_with_its_descriptors)
     close(pipes[0]);
     close(pipes[1]);
 }
-END_TEST
 
-START_TEST(a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing)
+VT_TEST(a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing)
 {
     char bytes[8] = "kept";
     struct vor_message message = {.bytes = bytes, .capacity = 3};
@@ -146,9 +145,8 @@ START_TEST(a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing)
     close(after);
     ck_assert_int_eq(before, after);
 }
-END_TEST
 
-START_TEST(what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread)
+VT_TEST(what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread)
 {
     char bytes[8];
     struct vor_message message = {.bytes = bytes, .capacity = sizeof bytes};
@@ -163,7 +161,6 @@ START_TEST(what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unre
     ck_assert_int_eq(vor_channel_receive(ends[0], &message, PATIENCE), VOR_CHANNEL_GONE);
     close(ends[0]);
 }
-END_TEST
 
 /* --- children --------------------------------------------------------------------------------- */
 
@@ -183,7 +180,7 @@ static struct vor_child spawn(struct vor_zygote *zygote, unsigned kind)
     return child;
 }
 
-START_TEST(a_child_answers_until_its_channel_is_closed)
+VT_TEST(a_child_answers_until_its_channel_is_closed)
 {
     struct vor_zygote zygote = start();
     struct vor_child child = spawn(&zygote, ECHO);
@@ -210,9 +207,8 @@ START_TEST(a_child_answers_until_its_channel_is_closed)
     vor_child_free(&child);
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
-START_TEST(a_child_has_its_own_descriptors_from_3_on_and_no_others)
+VT_TEST(a_child_has_its_own_descriptors_from_3_on_and_no_others)
 {
     struct vor_zygote zygote;
     struct vor_child child, other;
@@ -241,9 +237,8 @@ START_TEST(a_child_has_its_own_descriptors_from_3_on_and_no_others)
     close(pipes[0]);
     close(pipes[1]);
 }
-END_TEST
 
-START_TEST(a_child_that_crashes_or_is_killed_is_told_with_its_signal)
+VT_TEST(a_child_that_crashes_or_is_killed_is_told_with_its_signal)
 {
     struct vor_zygote zygote = start();
     struct vor_child crashed = spawn(&zygote, CRASH), spins = spawn(&zygote, SPIN);
@@ -260,9 +255,8 @@ START_TEST(a_child_that_crashes_or_is_killed_is_told_with_its_signal)
     vor_child_free(&spins);
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
-START_TEST(an_unknown_kind_and_too_many_children_are_refused_and_the_rest_lives_on)
+VT_TEST(an_unknown_kind_and_too_many_children_are_refused_and_the_rest_lives_on)
 {
     static struct vor_child many[VOR_CHILDREN];
     struct vor_zygote zygote = start();
@@ -281,7 +275,6 @@ START_TEST(an_unknown_kind_and_too_many_children_are_refused_and_the_rest_lives_
         vor_child_free(&many[i]);
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
 static void *spawn_many(void *ctx)
 {
@@ -307,7 +300,7 @@ static void *spawn_many(void *ctx)
     return NULL;
 }
 
-START_TEST(threads_that_spawn_beside_each_other_get_a_child_of_their_own_each)
+VT_TEST(threads_that_spawn_beside_each_other_get_a_child_of_their_own_each)
 {
     enum { THREADS = 4 };
     struct vor_zygote zygote = start();
@@ -322,11 +315,10 @@ START_TEST(threads_that_spawn_beside_each_other_get_a_child_of_their_own_each)
     }
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
 /* --- ends ------------------------------------------------------------------------------------- */
 
-START_TEST(a_zygote_that_died_is_told_by_every_call)
+VT_TEST(a_zygote_that_died_is_told_by_every_call)
 {
     struct vor_zygote zygote = start();
     struct vor_child child = spawn(&zygote, SPIN), none;
@@ -343,7 +335,6 @@ START_TEST(a_zygote_that_died_is_told_by_every_call)
     ck_assert(vor_zygote_died(&zygote));
     vor_zygote_stop(&zygote);
 }
-END_TEST
 
 /* A front with the lock of a store and two children; says who they are and waits to be killed. */
 static void be_front(const char *lock, int out)
@@ -377,7 +368,7 @@ static void signal_all(const pid_t pids[3])
         ck_assert_int_eq(kill(pids[i], 0), 0);
 }
 
-START_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
+VT_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
 {
     const char *dir = vt_dir_make();
     char lock[300];
@@ -404,19 +395,4 @@ START_TEST(a_front_that_is_killed_leaves_no_process_and_no_lock)
     close(fd);
     close(pipes[0]);
     close(pipes[1]);
-}
-END_TEST
-
-void vt_suite(Suite *suite)
-{
-    vt_add_loop(suite, a_message_arrives_whole_with_its_descriptors, 3);
-    vt_add(suite, a_message_longer_than_its_room_breaks_the_channel_and_leaks_nothing);
-    vt_add(suite, what_was_sent_arrives_also_from_a_side_that_closed_with_messages_unread);
-    vt_add(suite, a_child_answers_until_its_channel_is_closed);
-    vt_add(suite, a_child_has_its_own_descriptors_from_3_on_and_no_others);
-    vt_add(suite, a_child_that_crashes_or_is_killed_is_told_with_its_signal);
-    vt_add(suite, an_unknown_kind_and_too_many_children_are_refused_and_the_rest_lives_on);
-    vt_add(suite, threads_that_spawn_beside_each_other_get_a_child_of_their_own_each);
-    vt_add(suite, a_zygote_that_died_is_told_by_every_call);
-    vt_add(suite, a_front_that_is_killed_leaves_no_process_and_no_lock);
 }
