@@ -13,6 +13,41 @@ int64_t vor_worker_lease_until(void)
     return vor_clock_wall_ms() + (int64_t)(1000 * lease_seconds);
 }
 
+/* True when a runner has this attempt; the mutex is held. */
+static int is_run(const struct vor_worker *worker, const struct vor_leased *leased)
+{
+    const struct vor_runner *runner = worker->runners;
+    unsigned i = 0;
+
+    while (i < worker->runner_count &&
+           (runner[i].job == NULL || runner[i].attempt != leased->attempt ||
+            strcmp(vor_job_id(runner[i].job)->text, leased->id.text) != 0))
+        i++;
+    return i < worker->runner_count;
+}
+
+/* A job that the store counts as ours and no runner has: it was claimed, but the answer did not
+ * come. It waits again; nothing is done to one that has just ended. */
+static void return_unheard(struct vor_worker *worker, const struct vor_leased *leased)
+{
+    struct vor_hand_back back = {.lease = {worker->owner.text, leased->attempt},
+                                 .now_ms = vor_clock_wall_ms()};
+    struct vor_error err;
+
+    if (vor_store_hand_back(worker->config.store, &leased->id, &back, &err) != VOR_OK) {
+        atomic_store(&worker->may_be_unheard, 1);
+        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue",
+                VOR_TEXT("job", leased->id.text), VOR_TEXT("error", err.message));
+    } else if (back.changed) {
+        vor_log(VOR_LOG_WARN, "a claim was not answered; the job waits again",
+                VOR_TEXT("job", leased->id.text), VOR_COUNT("attempt", leased->attempt));
+        pthread_mutex_lock(&worker->mutex);
+        worker->news++;
+        pthread_cond_broadcast(&worker->ready);
+        pthread_mutex_unlock(&worker->mutex);
+    }
+}
+
 static int is_leased(const struct vor_renewal *renewal, const struct vor_runner *runner)
 {
     size_t i = 0;
@@ -26,11 +61,12 @@ static int is_leased(const struct vor_renewal *renewal, const struct vor_runner 
 
 void vor_worker_renew(struct vor_worker *worker)
 {
-    struct vor_leased jobs[VOR_WORKER_JOBS_MAX];
+    enum { LEASED_MAX = 2 * VOR_WORKER_JOBS_MAX };
+    struct vor_leased jobs[LEASED_MAX], *unheard = jobs;
     struct vor_renewal renewal = {.owner = worker->owner.text,
                                   .until_ms = vor_worker_lease_until(),
                                   .job = jobs,
-                                  .max = VOR_WORKER_JOBS_MAX};
+                                  .max = LEASED_MAX};
     struct vor_error err;
     vor_status status;
     int runs;
@@ -38,7 +74,8 @@ void vor_worker_renew(struct vor_worker *worker)
     pthread_mutex_lock(&worker->mutex);
     runs = worker->capacity.running > 0;
     pthread_mutex_unlock(&worker->mutex);
-    if (!runs || vor_clock_seconds() - worker->renewed < renew_seconds)
+    if ((!runs && !atomic_load(&worker->may_be_unheard)) ||
+        vor_clock_seconds() - worker->renewed < renew_seconds)
         return;
     worker->renewed = vor_clock_seconds();
     pthread_mutex_lock(&worker->claim); /* no lease begins meanwhile */
@@ -48,7 +85,14 @@ void vor_worker_renew(struct vor_worker *worker)
          status == VOR_OK && renewal.count <= renewal.max && i < worker->runner_count; i++)
         if (worker->runners[i].job != NULL && !is_leased(&renewal, &worker->runners[i]))
             vor_job_ask(worker->runners[i].job, VOR_CANCEL);
+    for (size_t i = 0; status == VOR_OK && i < renewal.count && i < renewal.max; i++)
+        if (!is_run(worker, &jobs[i]))
+            *unheard++ = jobs[i];
     pthread_mutex_unlock(&worker->mutex);
+    if (status == VOR_OK)
+        atomic_store(&worker->may_be_unheard, 0);
+    while (unheard > jobs)
+        return_unheard(worker, --unheard);
     pthread_mutex_unlock(&worker->claim);
     if (status != VOR_OK)
         vor_log(VOR_LOG_WARN, "leases not renewed", VOR_TEXT("error", err.message));

@@ -69,6 +69,7 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
         pthread_mutex_unlock(&worker->claim);
         if (status == VOR_OK && found == taken)
             return taken;
+        atomic_store(&worker->may_be_unheard, 1);
         if (found)
             untake_job(worker, row);
         else

@@ -70,9 +70,10 @@ struct vor_worker {
     int sweeper_started;
     struct vor_found found; /* the sweeper's, once it runs, as all below */
     struct vor_calendar calendar;
-    int is_full;        /* the store has no reserve, and the log says so */
-    int has_failed;     /* config.failed was called */
-    double renewed;     /* when the leases were */
+    int is_full;               /* the store has no reserve, and the log says so */
+    int has_failed;            /* config.failed was called */
+    double renewed;            /* when the leases were */
+    atomic_int may_be_unheard; /* a claim failed, or nobody knows whether it did */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
 

@@ -4,7 +4,7 @@
 #include "proto/json/json.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/worker.h"
+#include "server/work/live.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -205,6 +205,31 @@ VT_TEST(a_running_job_is_dismissed_at_once_and_its_cores_are_free)
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     id = submit(&daemon, 5000, vt_request(50, 1)); /* the runner goes on */
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
+    vt_daemon_stop(&daemon);
+}
+
+/* As where the server of the store goes down between the change and its answer. */
+VT_TEST(a_claim_whose_answer_was_lost_is_taken_back)
+{
+    struct vt_daemon daemon;
+    struct vor_job_view row;
+    struct vor_uuid endless, id;
+    struct vor_claim claim = {.memory = UINT64_MAX, .may_be_alone = 1, .until_ms = INT64_MAX};
+    int found = 0;
+
+    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
+    endless = vt_daemon_submit_endless(&daemon);
+    id = submit(&daemon, 500, vt_request(100, 2));
+    claim.owner = daemon.worker->owner.text;
+    claim.now_ms = vor_clock_wall_ms();
+    vt_assert_ok(vor_store_claim_next(daemon.store, &claim, &row, &found, &vt_err));
+    ck_assert(found && strcmp(row.id.text, id.text) == 0);
+    while (vt_daemon_get(&daemon, &id).status == VOR_JOB_RUNNING)
+        vt_nap();
+    dismiss(&daemon, &endless);
+    row = vt_daemon_wait_over(&daemon, &id);
+    ck_assert_int_eq(row.status, VOR_JOB_SUCCESSFUL);
+    ck_assert_uint_eq(row.attempt, 2);
     vt_daemon_stop(&daemon);
 }
 
