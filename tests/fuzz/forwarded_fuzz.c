@@ -2,25 +2,12 @@
  * is taken from them is sound; from a peer that is not trusted nothing is; and whatever stands
  * before it, the line that the trusted peer adds last is what counts. */
 #include "server/http/forwarded.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 static const char *const names[] = {"Forwarded", "X-Forwarded-For", "X-Forwarded-Proto",
                                     "X-Forwarded-Host", "X-Forwarded-Prefix"};
 
 enum { NAMES = sizeof names / sizeof names[0], ADDED_MAX = 4 };
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "forwarded_fuzz: %s\n", what);
-    abort();
-}
 
 /* Each line is a value; its first byte says of which header. */
 static void read_head(struct vor_head *head, char *text)
@@ -76,11 +63,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     struct vor_address peer;
     struct vor_head head;
     struct vor_via via;
-    char *text = malloc(size + 1);
+    char *text = fuzz_text(bytes, size);
 
-    require(text != NULL, "no memory");
-    memcpy(text, bytes, size);
-    text[size] = '\0';
     require(vor_address_parse(&peer, peer_text, strlen(peer_text)) &&
                 vor_networks_parse(&trusted, "a", "10.0.0.0/8,fd00::/8", NULL) == VOR_OK &&
                 vor_networks_parse(&others, "b", "192.0.2.0/24", NULL) == VOR_OK,

@@ -2,21 +2,9 @@
  * passes the gate has no byte, no framing and no target that a handler must be afraid of, and its
  * query, when it can be split, holds neither escapes nor control bytes. */
 #include "server/http/request_check.h"
+#include "tests/fuzz/fuzz.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "gate_fuzz: %s\n", what);
-    abort();
-}
 
 /* The line at *at, which moves behind it. */
 static char *take_line(char **at)
@@ -115,11 +103,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {
     struct vor_head head;
     const char *slug, *detail = NULL;
-    char *text = malloc(size + 1);
+    char *text = fuzz_text(bytes, size);
 
-    require(text != NULL, "no memory");
-    memcpy(text, bytes, size);
-    text[size] = '\0';
     read_head(&head, text);
     slug = vor_head_check(&head, &detail);
     require((slug == NULL) == (detail == NULL), "a refusal without a reason, or the reverse");

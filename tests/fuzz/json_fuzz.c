@@ -2,20 +2,7 @@
  * what was read, written out by our own writer, is read again as the same; a request read from it
  * comes back. */
 #include "proto/json/json.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "json_fuzz: %s\n", what);
-    abort();
-}
+#include "tests/fuzz/fuzz.h"
 
 static void read_request(const struct vor_json *json)
 {

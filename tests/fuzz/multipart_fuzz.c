@@ -2,20 +2,7 @@
  * byte and in pieces that its own bytes choose, it comes to the same parts with the same data, or
  * to the same refusal at the same byte; events come in their order, and limits hold. */
 #include "proto/multipart.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "multipart_fuzz: %s\n", what);
-    abort();
-}
+#include "tests/fuzz/fuzz.h"
 
 /* What was told, hashed (FNV-1a), so that no memory hangs on it. */
 struct told {

@@ -4,10 +4,7 @@
  * Build with -fsanitize=fuzzer,address,undefined; -dict=tests/fuzz/ply.dict helps. */
 #include "proto/codec.h"
 #include "proto/dump.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "tests/fuzz/fuzz.h"
 
 enum { CAP = 64 << 20 };
 
@@ -31,14 +28,6 @@ static int collect(void *ctx, const void *bytes, size_t size)
     return 0;
 }
 
-static void need(int truth, const char *what)
-{
-    if (truth)
-        return;
-    (void)fprintf(stderr, "%s\n", what);
-    abort();
-}
-
 static int is_ply(const uint8_t *bytes, size_t size)
 {
     return vor_format_sniff(bytes, size) == vor_format(VOR_FORMAT_PLY);
@@ -59,48 +48,48 @@ static vor_status read_any(struct vor_cloud *cloud, const uint8_t *bytes, size_t
 static void check_refusal(const struct vor_cloud *cloud, vor_status status,
                           const struct vor_error *err, size_t size)
 {
-    need(status == VOR_E_FORMAT || status == VOR_E_EMPTY || status == VOR_E_NONFINITE ||
-             status == VOR_E_LIMIT || status == VOR_E_NOMEM || status == VOR_E_FACES,
-         "a status that a reader does not have");
-    need(err->status == status && err->message[0] != '\0', "a failure without a message");
-    need(err->byte_offset <= (int64_t)size, "an offset behind the file");
-    need(cloud->n == 0 && cloud->xyz == NULL && cloud->attribute_count == 0 &&
-             cloud->triangles == NULL,
-         "a cloud from a failure");
+    require(status == VOR_E_FORMAT || status == VOR_E_EMPTY || status == VOR_E_NONFINITE ||
+                status == VOR_E_LIMIT || status == VOR_E_NOMEM || status == VOR_E_FACES,
+            "a status that a reader does not have");
+    require(err->status == status && err->message[0] != '\0', "a failure without a message");
+    require(err->byte_offset <= (int64_t)size, "an offset behind the file");
+    require(cloud->n == 0 && cloud->xyz == NULL && cloud->attribute_count == 0 &&
+                cloud->triangles == NULL,
+            "a cloud from a failure");
 }
 
 static void require_same(const struct vor_cloud *a, const struct vor_cloud *b, int positions,
                          int long_integers)
 {
-    need(a->n == b->n && a->attribute_count == b->attribute_count, "another number of things");
-    need(!positions || memcmp(a->xyz, b->xyz, 12 * a->n) == 0, "other positions");
-    need(!positions || (a->exact == NULL) == (b->exact == NULL), "doubles of one");
-    need(!positions || a->exact == NULL || memcmp(a->exact, b->exact, 24 * a->n) == 0,
-         "other doubles");
-    need(a->notes.remarks_size == b->notes.remarks_size &&
-             (a->notes.remarks_size == 0 ||
-              memcmp(a->notes.remarks, b->notes.remarks, a->notes.remarks_size) == 0),
-         "other remarks");
+    require(a->n == b->n && a->attribute_count == b->attribute_count, "another number of things");
+    require(!positions || memcmp(a->xyz, b->xyz, 12 * a->n) == 0, "other positions");
+    require(!positions || (a->exact == NULL) == (b->exact == NULL), "doubles of one");
+    require(!positions || a->exact == NULL || memcmp(a->exact, b->exact, 24 * a->n) == 0,
+            "other doubles");
+    require(a->notes.remarks_size == b->notes.remarks_size &&
+                (a->notes.remarks_size == 0 ||
+                 memcmp(a->notes.remarks, b->notes.remarks, a->notes.remarks_size) == 0),
+            "other remarks");
     for (size_t i = 0; i < a->attribute_count; i++) {
         const struct vor_attribute *p = &a->attributes[i], *q = &b->attributes[i];
 
         if (!long_integers && (p->type == VOR_INT64 || p->type == VOR_UINT64))
             continue;
-        need(p->type == q->type && p->components == q->components && p->semantic == q->semantic,
-             "another attribute");
-        need(memcmp(p->data, q->data, a->n * p->components * vor_type_size(p->type)) == 0,
-             "other values");
+        require(p->type == q->type && p->components == q->components && p->semantic == q->semantic,
+                "another attribute");
+        require(memcmp(p->data, q->data, a->n * p->components * vor_type_size(p->type)) == 0,
+                "other values");
     }
 }
 
 static void require_same_faces(const struct vor_cloud *a, const struct vor_cloud *b)
 {
-    need(a->notes.faces == b->notes.faces && a->triangle_count == b->triangle_count &&
-             (a->triangle_count == 0 ||
-              memcmp(a->triangles, b->triangles, 12 * a->triangle_count) == 0),
-         "other faces");
+    require(a->notes.faces == b->notes.faces && a->triangle_count == b->triangle_count &&
+                (a->triangle_count == 0 ||
+                 memcmp(a->triangles, b->triangles, 12 * a->triangle_count) == 0),
+            "other faces");
     for (size_t i = 0; i < 3 * a->triangle_count; i++)
-        need(a->triangles[i] < a->n, "a corner that is no point");
+        require(a->triangles[i] < a->n, "a corner that is no point");
 }
 
 static void dump_again(const struct vor_cloud *cloud, struct vor_memory *memory)
@@ -111,12 +100,12 @@ static void dump_again(const struct vor_cloud *cloud, struct vor_memory *memory)
     struct vor_error err;
 
     vor_cloud_init(&back, memory);
-    need(vor_dump_write(&sink, cloud, &err) == VOR_OK, "no dump");
+    require(vor_dump_write(&sink, cloud, &err) == VOR_OK, "no dump");
     if (vor_dump_read(&back, dump.data, dump.size, &err) == VOR_OK) {
         require_same(cloud, &back, 1, 1);
         require_same_faces(cloud, &back);
     } else {
-        need(err.status == VOR_E_NOMEM, "the dump is refused");
+        require(err.status == VOR_E_NOMEM, "the dump is refused");
     }
     vor_cloud_free(&back);
     free(dump.data);
@@ -137,7 +126,7 @@ static void ply_again(const struct vor_cloud *cloud, struct vor_memory *memory, 
         status = read_any(&back, ply.data, ply.size, 1 << 20, 0, &err);
     if (status == VOR_OK && from_ply)
         require_same(cloud, &back, cloud->position_type == VOR_FLOAT32, 0);
-    need(status == VOR_OK || status == VOR_E_NOMEM || !from_ply, "what we write is refused");
+    require(status == VOR_OK || status == VOR_E_NOMEM || !from_ply, "what we write is refused");
     vor_cloud_free(&back);
     free(ply.data);
 }
@@ -159,11 +148,9 @@ static void try(const uint8_t *bytes, size_t size, int keep_faces)
         check_refusal(&cloud, status, &err, size);
     }
     vor_cloud_free(&cloud);
-    need(atomic_load(&memory.used) == 0, "memory is left");
-    need(atomic_load(&memory.peak) <= CAP, "more memory than the cap");
+    require(atomic_load(&memory.used) == 0, "memory is left");
+    require(atomic_load(&memory.peak) <= CAP, "more memory than the cap");
 }
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
 {

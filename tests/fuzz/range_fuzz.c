@@ -3,21 +3,9 @@
  * found in a list that holds it. */
 #include "server/api/handlers/range.h"
 #include "server/http/request_check.h"
+#include "tests/fuzz/fuzz.h"
 
 #include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "range_fuzz: %s\n", what);
-    abort();
-}
 
 static void try_range(const char *text, uint64_t size)
 {
@@ -62,10 +50,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
     memcpy(&whole, bytes, sizeof whole);
     bytes += sizeof whole;
     size -= sizeof whole;
-    text = malloc(size + 1);
-    require(text != NULL, "no memory");
-    memcpy(text, bytes, size);
-    text[size] = '\0';
+    text = fuzz_text(bytes, size);
     whole >>= 5; /* a file is no larger, and its last byte has at most 18 digits */
     try_range(text, whole);
     try_range(text, whole % 100);

@@ -2,22 +2,9 @@
  * text of its own from which the same value is read in the same shape; what is refused leaves the
  * value as it was. The first two bytes choose kind and shape. */
 #include "core/spec/kinds.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+#include "tests/fuzz/fuzz.h"
 
 enum { TEXT_MAX = 300 };
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "spec_fuzz: %s\n", what);
-    abort();
-}
 
 static void check(const struct vor_parameter_info *row, enum vor_shape shape, const char *text)
 {

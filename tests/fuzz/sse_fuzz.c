@@ -1,20 +1,7 @@
 /* Any bytes as an event stream, once in one piece and once cut up (the first byte says how): the
  * same events must arrive; and what has arrived, formatted, arrives again. */
 #include "proto/sse.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-
-static void require(int holds, const char *what)
-{
-    if (holds)
-        return;
-    fprintf(stderr, "sse_fuzz: %s\n", what);
-    abort();
-}
+#include "tests/fuzz/fuzz.h"
 
 static int format_again(void *ctx, const struct vor_sse_arrival *event)
 {
