@@ -173,32 +173,57 @@ static void assert_same_faces(const struct vor_mesh *got, const uint32_t *number
     free(b);
 }
 
+/* A cloud with its mesh, a file of both, and what is read from it. */
+struct trip {
+    struct vor_write_options options;
+    struct vor_cloud cloud, back;
+    struct vor_mesh mesh, faces;
+    struct vt_bytes bytes;
+    uint32_t *numbers; /* of each point of `back`, in `cloud` */
+};
+
+/* Writes and reads a numbered cloud; its triangles come back. */
+static void go(struct trip *trip, unsigned format)
+{
+    trip->options.mesh = &trip->mesh;
+    encode(&trip->bytes, format, &trip->cloud, &trip->options);
+    vt_assert_ok(decode(&trip->back, &trip->faces, &trip->bytes));
+    trip->numbers = draco_numbers(&trip->back);
+    assert_same_faces(&trip->faces, trip->numbers, &trip->mesh);
+}
+
+static void forget(struct trip *trip)
+{
+    free(trip->numbers);
+    free(trip->bytes.data);
+    vor_mesh_free(&trip->faces);
+    vor_cloud_free(&trip->back);
+}
+
+static void end(struct trip *trip)
+{
+    forget(trip);
+    vor_mesh_free(&trip->mesh);
+    vor_cloud_free(&trip->cloud);
+    vt_assert_no_leak();
+}
+
 /* Property: PLY keeps every face where it is, and the points as they would be without faces. */
 VT_TEST_LOOP(ply_keeps_every_face_and_every_bit_of_the_points, 40)
 {
     uint64_t seed = 100 + (uint64_t)_i;
-    struct vor_write_options options = {.quantization_bits = 0};
-    struct vor_cloud cloud, back;
-    struct vor_mesh mesh, faces;
-    struct vt_bytes bytes;
+    struct trip trip = {.options = {.quantization_bits = 0}};
 
-    make(&cloud, &mesh, seed);
-    add_attributes(&cloud, seed);
-    options.mesh = &mesh;
-    encode(&bytes, VOR_FORMAT_PLY, &cloud, &options);
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    ck_assert_uint_eq(faces.count, mesh.count);
-    ck_assert_mem_eq(faces.triangle, mesh.triangle, 3 * mesh.count * sizeof *mesh.triangle);
-    ck_assert_uint_eq(back.n, cloud.n);
-    ck_assert_mem_eq(back.xyz, cloud.xyz, 3 * cloud.n * sizeof *cloud.xyz);
-    for (size_t i = 0; i < cloud.attribute_count; i++)
-        draco_assert_same(&back, &cloud, cloud.attributes[i].name, NULL);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    vor_mesh_free(&mesh);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    make(&trip.cloud, &trip.mesh, seed);
+    add_attributes(&trip.cloud, seed);
+    go(&trip, VOR_FORMAT_PLY);
+    ck_assert_mem_eq(trip.faces.triangle, trip.mesh.triangle,
+                     3 * trip.mesh.count * sizeof *trip.mesh.triangle);
+    ck_assert_uint_eq(trip.back.n, trip.cloud.n);
+    ck_assert_mem_eq(trip.back.xyz, trip.cloud.xyz, 3 * trip.cloud.n * sizeof *trip.cloud.xyz);
+    for (size_t i = 0; i < trip.cloud.attribute_count; i++)
+        draco_assert_same(&trip.back, &trip.cloud, trip.cloud.attributes[i].name, NULL);
+    end(&trip);
 }
 
 /* The bits of loop i: lossless, auto, or so many. */
@@ -221,64 +246,41 @@ VT_TEST_LOOP(draco_keeps_every_face_over_its_points, 132)
 {
     uint64_t seed = 200 + (uint64_t)_i;
     int bits = bits_of(_i);
-    struct vor_write_options options = {
-        .quantization_bits = bits, .compression = _i % 11, .keep_order = _i % 5 == 4};
-    struct vor_cloud cloud, back;
-    struct vor_mesh mesh, faces;
-    struct vt_bytes bytes;
-    uint32_t *numbers;
+    struct trip trip = {
+        .options = {.quantization_bits = bits, .compression = _i % 11, .keep_order = _i % 5 == 4}};
 
-    make(&cloud, &mesh, seed);
-    add_attributes(&cloud, seed);
-    options.mesh = &mesh;
-    encode(&bytes, VOR_FORMAT_DRC, &cloud, &options);
-    ck_assert_int_eq(bytes.data[DRACO_KIND], MESH);
-    ck_assert_int_eq(bytes.data[DRACO_METHOD],
-                     seed % 4 == 3 || options.keep_order ? SEQUENTIAL : EDGEBREAKER);
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    ck_assert_uint_eq(back.n, cloud.n);
-    numbers = draco_numbers(&back);
-    assert_same_faces(&faces, numbers, &mesh);
-    for (size_t i = 0; i < 3 * back.n; i++)
-        must_be_near(back.xyz[i], cloud.xyz[3 * numbers[i / 3] + i % 3], tolerance(&cloud, bits));
-    for (size_t i = 0; i < cloud.attribute_count; i++)
-        draco_assert_same(&back, &cloud, cloud.attributes[i].name, numbers);
-    for (size_t i = 0; options.keep_order && i < back.n; i++)
-        ck_assert_uint_eq(numbers[i], i);
-    free(numbers);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    vor_mesh_free(&mesh);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    make(&trip.cloud, &trip.mesh, seed);
+    add_attributes(&trip.cloud, seed);
+    go(&trip, VOR_FORMAT_DRC);
+    ck_assert_int_eq(trip.bytes.data[DRACO_KIND], MESH);
+    ck_assert_int_eq(trip.bytes.data[DRACO_METHOD],
+                     seed % 4 == 3 || trip.options.keep_order ? SEQUENTIAL : EDGEBREAKER);
+    ck_assert_uint_eq(trip.back.n, trip.cloud.n);
+    for (size_t i = 0; i < 3 * trip.back.n; i++)
+        must_be_near(trip.back.xyz[i], trip.cloud.xyz[3 * trip.numbers[i / 3] + i % 3],
+                     tolerance(&trip.cloud, bits));
+    for (size_t i = 0; i < trip.cloud.attribute_count; i++)
+        draco_assert_same(&trip.back, &trip.cloud, trip.cloud.attributes[i].name, trip.numbers);
+    for (size_t i = 0; trip.options.keep_order && i < trip.back.n; i++)
+        ck_assert_uint_eq(trip.numbers[i], i);
+    end(&trip);
 }
 
 /* Two squares that share one corner only, and a point of no face: edgebreaker would make two points
  * of the one and none of the other. */
 VT_TEST_LOOP(no_point_is_split_or_lost_where_surfaces_touch, 2)
 {
-    static uint32_t corners[] = {0, 1, 2, 0, 2, 3, 2, 4, 5, 2, 5, 6};
-    struct vor_mesh mesh = {&vt_memory, corners, 4 - (_i == 1 ? 2 : 0), 0}, faces;
-    struct vor_write_options options = {.quantization_bits = 10, .mesh = &mesh};
-    struct vor_cloud cloud, back;
-    struct vt_bytes bytes;
-    uint32_t *numbers;
+    static const uint32_t corners[] = {0, 1, 2, 0, 2, 3, 2, 4, 5, 2, 5, 6};
+    struct trip trip = {.options = {.quantization_bits = 10}};
 
-    vt_cloud_cube(&cloud, 5, 7);
-    draco_number(&cloud);
-    encode(&bytes, VOR_FORMAT_DRC, &cloud, &options);
-    ck_assert_int_eq(bytes.data[DRACO_METHOD], SEQUENTIAL);
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    ck_assert_uint_eq(back.n, 7);
-    numbers = draco_numbers(&back);
-    assert_same_faces(&faces, numbers, &mesh);
-    free(numbers);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    allocate(&trip.mesh, _i == 1 ? 2 : 4);
+    memcpy(trip.mesh.triangle, corners, 3 * trip.mesh.count * sizeof *corners);
+    vt_cloud_cube(&trip.cloud, 5, 7);
+    draco_number(&trip.cloud);
+    go(&trip, VOR_FORMAT_DRC);
+    ck_assert_int_eq(trip.bytes.data[DRACO_METHOD], SEQUENTIAL);
+    ck_assert_uint_eq(trip.back.n, 7);
+    end(&trip);
 }
 
 /* Polygons of 3 to 12 corners, one of all that a byte counts, each with points of its own. Returns
@@ -312,76 +314,45 @@ static size_t polygon_mesh(struct vor_cloud *cloud, struct vor_mesh *mesh, uint6
 /* Property: PLY holds polygons as they are, and Draco their triangles. */
 VT_TEST_LOOP(polygons_come_back_whole_or_as_triangles, 20)
 {
-    struct vor_write_options options = {.quantization_bits = 0};
-    struct vor_cloud cloud, back;
-    struct vor_mesh mesh, faces;
-    struct vt_bytes bytes;
-    uint32_t *numbers;
+    struct trip trip = {.options = {.quantization_bits = 0}};
     char line[40], head[400];
-    size_t polygons = polygon_mesh(&cloud, &mesh, (uint64_t)_i);
+    size_t polygons = polygon_mesh(&trip.cloud, &trip.mesh, (uint64_t)_i);
 
-    ck_assert_uint_eq(vor_mesh_faces(&mesh), polygons);
-    draco_number(&cloud);
-    options.mesh = &mesh;
-    encode(&bytes, VOR_FORMAT_PLY, &cloud, &options);
+    ck_assert_uint_eq(vor_mesh_faces(&trip.mesh), polygons);
+    draco_number(&trip.cloud);
+    go(&trip, VOR_FORMAT_PLY);
     (void)snprintf(line, sizeof line, "element face %zu\n", polygons);
-    (void)snprintf(head, sizeof head, "%.*s", (int)sizeof head - 1, (const char *)bytes.data);
+    (void)snprintf(head, sizeof head, "%.*s", (int)sizeof head - 1, (const char *)trip.bytes.data);
     ck_assert_ptr_nonnull(strstr(head, line));
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    ck_assert_uint_eq(faces.count, mesh.count);
-    ck_assert_mem_eq(faces.triangle, mesh.triangle, 3 * mesh.count * sizeof *mesh.triangle);
-    ck_assert_uint_eq(vor_mesh_faces(&faces), polygons);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    encode(&bytes, VOR_FORMAT_DRC, &cloud, &options);
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    numbers = draco_numbers(&back);
-    assert_same_faces(&faces, numbers, &mesh);
-    free(numbers);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    vor_mesh_free(&mesh);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    ck_assert_mem_eq(trip.faces.triangle, trip.mesh.triangle,
+                     3 * trip.mesh.count * sizeof *trip.mesh.triangle);
+    ck_assert_uint_eq(vor_mesh_faces(&trip.faces), polygons);
+    forget(&trip);
+    go(&trip, VOR_FORMAT_DRC);
+    end(&trip);
 }
 
 /* Metres of UTM with millimetres behind them: the origin goes along, and comes back. */
 VT_TEST_LOOP(coordinates_of_doubles_survive_beside_faces, 2)
 {
-    struct vor_write_options options = {.quantization_bits = 16};
-    struct vor_cloud cloud, back;
-    struct vor_mesh mesh, faces;
-    struct vt_bytes bytes;
-    uint32_t *numbers;
+    struct trip trip = {.options = {.quantization_bits = 16}};
 
-    surface_mesh(&cloud, &mesh, 8, 1);
-    cloud.origin[0] = 637000.123;
-    cloud.origin[1] = 5849000.987;
-    cloud.position_type = VOR_FLOAT64;
-    draco_number(&cloud);
-    options.mesh = &mesh;
-    encode(&bytes, (unsigned)formats(_i), &cloud, &options);
-    vt_assert_ok(decode(&back, &faces, &bytes));
-    numbers = draco_numbers(&back);
-    assert_same_faces(&faces, numbers, &mesh);
-    ck_assert_int_eq(back.position_type, VOR_FLOAT64);
-    for (size_t i = 0; i < back.n; i++) {
+    surface_mesh(&trip.cloud, &trip.mesh, 8, 1);
+    trip.cloud.origin[0] = 637000.123;
+    trip.cloud.origin[1] = 5849000.987;
+    trip.cloud.position_type = VOR_FLOAT64;
+    draco_number(&trip.cloud);
+    go(&trip, (unsigned)formats(_i));
+    ck_assert_int_eq(trip.back.position_type, VOR_FLOAT64);
+    for (size_t i = 0; i < trip.back.n; i++) {
         double got[3], want[3];
 
-        vor_cloud_position(&back, i, got);
-        vor_cloud_position(&cloud, numbers[i], want);
+        vor_cloud_position(&trip.back, i, got);
+        vor_cloud_position(&trip.cloud, trip.numbers[i], want);
         for (int c = 0; c < 3; c++)
             must_be_near(got[c], want[c], 8.0 / 65535 / 2 + 1e-6);
     }
-    free(numbers);
-    free(bytes.data);
-    vor_mesh_free(&faces);
-    vor_cloud_free(&back);
-    vor_mesh_free(&mesh);
-    vor_cloud_free(&cloud);
-    vt_assert_no_leak();
+    end(&trip);
 }
 
 /* Who asks for points alone gets them, and is told how many faces there are besides. */
