@@ -131,7 +131,8 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     struct vor_blob_cache cache = {config->text[VOR_SET_DATA],
                                    (uint64_t)config->number[VOR_SET_BLOBS_CACHE]};
     vor_status status =
-        vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE], &daemon->holder, err);
+        vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE],
+                       vor_blobs_are_shared(config->text[VOR_SET_BLOBS]), &daemon->holder, err);
 
     if (status == VOR_OK)
         status = vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,

@@ -41,8 +41,8 @@
     X(JOBS_ACCEPTED, "jobs_submitted_total", COUNTER, "", "process", "Jobs accepted")              \
     X(JOBS_ENDED, "jobs_finished_total", COUNTER, "", "process status", "Jobs that have ended")    \
     X(JOBS_AGAIN, "job_retries_total", COUNTER, "", "reason",                                      \
-      "Running jobs that returned to the queue, because the daemon ended (reason restart) or "     \
-      "the worker process ended (reason worker)")                                                  \
+      "Running jobs that returned to the queue, because the daemon ended (reason restart), the "   \
+      "worker process ended (reason worker), or the lease of another daemon ended (reason lease)") \
     X(QUEUE, "queue_jobs", GAUGE, "", "state", "Waiting and running jobs")                         \
     X(QUEUE_MOST, "queue_limit_jobs", GAUGE, "", "", "Largest number of waiting jobs")             \
     X(QUEUE_AGE, "queue_oldest_age_seconds", GAUGE, "seconds", "",                                 \

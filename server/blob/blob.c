@@ -94,6 +94,11 @@ vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
     return refuse(where, err);
 }
 
+int vor_blobs_are_shared(const char *where)
+{
+    return vor_storage_place(where, vor_blob_s3.scheme) != NULL;
+}
+
 void vor_blobs_close(struct vor_blobs *blobs)
 {
     if (blobs != NULL)

@@ -52,6 +52,9 @@ VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *wher
                                         const struct vor_blob_cache *cache, long *holder,
                                         struct vor_error *err);
 
+/** True when processes of other machines find the same blobs there ("s3:"). */
+int vor_blobs_are_shared(const char *where);
+
 /** blobs may be NULL; no writer may be open. */
 void vor_blobs_close(struct vor_blobs *blobs);
 

@@ -403,6 +403,50 @@ void vor_job_end(struct vor_job *job, const struct vor_job_view *row)
     wake_all(job, VOR_EVENT_END);
 }
 
+uint32_t vor_job_newest(struct vor_job *job, uint32_t attempt)
+{
+    uint32_t newest;
+
+    pthread_mutex_lock(&job->state);
+    newest = job->view.attempt == attempt ? job->newest : 0;
+    pthread_mutex_unlock(&job->state);
+    return newest;
+}
+
+/* A job that waits is told as here: its attempt's first events are not in the store before it runs.
+ */
+static void mirror_waiting(struct vor_job *job, const struct vor_job_view *row)
+{
+    struct vor_job_view view;
+
+    do
+        vor_job_view(job, &view);
+    while (view.attempt < row->attempt && vor_job_restart(job, row->alone, row->updated));
+}
+
+void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_t last)
+{
+    int is_new;
+
+    if (row->status == VOR_JOB_ACCEPTED) {
+        mirror_waiting(job, row);
+        return;
+    }
+    if (!begin_change(job))
+        return;
+    pthread_mutex_lock(&job->state);
+    is_new =
+        job->view.status != row->status || job->view.attempt != row->attempt || job->newest != last;
+    job->view = *row;
+    job->view.queue_position = -1;
+    job->stored = job->newest = last;
+    vor_text_clear(&job->piece);
+    pthread_mutex_unlock(&job->state);
+    if (is_new)
+        wake_all(job, vor_job_status_over(row->status) ? VOR_EVENT_END : VOR_EVENT_STATUS);
+    end_change(job);
+}
+
 void vor_job_ask(struct vor_job *job, enum vor_answer answer)
 {
     int asked = atomic_load(&job->asked);

@@ -109,6 +109,13 @@ void vor_job_thaw(struct vor_job *job);
 struct vor_event_piece vor_job_piece(const struct vor_job *job);
 void vor_job_stored(struct vor_job *job);
 
+/** A job that runs elsewhere, or may: takes over what its row says, whose attempt's events up to
+ *  number `last` the store has. Publishes what is new; nothing once the job is over. */
+void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_t last);
+
+/** Number of the newest event of an attempt, 0 when the job is at another one. */
+uint32_t vor_job_newest(struct vor_job *job, uint32_t attempt);
+
 /** Final state of a frozen job, as `row` has it. Publishes END. */
 void vor_job_end(struct vor_job *job, const struct vor_job_view *row);
 

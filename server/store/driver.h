@@ -23,6 +23,7 @@ struct vor_store {
     struct vor_reserve *reserve; /**< of the disk; NULL for none */
     struct vor_reserve *opening; /**< a small one, spent by an opening alone; NULL for none */
     int is_damaged;              /**< the driver's: changes that were durable are gone */
+    int is_shared;               /**< other daemons may use it at the same time */
 };
 
 /** Whose attempt a change belongs to. */
@@ -143,7 +144,7 @@ struct vor_store_driver {
     const char *scheme; /**< "sqlite": what stands before the colon of --store */
     const char *place;  /**< "PATH": what stands after it, for messages */
     int is_file;        /**< place is a path here: the door keeps a reserve beside it */
-    vor_status (*open)(struct vor_store **out, const char *place, long *holder,
+    vor_status (*open)(struct vor_store **out, const char *place, int may_share, long *holder,
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);

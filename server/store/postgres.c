@@ -20,8 +20,8 @@ static void close_store(struct vor_store *store)
     free(store);
 }
 
-static vor_status open_server(struct postgres_store *store, const char *where, long *holder,
-                              struct vor_error *err)
+static vor_status open_server(struct postgres_store *store, const char *where, int may_share,
+                              long *holder, struct vor_error *err)
 {
     vor_status status = vor_postgres_open(&store->server, where, err);
     int held = 0;
@@ -29,6 +29,8 @@ static vor_status open_server(struct postgres_store *store, const char *where, l
     if (status != VOR_OK)
         return status;
     store->base.db = vor_postgres_sql(store->server);
+    if (may_share)
+        vor_postgres_share(store->server);
     status = vor_postgres_hold(store->server, &held, err);
     if (status == VOR_OK && !held) {
         *holder = -1;
@@ -48,7 +50,7 @@ static char *where_of(const char *place)
     return where;
 }
 
-static vor_status open_store(struct vor_store **out, const char *place, long *holder,
+static vor_status open_store(struct vor_store **out, const char *place, int may_share, long *holder,
                              struct vor_error *err)
 {
     struct postgres_store *store = calloc(1, sizeof *store);
@@ -60,7 +62,7 @@ static vor_status open_store(struct vor_store **out, const char *place, long *ho
         free(store);
         return vor_fail(err, VOR_E_NOMEM, "the job store");
     }
-    status = open_server(store, where, holder, err);
+    status = open_server(store, where, may_share, holder, err);
     free(where);
     if (status != VOR_OK) {
         close_store(&store->base.base);

@@ -25,7 +25,8 @@ struct vor_postgres {
     atomic_uint next_reader; /* to wait for where none is free */
     struct connection writer, lock, reader[READERS];
     int in_transaction; /* of the writer */
-    int is_locked;      /* the lock was got on the connection that it has */
+    int is_shared;
+    int is_locked; /* the lock was got on the connection that it has */
 };
 
 /* What a row is read from: the answer to a statement. */
@@ -243,6 +244,14 @@ static struct vor_postgres *of_sql(struct vor_sql *db)
     return (struct vor_postgres *)db;
 }
 
+/* Changes of several daemons come one after the other, as those of one do: none of them fails for
+ * another, and each sees the queue and the quotas as they are. The lock ends with the transaction,
+ * also behind a pooler; the server ends that of a daemon which has hung for 10 s. Some 1 ms of a
+ * server on the same network. */
+#define BEGIN_IN_TURN                                                                              \
+    "BEGIN; SET LOCAL idle_in_transaction_session_timeout = 10000;"                                \
+    " SELECT pg_advisory_xact_lock(1987015280, hashtext(current_schema()))"
+
 /* All are durable: the server may die and this process go on, which would then have what the store
  * has forgotten. */
 static vor_status begin(struct vor_sql *sql_db, VOR_UNUSED enum vor_sql_how how,
@@ -252,7 +261,7 @@ static vor_status begin(struct vor_sql *sql_db, VOR_UNUSED enum vor_sql_how how,
     vor_status status;
 
     pthread_mutex_lock(&db->writer.mutex);
-    status = run_first(db, &db->writer, "BEGIN", err);
+    status = run_first(db, &db->writer, db->is_shared ? BEGIN_IN_TURN : "BEGIN", err);
     if (status != VOR_OK) {
         pthread_mutex_unlock(&db->writer.mutex);
         return status;
@@ -390,9 +399,14 @@ vor_status vor_postgres_run(struct vor_postgres *db, const char *sql, struct vor
 }
 
 /* The first number is ours, the second stands for the schema: several may share a database. */
-#define TRY_LOCK                                                                                   \
-    "SELECT CASE WHEN pg_try_advisory_lock(1987015279, hashtext(current_schema())) THEN 1 ELSE 0 " \
-    "END"
+#define OURS "(1987015279, hashtext(current_schema()))"
+#define TRY_LOCK "SELECT CASE WHEN pg_try_advisory_lock" OURS " THEN 1 ELSE 0 END"
+#define TRY_LOCK_SHARED "SELECT CASE WHEN pg_try_advisory_lock_shared" OURS " THEN 1 ELSE 0 END"
+
+void vor_postgres_share(struct vor_postgres *db)
+{
+    db->is_shared = 1;
+}
 
 vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_error *err)
 {
@@ -408,7 +422,8 @@ vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_erro
         db->is_locked = 0;
         status = connect_to(db, &db->lock, err);
         if (status == VOR_OK)
-            status = ask(&answer, db, &db->lock, TRY_LOCK, &none, err);
+            status =
+                ask(&answer, db, &db->lock, db->is_shared ? TRY_LOCK_SHARED : TRY_LOCK, &none, err);
         if (status == VOR_OK)
             *held = db->is_locked = (int)number_of(&answer, 0);
         end_answer(&answer);

@@ -31,6 +31,11 @@ struct vor_sql *vor_postgres_sql(struct vor_postgres *db);
 VOR_NODISCARD vor_status vor_postgres_run(struct vor_postgres *db, const char *sql,
                                           struct vor_error *err);
 
+/** Other daemons may have the tables as well: the lock that vor_postgres_hold takes excludes only
+ *  those that want them for themselves, and changes are made one after the other, whoever makes
+ *  them. Before any of those. */
+void vor_postgres_share(struct vor_postgres *db);
+
 /** Takes the lock that says whose the tables are, on a connection of its own, or makes sure that it
  *  is still there. The server gives it up when that connection ends, so not behind pgbouncer in
  *  transaction mode.

@@ -105,6 +105,8 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
 {
     struct vor_sql *sql = vor_postgres_sql(db);
     int64_t found = 0, version = 0;
+    vor_status made = VOR_OK;
+    struct vor_error failure = {.status = VOR_OK};
     vor_status status =
         vor_sql_query(sql, vor_sql_take_number, &found, err,
                       "SELECT CASE WHEN to_regclass('voronoid_schema') IS NOT NULL THEN 1"
@@ -116,11 +118,14 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
                         "the job store: the table \"job\" of this database is another program's; "
                         "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
-        status = vor_postgres_run(
-            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);", err);
+        made = vor_postgres_run(
+            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);",
+            &failure);
     if (status == VOR_OK)
         status = vor_sql_query(sql, vor_sql_take_number, &version, err,
                                "SELECT version FROM voronoid_schema", "");
+    if (status != VOR_OK && made != VOR_OK && err != NULL)
+        *err = failure; /* nor has another daemon made them meanwhile */
     if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
                         "the job store has schema %lld, this version reads %d: start the version "

@@ -60,8 +60,8 @@ static void close_store(struct vor_store *store)
     free_store((struct sqlite_store *)store);
 }
 
-static vor_status open_store(struct vor_store **out, const char *place, long *holder,
-                             struct vor_error *err)
+static vor_status open_store(struct vor_store **out, const char *place, VOR_UNUSED int may_share,
+                             long *holder, struct vor_error *err)
 {
     struct sqlite_store *store = calloc(1, sizeof *store);
     vor_status status;

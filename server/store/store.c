@@ -55,7 +55,7 @@ static int made_room(struct vor_reserve *reserve, vor_status status, const struc
 }
 
 static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
-                            const char *place, long *holder, struct vor_error *err)
+                            const char *place, int may_share, long *holder, struct vor_error *err)
 {
     struct vor_reserve *reserve = NULL, *opening = NULL;
     vor_status status = VOR_OK;
@@ -65,33 +65,34 @@ static vor_status open_with(const struct vor_store_driver *driver, struct vor_st
     if (driver->is_file && status == VOR_OK)
         status = open_reserve(&opening, place, "opening", err);
     if (status == VOR_OK)
-        status = driver->open(out, place, holder, err);
+        status = driver->open(out, place, may_share, holder, err);
     if (made_room(reserve, status, err) || made_room(opening, status, err))
-        status = driver->open(out, place, holder, err);
+        status = driver->open(out, place, may_share, holder, err);
     if (status != VOR_OK) {
         vor_reserve_close(reserve);
         vor_reserve_close(opening);
         return status;
     }
     (*out)->driver = driver;
+    (*out)->is_shared = may_share && !driver->is_file;
     (*out)->reserve = reserve;
     (*out)->opening = opening;
     return VOR_OK;
 }
 
-vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
+vor_status vor_store_open(struct vor_store **out, const char *where, int may_share, long *holder,
                           struct vor_error *err)
 {
     const struct vor_store_driver *driver;
 
     *holder = 0;
     if (strncmp(where, "postgresql://", 13) == 0) /* the other form of its URIs */
-        return open_with(&vor_store_postgres, out, where, holder, err);
+        return open_with(&vor_store_postgres, out, where, may_share, holder, err);
     for (unsigned i = 0; (driver = vor_store_driver_at(i)) != NULL; i++) {
         const char *place = vor_storage_place(where, driver->scheme);
 
         if (place != NULL)
-            return open_with(driver, out, place, holder, err);
+            return open_with(driver, out, place, may_share, holder, err);
     }
     return refuse(where, err);
 }

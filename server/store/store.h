@@ -19,13 +19,21 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
 
 /** Opens "SCHEME:PLACE" ("sqlite:PATH": made if missing, with its directory), takes its lock.
  *
+ *  @param[in]  may_share  other daemons may have it as well, where the driver can do that: it is
+ * then locked only against those that want it for themselves
  *  @param[out] holder  0, or the process that has the store already (-1 when it has not said
  *                      which); the caller ends with exit code 75
  *
  *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
  *  @retval VOR_E_IO    locked (holder is not 0), not a database, or of another version */
-VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, long *holder,
-                                        struct vor_error *err);
+VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, int may_share,
+                                        long *holder, struct vor_error *err);
+
+/** True where other daemons may use the store at the same time. */
+static inline int vor_store_is_shared(const struct vor_store *store)
+{
+    return store->is_shared;
+}
 
 /** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
  *  next opening however full it gets, if it has a disk here, from now

@@ -145,11 +145,20 @@ enum vor_job_outcome vor_capacity_insert(struct vor_worker *worker, struct vor_j
     return outcome;
 }
 
+/* The count may have been made anew meanwhile (vor_capacity_begin). */
+static void take_bytes(struct vor_capacity *capacity, uint64_t bytes)
+{
+    capacity->bytes -= bytes < capacity->bytes ? bytes : capacity->bytes;
+}
+
 void vor_capacity_wait(struct vor_worker *worker, const struct vor_job_view *row, int by)
 {
     pthread_mutex_lock(&worker->mutex);
     worker->capacity.waiting += by;
-    worker->capacity.bytes += by > 0 ? row->decoded : -row->decoded;
+    if (by > 0)
+        worker->capacity.bytes += row->decoded;
+    else
+        take_bytes(&worker->capacity, row->decoded);
     worker->news++;
     pthread_cond_signal(&worker->ready);
     pthread_mutex_unlock(&worker->mutex);
@@ -181,7 +190,7 @@ void vor_capacity_run(struct vor_worker *worker, const struct vor_job_view *row)
     struct vor_capacity *capacity = &worker->capacity;
 
     capacity->waiting--;
-    capacity->bytes -= row->decoded;
+    take_bytes(capacity, row->decoded);
     capacity->running++;
     capacity->used += row->memory;
     capacity->runs_alone = row->alone && !worker->config.executor->is_apart;

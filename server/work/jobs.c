@@ -3,6 +3,7 @@
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/work/capacity.h"
+#include "server/work/mirror.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -139,7 +140,11 @@ static enum vor_job_outcome follow_waiting(struct vor_worker *worker, const stru
         (void)vor_fail(err, VOR_E_NOMEM, "the events of a job");
         return VOR_FAILED;
     }
-    outcome = row_view(worker, id, NULL, &out->row, err);
+    if (vor_store_is_shared(worker->config.store) &&
+        vor_worker_mirror(worker, out->job, err) != VOR_OK)
+        outcome = VOR_FAILED;
+    else
+        outcome = row_view(worker, id, NULL, &out->row, err);
     if (outcome == VOR_DONE && !vor_job_status_over(out->row.status))
         return VOR_DONE;
     vor_worker_forget(worker, out->job);
@@ -382,11 +387,13 @@ enum vor_job_outcome vor_worker_stop(struct vor_worker *worker, const struct vor
     enum vor_job_outcome outcome;
 
     if (job != NULL) {
+        int runs = vor_worker_is_running(worker, job);
+
         vor_job_view(job, &view);
-        if (view.status == VOR_JOB_RUNNING)
+        if (runs && view.status == VOR_JOB_RUNNING)
             vor_job_ask(job, VOR_STOP);
         vor_job_release(job);
-        return view.status == VOR_JOB_RUNNING ? VOR_DONE : VOR_CONFLICT;
+        return runs && view.status == VOR_JOB_RUNNING ? VOR_DONE : VOR_CONFLICT;
     }
     outcome = row_view(worker, id, NULL, &view, err);
     return outcome == VOR_DONE ? VOR_CONFLICT : outcome;

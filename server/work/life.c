@@ -4,6 +4,7 @@
 #include "server/base/machine.h"
 #include "server/work/calendar.h"
 #include "server/work/capacity.h"
+#include "server/work/mirror.h"
 #include "server/work/recover.h"
 #include "server/work/room.h"
 #include "server/work/runner.h"
@@ -26,6 +27,12 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
 
     if (job == NULL)
         return 0;
+    if (vor_store_is_shared(worker->config.store)) { /* its last attempt may have been elsewhere */
+        struct vor_job_view waits = *row;
+
+        waits.status = VOR_JOB_ACCEPTED;
+        vor_job_mirror(job, &waits, 0);
+    }
     pthread_mutex_lock(&worker->mutex);
     vor_capacity_run(worker, row);
     runner->job = job;
@@ -125,6 +132,7 @@ static void *sweeper_main(void *arg)
         double now = vor_clock_seconds();
 
         vor_worker_renew(worker);
+        vor_worker_follow_others(worker);
         vor_worker_recover_late(worker);
         vor_worker_look(worker);
         if (!vor_calendar_look(worker))

@@ -1,3 +1,6 @@
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* twalk_r */
+#endif
 #include "server/work/live.h"
 
 #include "server/base/clock.h"
@@ -58,6 +61,40 @@ struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_j
         vor_job_release(live->job);
     free(live);
     return job;
+}
+
+struct gathered {
+    struct vor_job **job;
+    size_t count, capacity;
+};
+
+static void gather(const void *node, VISIT visit, void *ctx)
+{
+    struct gathered *gathered = ctx;
+
+    if (visit != postorder && visit != leaf)
+        return;
+    if (gathered->count == gathered->capacity) {
+        size_t capacity = 2 * gathered->capacity + 16;
+        struct vor_job **more = realloc(gathered->job, capacity * sizeof(struct vor_job *));
+
+        if (more == NULL)
+            return;
+        gathered->job = more;
+        gathered->capacity = capacity;
+    }
+    gathered->job[gathered->count++] = vor_job_retain((*(struct live *const *)node)->job);
+}
+
+struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count)
+{
+    struct gathered gathered = {.job = NULL};
+
+    pthread_mutex_lock(&worker->mutex);
+    twalk_r(worker->live, gather, &gathered);
+    pthread_mutex_unlock(&worker->mutex);
+    *count = gathered.count;
+    return gathered.job;
 }
 
 void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)

@@ -73,6 +73,7 @@ struct vor_worker {
     int is_full;               /* the store has no reserve, and the log says so */
     int has_failed;            /* config.failed was called */
     double renewed;            /* when the leases were */
+    double reaped;             /* when the leases of others were looked at */
     atomic_int may_be_unheard; /* a claim failed, or nobody knows whether it did */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
@@ -83,6 +84,10 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 /** The live job of a row that is not over, with a reference for the caller: a new one where there
  *  is none. NULL when memory is out. */
 struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_job_view *row);
+
+/** All live jobs, with a reference to each for the caller, who frees the list (malloc); some are
+ *  left out when memory is out. */
+struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count);
 
 /** Takes a job off the live ones, or all once no thread is left. It may have been taken off before.
  */

@@ -77,6 +77,19 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
+/* Where others share the store: a file may come before its row, at the most as long before it as an
+ * upload takes. The first twelve digits of an identifier are its milliseconds since 1970. */
+static int is_young(const struct vor_worker *worker, const struct vor_uuid *id)
+{
+    static const int64_t upload_ms = 3600 * 1000;
+    char digits[13];
+
+    if (!vor_store_is_shared(worker->config.store))
+        return 0;
+    (void)snprintf(digits, sizeof digits, "%.8s%.4s", id->text, id->text + 9);
+    return (int64_t)strtoll(digits, NULL, 16) > vor_clock_wall_ms() - upload_ms;
+}
+
 /* Results whose jobs have no row at all. */
 static size_t count_orphans(struct vor_worker *worker)
 {
@@ -208,7 +221,7 @@ void vor_worker_drop_strays(struct vor_worker *worker)
         uint64_t size;
 
         vor_worker_renew(worker);
-        if (is_needed(worker, &found->blobs[i]))
+        if (is_young(worker, &found->blobs[i].id) || is_needed(worker, &found->blobs[i]))
             continue;
         size = size_of(worker, &found->blobs[i]);
         if (!put_away(worker, &found->blobs[i], is_lost))
@@ -236,8 +249,11 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
     struct vor_waiting waiting;
     uint64_t requeued = 0;
-    vor_status status = vor_store_reap(worker->config.store, worker->owner.text, INT64_MAX,
-                                       vor_clock_wall_ms(), &requeued, err);
+    int64_t now_ms = vor_clock_wall_ms();
+    /* What another daemon runs is its own until its lease ends. */
+    int64_t until_ms = vor_store_is_shared(worker->config.store) ? now_ms : INT64_MAX;
+    vor_status status =
+        vor_store_reap(worker->config.store, worker->owner.text, until_ms, now_ms, &requeued, err);
 
     pthread_mutex_lock(&worker->claim); /* nothing that waits is dismissed meanwhile */
     if (status == VOR_OK)

@@ -284,7 +284,8 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
                 VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
         run->is_lost = 1;
         row.status = VOR_JOB_DISMISSED; /* here, as readers must not wait for ever */
-        vor_job_end(run->job, &row);
+        if (!vor_store_is_shared(run->worker->config.store)) /* else they follow its row */
+            vor_job_end(run->job, &row);
     }
     vor_job_thaw(run->job);
     return status;
@@ -459,7 +460,8 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     if (!conclude(&run, end, &problem)) {
         if (!run.is_lost) /* whose files are the new owner's */
             clean_up(&run, began);
-        vor_worker_forget(worker, run.job);
+        if (!run.is_lost || vor_job_is_over(run.job))
+            vor_worker_forget(worker, run.job);
     }
     vor_text_free(&run.kept);
 }

@@ -2,81 +2,23 @@
 # Blobs in S3: a Swift with its S3 interface is started here, which checks signatures, and a proxy before it that cuts connections.
 use strict;
 use warnings;
-use File::Temp qw(tempdir);
 use FindBin;
-use lib "$FindBin::Bin/../support";
-use HTTP::Tiny;
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use IO::Select;
 use IO::Socket::INET;
 use POSIX ();
+use Scale;
 use Test::More;
 use Vt;
 
-my $dir = tempdir(CLEANUP => 1);
-my $http = HTTP::Tiny->new(timeout => $Vt::PATIENCE);
-my %port = map { $_ => free_port() } qw(memcached account container object proxy cutter);
-my $me = getpwuid $>;
-my %pid;
-END { my $status = $?; kill '-KILL', values %pid; $? = $status }
-
-sub free_port { return IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1)->sockport }
-
-sub write_file {
-    my ($path, $text) = @_;
-    open my $file, '>', $path or die "$path: $!";
-    print $file $text;
-    close $file;
-}
-
-# A child that runs a program or a sub.
-sub child {
-    my ($name, @run) = @_;
-    $pid{$name} = fork // die "fork: $!";
-    return if $pid{$name};
-    %pid = ();
-    setpgrp;
-    open STDOUT, '>>', "$dir/$name.out";
-    open STDERR, '>&', \*STDOUT;
-    $run[0]->() if ref $run[0];
-    exec @run or POSIX::_exit(127);
-}
-
-# --- Swift ------------------------------------------------------------------------------------------------------------------------
-
-mkdir "$dir/$_" or die "$dir/$_: $!" for qw(etc disks disks/one);
-write_file("$dir/etc/swift.conf", "[swift-hash]\nswift_hash_path_suffix = s\n[storage-policy:0]\nname = one\ndefault = yes\n");
-for my $kind (qw(account container object)) {
-    my @ring = ('swift-ring-builder', "$dir/etc/$kind.builder");
-    system("@ring create 4 1 1 >/dev/null && @ring add r1z1-127.0.0.1:$port{$kind}/one 1 >/dev/null && @ring rebalance >/dev/null") == 0
-        or BAIL_OUT 'no ring of Swift can be made';
-}
-sub config {
-    my ($kind, $pipeline, $more) = @_;
-    write_file("$dir/etc/$kind.conf", "[DEFAULT]\nbind_ip = 127.0.0.1\nbind_port = $port{$kind}\nworkers = 0\nuser = $me\nswift_dir = $dir/etc\n"
-        . "devices = $dir/disks\nmount_check = false\nlog_address = /nonexistent\n[pipeline:main]\npipeline = $pipeline\n$more");
-}
-config($_, "$_-server", "[app:$_-server]\nuse = egg:swift#$_\n") for qw(account container object);
-config('proxy', 'catch_errors cache s3api tempauth slo proxy-server', "[app:proxy-server]\nuse = egg:swift#proxy\naccount_autocreate = true\n"
-    . "[filter:catch_errors]\nuse = egg:swift#catch_errors\n[filter:cache]\nuse = egg:swift#memcache\nmemcache_servers = 127.0.0.1:$port{memcached}\n"
-    . "[filter:s3api]\nuse = egg:swift#s3api\nlocation = us-east-1\ns3_acl = false\n[filter:slo]\nuse = egg:swift#slo\n"
-    . "[filter:tempauth]\nuse = egg:swift#tempauth\nuser_test_tester = secret-word .admin\n");
-child('memcached', 'memcached', '-u', $me, '-l', '127.0.0.1', '-p', $port{memcached});
-child($_, "swift-$_-server", "$dir/etc/$_.conf") for qw(account container object proxy);
-
-my ($storage, %token);
-ok wait_until(sub {
-    my $answer = $http->get("http://127.0.0.1:$port{proxy}/auth/v1.0", { headers => { 'X-Storage-User' => 'test:tester', 'X-Storage-Pass' => 'secret-word' } });
-    $storage = $answer->{headers}{'x-storage-url'};
-    %token = ('X-Auth-Token' => $answer->{headers}{'x-auth-token'});
-    $answer->{status} == 200 && $http->put("$storage/bucket", { headers => \%token })->{status} =~ /^20[12]$/;
-}), 'Swift serves' or BAIL_OUT Vt::slurp("$dir/proxy.out");
-sub objects { return grep { length } split /\n/, $http->get("$storage/bucket", { headers => \%token })->{content} }
+ok start_swift(), 'Swift serves' or BAIL_OUT Vt::slurp("$Scale::dir/proxy.out");
+my $cutter = free_port();
 
 # --- a proxy that cuts connections: each after some bytes, now in a request, now in an answer -------------------------------------
 
 sub relay {
     my ($client, $left) = @_;
-    my $server = IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $port{proxy}) or return;
+    my $server = IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $Scale::swift{proxy}) or return;
     my $both = IO::Select->new($client, $server);
     while ($left > 0) {
         for my $from ($both->can_read) {
@@ -89,7 +31,7 @@ sub relay {
 }
 
 sub cut {
-    my $listen = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => $port{cutter}, Listen => 64, ReuseAddr => 1) or die "cutter: $!";
+    my $listen = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => $cutter, Listen => 64, ReuseAddr => 1) or die "cutter: $!";
     local $SIG{CHLD} = 'IGNORE';
     srand 7;
     while (1) {
@@ -104,11 +46,10 @@ child('cutter', \&cut);
 
 # --- daemons ----------------------------------------------------------------------------------------------------------------------
 
-@ENV{qw(AWS_ACCESS_KEY_ID AWS_SECRET_ACCESS_KEY)} = ('test:tester', 'secret-word');
 my $cloud = sphere_ply(4000);
 my $plain = Vt->start(jobs => 2);
 my $wanted = $plain->post('/v1/resample?points=800', $cloud)->{content};
-my $place = "s3:http://127.0.0.1:$port{cutter}/bucket/some/prefix";
+my $place = "s3:http://127.0.0.1:$cutter/bucket/some/prefix";
 my $daemon = Vt->start(blobs => $place, jobs => 2);
 my @ids = map { $daemon->submit('points=800', $cloud) } 1 .. 10;
 is scalar(grep { $daemon->finish($_)->{status} eq 'successful' } @ids), @ids, 'jobs end well though connections are cut';
@@ -138,12 +79,12 @@ same($next->post("/v1/resample?points=800&input=job:$ids[4]", ''), $wanted, 'an 
 
 $next->request('DELETE', "/v1/jobs/$ids[0]");
 ok wait_until(sub { !grep { /\Q$ids[0]\E/ } objects() }), 'the files of a deleted job are deleted';
-$http->put("$storage/bucket/some/prefix/keep/$ids[5].cloud", { headers => \%token, content => $wanted =~ s/.\z/!/sr });
+Scale::put_object("some/prefix/keep/$ids[5].cloud", $wanted =~ s/.\z/!/sr);
 $next->stop;
 $next = Vt->start(dir => $daemon->{dir}, blobs => $place);
 is_problem($next->get("/v1/jobs/$ids[5]/results/cloud"), 500, 'damaged-bytes', 'a damaged object is not sent');
 
-kill '-KILL', delete $pid{cutter};
+end_child('cutter');
 my $away = $next->get("/v1/jobs/$ids[6]/results/cloud");
 is_problem($away, 503, 'store-unavailable', 'while S3 is away a result that is not here is not to be had');
 is $next->get('/livez')->{status}, 200, 'the daemon lives';
@@ -154,10 +95,10 @@ is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', '
 
 # What is refused, each in one line without the secret.
 for my $case (
-    ['a wrong secret', "http://127.0.0.1:$port{proxy}/bucket", qr/answered GET with status 403 SignatureDoesNotMatch/, AWS_SECRET_ACCESS_KEY => 'secret-word2'],
-    ['an unknown bucket', "http://127.0.0.1:$port{proxy}/none", qr/status 404 NoSuchBucket/],
-    ['no key', "http://127.0.0.1:$port{proxy}/bucket", qr/need keys: set AWS_ACCESS_KEY_ID/, AWS_ACCESS_KEY_ID => undef],
-    ['a file that is not there', "http://127.0.0.1:$port{proxy}/bucket", qr{/nowhere: No such file}, AWS_SECRET_ACCESS_KEY => undef, AWS_SECRET_ACCESS_KEY_FILE => '/nowhere'],
+    ['a wrong secret', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr/answered GET with status 403 SignatureDoesNotMatch/, AWS_SECRET_ACCESS_KEY => 'secret-word2'],
+    ['an unknown bucket', "http://127.0.0.1:$Scale::swift{proxy}/none", qr/status 404 NoSuchBucket/],
+    ['no key', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr/need keys: set AWS_ACCESS_KEY_ID/, AWS_ACCESS_KEY_ID => undef],
+    ['a file that is not there', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr{/nowhere: No such file}, AWS_SECRET_ACCESS_KEY => undef, AWS_SECRET_ACCESS_KEY_FILE => '/nowhere'],
     ['a password in the URL', 'https://a:secret-word@host/bucket', qr/no user or password/],
     ['no bucket', 'https://host', qr{is not s3:https://HOST/BUCKET}], ['another scheme', 'ftp://host/bucket', qr{is not s3:https://HOST/BUCKET}],
     ['nobody there', 'http://127.0.0.1:1/bucket', qr/Failed to connect/]
@@ -165,7 +106,7 @@ for my $case (
     my ($name, $url, $why, %set) = @$case;
     local @ENV{keys %ENV} = values %ENV;
     defined $set{$_} ? ($ENV{$_} = $set{$_}) : delete $ENV{$_} for keys %set;
-    my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$dir/refused", '--blobs', "s3:$url");
+    my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/refused", '--blobs', "s3:$url");
     is $status, $why =~ /need keys|HOST|password/ ? 2 : 1, "$name is refused";
     like $text, $why, 'with the reason';
     unlike $text, qr/secret-word/, 'and no secret';

@@ -106,7 +106,7 @@ struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const c
         (void)snprintf(where, sizeof where, "%s:%s/jobs.%s", driver->scheme, path, driver->scheme);
     else
         write_postgres(where, sizeof where, path);
-    vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
+    vt_assert_ok(vor_store_open(&store, where, 0, &holder, &vt_err));
     return store;
 }
 

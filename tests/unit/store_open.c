@@ -31,12 +31,12 @@ VT_TEST(a_second_daemon_is_refused_with_the_holder_s_name)
             pause();
     }
     ck_assert_int_eq(read(ready[0], &byte, 1), 1);
-    vt_assert_fails(VOR_E_IO, vor_store_open(&second, where, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&second, where, 0, &holder, &vt_err));
     ck_assert_int_eq(holder, child);
     ck_assert_ptr_null(second);
     kill(child, SIGKILL);
     waitpid(child, NULL, 0);
-    vt_assert_ok(vor_store_open(&store, where, &holder, &vt_err));
+    vt_assert_ok(vor_store_open(&store, where, 0, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     vor_store_close(store);
 }
@@ -50,17 +50,17 @@ VT_TEST(what_is_no_store_is_refused)
     long holder;
 
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, where + 7, &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, where + 7, 0, &holder, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "store");
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "sqlite:", &holder, &vt_err));
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "mysql:x", &holder, &vt_err));
-    vt_assert_fails(VOR_E_IO, vor_store_open(&store, "sqlite:/dev/null/x", &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "sqlite:", 0, &holder, &vt_err));
+    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "mysql:x", 0, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, "sqlite:/dev/null/x", 0, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     file = fopen(where + 7, "w");
     for (int i = 0; i < 200; i++)
         fputs("this is a text, not a database\n", file);
     fclose(file);
-    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, 0, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     ck_assert_ptr_null(store);
 }
@@ -85,7 +85,7 @@ VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(versions[_i], file), versions[_i]);
     fclose(file);
-    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, 0, &holder, &vt_err));
     (void)snprintf(wanted, sizeof wanted,
                    "schema %d, but this version reads only 6, 8, 9 and 10: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));

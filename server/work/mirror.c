@@ -1,0 +1,108 @@
+/* Where other daemons share the store: what they do to jobs is seen here. A job that somebody here
+ * waits for, and that no runner here has, follows its row. */
+#include "server/work/mirror.h"
+
+#include "server/base/clock.h"
+#include "server/base/log.h"
+#include "server/base/metrics.h"
+#include "server/work/capacity.h"
+
+#include <stdlib.h>
+
+/* Between two looks for jobs whose daemon has ended; their leases are much longer. */
+static const double reap_seconds = 5;
+
+static int take_last(void *ctx, const struct vor_event_piece *piece)
+{
+    *(uint32_t *)ctx = piece->last;
+    return 1;
+}
+
+/* Number of the last event of an attempt that the store has behind `after`; that, if it has none.
+ */
+static vor_status last_event(struct vor_worker *worker, const struct vor_job_view *row,
+                             uint32_t after, uint32_t *last, struct vor_error *err)
+{
+    const struct vor_event_query query = {
+        .attempt = row->attempt, .after = after, .each = take_last, .ctx = last};
+
+    *last = after;
+    return vor_store_events(worker->config.store, &row->id, &query, err);
+}
+
+vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job, struct vor_error *err)
+{
+    struct vor_job_view row = {.attempt = 0};
+    uint32_t last = 0;
+    int found = 0;
+    vor_status status = VOR_OK;
+
+    pthread_mutex_lock(&worker->claim); /* no runner takes it meanwhile */
+    if (!vor_worker_is_running(worker, job))
+        status = vor_store_get(worker->config.store, vor_job_id(job), NULL, &row, &found, err);
+    if (status == VOR_OK && found && row.status != VOR_JOB_ACCEPTED)
+        status = last_event(worker, &row, vor_job_newest(job, row.attempt), &last, err);
+    if (status == VOR_OK && found)
+        vor_job_mirror(job, &row, last);
+    pthread_mutex_unlock(&worker->claim);
+    if (status == VOR_OK && found && vor_job_is_over(job))
+        vor_worker_forget(worker, job);
+    return status;
+}
+
+/* What waits in the store, which others add to and take from. */
+static void count_waiting(struct vor_worker *worker)
+{
+    struct vor_waiting waiting;
+
+    if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
+        return;
+    vor_capacity_begin(worker, &waiting);
+    if (waiting.jobs == 0)
+        return;
+    pthread_mutex_lock(&worker->mutex);
+    worker->news++;
+    pthread_cond_broadcast(&worker->ready);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+static void reap(struct vor_worker *worker)
+{
+    int64_t now_ms = vor_clock_wall_ms();
+    struct vor_error err;
+    uint64_t reaped = 0;
+
+    if (vor_clock_seconds() - worker->reaped < reap_seconds)
+        return;
+    worker->reaped = vor_clock_seconds();
+    if (vor_store_reap(worker->config.store, worker->owner.text, now_ms, now_ms, &reaped, &err) !=
+        VOR_OK) {
+        vor_log(VOR_LOG_WARN, "leases that have ended are not looked for",
+                VOR_TEXT("error", err.message));
+        return;
+    }
+    if (reaped > 0)
+        vor_log(VOR_LOG_WARN, "jobs of a daemon that ended wait again", VOR_COUNT("jobs", reaped));
+    vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)reaped, VOR_LABELS("lease"));
+}
+
+void vor_worker_follow_others(struct vor_worker *worker)
+{
+    struct vor_job **jobs;
+    size_t count;
+
+    if (!vor_store_is_shared(worker->config.store))
+        return;
+    reap(worker);
+    count_waiting(worker);
+    jobs = vor_worker_live(worker, &count);
+    for (size_t i = 0; i < count; i++) {
+        struct vor_error err;
+
+        if (vor_worker_mirror(worker, jobs[i], &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "a job that another daemon may run is not followed",
+                    VOR_TEXT("job", vor_job_id(jobs[i])->text), VOR_TEXT("error", err.message));
+        vor_job_release(jobs[i]);
+    }
+    free(jobs);
+}

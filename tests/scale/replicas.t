@@ -1,0 +1,73 @@
+#!/usr/bin/perl
+# Several daemons on one PostgreSQL and one S3 bucket, real ones: any of them answers anything, and those that are killed or stopped
+# take no job with them.
+use strict;
+use warnings;
+use FindBin;
+use HTTP::Tiny;
+use lib "$FindBin::Bin/../support", $FindBin::Bin;
+use Scale;
+use Test::More;
+use Vt;
+
+ok start_postgres(), 'PostgreSQL serves' or BAIL_OUT Vt::slurp("$Scale::dir/postgres.out");
+ok start_swift(), 'Swift serves' or BAIL_OUT Vt::slurp("$Scale::dir/proxy.out");
+ask('postgres', 'CREATE DATABASE daemons');
+my %place = (store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/daemons", blobs => "s3:http://127.0.0.1:$Scale::swift{proxy}/bucket");
+my $cloud = sphere_ply(3000);
+my $wanted = Vt->start->post('/v1/resample?points=500', $cloud)->{content};
+my @daemons = map { Vt->start(%place, jobs => 1) } 1 .. 3;
+my ($one, $other, $third) = @daemons;
+my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--store', $place{store});
+is $status, 75, 'a daemon that has its files in a folder cannot join them';
+
+# What one accepts, another one shows.
+my $long = $one->submit('points=1000&iterations=10000&delta=0&seed=1', $cloud);
+ok wait_until(sub { $_->status($long) eq 'running' }), 'all see that a job runs' for @daemons;
+my @elsewhere = grep { $_->log_text !~ /"msg":"job started","job":"$long"/ } @daemons;
+is @elsewhere, 2, 'which one of them runs';
+my $stream = $elsewhere[0]->events("/v1/jobs/$long/events");
+my @seen;
+while (@seen < 8 && (my $event = $stream->next_event)) { push @seen, $event->{id} if $event->{id} }
+is @seen, 8, 'its events come from another one';
+is_deeply \@seen, [sort { ($a =~ s/.*\.//r) <=> ($b =~ s/.*\.//r) } @seen], 'in order';
+cmp_ok json($elsewhere[1]->get("/v1/jobs/$long"))->{progress}, '>', 0, 'and its progress';
+is $elsewhere[1]->request('DELETE', "/v1/jobs/$long")->{status}, 200, 'another one dismisses it';
+ok wait_until(sub { $_->status($long) eq 'dismissed' }), 'all see that' for @daemons;
+my ($runner) = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @daemons;
+is $runner->finish($runner->submit('points=100', $cloud))->{status}, 'successful', 'and the one that ran it goes on';
+my $end;
+while (my $event = $stream->next_event) { $end = $event }
+like $end->{data}, qr/dismissed/, 'the stream ends with that';
+
+# Many jobs, by all; results from any.
+my @ids = map { $daemons[$_ % 3]->submit('points=500', $cloud) } 1 .. 30;
+is scalar(grep { $daemons[rand 3]->finish($_)->{status} eq 'successful' } @ids), @ids, 'jobs end well';
+is scalar(grep { $daemons[rand 3]->get("/v1/jobs/$_/results/cloud")->{content} eq $wanted } @ids), @ids, 'with the same bytes, from any';
+is scalar(grep { my $d = $_; $d->log_text =~ /"msg":"job started"/ } @daemons), 3, 'each ran some';
+is $one->post('/v1/resample?points=500', $cloud)->{content}, $wanted, 'a caller who waits gets his result, whoever runs it' for 1 .. 3;
+
+# One is killed while it runs a job: its lease ends, and another one runs it again.
+$long = $one->submit('points=500&seed=3&iterations=3000&delta=0', $cloud);
+ok wait_until(sub { $one->status($long) eq 'running' }), 'a job runs';
+my $killed;
+ok wait_until(sub { ($killed) = grep { $daemons[$_]->log_text =~ /"msg":"job started","job":"$long"/ } 0 .. 2; defined $killed }), 'somewhere';
+$daemons[$killed]->stop('KILL');
+my @left = @daemons[grep { $_ != $killed } 0 .. 2];
+my $report = $left[0]->finish($long);
+is $report->{status}, 'successful', 'another one runs it when its daemon is killed';
+like ask('daemons', "SELECT attempt FROM job WHERE id = '$long'"), qr/^2$/, 'by its second attempt';
+
+# One is stopped past its lease and goes on: what it then writes counts for nothing.
+$long = $left[0]->submit('points=500&seed=4&iterations=3000&delta=0', $cloud);
+my ($frozen) = grep { defined } @{ wait_until(sub { my @f = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @left; @f ? \@f : undef }) };
+kill 'STOP', $frozen->{pid};
+my ($awake) = grep { $_ != $frozen } @left;
+is $awake->finish($long)->{status}, 'successful', 'another one runs the job of one that is stopped';
+my $result = $awake->get("/v1/jobs/$long/results/cloud")->{content};
+kill 'CONT', $frozen->{pid};
+$frozen->{http} = HTTP::Tiny->new(timeout => $Vt::PATIENCE); # it closes the connection of before
+is $frozen->finish($frozen->submit('points=100', $cloud))->{status}, 'successful', 'which goes on';
+ok wait_until(sub { $frozen->get("/v1/jobs/$long/results/cloud")->{content} eq $result }), 'and has the same result';
+is ask('daemons', "SELECT count(*) FROM job WHERE status NOT IN ('successful', 'dismissed')"), 0, 'no job is left';
+done_testing;
