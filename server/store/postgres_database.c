@@ -5,25 +5,23 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* As many readers as SQLite has. */
-enum { READERS = 4, STATEMENT_SIZE = 4096, NUMBER_SIZE = 32 };
+enum { STATEMENT_SIZE = 4096, NUMBER_SIZE = 32 };
 
 struct connection {
-    PGconn *handle;        /* NULL before it is needed */
-    pthread_mutex_t mutex; /* recursive: a transaction has several statements */
+    PGconn *handle; /* NULL before it is needed */
 };
 
 struct vor_postgres {
     struct vor_sql base;
     const struct vor_pg *pg;
     char *where;
-    atomic_uint next_reader; /* to wait for where none is free */
-    struct connection writer, lock, reader[READERS];
+    pthread_mutex_t writing; /* recursive: a transaction has several statements */
+    pthread_mutex_t locking;
+    struct connection writer, lock, reader[VOR_SQL_READERS];
     int in_transaction; /* of the writer */
     int is_shared;
     int is_locked; /* the lock was got on the connection that it has */
@@ -65,7 +63,7 @@ static void ignore(void *ctx, const char *message)
     (void)message;
 }
 
-/* Makes a connection, or anew where it broke. Call with its mutex held, as all that follow. */
+/* Makes a connection, or anew where it broke. One thread at a time, as all that follow. */
 static vor_status connect_to(struct vor_postgres *db, struct connection *connection,
                              struct vor_error *err)
 {
@@ -260,10 +258,10 @@ static vor_status begin(struct vor_sql *sql_db, VOR_UNUSED enum vor_sql_how how,
     struct vor_postgres *db = of_sql(sql_db);
     vor_status status;
 
-    pthread_mutex_lock(&db->writer.mutex);
+    pthread_mutex_lock(&db->writing);
     status = run_first(db, &db->writer, db->is_shared ? BEGIN_IN_TURN : "BEGIN", err);
     if (status != VOR_OK) {
-        pthread_mutex_unlock(&db->writer.mutex);
+        pthread_mutex_unlock(&db->writing);
         return status;
     }
     db->in_transaction = 1;
@@ -279,7 +277,7 @@ static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_erro
     else
         (void)run(db, &db->writer, "ROLLBACK", NULL);
     db->in_transaction = 0;
-    pthread_mutex_unlock(&db->writer.mutex);
+    pthread_mutex_unlock(&db->writing);
     return status;
 }
 
@@ -312,7 +310,7 @@ static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changi
     vor_status status = VOR_OK;
     int is_alone;
 
-    pthread_mutex_lock(&db->writer.mutex);
+    pthread_mutex_lock(&db->writing);
     is_alone = !db->in_transaction;
     if (is_alone)
         status = begin(sql_db, VOR_SQL_DURABLE, err);
@@ -321,30 +319,17 @@ static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changi
         if (is_alone)
             status = end(sql_db, status, err);
     }
-    pthread_mutex_unlock(&db->writer.mutex);
+    pthread_mutex_unlock(&db->writing);
     return status;
 }
 
-/* A connection to read by, locked. */
-static struct connection *take_reader(struct vor_postgres *db)
-{
-    struct connection *reader;
-
-    for (unsigned i = 0; i < READERS; i++)
-        if (pthread_mutex_trylock(&db->reader[i].mutex) == 0)
-            return &db->reader[i];
-    reader = &db->reader[atomic_fetch_add(&db->next_reader, 1) % READERS];
-    pthread_mutex_lock(&reader->mutex);
-    return reader;
-}
-
-static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vor_sql_row *row),
-                        void *ctx, struct vor_error *err, const char *sql,
-                        const struct vor_sql_values *values)
+static vor_status query(struct vor_sql *sql_db, unsigned index,
+                        int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
+                        struct vor_error *err, const char *sql, const struct vor_sql_values *values)
 {
     struct vor_postgres *db = of_sql(sql_db);
     struct vor_sql_row row = {.engine = sql_db->engine};
-    struct connection *reader = take_reader(db);
+    struct connection *reader = &db->reader[index];
     struct answer answer = {.db = db};
     vor_status status = connect_to(db, reader, err);
     int rows = 0;
@@ -368,7 +353,6 @@ static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vo
             break;
     }
     end_answer(&answer);
-    pthread_mutex_unlock(&reader->mutex);
     return status;
 }
 
@@ -414,7 +398,7 @@ vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_erro
     struct answer answer = {.db = db};
     vor_status status = VOR_OK;
 
-    pthread_mutex_lock(&db->lock.mutex);
+    pthread_mutex_lock(&db->locking);
     if (db->is_locked) /* a question shows whether the connection is there */
         status = run(db, &db->lock, "SELECT 1", err);
     *held = db->is_locked && status == VOR_OK;
@@ -428,7 +412,7 @@ vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_erro
             *held = db->is_locked = (int)number_of(&answer, 0);
         end_answer(&answer);
     }
-    pthread_mutex_unlock(&db->lock.mutex);
+    pthread_mutex_unlock(&db->locking);
     return status;
 }
 
@@ -436,17 +420,19 @@ static void disconnect(struct vor_postgres *db, struct connection *connection)
 {
     if (connection->handle != NULL)
         db->pg->finish(connection->handle);
-    pthread_mutex_destroy(&connection->mutex);
 }
 
 void vor_postgres_close(struct vor_postgres *db)
 {
     if (db == NULL)
         return;
-    for (int i = 0; i < READERS; i++)
+    for (int i = 0; i < VOR_SQL_READERS; i++)
         disconnect(db, &db->reader[i]);
     disconnect(db, &db->writer);
     disconnect(db, &db->lock);
+    pthread_mutex_destroy(&db->writing);
+    pthread_mutex_destroy(&db->locking);
+    vor_sql_destroy(&db->base);
     free(db->where);
     free(db);
 }
@@ -459,15 +445,12 @@ vor_status vor_postgres_open(struct vor_postgres **out, const char *where, struc
 
     if (db == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the job store");
-    db->base.engine = &engine;
-    atomic_init(&db->next_reader, 0);
+    vor_sql_init(&db->base, &engine);
     pthread_mutexattr_init(&recursive);
     pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
-    pthread_mutex_init(&db->writer.mutex, &recursive);
+    pthread_mutex_init(&db->writing, &recursive);
     pthread_mutexattr_destroy(&recursive);
-    pthread_mutex_init(&db->lock.mutex, NULL);
-    for (int i = 0; i < READERS; i++)
-        pthread_mutex_init(&db->reader[i].mutex, NULL);
+    pthread_mutex_init(&db->locking, NULL);
     db->where = strdup(where);
     status =
         db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "the job store");

@@ -1,5 +1,7 @@
 #include "server/store/postgres_schema.h"
 
+#include "server/store/sql_verbs.h"
+
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
 enum { SCHEMA_VERSION = 1 };
 
@@ -48,14 +50,7 @@ enum { SCHEMA_VERSION = 1 };
     " decoded bigint NOT NULL);"
 
 #define INDEXES                                                                                    \
-    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
-    "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
-    "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
-    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
-    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
-    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
-    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"                           \
+    VOR_SQL_INDEXES                                                                                \
     "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
     "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"
 

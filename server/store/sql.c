@@ -9,6 +9,19 @@
 #include <stdio.h>
 #include <string.h>
 
+void vor_sql_init(struct vor_sql *db, const struct vor_sql_engine *engine)
+{
+    db->engine = engine;
+    for (unsigned i = 0; i < VOR_SQL_READERS; i++)
+        pthread_mutex_init(&db->reader[i], NULL);
+}
+
+void vor_sql_destroy(struct vor_sql *db)
+{
+    for (unsigned i = 0; i < VOR_SQL_READERS; i++)
+        pthread_mutex_destroy(&db->reader[i]);
+}
+
 int64_t vor_sql_number(struct vor_sql_row *row)
 {
     return row->engine->number(row->of, row->column++);
@@ -125,18 +138,34 @@ vor_status vor_sql_change_each(struct vor_sql *db, void (*each)(void *ctx, struc
     return change(db, &returning, err, sql, &values);
 }
 
+/* The number of a reader, locked. */
+static unsigned take_reader(struct vor_sql *db)
+{
+    unsigned reader;
+
+    for (reader = 0; reader < VOR_SQL_READERS; reader++)
+        if (pthread_mutex_trylock(&db->reader[reader]) == 0)
+            return reader;
+    reader = atomic_fetch_add(&db->next_reader, 1) % VOR_SQL_READERS;
+    pthread_mutex_lock(&db->reader[reader]);
+    return reader;
+}
+
 vor_status vor_sql_query(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
                          void *ctx, struct vor_error *err, const char *sql, const char *types, ...)
 {
     double began = vor_clock_seconds();
     struct vor_sql_values values;
     vor_status status;
+    unsigned reader;
     va_list args;
 
     va_start(args, types);
     gather(&values, types, &args);
     va_end(args);
-    status = db->engine->query(db, each, ctx, err, sql, &values);
+    reader = take_reader(db);
+    status = db->engine->query(db, reader, each, ctx, err, sql, &values);
+    pthread_mutex_unlock(&db->reader[reader]);
     count(db, sql, began, status);
     return status;
 }

@@ -8,12 +8,20 @@
 
 #include "core/base/status.h"
 
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/** Connections to read by. Lists read two at a time, off the threads of HTTP, so that these find
+ * one that is free. */
+enum { VOR_SQL_READERS = 4 };
 
 /** What a database begins with. */
 struct vor_sql {
     const struct vor_sql_engine *engine;
+    pthread_mutex_t reader[VOR_SQL_READERS]; /**< who reads by which */
+    atomic_uint next_reader;                 /**< to wait for where none is free */
 };
 
 /** A row that a statement returns: its columns, one after the other. Texts and bytes last until the
@@ -59,10 +67,16 @@ struct vor_sql_engine {
     vor_status (*change)(struct vor_sql *db, struct vor_sql_changing *changing,
                          struct vor_error *err, const char *sql,
                          const struct vor_sql_values *values);
-    vor_status (*query)(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
-                        void *ctx, struct vor_error *err, const char *sql,
+    /** By that reader, which no other thread uses meanwhile. */
+    vor_status (*query)(struct vor_sql *db, unsigned reader,
+                        int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
+                        struct vor_error *err, const char *sql,
                         const struct vor_sql_values *values);
 };
+
+/** Of a database that is all zero; of one that no thread uses any more. */
+void vor_sql_init(struct vor_sql *db, const struct vor_sql_engine *engine);
+void vor_sql_destroy(struct vor_sql *db);
 
 /** The next column of a row. */
 int64_t vor_sql_number(struct vor_sql_row *row);

@@ -59,6 +59,17 @@ vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
 vor_status vor_sql_reap(struct vor_store *store, const char *owner, int64_t until_ms,
                         int64_t now_ms, uint64_t *reaped, struct vor_error *err);
 
+/** The indexes that every engine has, for its schema. */
+#define VOR_SQL_INDEXES                                                                            \
+    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
+    "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
+    "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
+    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
+    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
+    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
+    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
+    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
+
 /** These rows of a driver's table. */
 #define VOR_SQL_VERBS                                                                              \
     .insert = vor_sql_insert, .claim_next = vor_sql_claim_next, .renew = vor_sql_renew,            \

@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Lists read two at a time, off the threads of HTTP, so that these find one that is free. */
-enum { READERS = 4, STATEMENTS = 48 };
+enum { STATEMENTS = 48 };
 
 /* A statement that was prepared once, and the text that it was made of. */
 struct prepared {
@@ -20,7 +19,6 @@ struct prepared {
 
 struct connection {
     sqlite3 *handle;
-    pthread_mutex_t mutex; /* recursive: a transaction has several statements */
     struct prepared prepared[STATEMENTS];
     unsigned prepared_count;
 };
@@ -28,8 +26,8 @@ struct connection {
 struct vor_sqlite {
     struct vor_sql base;
     atomic_int broken;
-    atomic_uint next_reader; /* to wait for where none is free */
-    struct connection writer, reader[READERS];
+    pthread_mutex_t writing; /* recursive: a transaction has several statements */
+    struct connection writer, reader[VOR_SQL_READERS];
     int is_lazy; /* the writer's transaction need not be durable */
 };
 
@@ -40,7 +38,7 @@ static int is_disk_full(int number)
     return number == ENOSPC || number == EDQUOT;
 }
 
-/* Call with the connection's mutex held: the reason is the connection's last one. */
+/* One thread at a time, as all that use a connection: the reason is the connection's last one. */
 static vor_status fail(struct vor_sqlite *db, struct connection *connection, int code,
                        struct vor_error *err)
 {
@@ -81,52 +79,22 @@ static vor_status connect(struct vor_sqlite *db, struct connection *connection, 
     return run(db, connection, pragmas, err);
 }
 
-/* A log that one long reader has let grow is cut back to this, in bytes. */
-#define PRAGMAS_OF_WRITER                                                                          \
-    "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA journal_size_limit=16777216;"
-
-vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor_error *err)
-{
-    struct vor_sqlite *db = calloc(1, sizeof *db);
-    pthread_mutexattr_t recursive;
-    vor_status status;
-
-    if (db == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the job store");
-    atomic_init(&db->broken, 0);
-    atomic_init(&db->next_reader, 0);
-    pthread_mutexattr_init(&recursive);
-    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
-    pthread_mutex_init(&db->writer.mutex, &recursive);
-    pthread_mutexattr_destroy(&recursive);
-    for (int i = 0; i < READERS; i++)
-        pthread_mutex_init(&db->reader[i].mutex, NULL);
-    status = connect(db, &db->writer, path, PRAGMAS_OF_WRITER, err);
-    for (int i = 0; i < READERS && status == VOR_OK; i++)
-        status = connect(db, &db->reader[i], path, "PRAGMA query_only=ON;", err);
-    if (status != VOR_OK) {
-        vor_sqlite_close(db);
-        return status;
-    }
-    *out = db;
-    return VOR_OK;
-}
-
 static void disconnect(struct connection *connection)
 {
     for (unsigned i = 0; i < connection->prepared_count; i++)
         (void)sqlite3_finalize(connection->prepared[i].statement);
     (void)sqlite3_close(connection->handle);
-    pthread_mutex_destroy(&connection->mutex);
 }
 
 void vor_sqlite_close(struct vor_sqlite *db)
 {
     if (db == NULL)
         return;
-    for (int i = 0; i < READERS; i++)
+    for (int i = 0; i < VOR_SQL_READERS; i++)
         disconnect(&db->reader[i]);
     disconnect(&db->writer);
+    pthread_mutex_destroy(&db->writing);
+    vor_sql_destroy(&db->base);
     free(db);
 }
 
@@ -139,11 +107,11 @@ vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_err
 {
     vor_status status;
 
-    pthread_mutex_lock(&db->writer.mutex);
+    pthread_mutex_lock(&db->writing);
     status = run(db, &db->writer, sql, err);
     if (!sqlite3_get_autocommit(db->writer.handle))
         (void)sqlite3_exec(db->writer.handle, "ROLLBACK", NULL, NULL, NULL);
-    pthread_mutex_unlock(&db->writer.mutex);
+    pthread_mutex_unlock(&db->writing);
     return status;
 }
 
@@ -166,8 +134,7 @@ static int bind_all(sqlite3_stmt *statement, const struct vor_sql_values *values
     return code;
 }
 
-/* The statement of a text, which is a literal: the address tells them apart. Call with the
- * connection's mutex held, as the next two. */
+/* The statement of a text, which is a literal: the address tells them apart. */
 static int prepare(sqlite3_stmt **out, struct connection *connection, const char *sql)
 {
     struct prepared *prepared = connection->prepared;
@@ -252,7 +219,7 @@ static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changi
 
     if (vor_sqlite_broken(db))
         return refuse(err);
-    pthread_mutex_lock(&db->writer.mutex);
+    pthread_mutex_lock(&db->writing);
     code = start(&statement, &db->writer, sql, values);
     row.of = statement;
     for (; code == SQLITE_ROW; code = sqlite3_step(statement)) {
@@ -265,7 +232,7 @@ static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changi
     else
         status = fail(db, &db->writer, code, err);
     finish(statement);
-    pthread_mutex_unlock(&db->writer.mutex);
+    pthread_mutex_unlock(&db->writing);
     return status;
 }
 
@@ -274,7 +241,7 @@ static void release_writer(struct vor_sqlite *db)
     if (db->is_lazy)
         (void)sqlite3_exec(db->writer.handle, "PRAGMA synchronous=FULL", NULL, NULL, NULL);
     db->is_lazy = 0;
-    pthread_mutex_unlock(&db->writer.mutex);
+    pthread_mutex_unlock(&db->writing);
 }
 
 static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor_error *err)
@@ -282,7 +249,7 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
     struct vor_sqlite *db = of_sql(sql_db);
     vor_status status;
 
-    pthread_mutex_lock(&db->writer.mutex);
+    pthread_mutex_lock(&db->writing);
     db->is_lazy = how == VOR_SQL_LAZY;
     status = vor_sqlite_broken(db) ? refuse(err)
                                    : run(db, &db->writer,
@@ -306,26 +273,13 @@ static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_erro
     return status;
 }
 
-/* A connection to read by, locked. */
-static struct connection *take_reader(struct vor_sqlite *db)
-{
-    struct connection *reader;
-
-    for (unsigned i = 0; i < READERS; i++)
-        if (pthread_mutex_trylock(&db->reader[i].mutex) == 0)
-            return &db->reader[i];
-    reader = &db->reader[atomic_fetch_add(&db->next_reader, 1) % READERS];
-    pthread_mutex_lock(&reader->mutex);
-    return reader;
-}
-
-static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vor_sql_row *row),
-                        void *ctx, struct vor_error *err, const char *sql,
-                        const struct vor_sql_values *values)
+static vor_status query(struct vor_sql *sql_db, unsigned index,
+                        int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
+                        struct vor_error *err, const char *sql, const struct vor_sql_values *values)
 {
     struct vor_sqlite *db = of_sql(sql_db);
     struct vor_sql_row row = {.engine = sql_db->engine};
-    struct connection *reader = take_reader(db);
+    struct connection *reader = &db->reader[index];
     sqlite3_stmt *statement = NULL;
     vor_status status = VOR_OK;
     int code = start(&statement, reader, sql, values);
@@ -339,7 +293,6 @@ static vor_status query(struct vor_sql *sql_db, int (*each)(void *ctx, struct vo
     if (code != SQLITE_ROW && code != SQLITE_DONE)
         status = fail(db, reader, code, err);
     finish(statement);
-    pthread_mutex_unlock(&reader->mutex);
     return status;
 }
 
@@ -357,6 +310,34 @@ static const struct vor_sql_engine engine = {
 
 struct vor_sql *vor_sqlite_sql(struct vor_sqlite *db)
 {
-    db->base.engine = &engine;
     return &db->base;
+}
+
+/* A log that one long reader has let grow is cut back to this, in bytes. */
+#define PRAGMAS_OF_WRITER                                                                          \
+    "PRAGMA journal_mode=WAL; PRAGMA synchronous=FULL; PRAGMA journal_size_limit=16777216;"
+
+vor_status vor_sqlite_open(struct vor_sqlite **out, const char *path, struct vor_error *err)
+{
+    struct vor_sqlite *db = calloc(1, sizeof *db);
+    pthread_mutexattr_t recursive;
+    vor_status status;
+
+    if (db == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the job store");
+    atomic_init(&db->broken, 0);
+    vor_sql_init(&db->base, &engine);
+    pthread_mutexattr_init(&recursive);
+    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
+    pthread_mutex_init(&db->writing, &recursive);
+    pthread_mutexattr_destroy(&recursive);
+    status = connect(db, &db->writer, path, PRAGMAS_OF_WRITER, err);
+    for (int i = 0; i < VOR_SQL_READERS && status == VOR_OK; i++)
+        status = connect(db, &db->reader[i], path, "PRAGMA query_only=ON;", err);
+    if (status != VOR_OK) {
+        vor_sqlite_close(db);
+        return status;
+    }
+    *out = db;
+    return VOR_OK;
 }

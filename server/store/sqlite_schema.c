@@ -1,5 +1,7 @@
 #include "server/store/sqlite_schema.h"
 
+#include "server/store/sql_verbs.h"
+
 /* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
  * brought up to it; versions 1 to 5 and 7 were never released. */
 enum { SCHEMA_VERSION = 10 };
@@ -41,14 +43,7 @@ enum { SCHEMA_VERSION = 10 };
 
 /* Each index of a list holds all columns that lists are about. */
 #define INDEXES                                                                                    \
-    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
-    "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
-    "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
-    "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
-    "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
-    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
-    "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
-    "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"                           \
+    VOR_SQL_INDEXES                                                                                \
     "CREATE INDEX job_listed ON job"                                                               \
     " (seq, status, process_id, created, started, finished, name, principal) WHERE expired = 0;"   \
     "CREATE INDEX job_named ON job"                                                                \
