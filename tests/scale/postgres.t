@@ -50,7 +50,7 @@ is $next->get('/readyz')->{status}, 503, 'the daemon is not ready';
 ok start_postgres(), 'and comes back';
 my $ended = $next->finish($long);
 is $ended->{status}, 'successful', 'the job ends';
-like $next->log_text, qr/"msg":"job ended","job":"$long"[^\n]*"attempt":1/, 'by its first attempt';
+ok wait_until(sub { $next->log_text =~ /"msg":"job ended","job":"$long"[^\n]*"attempt":1/ }), 'by its first attempt';
 ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and the daemon is ready again';
 is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
 
