@@ -116,6 +116,9 @@ for my $who (qw(anna berta)) {
     $got{$who} = [$answer->{content} =~ /^event: (unknown|end)$/mg];
 }
 is_deeply \%got, { anna => ['end'], berta => ['unknown'] }, "another key's job is as unknown as none";
-is_problem $daemon->get(path([$of_anna])), 401, 'unauthorized', 'without a key there is no stream';
+my $polled = $daemon->get(path([$of_anna]), headers => { Prefer => 'wait=600', 'X-API-Key' => 'a key of berta' });
+is_deeply [$polled->{content} =~ /^event: (\w+)$/mg], ['unknown'], 'and ends a poll at once';
+is_problem $daemon->get(path([$of_anna]), headers => $_), 401, 'unauthorized', 'without a key there is no stream, and no poll'
+    for {}, { Prefer => 'wait=600' };
 is $daemon->stop, 0, 'the daemon ends with 0';
 done_testing;

@@ -2,8 +2,6 @@
 # The long poll of events: what has happened is answered at once, nothing is waited for, for so long; no event is lost between polls.
 use strict;
 use warnings;
-use Digest::SHA qw(sha256_hex);
-use File::Temp qw(tempdir);
 use FindBin;
 use lib "$FindBin::Bin/../support";
 use Test::More;
@@ -84,7 +82,7 @@ my $woken = Vt::read_all($socket);
 like $woken, qr{\AHTTP/1\.1 200 .*^event: end\ndata: [^\n]*"dismissed"}ms, 'and is answered, where there are as many streams as may be';
 $stream->close;
 
-# What is wrong with a stream is wrong with a poll, and a key sees its own jobs.
+# What is wrong with a stream is wrong with a poll (what a key may see: events_many.t).
 is_problem $daemon->get($_, headers => { Prefer => 'wait=5' }), 400, 'invalid-query-parameter-value', "$_ is refused"
     for '/v1/events', "/v1/events?jobs=1", path([$over], 'never'), "/v1/jobs/$over/events?lastEventId=x", path([$over]) . '&preview=0';
 is_problem $daemon->get("/v1/jobs/$nobody/events", headers => { Prefer => 'wait=5' }), 404, 'no-such-job', 'a job that is none';
@@ -97,16 +95,4 @@ print $socket "GET /v1/jobs/$queued/events?lastEventId=$last HTTP/1.1\r\nHost: 1
 ok $daemon->wait_asleep(1), 'another poll waits';
 is $daemon->stop, 0, 'a daemon that has polls waiting ends with 0';
 like Vt::read_all($socket), qr{\AHTTP/1\.1 200 }, 'and answers them';
-
-my $dir = tempdir(CLEANUP => 1);
-open my $keys, '>', "$dir/keys" or die $!;
-print $keys "$_:submit,read:" . sha256_hex("a key of $_") . "\n" for qw(anna berta);
-close $keys or die $!;
-$daemon = Vt->start('api-keys' => "$dir/keys");
-my $of_anna = json($daemon->post('/v1/resample?points=50&iterations=2', $cloud, Prefer => 'respond-async',
-    'X-API-Key' => 'a key of anna'))->{jobID};
-my $of_berta = poll(path([$of_anna]), LONG, 'X-API-Key' => 'a key of berta');
-is_deeply [map { $_->{event} } @{ $of_berta->{lines} }], ['unknown'], "another key's job is as unknown as none";
-is_problem $daemon->get(path([$of_anna]), headers => { Prefer => 'wait=5' }), 401, 'unauthorized', 'without a key nothing is waited for';
-is $daemon->stop, 0, 'the daemon ends with 0';
 done_testing;
