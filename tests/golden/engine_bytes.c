@@ -62,7 +62,6 @@ VT_TEST_LOOP(one_two_three_and_eight_threads_give_the_same_bytes, VT_ONCE(3))
         assert_same(&first, &other);
     }
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* A run on a pool that others use too; a thread of its own must not assert. */
@@ -113,7 +112,6 @@ VT_TEST(runs_that_share_a_pool_give_the_bytes_they_give_alone)
         vor_cloud_free(&runs[k].in);
     }
     vt_engine_close(&owner);
-    vt_assert_no_leak();
 }
 
 /* Coordinates that are multiples of 2^-20 survive these shifts exactly. */
@@ -165,7 +163,6 @@ VT_TEST_FIGURES(a_shift_moves_the_result_and_changes_nothing_else, 0)
     vor_cloud_free(&out_here);
     vor_cloud_free(&here);
     vor_cloud_free(&base);
-    vt_assert_no_leak();
 }
 
 /* Twice as large, half as large: a power of two costs nothing either. */

@@ -63,7 +63,6 @@ VT_TEST_LOOP(each_point_is_the_farthest_from_those_before, SEEDS)
     }
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
 }
 
 static int by_coordinates(const void *a, const void *b)
@@ -166,5 +165,4 @@ VT_TEST_LOOP(a_voxel_grid_has_the_means_of_its_cells, SEEDS)
     free(out);
     vor_cloud_free(&cloud);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
 }

@@ -42,7 +42,6 @@ static void end(struct walk *walk)
     vor_input_lists_free(&walk->near);
     vor_knn_free(walk->knn);
     vor_cloud_free(&walk->cloud);
-    vt_assert_no_leak();
 }
 
 static float distance2(const struct walk *walk, uint32_t point, const float x[3])

@@ -29,7 +29,6 @@ static void close_bed(struct bed *bed)
     vor_domain_free(&bed->domain);
     vor_cloud_free(&bed->cloud);
     vt_engine_close(&bed->engine);
-    vt_assert_no_leak();
 }
 
 static void run_kmeans(struct vor_seeds *out, struct vor_outcome *told, struct bed *bed,

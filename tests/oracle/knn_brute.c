@@ -175,7 +175,6 @@ VT_TEST_LOOP(the_index_finds_what_a_look_at_every_point_finds, VT_FEWER(SEEDS))
         compare(shape, seed, n, (unsigned)(1 + vor_rng_below(seed, 12, 0, n)));
     }
     close_pools();
-    vt_assert_no_leak();
 }
 
 VT_TEST(every_point_is_found_when_all_are_asked_for)
@@ -184,7 +183,6 @@ VT_TEST(every_point_is_found_when_all_are_asked_for)
     for (int shape = 0; shape < SHAPES; shape++)
         compare(shape, 99, 700, 700);
     close_pools();
-    vt_assert_no_leak();
 }
 
 /* Enough points for several subtrees, and for nodes above them. */
@@ -196,5 +194,4 @@ VT_TEST(many_points_are_found)
         compare(shape, 7, MANY, 33);
     }
     close_pools();
-    vt_assert_no_leak();
 }

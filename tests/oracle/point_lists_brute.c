@@ -54,7 +54,6 @@ static void close_flock(struct flock *flock)
     vor_point_lists_free(&flock->point_lists);
     vor_cloud_free(&flock->cloud);
     vt_engine_close(&flock->engine);
-    vt_assert_no_leak();
 }
 
 static void look_from(struct flock *flock, size_t i)

@@ -64,7 +64,6 @@ VT_TEST_LOOP(momentum_reaches_fifty_plain_iterations_within_25_and_the_mix_in_fe
                   "%s: the mix reaches %g in %zu", name, target, vt_trace_reaches(&mix, target));
     ck_assert(momentum.record[0].delta == plain.record[0].delta);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 static double coverage(const struct vor_cloud *out, const struct vor_cloud *surface)

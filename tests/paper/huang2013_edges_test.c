@@ -54,7 +54,6 @@ VT_TEST_LOOP(normals_near_the_edge_of_a_wedge_are_those_of_its_faces, ROWS)
     ck_assert_double_le(p90, 15);
     ck_assert_double_le(smeared, row->smeared);
     vt_wedge_seen_free(&seen);
-    vt_assert_no_leak();
 }
 
 /* Eq. 4, E7: what is inserted lies on the planes that the points before it have. Measured: 1.4 % of
@@ -106,7 +105,6 @@ VT_TEST(more_points_come_near_an_edge_the_larger_rho)
     many = near_edge_of(&in, "method=ear points=3000 samples=1000 rho=10 polish=0");
     ck_assert_msg(none < some && some <= many, "%zu, %zu, %zu points", none, some, many);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Fig. 7: a gap stays or is filled. Points around the top of a sphere, where there were none. */
@@ -145,7 +143,6 @@ VT_TEST(a_gap_is_kept_or_filled_as_asked)
     ck_assert_uint_le(kept, 12);
     ck_assert_uint_ge(filled, 30);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Fig. 18: sheets nearer to each other than the neighbourhoods are wide. Share of points that lie
@@ -178,7 +175,6 @@ VT_TEST(two_close_sheets_do_not_mix)
     ck_assert_double_le(between_sheets(&in, gap, "method=ear points=4000 phases=resample"), 0.01);
     ck_assert_double_le(between_sheets(&in, gap, "method=wlop points=4000"), 0.01);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Of a tube with noise, some five spacings in radius. Measured: 0.40 of the input's distance to it,

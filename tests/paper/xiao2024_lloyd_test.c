@@ -252,5 +252,4 @@ VT_TEST_LOOP(fig_5_a_start_by_area_beats_a_random_one_on_an_uneven_cloud, SEEDS)
     ck_assert_double_gt(left_random, 0.85);
     ck_assert_double_lt(by_area, 0.75 * by_random);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }

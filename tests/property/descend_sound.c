@@ -58,5 +58,4 @@ VT_TEST_LOOP(any_shape_gives_the_points_asked_for_whatever_the_threads, SHAPES)
             vt_engine_close(&engine);
         }
     }
-    vt_assert_no_leak();
 }

@@ -60,7 +60,6 @@ VT_TEST_FIGURES(the_result_lies_on_all_of_the_input, VT_FEWER(VT_SOAK_LOOPS(1, S
         vt_engine_close(&engine);
     }
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(a_run_without_limits_ends_as_even_as_one_on_few_points,
@@ -86,7 +85,6 @@ VT_TEST_FIGURES(a_run_without_limits_ends_as_even_as_one_on_few_points,
         vor_cloud_free(&in);
         vt_engine_close(&engine);
     }
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOTH))
@@ -114,7 +112,6 @@ VT_TEST_FIGURES(a_delta_that_is_asked_for_holds_of_the_result, VT_FEWER(VT_SMOOT
         }
     ck_assert_uint_ge(stopped, 5);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 struct stopper {
@@ -156,7 +153,6 @@ VT_TEST_LOOP(stopped_at_any_record_it_hands_back_points_of_the_whole, 1)
         ck_assert_uint_lt(at, RECORDS);
     }
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* An open cloud: nobody is left where only the thinner input allowed it. */
@@ -184,5 +180,4 @@ VT_TEST_FIGURES(nobody_is_left_beyond_a_border, VT_FEWER(SEEDS))
         vt_engine_close(&engine);
     }
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }

@@ -128,7 +128,6 @@ VT_TEST_LOOP(a_given_sigma_p_makes_no_facets, 1)
     ck_assert_double_eq_tol(its_value, as_auto, 0.01 * as_auto);
     ck_assert_msg(twice < as_auto, "%g with twice the reach, %g without", twice, as_auto);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* order=spatial. Measured, mean length of the steps from point to point: 0.030; in the order of
@@ -184,7 +183,6 @@ VT_TEST_FIGURES(a_cloud_far_from_the_origin_gives_the_same_points, 2)
     }
     ck_assert(hash[0] == hash[1]);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* A plane, a line, a few points: what has no surface to project to, or no edges. */
@@ -221,7 +219,6 @@ VT_TEST_LOOP(a_line_is_refused_as_by_any_method, 2)
     vt_assert_fails(VOR_E_DEGENERATE,
                     vt_ask_try(&out, &report, &(struct vt_ask){&in, of(_i, "points=60"), 2}));
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* How many of the samples were points of the input, and stayed them. */
@@ -265,7 +262,6 @@ VT_TEST_LOOP(a_density_or_a_metric_is_refused_by_name, 2)
     ck_assert_str_eq(vt_err.parameter, name[_i]);
     ck_assert_msg(strstr(vt_err.message, "ear") != NULL, "%s", vt_err.message);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
 }
 
 /* Of ear half of the input are samples, of wlop all of the result. Normals that are dropped face

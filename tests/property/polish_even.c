@@ -62,7 +62,6 @@ static void free_pair(struct pair *pair)
     vor_cloud_free(&pair->after);
     vor_cloud_free(&pair->before);
     vor_cloud_free(&pair->in);
-    vt_assert_no_leak();
 }
 
 static void assert_evener(const struct pair *pair, const char *name)

@@ -60,6 +60,7 @@ void vt_add_case(Suite *suite, const char *name, const TTest *test, int loops)
     TCase *tcase = tcase_create(name);
 
     tcase_set_timeout(tcase, 600);
+    tcase_add_checked_fixture(tcase, NULL, vt_assert_no_leak);
     if (loops > 0)
         tcase_add_loop_test(tcase, test, 0, loops);
     else
@@ -100,7 +101,6 @@ void vt_free_last(struct vor_cloud *one, struct vor_cloud *other)
 {
     vor_cloud_free(one);
     vor_cloud_free(other);
-    vt_assert_no_leak();
 }
 
 void vt_fail_each(vor_status (*attempt)(void *ctx), void *ctx)

@@ -119,11 +119,12 @@ extern struct vor_error vt_err;
                       vor_status_slug(vt_status_), vor_status_slug(expected), vt_err.message);     \
     } while (0)
 
-/** An uncapped allocator shared by a test; vt_assert_no_leak checks that nothing is left in it. */
+/** An uncapped allocator shared by a test. Nothing may be left in it at the end of each test, which
+ *  looks by vt_assert_no_leak. */
 extern struct vor_memory vt_memory;
 void vt_assert_no_leak(void);
 
-/** Frees the last two clouds of a test, after which nothing may be left in vt_memory. */
+/** Frees two clouds. */
 void vt_free_last(struct vor_cloud *one, struct vor_cloud *other);
 
 /** Calls attempt with the first allocation of vt_memory failing, then the second, until it returns

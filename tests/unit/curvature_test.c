@@ -149,7 +149,6 @@ VT_TEST_LOOP(curvatures_of_exact_points_are_right_to_a_thousandth_and_nearly_all
     ck_assert_msg(error[PLACES / 2] <= 1e-3, "%s: median %g", truths[_i].name, error[PLACES / 2]);
     ck_assert_msg(error[PLACES * 95 / 100] <= 5e-3, "%s: 95th percentile %g", truths[_i].name,
                   error[PLACES * 95 / 100]);
-    vt_assert_no_leak();
 }
 
 VT_TEST(what_is_flat_or_no_surface_has_no_curvature)

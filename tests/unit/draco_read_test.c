@@ -55,7 +55,6 @@ VT_TEST(both_encodings_of_one_cloud_hold_the_same_points)
     must_be_near(draco_extent(&clouds[1]), extent, 1e-3 * extent);
     vor_cloud_free(&clouds[0]);
     vor_cloud_free(&clouds[1]);
-    vt_assert_no_leak();
 }
 
 VT_TEST(redrocks_has_all_its_points_and_colours)
@@ -67,7 +66,6 @@ VT_TEST(redrocks_has_all_its_points_and_colours)
     ck_assert_uint_eq(cloud.n, 43041);
     ck_assert_ptr_nonnull(vor_cloud_find(&cloud, VOR_COLOR));
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* The surface of the three meshes in the corpus: 5 x 5 vertices at (x, y, sin(x + 2 y)), coloured
@@ -153,7 +151,6 @@ VT_TEST_LOOP(meshes_give_their_points_and_where_wanted_their_faces, 3)
         vor_cloud_free(&cloud);
     }
     free(bytes.data);
-    vt_assert_no_leak();
 }
 
 static void put(struct vt_bytes *out, const void *bytes, size_t size)
@@ -208,7 +205,6 @@ VT_TEST(a_kd_tree_of_an_older_bitstream_holds_the_same_cells)
     vor_cloud_free(&cloud);
     free(bytes.data);
     free(dressed.data);
-    vt_assert_no_leak();
 }
 
 VT_TEST(what_the_library_held_is_in_the_peak_and_given_back)

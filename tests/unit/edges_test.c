@@ -34,7 +34,6 @@ static void end(struct bed *bed)
     vor_domain_free(&bed->domain);
     vt_engine_close(&bed->engine);
     vor_cloud_free(&bed->cloud);
-    vt_assert_no_leak();
 }
 
 static struct vt_judged judge(const struct bed *bed, const struct vt_segments *truth, double area)

@@ -75,7 +75,6 @@ static void close_job(struct job *job)
     vor_cloud_free(&job->out);
     vor_cloud_free(&job->in);
     vt_engine_close(&job->engine);
-    vt_assert_no_leak();
 }
 
 VT_TEST(explicit_iterations_are_run_to_the_last)

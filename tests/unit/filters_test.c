@@ -34,7 +34,6 @@ VT_TEST_FIGURES(noise_on_a_plane_and_on_a_sphere_falls_to_less_than_half,
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 /* A quadric has no plane's error, and a sphere's only of fourth order: 2e-4 at 20 of 6,000 points.
@@ -135,7 +134,6 @@ VT_TEST_FIGURES(mls_before_a_resampling_brings_it_nearer_to_the_surface, VT_ONCE
     }
     ck_assert_msg(off[1] < 0.9 * off[0], "%g, without %g", off[1], off[0]);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Half of the sphere has nine times as many points. */

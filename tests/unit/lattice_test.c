@@ -31,7 +31,6 @@ static void end(struct bed *bed)
     vor_domain_free(&bed->domain);
     vt_engine_close(&bed->engine);
     vor_cloud_free(&bed->cloud);
-    vt_assert_no_leak();
 }
 
 static size_t smooth(struct bed *bed)
@@ -255,7 +254,6 @@ VT_TEST_FIGURES(a_result_lies_nearer_to_the_surface_than_without, VT_FEWER(VT_SO
         ck_assert_msg(nearer < 0.97 * farther, "%s: %g, without %g", shape->name, nearer, farther);
         vor_cloud_free(&cloud);
     }
-    vt_assert_no_leak();
 }
 
 static void restore(struct vor_cloud *cloud, struct vor_report *report, unsigned threads)

@@ -119,7 +119,6 @@ VT_TEST_FIGURES(a_sphere_and_a_torus_are_closed_and_face_outward, VT_FEWER(VT_SO
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 /* Regressions: at edges of 70 degrees cells in tangent planes disagreed, it fell apart in its
@@ -151,7 +150,6 @@ VT_TEST_FIGURES(a_tetrahedron_is_closed_and_faces_outward, VT_SOAK_LOOPS(2, 20))
     ck_assert_double_eq_tol(volume, 8. / 3, .05);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS(1, 20)))
@@ -177,7 +175,6 @@ VT_TEST_FIGURES(a_square_has_one_loop_and_a_cylinder_two, VT_FEWER(VT_SOAK_LOOPS
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 /* The length and the middle of the one loop of a square of side 1. */
@@ -199,7 +196,6 @@ VT_TEST_FIGURES(a_loop_is_told_in_the_unit_of_the_cloud, 0)
     ck_assert_double_gt((double)loop->edges, 4 * sqrt(POINTS) * 0.8);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Gaps in spacings of the result, whose sheets are also nearer than the input's spacing. */
@@ -228,7 +224,6 @@ VT_TEST_FIGURES(no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)))
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 /* Height, and waves a unit over 2 pi, of two sheets that bend; their distance in input spacings. */
@@ -288,7 +283,6 @@ VT_TEST_FIGURES(a_mesh_of_two_sheets_that_bend_lies_on_them_and_joins_them_at_fe
                   (size_t)meshed.mesh.count);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Two squares that cross along a line, at four degrees as a surface and its copy turned a little:
@@ -319,7 +313,6 @@ VT_TEST_FIGURES(where_sheets_cross_the_report_tells_how_many_triangles_are_unsur
     ck_assert_uint_lt(meshed.report.mesh_unsure, meshed.mesh.count / 4);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Regression: nothing was unsure where the input has no lists of neighbours. */
@@ -337,7 +330,6 @@ VT_TEST_FIGURES(two_spheres_an_input_spacing_apart_are_unsure, 0)
     ck_assert_uint_lt(meshed.report.mesh_unsure, meshed.mesh.count / 4);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Regression: too few places showed two sheets, so fits mixed them where they are two spacings
@@ -358,7 +350,6 @@ VT_TEST_FIGURES(a_ball_two_spacings_within_another_is_apart_from_it, VT_SOAK_LOO
     ck_assert_uint_eq(meshed.report.mesh_components, 2);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Six times the volume of a tetrahedron. */
@@ -419,7 +410,6 @@ VT_TEST_FIGURES(a_mesh_of_noisy_points_does_not_pass_through_itself, VT_FEWER(VT
                     ck_abort_msg("triangle %zu passes through %zu", s, t);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(triangles_follow_the_points_into_another_order, 0)
@@ -445,7 +435,6 @@ VT_TEST_FIGURES(triangles_follow_the_points_into_another_order, 0)
     vt_meshed_free(&progressive);
     vt_engine_close(&engine);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(a_moebius_band_has_one_side_and_one_loop, 0)
@@ -462,7 +451,6 @@ VT_TEST_FIGURES(a_moebius_band_has_one_side_and_one_loop, 0)
     ck_assert_double_eq(meshed.report.mesh_euler, 0);
     vt_meshed_free(&meshed);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 VT_TEST(fewer_than_three_points_have_no_triangles)
@@ -479,5 +467,4 @@ VT_TEST(fewer_than_three_points_have_no_triangles)
         vt_meshed_free(&meshed);
     }
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }

@@ -126,7 +126,6 @@ VT_TEST_FIGURES(a_knot_faces_outward, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
     done(&oriented);
     vor_cloud_free(&cloud);
     free(truth);
-    vt_assert_no_leak();
 }
 
 /* A mesh, points on it with the normals of their faces, and many more to look at its faces. */
@@ -217,7 +216,6 @@ VT_TEST_FIGURES(meshes_face_outward, VT_ONCE(VT_SOAK_LOOPS(4, 2 + DRAWS)))
     ck_assert_uint_eq(oriented.found.one_sided, 0);
     done(&oriented);
     sampled_free(&sampled);
-    vt_assert_no_leak();
 }
 
 /* Prisms about the origin, the edge at the top with 70, 60 or 50 degrees, without noise and with a
@@ -246,7 +244,6 @@ VT_TEST_FIGURES(sharp_prisms_face_outward, VT_ONCE(6))
     ck_assert_uint_le(wrong, cloud.n / 200);
     done(&oriented);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Half of a square faces the other way, though most edges across the line deny it: it is turned. On
@@ -297,7 +294,6 @@ VT_TEST_LOOP(regions_that_edges_contradict_are_turned_unless_that_opens_a_closed
     done(&oriented);
     vor_cloud_free(&cloud);
     free(edge);
-    vt_assert_no_leak();
 }
 
 VT_TEST_FIGURES(a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(VT_SOAK_LOOPS(1, SEEDS)))
@@ -320,7 +316,6 @@ VT_TEST_FIGURES(a_moebius_band_is_told_from_a_sheet_and_a_torus, VT_FEWER(VT_SOA
         ck_assert(oriented.found.normal[3 * i + 2] > 0);
     done(&oriented);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Carried normals of random sign are turned outward, and none of them changes otherwise. */
@@ -343,7 +338,6 @@ VT_TEST_LOOP(oriented_makes_the_signs_of_carried_normals_consistent,
                                 2, 1e-5);
     vor_cloud_free(&out);
     vor_cloud_free(&in);
-    vt_assert_no_leak();
 }
 
 /* Normals that lead inward decide under auto, also if some have no direction; estimate does not
@@ -373,7 +367,6 @@ VT_TEST_LOOP(carried_normals_decide_the_side_unless_they_are_to_be_ignored, VT_O
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
-    vt_assert_no_leak();
 }
 
 VT_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
@@ -399,5 +392,4 @@ VT_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
                      "finite, the first at point 17");
     vor_cloud_free(&in);
     vt_engine_close(&engine);
-    vt_assert_no_leak();
 }

@@ -41,5 +41,4 @@ VT_TEST_LOOP(two_lattices_are_two_groups_though_some_pairs_are_wrong, 3)
         strange += group[i] != group[i < SHEET ? MIDDLE : SHEET + MIDDLE];
     ck_assert_uint_ne(group[MIDDLE], group[SHEET + MIDDLE]);
     ck_assert_msg(strange <= (_i == 0 ? 0 : N / 25), "%zu nodes in another group", strange);
-    vt_assert_no_leak();
 }

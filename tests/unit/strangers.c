@@ -204,7 +204,6 @@ VT_TEST_LOOP(files_of_strangers_are_read_and_come_back, sizeof strangers / sizeo
     read_bytes(&cloud, stranger->file, strlen(stranger->file));
     check_words(stranger->name, &cloud, stranger->want, both);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 static void read_path(struct vor_cloud *out, const char *path)
@@ -241,7 +240,6 @@ VT_TEST(what_draco_has_beside_points_is_kept_or_named)
     ck_assert_uint_eq(report.dropped_count, 1);
     ck_assert_str_eq(report.dropped[0].what, "name of GPS time");
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Vector, written by Draco's own encoder: 200 points with places in a texture. */
@@ -261,7 +259,6 @@ VT_TEST(places_in_a_texture_stay_what_they_are)
         vor_cloud_free(&back);
     }
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Vector, written by Draco's own encoder, edgebreaker: a cube from 0 to 1, whose corners are three
@@ -290,7 +287,6 @@ VT_TEST(each_side_of_a_corner_is_a_point)
     for (unsigned side = 0; side < 6; side++)
         ck_assert_uint_eq(seen[side], 15);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Colours as the Point Cloud Library packs them into a float, without alpha and with, which makes
@@ -344,7 +340,6 @@ VT_TEST_LOOP(bits_in_floats_survive_quantization, 4)
     free(bytes.data);
     vor_cloud_free(&back);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Property: a point drawn from a face gets the packed colour of a corner, not the mean of three. */
@@ -378,7 +373,6 @@ VT_TEST(packed_colours_are_not_averaged)
     ck_assert_uint_eq(seen, 7);
     vor_cloud_free(&drawn);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* Doubles that no origin and float32 hold: -0, and 17 digits of metres far from zero. */
@@ -470,7 +464,6 @@ VT_TEST_LOOP(doubles_come_back_bit_for_bit_where_they_are_kept, 4)
     vor_cloud_free(&cloud);
     free(dump.data);
     free(bytes.data);
-    vt_assert_no_leak();
 }
 
 /* Doubles that the positions hold need no second copy. */
@@ -487,7 +480,6 @@ VT_TEST(doubles_that_positions_hold_are_not_kept_twice)
     ck_assert_int_eq(cloud.position_type, VOR_FLOAT64);
     ck_assert_ptr_null(cloud.exact);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
 
 /* What cannot be read is named. */
@@ -521,5 +513,4 @@ VT_TEST_LOOP(what_is_refused_is_named, sizeof refused / sizeof *refused)
                                     refused[_i].size, &limits, &vt_err),
                      VOR_OK);
     ck_assert_str_eq(vt_err.message, refused[_i].want);
-    vt_assert_no_leak();
 }

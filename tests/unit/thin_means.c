@@ -48,5 +48,4 @@ VT_TEST_LOOP(means_have_less_noise_and_fits_take_fewer_of_them, 3)
     vor_domain_free(&whole);
     vt_engine_close(&engine);
     vor_cloud_free(&cloud);
-    vt_assert_no_leak();
 }
