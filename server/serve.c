@@ -182,7 +182,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     struct vor_worker_config worker = {
         .store = daemon->app.store,
         .blobs = daemon->app.blobs,
-        .jobs = (unsigned)config->number[VOR_SET_JOBS],
+        .jobs = vor_config_runners(config),
+        .idle_seconds = config->number[VOR_SET_EXIT_WHEN_IDLE],
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .queue_bytes = (uint64_t)config->number[VOR_SET_QUEUE_BYTES],
         .memory = job_memory(config),
@@ -205,9 +206,9 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                                .kind = VOR_CHILD_WORKER,
                                                .codec = place_of(daemon),
                                                .threads = thread_count(config),
-                                               .memory = worker.jobs * worker.memory};
-    /* One upload for each core is read at a time; two on a machine with one core, so that a caller
-     * leaves one to others. */
+                                               .memory = (size_t)config->number[VOR_SET_JOBS] *
+                                                         worker.memory};
+    /* Uploads read at a time: two on a machine with one core, so that a caller leaves one. */
     const unsigned readers = vor_machine_cores() > 2 ? vor_machine_cores() : 2;
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
 
@@ -259,7 +260,7 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .beat_seconds = config->number[VOR_SET_HEARTBEAT],
         .trusted = &config->trusted,
         .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
-        .handler = vor_route_dispatch,
+        .handler = vor_config_answers(config) ? vor_route_dispatch : vor_admin_dispatch,
         .ctx = &daemon->app,
         .refuse = vor_route_refuse,
         .done = vor_route_done,

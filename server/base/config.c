@@ -399,6 +399,18 @@ static enum vor_setting widened_by(const struct vor_config *config)
 }
 
 /* Needs loopback and trusted. */
+/* Who shares no store with others has to do everything. */
+static vor_status check_role(struct vor_config *config, struct vor_error *err)
+{
+    if ((enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_ALL ||
+        (strncmp(config->text[VOR_SET_STORE], "postgres", 8) == 0 &&
+         strncmp(config->text[VOR_SET_BLOBS], "s3:", 3) == 0))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, "role",
+                          "role is api or worker, but only daemons that share their jobs can have "
+                          "one: give --store postgresql://... and --blobs s3:..., or --role all");
+}
+
 static vor_status check_callers(const struct vor_config *config, struct vor_error *err)
 {
     enum vor_setting by = widened_by(config);
@@ -484,7 +496,8 @@ static void blame(struct reading *reading, struct vor_error *why)
 static void work_out(struct reading *reading, char *(*get)(const char *))
 {
     static vor_status (*const checks[])(struct vor_config * config, struct vor_error * err) = {
-        split_listen, split_admin, check_public_url, check_origins, check_hosts, read_networks,
+        split_listen, split_admin,   check_public_url, check_origins,
+        check_hosts,  read_networks, check_role,
     };
     struct vor_config *config = reading->config;
     size_t before = config->faults_size;

@@ -53,6 +53,12 @@ enum vor_setting_kind {
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Uploads and results: dir:PATH for a folder, or s3:https://HOST/BUCKET/PREFIX. Default: "    \
       "folder blobs in --data")                                                                    \
+    X(ROLE, "role", CHOICE, "all api worker", 0, 0, "all",                                         \
+      "What the daemon does. api: it answers requests and runs no jobs; worker: it runs jobs and " \
+      "answers only /livez, /readyz and /metrics; all: both. api and worker need --store "         \
+      "postgresql://... and --blobs s3:...")                                                       \
+    X(EXIT_WHEN_IDLE, "exit-when-idle", TIME, "seconds", 0, 31536000, "0",                         \
+      "Exit with status 0 after this time without a waiting or running job. 0: never")             \
     X(BLOBS_CACHE, "blobs-cache", BYTES, "bytes", 0, 1e15, "1G",                                   \
       "Disk space in --data for copies of files that are in S3")                                   \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
@@ -175,6 +181,9 @@ extern const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT];
 
 enum { VOR_CONFIG_TEXT_MAX = 1024, VOR_CONFIG_FAULTS_SIZE = 16384 };
 
+/** Values of VOR_SET_ROLE. */
+enum vor_role { VOR_ROLE_ALL, VOR_ROLE_API, VOR_ROLE_WORKER };
+
 /** Every setting: texts in text, all others (a choice's index) in number. */
 struct vor_config {
     double number[VOR_SETTING_COUNT];
@@ -215,5 +224,18 @@ void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX]);
 /** True when LIST (separated by commas, blanks ignored) holds item of that length, byte for byte.
  */
 int vor_config_list_has(const char *list, const char *item, size_t length);
+
+/** By the role: how many jobs run here at a time, and whether callers are answered. */
+static inline unsigned vor_config_runners(const struct vor_config *config)
+{
+    return (enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_API
+               ? 0
+               : (unsigned)config->number[VOR_SET_JOBS];
+}
+
+static inline int vor_config_answers(const struct vor_config *config)
+{
+    return (enum vor_role)config->number[VOR_SET_ROLE] != VOR_ROLE_WORKER;
+}
 
 #endif

@@ -10,8 +10,10 @@
 #include "server/work/runner.h"
 
 #include <assert.h>
+#include <signal.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 /* The store has one connection that writes, so a second thread only helps while the first one
  * removes files. */
@@ -121,12 +123,31 @@ static void *runner_main(void *arg)
     return NULL;
 }
 
+/* Ends the daemon, as the signal does, once it has had no job for so long as it may. */
+static void look_idle(struct vor_worker *worker)
+{
+    double now = vor_clock_seconds(), most = worker->config.idle_seconds;
+    int is_busy;
+
+    pthread_mutex_lock(&worker->mutex);
+    is_busy = worker->capacity.running > 0 || worker->capacity.waiting > 0;
+    pthread_mutex_unlock(&worker->mutex);
+    if (is_busy)
+        worker->busy = now;
+    if (most == 0 || now - worker->busy < most)
+        return;
+    vor_log(VOR_LOG_INFO, "no job for as long as --exit-when-idle", VOR_REAL("seconds", most));
+    worker->busy = now;
+    (void)kill(getpid(), SIGTERM);
+}
+
 static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
     double swept = vor_clock_seconds() - SWEEP_SECONDS;
     struct vor_error err;
 
+    worker->busy = vor_clock_seconds();
     vor_worker_drop_strays(worker);
     do {
         double now = vor_clock_seconds();
@@ -135,6 +156,7 @@ static void *sweeper_main(void *arg)
         vor_worker_follow_others(worker);
         vor_worker_recover_late(worker);
         vor_worker_look(worker);
+        look_idle(worker);
         if (!vor_calendar_look(worker))
             continue;
         if (now - swept < SWEEP_SECONDS)
@@ -173,7 +195,7 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     struct vor_worker *worker = calloc(1, sizeof *worker);
     vor_status status;
 
-    assert(config->jobs >= 1 && config->jobs <= VOR_WORKER_JOBS_MAX && config->queue >= 1);
+    assert(config->jobs <= VOR_WORKER_JOBS_MAX && config->queue >= 1);
     if (worker == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the worker");
     worker->config = *config;

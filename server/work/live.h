@@ -73,6 +73,7 @@ struct vor_worker {
     int is_full;               /* the store has no reserve, and the log says so */
     int has_failed;            /* config.failed was called */
     double renewed;            /* when the leases were */
+    double busy;               /* when there was a job last */
     double reaped;             /* when the leases of others were looked at */
     atomic_int may_be_unheard; /* a claim failed, or nobody knows whether it did */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */

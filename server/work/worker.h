@@ -38,6 +38,7 @@ struct vor_worker_config {
      *  any more, and only a restart helps. May be NULL. */
     void (*failed)(void *ctx, const struct vor_error *why);
     void *failed_ctx;
+    double idle_seconds; /**< after so long without a job SIGTERM is raised; 0: never */
 };
 
 /** Has every job that a former life of the daemon left running wait again, in its place; then

@@ -69,5 +69,23 @@ kill 'CONT', $frozen->{pid};
 $frozen->{http} = HTTP::Tiny->new(timeout => $Vt::PATIENCE); # it closes the connection of before
 is $frozen->finish($frozen->submit('points=100', $cloud))->{status}, 'successful', 'which goes on';
 ok wait_until(sub { $frozen->get("/v1/jobs/$long/results/cloud")->{content} eq $result }), 'and has the same result';
+
+# Some only answer, some only run jobs.
+$_->stop for @left;
+my $api = Vt->start(%place, role => 'api');
+my $id = $api->submit('points=500', $cloud);
+is $api->status($id), 'accepted', 'who only answers runs nothing';
+my $worker = Vt->start(%place, role => 'worker', jobs => 1, 'exit-when-idle' => 2);
+is $api->finish($id)->{status}, 'successful', 'until there is a worker';
+is $api->get("/v1/jobs/$id/results/cloud")->{content}, $wanted, 'whose results it has';
+is Vt::reap(delete $worker->{pid}), 0, 'a worker that finds no job ends';
+$worker = Vt->start(%place, role => 'worker');
+is $worker->get('/readyz')->{status}, 200, 'one that waits for jobs is ready';
+is $worker->get('/v1/jobs')->{status}, 404, 'and answers nothing else';
+for my $role (qw(api worker)) {
+    ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--role', $role);
+    is $status, 2, "a daemon that shares nothing is no $role";
+    like $text, qr/\A[^\n]*role is api or worker, but only daemons that share their jobs[^\n]*\n\z/, 'which it says in a line';
+}
 is ask('daemons', "SELECT count(*) FROM job WHERE status NOT IN ('successful', 'dismissed')"), 0, 'no job is left';
 done_testing;
