@@ -78,11 +78,12 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
         pthread_mutex_unlock(&worker->claim);
         if (status == VOR_OK && found == taken)
             return taken;
-        atomic_store(&worker->may_be_unheard, 1);
-        if (found)
+        if (found) {
             untake_job(worker, row);
-        else
+        } else {
+            atomic_store(&worker->may_be_unheard, 1);
             vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
+        }
     } while (!vor_worker_pause(worker, look_seconds));
     return 0;
 }
