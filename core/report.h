@@ -220,20 +220,20 @@ struct vor_stage_done {
       "How well the result follows the requested metric; present only if the request has a "       \
       "metric")                                                                                    \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Ratio of length to width that the metric requests for cells: median over the surface")      \
-    X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
-      "Ratio of length to width that the metric requests for cells: 95th percentile over the "     \
+      "Ratio of length to width that cells should have according to the metric: median over the "  \
       "surface")                                                                                   \
+    X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
+      "Ratio of length to width that cells should have according to the metric: 95th percentile "  \
+      "over the surface")                                                                          \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Ratio of length to width of the cells of the result: median over the cells. Length "        \
-      "divided by width is the square root of the ratio of the principal second moments of a "     \
-      "cell")                                                                                      \
+      "Ratio of length to width of the cells of the result: median over the cells. This ratio "    \
+      "is computed for each cell as the square root of the ratio of its principal second moments") \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "Relative difference between the ratio of length to width of a cell and the ratio that "     \
-      "the metric requests for this cell: median over the cells")                                  \
+      "How far a cell's ratio of length to width is from the ratio that it should have, divided "  \
+      "by that ratio: median over the cells")                                                      \
     X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
-      "Relative difference between the ratio of length to width of a cell and the ratio that "     \
-      "the metric requests for this cell: 90th percentile over the cells")                         \
+      "How far a cell's ratio of length to width is from the ratio that it should have, divided "  \
+      "by that ratio: 90th percentile over the cells")                                             \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; present only with metric=lp or cells=euclid")                 \
     X(U64, descent_steps, "descent.steps", "",                                                     \
@@ -243,9 +243,9 @@ struct vor_stage_done {
       "Energy after an iteration divided by the energy before the iteration: the largest value "   \
       "of all iterations, below 1")                                                                \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
-      "Ratio of length to width of the cells: median over the cells. Length divided by width is "  \
-      "the square root of the ratio of the principal second moments of a cell, which is 1 for "    \
-      "squares and regular hexagons")                                                              \
+      "Ratio of length to width of the cells: median over the cells. This ratio is computed for "  \
+      "each cell as the square root of the ratio of its principal second moments; squares and "    \
+      "regular hexagons have the ratio 1")                                                         \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the input's coordinates were rounded to (0 if no grid was found)")    \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
@@ -322,8 +322,8 @@ struct vor_stage_done {
       "Properties of the triangle mesh; present only for the process mesh")                        \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
-      "Number of polygons with soup=true, else 0. With soup=true, the member points is the "       \
-      "number of corners of all polygons, and the other members are 0")                            \
+      "Number of polygons with soup=true, else 0. If there are polygons, mesh.points is the "      \
+      "number of their corners, and all other members are 0")                                      \
     X(U64, mesh_points, "mesh.points", "points",                                                   \
       "Number of points of the result that are corners of triangles")                              \
     X(U64, mesh_components, "mesh.components", "", "Number of connected components")               \
@@ -350,10 +350,10 @@ struct vor_stage_done {
       "Number of small gaps that were filled because the input has points there")                  \
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Number of triangles that may connect two layers of the surface (sheets) that cross or "     \
-      "are too close together. A triangle counts if the surface fitted at one corner misses "      \
-      "another corner by more than a fifth of the distance between the two corners. If the "       \
-      "input has no sheets that are close together, a triangle counts if one of its edges is "     \
-      "longer than the distance from an end of the edge to another sheet")                         \
+      "are too close together. A triangle is counted if the surface fitted at one corner misses "  \
+      "another corner by more than a fifth of the distance between the two corners. In an input "  \
+      "without sheets that are close together, a triangle is counted if one of its edges is "      \
+      "longer than the distance from an end of this edge to another sheet")                        \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out because the input has several layers (sheets) "      \
       "nearly everywhere: triangles where two sheets meet, triangles that pass through others, "   \
@@ -374,8 +374,8 @@ struct vor_stage_done {
       "farthest from all points chosen before")                                                    \
     X(SPEC, parameters, "parameters", "",                                                          \
       "Parameters of the request. If the request has ratio or spacing, the parameter points has "  \
-      "the number that was computed from it. A parameter with the value auto has the value that "  \
-      "was used instead; neighbors has the value that was used most often")
+      "the number that was computed from it. Instead of auto, a parameter has the value that "     \
+      "was used. The parameter neighbors has the value that was used most often")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -488,7 +488,7 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
     X(LOOP_KIND, kind, "kind", "",                                                                 \
       "hole: a gap inside a surface; rim: an outer border of an open surface")                     \
     X(LOOP_WHY, why, "why", "",                                                                    \
-      "Reason for the kind of the loop: where the surface lies relative to it")                    \
+      "Why the loop is of this kind: where the surface lies, seen from the loop")                  \
     X(REAL, turns, "turns", "",                                                                    \
       "Number of turns that the loop makes around the gap, measured along the surface: 1 for a "   \
       "hole in a plane, 0 for the end of a tube, -1 for the outer border of a plane. A loop "      \
@@ -539,8 +539,8 @@ struct vor_loop_told {
       "Root mean square distance from points to the local surface that is fitted to them; the "    \
       "median of 512 places")                                                                      \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "Number of input points that a local surface is fitted to with neighbors=auto, in most "     \
-      "regions")                                                                                   \
+      "With neighbors=auto, the number of input points that a local surface is fitted to in "      \
+      "most regions")                                                                              \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the coordinates were rounded to (0 if no grid was found)")            \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \

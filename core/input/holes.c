@@ -16,13 +16,12 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
     for (unsigned i = 0; vor_spec_count_at(spec, VOR_PARAM_HOLES, i, &id); i++) {
         if (loops->count == 0)
             return vor_fail_param(err, VOR_E_HOLES, "holes",
-                                  "holes lists loop %.0f, but the input has no border loops", id);
+                                  "holes contains %.0f, but the input has no border loops", id);
         if (id > (double)loops->count)
-            return vor_fail_param(
-                err, VOR_E_HOLES, "holes",
-                "holes lists loop %.0f, want numbers from 1 to %zu; the process inspect lists "
-                "the loops with their numbers",
-                id, loops->count);
+            return vor_fail_param(err, VOR_E_HOLES, "holes",
+                                  "holes contains %.0f, want numbers of border loops from 1 to "
+                                  "%zu; the process inspect lists the loops with their numbers",
+                                  id, loops->count);
         chosen[(size_t)id - 1] = 1;
     }
     return VOR_OK;

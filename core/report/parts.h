@@ -73,8 +73,8 @@ enum vor_oriented {
       "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface, and no value of the parameter neighbors can show them. "  \
-      "In these parts, the result may be farther from the surface than the input")                 \
+      "Noise hides parts of the surface for every value of the parameter neighbors. In "           \
+      "these parts, the result may be farther from the surface than the input")                    \
     X(NOT_RESTORED, "lattice",                                                                     \
       "The points were not moved because no grid was found, or because the grid cells are "        \
       "smaller than a tenth of the spacing")
@@ -252,8 +252,8 @@ struct vor_runner_up {
     X(REAL, pose_scale, "registration.scale", "",                                                  \
       "Factor by which the transform scales (1 with scale=fixed)")                                 \
     X(REAL, pose_rms, "registration.rms", "unit of the reference",                                 \
-      "Root mean square distance of evenly spread points of the moved cloud to the surface of "    \
-      "the reference, where both overlap")                                                         \
+      "Root mean square of the distances from points of the moved cloud to the surface of the "    \
+      "reference. The points are evenly spread over the region where the two clouds overlap")      \
     X(REAL, pose_mse, "registration.mse", "unit of the reference^2",                               \
       "Mean square distance: the square of the member rms, in squared units of the reference")     \
     X(REAL, pose_overlap, "registration.overlap", "",                                              \

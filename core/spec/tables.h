@@ -170,8 +170,9 @@ enum vor_method_choice {
       "cells=euclid, the energy is still computed in the metric, and there is no polish. "         \
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Number of iterations. Default: up to 12 (100 without polish, 35 with method=kmeans, "       \
-      "metric=lp or cells=euclid), but fewer if the points stop getting more even")                \
+      "Number of iterations. Default: up to 12, without polish up to 100, and with "               \
+      "method=kmeans, metric=lp or cells=euclid up to 35. The run makes fewer if more of them "    \
+      "would not spread the points more evenly")                                                   \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
       "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
       "distances to the nearest neighbour, divided by their mean")                                 \

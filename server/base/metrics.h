@@ -50,8 +50,8 @@
     X(QUEUE_WAIT, "job_queue_wait_seconds", TIMES, "seconds", "",                                  \
       "Time from the acceptance of a job to its first start")                                      \
     X(JOB_SECONDS, "job_duration_seconds", TIMES, "seconds", "process stage",                      \
-      "Time of each stage of successful runs; with the label stage=all, time of whole runs from "  \
-      "the start to the last write, failed runs included")                                         \
+      "Time of each stage of successful runs. With the label stage=all: time of every run, "       \
+      "successful or failed, from its start to the last write")                                    \
     X(JOB_POINTS, "job_points", SIZES, "", "direction", "Points of inputs and of results")         \
     X(JOB_ITERATIONS, "job_iterations", STEPS, "", "", "Iterations of successful runs")            \
     X(JOB_DELTA, "job_final_delta_ratio", RATIOS, "ratio", "",                                     \

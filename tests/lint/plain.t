@@ -97,7 +97,7 @@ for (
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
     ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long is refused/]], ["$help/choosing.txt", qr/At most (\d+) times/, $most],
     ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
-    [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+) \(100 without/]],
+    [$tables, qr/Spreads (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+), without polish/]],
     ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+) requests per/, $rate], ['server/cli/command.h', qr/wait or run\b[^(]*\((\d+)\)/, $jobs],
     ['server/cli/command.h', qr/started per second \((\d+)\)/, $rate], ["$help/keys.txt", qr/for\s+(\d+)\s+seconds/, ['server/api/tickets.h', qr/TICKET_SECONDS = (\d+)/]],
     ["$help/reports.txt", qr/more\s+than\s+([\d,]+)\s+input/, ['core/output/compare.h', qr/COMPARE_POINTS (\d+)/]], ["$help/reports.txt", qr/longest (\d+) loops/, ['core/report.h', qr/LOOPS_TOLD (\d+)/]],
