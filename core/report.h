@@ -58,7 +58,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute deviation of the distances to the nearest neighbour from their mean")         \
+      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \
@@ -146,7 +146,7 @@ struct vor_stage_done {
       "distances are measured in the metric. sigma, epsilon and the records in events and "        \
       "traces are computed in the same way")                                                       \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute deviation of the distances to the nearest neighbour from their mean")         \
+      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \
@@ -157,7 +157,7 @@ struct vor_stage_done {
       "Warnings about parameters that had no effect and about problems of the input. Most runs "   \
       "have no warnings")                                                                          \
     X(STAGES, stages, "stages", "",                                                                \
-      "Stages of the run, in order. The times under seconds in the report include all stages "     \
+      "Stages of the run, in order. The report's `seconds` include the times of all stages "       \
       "except the stage baselines")                                                                \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
@@ -270,9 +270,8 @@ struct vor_stage_done {
       "those of ref_to_out: outliers that were ignored do not count, and points that were moved "  \
       "within their grid cell have their new position")                                            \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Number of points of the result at borders of the input, counted for every value of the "    \
-      "parameter boundary: 0 on a closed smooth surface, else about the length of the border "     \
-      "divided by the spacing")                                                                    \
+      "Number of points of the result that lie at borders of the input. A closed smooth surface "  \
+      "has 0; with borders, the number is about the length of the borders divided by the spacing") \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
       "Each entry says how many points of the result (points) have a surface that was fitted to "  \
@@ -355,9 +354,9 @@ struct vor_stage_done {
       "without sheets that are close together, a triangle is counted if one of its edges is "      \
       "longer than the distance from an end of this edge to another sheet")                        \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
-      "Number of triangles that were left out because the input has several layers (sheets) "      \
-      "nearly everywhere: triangles where two sheets meet, triangles that pass through others, "   \
-      "and fragments that are no longer connected to the mesh")                                    \
+      "Number of triangles that were left out: triangles where two sheets meet, triangles that "   \
+      "pass through others, and fragments that are no longer connected to the mesh. Triangles "    \
+      "are left out only if the input has several layers (sheets) nearly everywhere")              \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
       "Border loops of the mesh, at most 32: the loops with the most edges")                       \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
@@ -409,7 +408,7 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute deviation of the distances to the nearest neighbour from their mean")         \
+      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \

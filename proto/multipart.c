@@ -162,11 +162,12 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
                                      : "more than one boundary",
                         VOR_MULTIPART_BOUNDARY_MAX);
     if (!is_boundary(boundary.value, boundary.length))
-        return vor_fail(err, VOR_E_REQUEST,
-                        "the boundary \"%s\" of %zu characters is invalid, want 1 to %d of "
-                        "letters, digits, blanks within and '()+_,-./:=?",
-                        vor_quote(shown, sizeof shown, boundary.value, strlen(boundary.value)),
-                        boundary.length, VOR_MULTIPART_BOUNDARY_MAX);
+        return vor_fail(
+            err, VOR_E_REQUEST,
+            "the boundary \"%s\" of %zu characters is invalid, want 1 to %d characters: letters, "
+            "digits, '()+_,-./:=? and blanks, but no blank at the end",
+            vor_quote(shown, sizeof shown, boundary.value, strlen(boundary.value)), boundary.length,
+            VOR_MULTIPART_BOUNDARY_MAX);
     memset(scanner, 0, sizeof *scanner);
     scanner->events = *events;
     memcpy(scanner->delimiter, "\r\n--", 4);

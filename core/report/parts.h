@@ -27,8 +27,8 @@ struct vor_apart {
     X(U32, neighbors, "neighbors", "points",                                                       \
       "Number of input points that a surface was fitted to")                                       \
     X(U64, points, "points", "points",                                                             \
-      "Number of points of the result on surfaces that were fitted to this number of input "       \
-      "points")
+      "Number of points of the result where the surface was fitted to as many input points as "    \
+      "the member neighbors says")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)

@@ -323,8 +323,8 @@ enum vor_method_choice {
       "have the same unit; free: register also finds the scale, which is reliable only if both "   \
       "clouds show the whole object")                                                              \
     X(OVERLAP, overlap, REAL_OR_AUTO, ALIGN, "", 0.1, 1, VOR_UNSET, "",                            \
-      "Share of the cloud that has a counterpart in the reference. auto: register finds the "      \
-      "share from the distances")                                                                  \
+      "Share of the cloud that has a counterpart in the reference. auto: the process register "    \
+      "computes the share from the distances")                                                     \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {

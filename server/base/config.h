@@ -95,9 +95,9 @@ enum vor_setting_kind {
       "Largest total size of the files in the folder lost/ of --blobs. If the total exceeds "      \
       "this size, the oldest files are deleted first")                                             \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Disk space that a file beside --store reserves, so that jobs can still be finished and "    \
-      "deleted when the disk is full. An upload is refused if it would leave less free space "     \
-      "than this size")                                                                            \
+      "Size of a file in the folder of the job store that keeps disk space free. When the disk "   \
+      "is full, the daemon gives this space up, so that jobs can still be finished and deleted. "  \
+      "An upload is refused if it would leave less free space than this size")                     \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach the daemon; links in responses begin with it. Default: the "     \
       "scheme, host and path that a trusted proxy sends, else http:// and the Host header")        \

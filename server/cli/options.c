@@ -269,8 +269,8 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
         return vor_fail(err, VOR_E_PARAM, "--name names the job on a daemon: give --server too");
     if (stdins > 1)
         return vor_fail(err, VOR_E_PARAM,
-                        "both clouds are -, want - for only one of them: stdin has only one "
-                        "cloud");
+                        "both clouds are given as - (stdin), but stdin has only one cloud: want a "
+                        "file for one of them");
     return VOR_OK;
 }
 

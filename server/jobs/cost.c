@@ -97,8 +97,8 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
         (void)snprintf(fits, sizeof fits, ", with local surfaces fitted to %.0f points each",
                        neighbors_of(spec));
     (void)vor_fail(err, VOR_E_WORK,
-                   "the job would take about %.0f seconds, %.0f times the limit of %.0f: up to %u "
-                   "%ss and %u polish steps of %.0f points%s",
+                   "the job would take about %.0f seconds, %.0f times the limit of %.0f, because "
+                   "it has up to %u %ss and %u polish steps of %.0f points%s",
                    seconds, seconds / limit, limit, vor_spec_iterations(spec),
                    vor_run_stage_info(cvt ? VOR_RUN_STAGE_ITERATE : VOR_RUN_STAGE_PROJECT)->step,
                    vor_spec_polish(spec), vor_spec_target(spec, points), fits);

@@ -169,7 +169,7 @@ refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads',
 refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,
     'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
-    'measure: both clouds are -, want - for only one of them: stdin has only one cloud';
+    'measure: both clouds are given as - (stdin), but stdin has only one cloud: want a file for one of them';
 
 refused 'a file that is not there', ['resample', "$folder/no.ply", @points, '-fo', $out], 1,
     "$folder/no.ply: cannot be read: No such file or directory";
