@@ -1,10 +1,10 @@
 #include "server/blob/s3.h"
 
 #include "server/base/disk.h"
+#include "server/blob/aged.h"
 #include "server/blob/dir.h"
 #include "server/blob/s3_drops.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <pthread.h>
@@ -102,49 +102,21 @@ static vor_status open_blobs(struct vor_blobs **out, const char *place,
 
 /* --- copies ----------------------------------------------------------------------------------- */
 
-struct copy {
-    char file[VOR_BLOB_FILE_SIZE];
-    struct timespec written;
-    uint64_t size;
-};
-
 struct copies {
     struct bucket *bucket;
-    struct copy *item;
-    size_t count, capacity;
+    struct vor_aged files;
 };
 
 static void note_copy(void *ctx, const struct vor_uuid *id, const char *name)
 {
     struct copies *copies = ctx;
+    char file[VOR_BLOB_FILE_SIZE];
     struct stat info;
-    struct copy *copy;
 
-    if (copies->count == copies->capacity) {
-        size_t capacity = 2 * copies->capacity + 64;
-        struct copy *more = realloc(copies->item, capacity * sizeof *more);
-
-        if (more == NULL)
-            return; /* the others are removed */
-        copies->item = more;
-        copies->capacity = capacity;
-    }
-    copy = &copies->item[copies->count];
-    vor_blob_file(copy->file, id, name);
-    if (fstatat(copies->bucket->copies.keep, copy->file, &info, 0) != 0)
-        return;
-    copy->written = info.st_mtim;
-    copy->size = (uint64_t)info.st_size;
-    copies->count++;
-}
-
-static int by_age(const void *a, const void *b)
-{
-    const struct copy *x = a, *y = b;
-
-    if (x->written.tv_sec != y->written.tv_sec)
-        return x->written.tv_sec < y->written.tv_sec ? -1 : 1;
-    return (x->written.tv_nsec > y->written.tv_nsec) - (x->written.tv_nsec < y->written.tv_nsec);
+    vor_blob_file(file, id, name);
+    if (fstatat(copies->bucket->copies.keep, file, &info, 0) == 0)
+        vor_aged_add(&copies->files, file, (uint64_t)info.st_size,
+                     (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000);
 }
 
 /* Removes the oldest copies once there are more than there may be, down to three quarters, but
@@ -156,13 +128,13 @@ static void trim_copies(struct bucket *bucket, const char *file)
 
     if (blobs->bytes <= bucket->copies_max || pthread_mutex_trylock(&bucket->trimming) != 0)
         return;
-    if (vor_blob_dir.list(blobs, note_copy, &copies, NULL) == VOR_OK && copies.count > 0)
-        qsort(copies.item, copies.count, sizeof *copies.item, by_age);
-    for (size_t i = 0; i < copies.count && blobs->bytes > bucket->copies_max / 4 * 3; i++)
-        if (strcmp(copies.item[i].file, file) != 0 &&
-            unlinkat(bucket->copies.keep, copies.item[i].file, 0) == 0)
-            blobs->bytes -= copies.item[i].size;
-    free(copies.item);
+    (void)vor_blob_dir.list(blobs, note_copy, &copies, NULL); /* some may do */
+    vor_aged_sort(&copies.files);
+    for (size_t i = copies.files.count; i > 0 && blobs->bytes > bucket->copies_max / 4 * 3; i--)
+        if (strcmp(copies.files.item[i - 1].name, file) != 0 &&
+            unlinkat(bucket->copies.keep, copies.files.item[i - 1].name, 0) == 0)
+            blobs->bytes -= copies.files.item[i - 1].size;
+    vor_aged_free(&copies.files);
     pthread_mutex_unlock(&bucket->trimming);
 }
 
@@ -288,56 +260,32 @@ static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, 
     return status == VOR_OK ? drop(blobs, id, name, err) : status;
 }
 
-/* What was set aside, newest last. */
-struct lost {
-    struct lost *next;
-    int64_t modified_ms;
-    uint64_t size;
-    char key[VOR_S3_KEY_MAX + 1];
-};
-
-struct losses {
-    struct lost *oldest;
-    uint64_t bytes;
-    int is_short; /* of memory */
-};
-
 static void note_lost(void *ctx, const struct vor_s3_object *object)
 {
-    struct losses *losses = ctx;
-    struct lost *lost = malloc(sizeof *lost), **at = &losses->oldest;
-
-    if (lost == NULL) {
-        losses->is_short = 1;
-        return;
-    }
-    while (*at != NULL && (*at)->modified_ms <= object->modified_ms)
-        at = &(*at)->next;
-    *lost = (struct lost){.next = *at, .modified_ms = object->modified_ms, .size = object->size};
-    (void)snprintf(lost->key, sizeof lost->key, LOST "%s", object->key);
-    *at = lost;
-    losses->bytes += object->size;
+    vor_aged_add(ctx, object->key, object->size, object->modified_ms);
 }
 
 static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
                             struct vor_error *err)
 {
     struct vor_s3 *s3 = ((struct bucket *)blobs)->s3;
-    struct losses losses = {0};
-    vor_status status = vor_s3_list(s3, LOST, note_lost, &losses, err);
+    struct vor_aged list = {0};
+    vor_status status = vor_s3_list(s3, LOST, note_lost, &list, err);
+    uint64_t bytes = 0;
 
-    for (struct lost *lost = losses.oldest, *next; lost != NULL; lost = next) {
-        if (status == VOR_OK &&
-            (lost->modified_ms < bounds->oldest_ms || losses.bytes > bounds->bytes)) {
-            status = vor_s3_delete(s3, lost->key, err);
-            losses.bytes -= lost->size;
-        }
-        next = lost->next;
-        free(lost);
+    if (status == VOR_OK && list.is_short)
+        status = vor_fail(err, VOR_E_NOMEM, "the list of lost files");
+    vor_aged_sort(&list);
+    for (size_t i = 0; status == VOR_OK && i < list.count; i++) {
+        char key[VOR_S3_KEY_MAX + 1];
+
+        bytes += list.item[i].size;
+        (void)snprintf(key, sizeof key, LOST "%.*s", VOR_S3_KEY_MAX - 5, list.item[i].name);
+        if (list.item[i].since_ms < bounds->oldest_ms || bytes > bounds->bytes)
+            status = vor_s3_delete(s3, key, err);
     }
-    return status == VOR_OK && losses.is_short
-               ? vor_fail(err, VOR_E_NOMEM, "the list of lost files")
-               : status;
+    vor_aged_free(&list);
+    return status;
 }
 
 struct listing {

@@ -156,9 +156,10 @@ vor_status vor_s3_open(struct vor_s3 **out, const char *url, struct vor_error *e
     status = read_url(s3, url)
                  ? read_keys(s3, err)
                  : vor_fail_param(err, VOR_E_PARAM, "blobs",
-                                  "blobs is not s3:https://HOST/BUCKET or "
+                                  "blobs is \"s3:%.80s\", want s3:https://HOST/BUCKET or "
                                   "s3:https://HOST/BUCKET/PREFIX, with letters, digits, '.', '_' "
-                                  "and '-' in both, and no user or password");
+                                  "and '-' in both, and no user or password",
+                                  strchr(url, '@') == NULL ? url : "...");
     if (status == VOR_OK)
         status = vor_curl_load(&s3->curl, err);
     if (status != VOR_OK) {

@@ -32,8 +32,8 @@ VOR_NODISCARD vor_status vor_postgres_run(struct vor_postgres *db, const char *s
                                           struct vor_error *err);
 
 /** Other daemons may have the tables as well: the lock that vor_postgres_hold takes excludes only
- *  those that want them for themselves, and changes are made one after the other, whoever makes
- *  them. Before any of those. */
+ *  those that want them for themselves, and the changes of all daemons are made one after the
+ *  other. Call it before vor_postgres_hold and before any change. */
 void vor_postgres_share(struct vor_postgres *db);
 
 /** Takes the lock that says whose the tables are, on a connection of its own, or makes sure that it

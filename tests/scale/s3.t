@@ -84,6 +84,13 @@ $next->stop;
 $next = Vt->start(dir => $daemon->{dir}, blobs => $place);
 is_problem($next->get("/v1/jobs/$ids[5]/results/cloud"), 500, 'damaged-bytes', 'a damaged object is not sent');
 
+# Results of which the database knows no job are set aside, and the oldest of them are dropped where they are too much.
+$next->stop;
+Scale::put_object("some/prefix/keep/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e1$_.cloud", 'ten bytes.') for 0 .. 9;
+$next = Vt->start(dir => $daemon->{dir}, blobs => $place, 'lost-bytes' => 35);
+ok wait_until(sub { my @all = objects(); 3 == grep({ m{^some/prefix/lost/.*\.cloud$} } @all) && !grep { m{keep/0193b5f2} } @all }),
+    'results without a job are set aside, as many as may be';
+
 end_child('cutter');
 my $away = $next->get("/v1/jobs/$ids[6]/results/cloud");
 is_problem($away, 503, 'store-unavailable', 'while S3 is away a result that is not here is not to be had');
@@ -100,7 +107,7 @@ for my $case (
     ['no key', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr/need keys: set AWS_ACCESS_KEY_ID/, AWS_ACCESS_KEY_ID => undef],
     ['a file that is not there', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr{/nowhere: No such file}, AWS_SECRET_ACCESS_KEY => undef, AWS_SECRET_ACCESS_KEY_FILE => '/nowhere'],
     ['a password in the URL', 'https://a:secret-word@host/bucket', qr/no user or password/],
-    ['no bucket', 'https://host', qr{is not s3:https://HOST/BUCKET}], ['another scheme', 'ftp://host/bucket', qr{is not s3:https://HOST/BUCKET}],
+    ['no bucket', 'https://host', qr{blobs is "s3:https://host", want s3:https://HOST/BUCKET}], ['another scheme', 'ftp://host/bucket', qr{blobs is "s3:ftp://host/bucket", want s3:https://HOST}],
     ['nobody there', 'http://127.0.0.1:1/bucket', qr/Failed to connect/]
 ) {
     my ($name, $url, $why, %set) = @$case;

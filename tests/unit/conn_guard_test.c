@@ -129,7 +129,7 @@ VT_TEST(a_health_check_gets_in_among_those_who_are_all_served)
     close_crowd(&crowd);
 }
 
-VT_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
+VT_TEST(a_connection_with_unread_bytes_stays_while_the_reserve_lasts)
 {
     struct crowd crowd;
 
@@ -145,7 +145,7 @@ VT_TEST(whoever_has_sent_what_nobody_read_yet_stays_while_the_reserve_lasts)
     close_crowd(&crowd);
 }
 
-VT_TEST(whoever_has_just_come_stays_while_the_reserve_lasts)
+VT_TEST(a_new_connection_stays_while_the_reserve_lasts)
 {
     struct crowd crowd;
 
