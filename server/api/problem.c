@@ -143,7 +143,9 @@ static void from_error(const struct vor_error *err, const char *job_id, struct v
 {
     *problem = (struct vor_problem)VOR_PROBLEM_INIT(vor_status_slug(err->status));
     if (err->status == VOR_E_IO)
-        problem->slug = vor_error_storage_full(err) ? "storage-full" : "store-unavailable";
+        problem->slug = vor_error_storage_full(err)      ? "storage-full"
+                        : vor_error_storage_refused(err) ? "storage-refused"
+                                                         : "store-unavailable";
     problem->detail = err->message;
     problem->parameter = err->parameter;
     problem->job_id = job_id;

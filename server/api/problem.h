@@ -37,10 +37,12 @@
     X("too-many-streams", 429, 1, 0, "Too many event streams are open")                            \
     X("too-many-conversions", 429, 1, 0, "Too many results are being converted")                   \
     X("client-closed", 499, 0, 0, "The client disconnected")                                       \
+    X("storage-refused", 500, 0, 0, "The storage of files refuses the keys of the daemon")         \
     X("draining", 503, 1, 0, "The daemon is shutting down")                                        \
     X("not-alive", 503, 1, 0, "An HTTP thread is stuck")                                           \
     X("too-many-connections", 503, 1, 0, "Too many connections are open")                          \
-    X("store-unavailable", 503, 1, 0, "The database of jobs cannot be used")                       \
+    X("store-unavailable", 503, 1, 0,                                                              \
+      "The database of jobs or the storage of files cannot be used")                               \
     X("storage-full", 507, 1, 0, "The disk is full")
 
 /** What to say; 0, NULL and (for byte_offset and queue_depth) -1 leave out. Strings are borrowed.

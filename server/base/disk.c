@@ -91,6 +91,21 @@ int vor_error_storage_full(const struct vor_error *err)
     return err->status == VOR_E_IO && (err->got == ENOSPC || err->got == EDQUOT);
 }
 
+int vor_error_storage_away(const struct vor_error *err)
+{
+    return err->status == VOR_E_IO && err->got == EAGAIN;
+}
+
+int vor_error_storage_refused(const struct vor_error *err)
+{
+    return err->status == VOR_E_IO && err->got == EKEYREJECTED;
+}
+
+int vor_error_storage_absent(const struct vor_error *err)
+{
+    return vor_error_storage_away(err) || vor_error_storage_refused(err);
+}
+
 const char *vor_storage_place(const char *where, const char *scheme)
 {
     size_t length = strlen(scheme);

@@ -15,6 +15,12 @@ vor_status vor_fail_access(struct vor_error *err, int number, const char *path);
 /** True when err is the VOR_E_IO of a full disk or quota: 507 rather than 503. */
 int vor_error_storage_full(const struct vor_error *err);
 
+/** True when err is the VOR_E_IO of a storage on another machine that does not answer now (EAGAIN:
+ *  503), that refuses our keys or does not have our place (EKEYREJECTED: 500), or one of both. */
+int vor_error_storage_away(const struct vor_error *err);
+int vor_error_storage_refused(const struct vor_error *err);
+int vor_error_storage_absent(const struct vor_error *err);
+
 /** What follows "SCHEME:" in `where`, as in "sqlite:PATH"; NULL when `where` has another scheme or
  *  nothing follows. Borrowed from `where`. */
 const char *vor_storage_place(const char *where, const char *scheme);

@@ -83,6 +83,15 @@
       "lock of the database and for the disk")                                                     \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
       "Failed statements of the job database")                                                     \
+    X(BLOB_SECONDS, "blob_operation_duration_seconds", TIMES, "seconds", "driver op",              \
+      "Time of each try of a request to the storage of files on another machine (S3)")             \
+    X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "", "Requests to S3 that were sent again")  \
+    X(BLOB_ERRORS, "blob_errors_total", COUNTER, "", "reason",                                     \
+      "Requests to S3 that failed after all tries: it did not answer (reason away), refused the "  \
+      "keys or did not have the bucket (reason refused), or another reason")                       \
+    X(STORAGE_UP, "storage_up", GAUGE, "", "part",                                                 \
+      "1 while the job database (part store) and the storage of files (part blobs) can be "        \
+      "reached, else 0")                                                                           \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
       "Log lines dropped because their reader was too slow")
 

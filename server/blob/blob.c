@@ -157,6 +157,11 @@ vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err)
     return VOR_OK;
 }
 
+vor_status vor_blobs_reach(struct vor_blobs *blobs, struct vor_error *err)
+{
+    return blobs->driver->reach != NULL ? blobs->driver->reach(blobs, err) : VOR_OK;
+}
+
 /* --- writing ---------------------------------------------------------------------------------- */
 
 vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
@@ -233,6 +238,13 @@ static void extend_promise(struct vor_blob_writer *writer, size_t size)
 void vor_blob_be_lazy(struct vor_blob_writer *writer)
 {
     writer->is_lazy = 1;
+}
+
+void vor_blob_be_patient(struct vor_blob_writer *writer,
+                         int (*may_wait)(void *ctx, const struct vor_error *why), void *ctx)
+{
+    writer->may_wait = may_wait;
+    writer->waits_ctx = ctx;
 }
 
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,

@@ -81,6 +81,12 @@ VOR_NODISCARD vor_status vor_blobs_room(struct vor_blobs *blobs, uint64_t bytes,
 /** @retval VOR_E_IO since a commit failed with EIO: nothing is known about the disk any more */
 VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_error *err);
 
+/** VOR_OK while the machine that has the blobs answers and lets us in, as was last seen; for
+ *  /readyz, and before work is begun. Asks nobody.
+ *
+ *  @retval VOR_E_IO vor_error_storage_away or vor_error_storage_refused: it may come back */
+VOR_NODISCARD vor_status vor_blobs_reach(struct vor_blobs *blobs, struct vor_error *err);
+
 /** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
  *  at a time. Nothing of it is kept until it is committed, not after a crash either.
  *
@@ -168,6 +174,11 @@ VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha
  * the bytes than there were, or none. For bytes whose digest is checked when they are read, and
  * that no job needs. */
 void vor_blob_be_lazy(struct vor_blob_writer *writer);
+
+/** The commit is tried again while vor_blobs_reach fails and may_wait, which lets time pass, is
+ *  true. */
+void vor_blob_be_patient(struct vor_blob_writer *writer,
+                         int (*may_wait)(void *ctx, const struct vor_error *why), void *ctx);
 
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);

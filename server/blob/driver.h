@@ -51,7 +51,9 @@ struct vor_blob_writer {
     uint64_t promised;            /**< bytes that are still to come */
     struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
     char sha256[VOR_DIGEST_SIZE]; /**< then */
-    struct vor_error failure;     /**< of the first append that failed; else its status is VOR_OK */
+    int (*may_wait)(void *ctx, const struct vor_error *why); /**< vor_blob_be_patient, or NULL */
+    void *waits_ctx;
+    struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */
 };
 
 /** Where a driver whose blobs are elsewhere keeps files under way, and copies. */
@@ -84,6 +86,8 @@ struct vor_blob_driver {
                       uint64_t *size, int *found, struct vor_error *err);
     /** False when a get would wait for another machine; NULL: it never does. */
     int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
+    /** NULL: blobs are never away. */
+    vor_status (*reach)(struct vor_blobs *blobs, struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
     vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

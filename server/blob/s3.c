@@ -53,19 +53,12 @@ static void drop_copy(void *ctx, const struct vor_uuid *id, const char *name)
     (void)vor_blob_dir.drop(ctx, id, name, NULL);
 }
 
-static void ignore(void *ctx, const struct vor_s3_object *object)
-{
-    (void)ctx;
-    (void)object;
-}
-
 /* The copies of an earlier process may be older than what stands in S3. */
 static vor_status open_parts(struct bucket *bucket, const char *place,
                              const struct vor_blob_cache *cache, long *holder,
                              struct vor_error *err)
 {
-    struct vor_uuid none = {.text = "00000000-0000-0000-0000-000000000000"};
-    char key[VOR_S3_KEY_MAX + 1], folder[4096];
+    char folder[4096];
     vor_status status = vor_s3_open(&bucket->s3, place, err);
 
     (void)snprintf(folder, sizeof folder, "%s/cache", cache->data);
@@ -73,9 +66,8 @@ static vor_status open_parts(struct bucket *bucket, const char *place,
         status = vor_blob_directory_open(&bucket->copies, folder, holder, err);
     if (status == VOR_OK)
         status = vor_blob_dir.list(&bucket->copies.base, drop_copy, bucket, err);
-    /* Nothing is listed, but the bucket and the keys are tried. */
     if (status == VOR_OK)
-        status = vor_s3_list(bucket->s3, key_of(key, KEEP, &none, "none"), ignore, NULL, err);
+        status = vor_s3_probe(bucket->s3, err);
     return status == VOR_OK ? vor_s3_drops_create(&bucket->drops, bucket->s3, err) : status;
 }
 
@@ -194,7 +186,10 @@ static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *
     else
         memcpy(sha256, writer->sha256, sizeof sha256);
     vor_s3_keep(bucket->drops, key_of(key, KEEP, id, name));
-    status = vor_s3_put(bucket->s3, key, writer->fd, writer->size, sha256, err);
+    do
+        status = vor_s3_put(bucket->s3, key, writer->fd, writer->size, sha256, err);
+    while (status != VOR_OK && vor_error_storage_absent(err) && writer->may_wait != NULL &&
+           writer->may_wait(writer->waits_ctx, err));
     return status == VOR_OK ? name_copy(writer, id, name, err) : status;
 }
 
@@ -312,6 +307,11 @@ static vor_status list(struct vor_blobs *blobs,
     return vor_s3_list(((struct bucket *)blobs)->s3, KEEP, list_one, &listing, err);
 }
 
+static vor_status reach(struct vor_blobs *blobs, struct vor_error *err)
+{
+    return vor_s3_state(((struct bucket *)blobs)->s3, NULL, err);
+}
+
 static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
                         struct vor_error *err)
 {
@@ -341,6 +341,7 @@ const struct vor_blob_driver vor_blob_s3 = {
     .discard = discard,
     .get = get,
     .is_near = is_near,
+    .reach = reach,
     .drop = drop,
     .set_aside = set_aside,
     .trim_lost = trim_lost,

@@ -5,7 +5,8 @@
  *  Every function may be called from any thread and waits for the network: up to 10 s for a
  *  connection, and 30 s for each pause in which no byte comes. A request that meets a 5xx, 429, a
  *  reset or a time-out is signed and sent again, up to six times, after pauses that double from .1
- * s and are shortened at random. Failures are VOR_E_IO with the status and the code that S3 gave.
+ * s and are shortened at random. Failures are VOR_E_IO with the status and the code that S3 gave;
+ * vor_error_storage_away and vor_error_storage_refused tell what kind they are.
  *
  *  Keys are made of letters, digits and "._/-", so that nothing in a URL needs an escape. */
 #ifndef VOR_SERVER_BLOB_S3_CLIENT_H
@@ -51,6 +52,15 @@ VOR_NODISCARD vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd, 
 
 /** Removes an object; it is no error when there is none. */
 VOR_NODISCARD vor_status vor_s3_delete(struct vor_s3 *s3, const char *key, struct vor_error *err);
+
+/** Asks S3 for a list in which there is nothing: once, for 5 s at most. */
+VOR_NODISCARD vor_status vor_s3_probe(struct vor_s3 *s3, struct vor_error *err);
+
+/** VOR_OK while S3 answers, as of the last request that can tell; else why it does not. Asks
+ *  nobody.
+ *
+ *  @param[out] age  seconds since the last answer; may be NULL */
+VOR_NODISCARD vor_status vor_s3_state(struct vor_s3 *s3, double *age, struct vor_error *err);
 
 struct vor_s3_object {
     const char *key; /**< behind what was listed */

@@ -1,5 +1,6 @@
 #include "server/blob/s3_drops.h"
 
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
 
@@ -7,6 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Between two looks at S3 while it is away, and how old its last answer may be while it is not. */
+static const double look_seconds = 1, quiet_seconds = 10;
 
 struct drop {
     struct drop *next;
@@ -50,6 +54,18 @@ static void delete_first(struct vor_s3_drops *drops)
     pthread_cond_broadcast(&drops->changed);
 }
 
+/* Asks S3 whether it is there where nobody else has for a while, or it was not; the mutex is held
+ * before and after. */
+static void probe(struct vor_s3_drops *drops)
+{
+    double age;
+
+    pthread_mutex_unlock(&drops->mutex);
+    if (vor_s3_state(drops->s3, &age, NULL) != VOR_OK || age > quiet_seconds)
+        (void)(vor_s3_probe(drops->s3, NULL) == VOR_OK); /* vor_s3_state tells */
+    pthread_mutex_lock(&drops->mutex);
+}
+
 static void *delete_all(void *ctx)
 {
     struct vor_s3_drops *drops = ctx;
@@ -58,8 +74,8 @@ static void *delete_all(void *ctx)
     while (drops->first != NULL || !drops->is_closing)
         if (drops->first != NULL)
             delete_first(drops);
-        else
-            pthread_cond_wait(&drops->changed, &drops->mutex);
+        else if (vor_clock_wait(&drops->changed, &drops->mutex, vor_clock_seconds() + look_seconds))
+            probe(drops);
     pthread_mutex_unlock(&drops->mutex);
     return NULL;
 }
@@ -72,7 +88,7 @@ vor_status vor_s3_drops_create(struct vor_s3_drops **out, struct vor_s3 *s3, str
         drops->s3 = s3;
         drops->end = &drops->first;
         pthread_mutex_init(&drops->mutex, NULL);
-        pthread_cond_init(&drops->changed, NULL);
+        vor_clock_condition(&drops->changed);
     }
     if (drops == NULL ||
         vor_machine_thread(&drops->thread, "vor-s3-drops", delete_all, drops) != 0) {

@@ -1,6 +1,7 @@
 /** Objects of S3 that are deleted by a thread of their own, one after the other, so that nobody
  * waits for it. What is not deleted when the process ends is found at the next start, as are all
- * files that belong to no job. Thread-safe. */
+ * files that belong to no job. The thread also looks whether S3 answers (vor_s3_state).
+ * Thread-safe. */
 #ifndef VOR_SERVER_BLOB_S3_DROPS_H
 #define VOR_SERVER_BLOB_S3_DROPS_H
 

@@ -182,7 +182,7 @@ int vor_capacity_claim(struct vor_worker *worker, struct vor_claim *claim)
     /* A suspect need not wait where it is apart anyway. */
     claim->may_be_alone = capacity->running == 0 || worker->config.executor->is_apart;
     pthread_mutex_unlock(&worker->mutex);
-    return may;
+    return may && vor_blobs_reach(worker->config.blobs, NULL) == VOR_OK;
 }
 
 void vor_capacity_run(struct vor_worker *worker, const struct vor_job_view *row)

@@ -70,6 +70,7 @@ struct vor_worker {
     int sweeper_started;
     struct vor_found found; /* the sweeper's, once it runs, as all below */
     struct vor_calendar calendar;
+    int is_away;               /* the blobs are, and the log says so */
     int is_full;               /* the store has no reserve, and the log says so */
     int has_failed;            /* config.failed was called */
     double renewed;            /* when the leases were */

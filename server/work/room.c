@@ -3,20 +3,33 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 
 #include <errno.h>
 #include <time.h>
 
 vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
 {
+    struct vor_error why;
+    const char *part = "--store";
     int is_lost;
-    vor_status status = vor_store_check(worker->config.store, &is_lost, err);
+    vor_status status = vor_store_check(worker->config.store, &is_lost, &why);
 
     if (status == VOR_OK && atomic_load(&worker->is_late))
-        return vor_fail_errno(err, ENOSPC, "recovering earlier jobs");
+        status = vor_fail_errno(&why, ENOSPC, "recovering earlier jobs");
     if (status == VOR_OK)
-        status = vor_store_check_reserve(worker->config.store, err);
-    return status == VOR_OK ? vor_blobs_room(worker->config.blobs, 1, err) : status;
+        status = vor_store_check_reserve(worker->config.store, &why);
+    if (status == VOR_OK) {
+        part = "--blobs";
+        status = vor_blobs_reach(worker->config.blobs, &why);
+    }
+    if (status == VOR_OK)
+        status = vor_blobs_room(worker->config.blobs, 1, &why);
+    if (status == VOR_OK)
+        return VOR_OK;
+    (void)vor_fail(err, status, "%s: %.900s", part, why.message);
+    err->got = why.got;
+    return status;
 }
 
 /* VOR_OK as long as no disk has failed and the store is ours; one that is away may come back. */
@@ -25,6 +38,7 @@ static vor_status check_disks(struct vor_worker *worker, struct vor_error *err)
     int is_lost = 0;
     vor_status status = vor_store_check(worker->config.store, &is_lost, err);
 
+    vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
     return is_lost ? status : vor_blobs_check(worker->config.blobs, err);
 }
 
@@ -42,10 +56,33 @@ static void look_at_reserve(struct vor_worker *worker)
     worker->is_full = !has;
 }
 
+/* While the blobs are away no job begins. */
+static void look_at_blobs(struct vor_worker *worker)
+{
+    struct vor_error err;
+    int is_away = vor_blobs_reach(worker->config.blobs, &err) != VOR_OK;
+
+    vor_metric_set(VOR_METRIC_STORAGE_UP, !is_away, VOR_LABELS("blobs"));
+    if (is_away == worker->is_away)
+        return;
+    worker->is_away = is_away;
+    if (is_away) {
+        vor_log(VOR_LOG_ERROR, "files cannot be read or written: no job starts",
+                VOR_TEXT("error", err.message));
+        return;
+    }
+    vor_log(VOR_LOG_INFO, "files can be read and written again");
+    pthread_mutex_lock(&worker->mutex);
+    worker->news++;
+    pthread_cond_broadcast(&worker->ready);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
 void vor_worker_look(struct vor_worker *worker)
 {
     struct vor_error err;
 
+    look_at_blobs(worker);
     if (!atomic_load(&worker->is_late)) /* recovery needs the room more than the reserve does */
         look_at_reserve(worker);
     if (worker->has_failed || check_disks(worker, &err) == VOR_OK)

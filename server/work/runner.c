@@ -37,10 +37,12 @@ struct run {
 
 /* --- what the run asks and tells -------------------------------------------------------------- */
 
-static void tell_full(const struct run *run, const struct vor_error *err)
+static void tell_wait(const struct run *run, const struct vor_error *err)
 {
-    vor_log(VOR_LOG_WARN, "a result waits for room on the disk", VOR_OF_JOB(&run->view),
-            VOR_TEXT("error", err->message));
+    vor_log(VOR_LOG_WARN,
+            vor_error_storage_absent(err) ? "a job waits for its files"
+                                          : "a result waits for room on the disk",
+            VOR_OF_JOB(&run->view), VOR_TEXT("error", err->message));
 }
 
 /* A run that is late ends as one that is cancelled. */
@@ -88,7 +90,7 @@ static void take_stage(void *ctx, enum vor_stage stage)
 
 static void take_wait(void *ctx, const struct vor_error *why)
 {
-    tell_full(ctx, why);
+    tell_wait(ctx, why);
 }
 
 static int is_looked_at(void *ctx)
@@ -175,6 +177,15 @@ static void close_files(struct run *run)
         vor_blob_discard(run->writer[i]);
 }
 
+/* A result is written again while its storage is away; not once the job is cancelled. */
+static int wait_for_blobs(void *ctx, const struct vor_error *why)
+{
+    struct run *run = ctx;
+
+    tell_wait(run, why);
+    return vor_worker_wait_room(run->worker, run->job, retry_seconds);
+}
+
 /* Makes the outputs that are blobs durable. */
 static vor_status commit_outputs(struct run *run, struct vor_error *err)
 {
@@ -191,6 +202,7 @@ static vor_status commit_outputs(struct run *run, struct vor_error *err)
         if (status != VOR_OK)
             break;
         run->writer[i] = NULL;
+        vor_blob_be_patient(writer, wait_for_blobs, run);
         status = vor_blob_commit(writer, &run->view.id, outputs[i].name, err);
     }
     return status;
@@ -217,17 +229,18 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
     return end;
 }
 
-/* Has the order run, however long the disk is full. The run itself waits where its files do not
- * grow, and keeps what it has made; here they cannot be made, or made durable. */
+/* Has the order run, however long the disk is full or the blobs are away. The run itself waits
+ * where its files do not grow, and keeps what it has made; here they cannot be read or made. */
 static enum vor_run_end execute(struct run *run, struct vor_error *err)
 {
     enum vor_run_end end = try_order(run, err);
     double pause = retry_seconds;
 
-    while (end == VOR_RUN_FAILED && err->status == VOR_E_IO && vor_error_storage_full(err)) {
-        tell_full(run, err);
+    while (end == VOR_RUN_FAILED &&
+           (vor_error_storage_full(err) || vor_error_storage_absent(err))) {
+        tell_wait(run, err);
         if (!vor_worker_wait_room(run->worker, run->job, pause)) {
-            (void)vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
+            (void)vor_fail(err, VOR_E_CANCELLED, "cancelled while its files could not be stored");
             return VOR_RUN_FAILED;
         }
         pause = fmin(2 * pause, retry_seconds_max);

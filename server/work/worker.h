@@ -58,10 +58,11 @@ void vor_worker_drain(struct vor_worker *worker, double seconds);
 /** Drains with 0 seconds if not done yet, ends the threads. worker may be NULL. */
 void vor_worker_destroy(struct vor_worker *worker);
 
-/** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, and
- *  the disk has room besides what stays free.
+/** Can jobs be taken, run and ended? For /readyz: the store is in order, its reserve is there, the
+ *  blobs can be reached, and the disk has room besides what stays free.
  *
- *  @retval VOR_E_IO and the reason (vor_error_storage_full tells a full disk apart) */
+ *  @retval VOR_E_IO and the reason, after --store or --blobs (vor_error_storage_full tells a full
+ * disk apart) */
 VOR_NODISCARD vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err);
 
 /** Jobs that wait, and that run; when the one that is next was accepted, 0 when none waits. */

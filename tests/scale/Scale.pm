@@ -103,13 +103,9 @@ sub start_swift {
             or die 'no ring of Swift can be made';
         config($kind, "$kind-server", "[app:$kind-server]\nuse = egg:swift#$kind\n");
     }
-    config('proxy', 'catch_errors cache s3api tempauth slo proxy-server', "[app:proxy-server]\nuse = egg:swift#proxy\naccount_autocreate = true\n"
-        . "[filter:catch_errors]\nuse = egg:swift#catch_errors\n"
-        . "[filter:cache]\nuse = egg:swift#memcache\nmemcache_servers = 127.0.0.1:$swift{memcached}\n"
-        . "[filter:s3api]\nuse = egg:swift#s3api\nlocation = us-east-1\ns3_acl = false\n[filter:slo]\nuse = egg:swift#slo\n"
-        . "[filter:tempauth]\nuse = egg:swift#tempauth\nuser_test_tester = secret-word .admin\n");
     child('memcached', 'memcached', '-u', $me, '-l', '127.0.0.1', '-p', $swift{memcached});
-    child($_, "swift-$_-server", "$dir/etc/$_.conf") for qw(account container object proxy);
+    child($_, "swift-$_-server", "$dir/etc/$_.conf") for qw(account container object);
+    start_proxy();
     @ENV{qw(AWS_ACCESS_KEY_ID AWS_SECRET_ACCESS_KEY)} = ('test:tester', 'secret-word');
     return wait_until(sub {
         my $answer = $http->get("http://127.0.0.1:$swift{proxy}/auth/v1.0", { headers => { 'X-Storage-User' => 'test:tester', 'X-Storage-Pass' => 'secret-word' } });
@@ -117,6 +113,19 @@ sub start_swift {
         %token = ('X-Auth-Token' => $answer->{headers}{'x-auth-token'});
         return $answer->{status} == 200 && $http->put("$storage/bucket", { headers => \%token })->{status} =~ /^20[12]$/;
     });
+}
+
+# What answers requests, anew where it runs; with another secret where one is given.
+sub start_proxy {
+    my ($secret) = @_;
+    $secret //= 'secret-word';
+    end_child('proxy');
+    config('proxy', 'catch_errors cache s3api tempauth slo proxy-server', "[app:proxy-server]\nuse = egg:swift#proxy\naccount_autocreate = true\n"
+        . "[filter:catch_errors]\nuse = egg:swift#catch_errors\n"
+        . "[filter:cache]\nuse = egg:swift#memcache\nmemcache_servers = 127.0.0.1:$swift{memcached}\n"
+        . "[filter:s3api]\nuse = egg:swift#s3api\nlocation = us-east-1\ns3_acl = false\n[filter:slo]\nuse = egg:swift#slo\n"
+        . "[filter:tempauth]\nuse = egg:swift#tempauth\nuser_test_tester = $secret .admin\n");
+    child('proxy', 'swift-proxy-server', "$dir/etc/proxy.conf");
 }
 
 sub config {

@@ -87,18 +87,39 @@ is_problem($next->get("/v1/jobs/$ids[5]/results/cloud"), 500, 'damaged-bytes', '
 # Results of which the database knows no job are set aside, and the oldest of them are dropped where they are too much.
 $next->stop;
 Scale::put_object("some/prefix/keep/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e1$_.cloud", 'ten bytes.') for 0 .. 9;
-$next = Vt->start(dir => $daemon->{dir}, blobs => $place, 'lost-bytes' => 35);
+$next = Vt->start(dir => $daemon->{dir}, blobs => $place, 'lost-bytes' => 35, 'admin-listen' => '127.0.0.1:0');
 ok wait_until(sub { my @all = objects(); 3 == grep({ m{^some/prefix/lost/.*\.cloud$} } @all) && !grep { m{keep/0193b5f2} } @all }),
     'results without a job are set aside, as many as may be';
 
+# Whether a number of the daemon is this one.
+sub counted { return HTTP::Tiny->new->get("http://$next->{admin}/metrics")->{content} =~ /^voronoid_\Q$_[0]\E [1-9]/m }
+my $long = $next->submit('points=1000&iterations=300&delta=0', $cloud);
+ok wait_until(sub { $next->status($long) eq 'running' }), 'while a job runs S3 goes away';
 end_child('cutter');
 my $away = $next->get("/v1/jobs/$ids[6]/results/cloud");
-is_problem($away, 503, 'store-unavailable', 'while S3 is away a result that is not here is not to be had');
+is_problem($away, 503, 'store-unavailable', 'a result that is not here is not to be had');
 is $next->get('/livez')->{status}, 200, 'the daemon lives';
 is $next->post('/v1/resample?points=100', $cloud)->{status}, 503, 'a submit is told to come again';
+my $ready = $next->get('/readyz');
+is_problem($ready, 503, 'store-unavailable', 'the daemon is not ready');
+like json($ready)->{detail}, qr/^--blobs: S3 at .*(?:connect|refused)/, 'and says what is away';
+ok counted('blob_errors_total{reason="away"}'), 'as do its numbers';
+ok wait_until(sub { !counted('storage_up{part="blobs"}') }), 'in two places';
+ok wait_until(sub { $next->log_text =~ /"msg":"a job waits for its files","job":"$long"/ }), 'the job waits with its result';
 child('cutter', \&cut);
-ok wait_until(sub { $next->get("/v1/jobs/$ids[6]/results/cloud")->{content} eq $wanted }), 'and is there once S3 is';
-is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'as is a new job';
+ok wait_until(sub { $next->get("/v1/jobs/$ids[6]/results/cloud")->{content} eq $wanted }), 'which is there once S3 is';
+ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'the daemon is ready';
+like json($next->get("/v1/jobs/$long"))->{status}, qr/running|successful/, 'the job is not lost';
+is $next->finish($long)->{status}, 'successful', 'and ends';
+is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'as does a new one';
+
+Scale::start_proxy('another-word');
+ok wait_until(sub { $next->get("/v1/jobs/$ids[7]/results/cloud")->{status} == 500 }), 'the secret is changed';
+is_problem($next->get("/v1/jobs/$ids[7]/results/cloud"), 500, 'storage-refused', 'a result is not to be had');
+ok counted('blob_errors_total{reason="refused"}'), 'which is counted';
+ok wait_until(sub { json($next->get('/readyz'))->{detail} // '' =~ /^--blobs: .*403 SignatureDoesNotMatch/ }), 'the daemon is not ready';
+Scale::start_proxy();
+ok wait_until(sub { $next->get("/v1/jobs/$ids[7]/results/cloud")->{content} eq $wanted }), 'until it is the old one again';
 
 # What is refused, each in one line without the secret.
 for my $case (
