@@ -58,28 +58,29 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
+      "Mean absolute deviation: how far the distances to the nearest neighbour differ from "       \
+      "their mean, on average")                                                                    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \
     X(REAL, energy, "energy", "unit of the cloud^4",                                               \
-      "Energy of the Voronoi tessellation; during the polish, its value after the last "           \
-      "iteration")                                                                                 \
+      "Energy of the Voronoi tessellation. During the polish, it is not updated: it keeps its "    \
+      "value from the last iteration")                                                             \
     X(REAL, max_move, "max_move", "unit of the cloud",                                             \
       "Longest distance that a point moved in this step")                                          \
     X(U64, held, "held", "points",                                                                 \
-      "Number of points that were kept from moving beyond the border of the input")                \
+      "Number of points that were prevented from moving beyond the border of the input")           \
     X(REAL, seconds, "seconds", "s", "Time since the run began")                                   \
     X(RUN_STAGE, stage, "run_stage", "", "Stage of the run")                                       \
     X(U32, step, "step", "", "Number of steps of the stage so far")                                \
     X(U32, of, "of", "",                                                                           \
       "Largest number of steps that the stage may have (0 if the number is not known)")            \
-    X(U32, ahead, "ahead", "", "Largest number of steps that all later stages together may have")  \
+    X(U32, ahead, "ahead", "", "Maximum of the total number of steps in all later stages")         \
     X(U32, best_iteration, "best.iteration", "",                                                   \
-      "Number of the iteration that gave the most even result so far; the run returns this "       \
-      "result if it ends now")                                                                     \
+      "Number of the iteration that gave the most even result so far; if the run ends now, it "    \
+      "returns the result of this iteration")                                                      \
     X(U32, best_polish, "best.polish", "",                                                         \
-      "Number of the polish step that gave the most even result so far")                           \
+      "Index of the polish step that gave the most even result so far")                            \
     X(REAL, best_delta, "best.delta", "",                                                          \
       "delta of the most even result so far; in the last record, the same as delta in the report") \
     X(REAL, best_sigma, "best.sigma", "unit of the cloud", "sigma of the most even result so far") \
@@ -146,7 +147,8 @@ struct vor_stage_done {
       "distances are measured in the metric. sigma, epsilon and the records in events and "        \
       "traces are computed in the same way")                                                       \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
+      "Mean absolute deviation: how far the distances to the nearest neighbour differ from "       \
+      "their mean, on average")                                                                    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \
@@ -161,9 +163,10 @@ struct vor_stage_done {
       "except the stage baselines")                                                                \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
-    X(REAL, seconds_init, "seconds.init", "s", "Time to place the first points")                   \
+    X(REAL, seconds_init, "seconds.init", "s",                                                     \
+      "Time to place the points at their initial positions")                                       \
     X(REAL, seconds_iterate, "seconds.iterate", "s",                                               \
-      "Time of the iterations or, with method=wlop or method=ear, of the projection steps and "    \
+      "Time of the iterations; with method=wlop or method=ear, time of the projection steps and "  \
       "insertions")                                                                                \
     X(REAL, seconds_polish, "seconds.polish", "s",                                                 \
       "Time of the polish, and of the last step, which moves points that lie outside the input "   \
@@ -178,8 +181,8 @@ struct vor_stage_done {
       "With sample=faces, the points that are resampled are drawn from the faces of the input")    \
     X(U64, samples, "samples", "points",                                                           \
       "Number of points drawn from the faces of the input (0 unless sample=faces). With "          \
-      "sample=faces, all figures about input points, except points.in, are about the points "      \
-      "that were drawn from the faces")                                                            \
+      "sample=faces, all figures for input points (except points.in) refer to the points that "    \
+      "were drawn from the faces")                                                                 \
     X(DROPPED, dropped, "dropped", "",                                                             \
       "Contents of the input file that are missing from the result file: faces, other elements "   \
       "and lists of a PLY file, attributes that the request drops, and comments if the format "    \
@@ -188,8 +191,8 @@ struct vor_stage_done {
       "Number of outliers among the input points; they were ignored or moved onto the surface")    \
     X(U64, parts, "components", "", "Number of separate parts of the input")                       \
     X(U64, islands, "islands.components", "",                                                      \
-      "Number of islands: separate parts with fewer than twice the number of points that a "       \
-      "local surface is fitted to (neighbors)")                                                    \
+      "Number of islands: separate parts with fewer than 2 x neighbors points, where neighbors "   \
+      "is the number of points that a local surface is fitted to")                                 \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Number of points of the result on islands; each is at the position of an input point (0 "   \
@@ -199,7 +202,7 @@ struct vor_stage_done {
       "count")                                                                                     \
     X(OPTIONAL, has_holes, "holes", "",                                                            \
       "Holes of the input; present only if the request fills holes. Points that are added to "     \
-      "fill holes count as input points in all other figures")                                     \
+      "fill holes count as input points in all other numbers of the report")                       \
     X(U64, holes_loops, "holes.loops", "",                                                         \
       "Number of border loops of the input, closed lines where its surface ends")                  \
     X(U64, holes_filled, "holes.filled", "", "Number of loops that were filled")                   \
@@ -220,32 +223,33 @@ struct vor_stage_done {
       "How well the result follows the requested metric; present only if the request has a "       \
       "metric")                                                                                    \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Ratio of length to width that cells should have according to the metric: median over the "  \
+      "Ratio of length to width that the metric prescribes for the cells: its median over the "    \
       "surface")                                                                                   \
     X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
       "Ratio of length to width that cells should have according to the metric: 95th percentile "  \
       "over the surface")                                                                          \
     X(REAL, metric_cells, "metric.cells_median", "",                                               \
-      "Ratio of length to width of the cells of the result: median over the cells. This ratio "    \
-      "is computed for each cell as the square root of the ratio of its principal second moments") \
+      "Median, over all cells of the result, of the ratio of a cell's length to its width. This "  \
+      "ratio is computed for each cell as the square root of the ratio of its principal second "   \
+      "moments")                                                                                   \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "How far a cell's ratio of length to width is from the ratio that it should have, divided "  \
-      "by that ratio: median over the cells")                                                      \
+      "Relative error of a cell's ratio of length to width: its difference from the ratio that "   \
+      "the metric prescribes, divided by this ratio: median over the cells")                       \
     X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
-      "How far a cell's ratio of length to width is from the ratio that it should have, divided "  \
-      "by that ratio: 90th percentile over the cells")                                             \
+      "Relative error of a cell's ratio of length to width: its difference from the ratio that "   \
+      "the metric prescribes, divided by this ratio: 90th percentile over the cells")              \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; present only with metric=lp or cells=euclid")                 \
     X(U64, descent_steps, "descent.steps", "",                                                     \
       "Number of steps of the L-BFGS optimiser, at most five per iteration")                       \
     X(U64, descent_evaluations, "descent.evaluations", "", "Number of evaluations of the energy")  \
     X(REAL, descent_worst, "descent.worst", "",                                                    \
-      "Energy after an iteration divided by the energy before the iteration: the largest value "   \
-      "of all iterations, below 1")                                                                \
+      "Energy after an iteration divided by the energy before it: the largest such ratio in the "  \
+      "run; it is always below 1")                                                                 \
     X(REAL, descent_aspect, "descent.aspect", "",                                                  \
-      "Ratio of length to width of the cells: median over the cells. This ratio is computed for "  \
-      "each cell as the square root of the ratio of its principal second moments; squares and "    \
-      "regular hexagons have the ratio 1")                                                         \
+      "Median, over all cells, of the ratio of a cell's length to its width. This ratio is "       \
+      "computed for each cell as the square root of the ratio of its principal second moments; "   \
+      "squares and regular hexagons have the ratio 1")                                             \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid that the input's coordinates were rounded to (0 if no grid was found)")    \
     X(U64, off_lattice, "lattice.moved", "points",                                                 \
@@ -254,36 +258,39 @@ struct vor_stage_done {
     X(ORIENTED, orientation, "orientation", "",                                                    \
       "How the normals of the result were oriented. not-asked: they are copied from the input, "   \
       "or the result has none; carried: they are on the side of the input's normals; "             \
-      "consistent: they face outward or upward, found from the points of the input; one-sided: "   \
-      "like consistent, but parts of the input have only one side")                                \
+      "consistent: they face outward or upward, which voronoid decides from the points of the "    \
+      "input; one-sided: like consistent, but parts of the input are one-sided surfaces, like a "  \
+      "Moebius band")                                                                              \
     X(U64, one_sided, "one_sided", "",                                                             \
-      "Number of connected parts of the input with only one side, like a Moebius band; their "     \
+      "Number of one-sided connected parts of the input, like a Moebius band; their "              \
       "normals cannot be consistent (0 if the run did not have to orient normals)")                \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from points of the input to the nearest point of the result. Points at the "      \
       "same position count once; outliers that were ignored do not count. Points that were "       \
-      "moved within their grid cell are measured from their new position. Of more than 200000 "    \
-      "points, only 200000 are measured, at equal steps along a curve through the input: mean "    \
-      "and rms are then estimates, and max is a lower bound")                                      \
+      "moved within their grid cell are measured from their new position. If there are more "      \
+      "than 200000 points, only 200000 of them are measured, taken at equal steps along a curve "  \
+      "through the input: mean and rms are then estimates, and max is a lower bound")              \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
-      "Distances from all points of the result to the nearest input point. The input points are "  \
-      "those of ref_to_out: outliers that were ignored do not count, and points that were moved "  \
-      "within their grid cell have their new position")                                            \
+      "Distances from all points of the result to the nearest input point. The same input "        \
+      "points are used as for ref_to_out: ignored outliers do not count, and points that were "    \
+      "moved within their grid cell count at their new position")                                  \
     X(U64, boundary_points, "boundary_points", "points",                                           \
-      "Number of points of the result that lie at borders of the input. A closed smooth surface "  \
-      "has 0; with borders, the number is about the length of the borders divided by the spacing") \
+      "Number of points of the result that lie at borders of the input. 0 for a closed smooth "    \
+      "surface; for a surface with borders, approximately the length of the borders divided by "   \
+      "the spacing")                                                                               \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
-      "Histogram of how many input points the local surfaces were fitted to in the last step. "    \
-      "Each entry says how many points of the result (points) have a surface that was fitted to "  \
-      "a certain number of input points (neighbors). Entries are sorted by neighbors. The "        \
-      "numbers of points add up to points.out")                                                    \
+      "Histogram of the number of input points per local surface in the last step. Each entry "    \
+      "has two members: neighbors, a number of input points, and points, the number of result "    \
+      "points with a surface that was fitted to that many input points. Entries are sorted by "    \
+      "their member neighbors. The numbers of points add up to points.out")                        \
     X(U64, held, "held", "points",                                                                 \
-      "Number of points that were kept from moving beyond the border in the last iteration")       \
+      "Number of points that were prevented from moving beyond the border in the last iteration")  \
     X(U64, held_ever, "held_ever", "points",                                                       \
-      "Number of points that were kept from moving beyond the border in at least one iteration")   \
+      "Number of points that were prevented from moving beyond the border in at least one "        \
+      "iteration")                                                                                 \
     X(U64, fallback_plane, "fallbacks.plane", "points",                                            \
-      "Number of points for which the last iteration fitted a plane, because no curved surface "   \
-      "(quadric) could be fitted (0 with patch=plane)")                                            \
+      "Number of points for which no curved surface (quadric) could be fitted in the last "        \
+      "iteration, so that a plane was fitted instead (0 with patch=plane)")                        \
     X(U64, fallback_left, "fallbacks.left", "points",                                              \
       "Number of points that did not move in the last iteration, because no surface could be "     \
       "fitted")                                                                                    \
@@ -305,20 +312,20 @@ struct vor_stage_done {
       "or a metric, or if the run only filtered the input")                                        \
     VOR_CELLS_TABLE(X, "cells.")                                                                   \
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
-      "Mean number of planes that cut a Voronoi cell, over all cells that were computed")          \
+      "Mean number of planes by which a Voronoi cell was clipped, over all computed cells")        \
     X(REAL, triangles_per_cell, "triangles_per_cell", "",                                          \
-      "Mean number of triangles in the local surface that a Voronoi cell is cut from, over all "   \
-      "cells that were computed")                                                                  \
+      "Mean number of triangles in the local surface from which a Voronoi cell is cut, over all "  \
+      "computed cells")                                                                            \
     X(U64, queries, "queries", "",                                                                 \
       "Number of searches for nearest neighbours among the points of the input or result")         \
     X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
       "How often the neighbour lists of all points were rebuilt")                                  \
     X(VECTOR, origin, "origin", "unit of the cloud",                                               \
-      "Point that the positions in the file of the result are relative to. Add the origin to a "   \
+      "Origin of the positions in the file of the result. Add the origin to a "                    \
       "position to get its coordinates in the input. 0,0,0 if positions are written unchanged, "   \
       "as in PLY")                                                                                 \
     X(OPTIONAL, has_mesh, "mesh", "",                                                              \
-      "Properties of the triangle mesh; present only for the process mesh")                        \
+      "Properties of the triangle mesh; present only in reports of the process mesh")              \
     X(U64, mesh_triangles, "mesh.triangles", "", "Triangles")                                      \
     X(U64, mesh_polygons, "mesh.polygons", "",                                                     \
       "Number of polygons with soup=true, else 0. If there are polygons, mesh.points is the "      \
@@ -331,7 +338,7 @@ struct vor_stage_done {
       "A closed component without handles, such as a sphere, adds 2 to this number")               \
     X(ANSWERED, mesh_closed, "mesh.closed", "", "Whether every edge belongs to two triangles")     \
     X(ANSWERED, mesh_manifold, "mesh.manifold", "",                                                \
-      "Whether each edge belongs to at most two triangles and the triangles at each point form "   \
+      "True if no edge belongs to more than two triangles, and the triangles at each point form "  \
       "a single fan")                                                                              \
     X(U64, mesh_one_sided, "mesh.one_sided", "",                                                   \
       "Number of components with only one side, like a Moebius band; along some edges of such a "  \
@@ -348,15 +355,16 @@ struct vor_stage_done {
     X(U64, mesh_filled, "mesh.filled", "",                                                         \
       "Number of small gaps that were filled because the input has points there")                  \
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
-      "Number of triangles that may connect two layers of the surface (sheets) that cross or "     \
-      "are too close together. A triangle is counted if the surface fitted at one corner misses "  \
-      "another corner by more than a fifth of the distance between the two corners. In an input "  \
-      "without sheets that are close together, a triangle is counted if one of its edges is "      \
-      "longer than the distance from an end of this edge to another sheet")                        \
+      "Number of triangles that possibly connect two layers of the surface (sheets) by mistake, "  \
+      "because the sheets cross or are too close together. A triangle is counted if the surface "  \
+      "that was fitted at one corner passes another corner at more than a fifth of the distance "  \
+      "between the two corners. If no sheets of the input are close together, the rule is "        \
+      "another: a triangle is counted if one of its edges is longer than the distance from an "    \
+      "end of this edge to another sheet")                                                         \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out: triangles where two sheets meet, triangles that "   \
-      "pass through others, and fragments that are no longer connected to the mesh. Triangles "    \
-      "are left out only if the input has several layers (sheets) nearly everywhere")              \
+      "intersect other triangles, and triangles that are then no longer connected to the mesh. "   \
+      "Triangles are left out only if the input has several layers (sheets) nearly everywhere")    \
     X(MESH_LOOPS, mesh_longest, "mesh.longest_loops", "",                                          \
       "Border loops of the mesh, at most 32: the loops with the most edges")                       \
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
@@ -369,12 +377,12 @@ struct vor_stage_done {
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
       "The mean of the input's points in each cell of a grid")                                     \
     X(BASELINE, farthest, "baselines.farthest", "",                                                \
-      "Points of the input by farthest-point sampling, which always adds the point that is "       \
-      "farthest from all points chosen before")                                                    \
+      "Points of the input that were chosen by farthest-point sampling, which always adds the "    \
+      "point that is farthest from its nearest chosen point")                                      \
     X(SPEC, parameters, "parameters", "",                                                          \
       "Parameters of the request. If the request has ratio or spacing, the parameter points has "  \
-      "the number that was computed from it. Instead of auto, a parameter has the value that "     \
-      "was used. The parameter neighbors has the value that was used most often")
+      "the number computed from it. A parameter that was auto has the value that the run used "    \
+      "instead; neighbors has the value that was used most often")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -403,12 +411,13 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
 /** How evenly a cloud is spread and, with a reference, how far it is from that; names and
  *  definitions of Xiao 2024 Sec. V-B. mse and psnr as mpeg-pcc-dmetric (metrics/distortion.h). */
 #define VOR_MEASURE_TABLE(X)                                                                       \
-    X(U64, n, "n", "points", "Points of the cloud")                                                \
+    X(U64, n, "n", "points", "Number of points of the cloud")                                      \
     X(REAL, delta, "delta", "",                                                                    \
       "Standard deviation of the distances from points to their nearest neighbours, divided by "   \
       "the mean of these distances; lower is more even")                                           \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
-      "Mean absolute difference between the distances to the nearest neighbour and their mean")    \
+      "Mean absolute deviation: how far the distances to the nearest neighbour differ from "       \
+      "their mean, on average")                                                                    \
     X(REAL, epsilon, "epsilon", "",                                                                \
       "Mean distance to the nearest neighbour, divided by the root mean square of these "          \
       "distances: 0 to 1, higher is more even")                                                    \
@@ -477,8 +486,8 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
 /** A closed row of points where the input ends. */
 #define VOR_LOOP_TABLE(X)                                                                          \
     X(U32, id, "id", "",                                                                           \
-      "Number of the loop. Loops are numbered from 1, the longest first; the same input always "   \
-      "gives the same numbers")                                                                    \
+      "Number that identifies the loop. Loops are numbered from 1, the longest first; the same "   \
+      "input always gives the same numbers")                                                       \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(U64, points, "points", "points", "Number of points of the cloud along the loop")             \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
@@ -507,10 +516,9 @@ struct vor_loop_told {
 #define VOR_INSPECT_TABLE(X)                                                                       \
     X(TEXT, format, "format", "", "Format of the file, as in the parameter format")                \
     X(BOX, bounds, "bounds", "", "Axis-aligned bounding box of all points")                        \
-    X(VECTOR, origin, "origin", "unit of the cloud",                                               \
-      "Point that the positions in the file are relative to")                                      \
+    X(VECTOR, origin, "origin", "unit of the cloud", "Origin of the positions in the file")        \
     X(COLUMNS, attributes, "attributes", "", "Attributes of the points besides positions")         \
-    X(U64, points, "points.all", "points", "Points of the cloud")                                  \
+    X(U64, points, "points.all", "points", "Number of points of the cloud")                        \
     X(U64, invalid, "points.invalid", "points",                                                    \
       "Number of points that were left out because a coordinate was not finite. points.all does "  \
       "not include them")                                                                          \
@@ -522,8 +530,8 @@ struct vor_loop_told {
       "Number of separate parts. Two parts are separate if none of their points are neighbours")   \
     X(U64, largest, "components.largest", "points", "Number of points of the largest part")        \
     X(U64, small, "components.small", "",                                                          \
-      "Number of small parts: parts with fewer than twice the number of points that a local "      \
-      "surface is fitted to (neighbors)")                                                          \
+      "Number of small parts: parts with fewer than 2 x neighbors points, where neighbors is "     \
+      "the number of points that a local surface is fitted to")                                    \
     X(U64, small_points, "components.small_points", "points",                                      \
       "Number of points in all small parts together")                                              \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
@@ -535,19 +543,18 @@ struct vor_loop_told {
     X(REAL, spacing_p99, "spacing.p99", "unit of the cloud",                                       \
       "99th percentile of the distances from points to their nearest neighbours")                  \
     X(REAL, noise, "noise", "unit of the cloud",                                                   \
-      "Root mean square distance from points to the local surface that is fitted to them; the "    \
-      "median of 512 places")                                                                      \
+      "Root mean square distance from points to the local surface fitted to them: median over "    \
+      "512 places")                                                                                \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "With neighbors=auto, the number of input points that a local surface is fitted to in "      \
-      "most regions")                                                                              \
+      "With neighbors=auto, to how many input points a local surface is fitted in most regions")   \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
-      "Step of the grid that the coordinates were rounded to (0 if no grid was found)")            \
+      "Step of the grid to which the coordinates were rounded (0 if no grid was found)")           \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \
-      "Whether the grid is so coarse, compared with the distance between points, that a run "      \
-      "would correct the rounding by moving points, each within its grid cell")                    \
+      "True if the grid is coarse compared with the distance between points. A run would then "    \
+      "correct the rounding: it would move each point within its grid cell")                       \
     X(ANSWERED, sheets, "sheets.found", "",                                                        \
-      "Whether much of the surface has layers (sheets) that are so close together that a local "   \
-      "fit could mix their points")                                                                \
+      "True if layers of the surface (sheets) are so close together, in much of the surface, "     \
+      "that a local fit could mix their points")                                                   \
     X(REAL, own, "sheets.own", "",                                                                 \
       "Share of the points that are fitted only to points of their own sheet; the other points "   \
       "are fitted to the nearest points of any sheet")                                             \
@@ -561,9 +568,10 @@ struct vor_loop_told {
     X(U64, border_holes, "border.holes", "", "Number of loops that are holes")                     \
     X(REAL, border_length, "border.length", "unit of the cloud", "Total length of all loops")      \
     X(U64, border_open, "border.open", "",                                                         \
-      "Number of open border lines: lines of three or more points along which the surface ends, "  \
-      "and that do not form a closed loop")                                                        \
-    X(LOOPS, loops, "loops", "", "Border loops of the surface, at most 100: the longest ones")
+      "Number of open border lines: lines of three or more points where the surface ends, but "    \
+      "which do not close to a loop")                                                              \
+    X(LOOPS, loops, "loops", "",                                                                   \
+      "Border loops of the surface; if there are more than 100, only the 100 longest")
 
 struct vor_inspect {
     VOR_INSPECT_TABLE(VOR_FIELD)

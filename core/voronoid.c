@@ -151,8 +151,8 @@ static int spread(const char *process, struct vor_points *out, const struct vor_
     begin(&call, asked);
     if (components != 0 && components != in->components)
         status = vor_fail(&call.err, VOR_E_PARAM,
-                          "the result has %u components, want %u, as "
-                          "the input has",
+                          "the result has %u components, want %u as in "
+                          "the input",
                           components, in->components);
     else if (out->n == 0)
         status = vor_fail_param(&call.err, VOR_E_TARGET, "points", "points is 0");

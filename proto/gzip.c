@@ -61,7 +61,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
         if (z->most < z->asked)
             (void)vor_fail(err, VOR_E_BYTES,
                            "the gzip body of %zu bytes inflates to more than %llu bytes, want "
-                           "at most %d times its size, or 1 MiB",
+                           "at most %d times its size or 1 MiB, whichever is more",
                            z->size, (unsigned long long)z->most, VOR_GZIP_RATIO_MAX);
         else
             (void)vor_fail(err, VOR_E_BYTES,

@@ -140,9 +140,10 @@ vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_e
         if (start_worker(pool))
             continue;
         vor_pool_destroy(pool);
-        return vor_fail(err, VOR_E_NOMEM,
-                        "cannot start %u threads: too little memory, or a limit on processes",
-                        threads);
+        return vor_fail(
+            err, VOR_E_NOMEM,
+            "cannot start %u threads: too little memory, or a limit on the number of processes",
+            threads);
     }
     *out = pool;
     return VOR_OK;

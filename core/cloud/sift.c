@@ -96,8 +96,8 @@ vor_status vor_cloud_sift(struct vor_cloud *cloud, double *wide, int is_drop, st
     if (!is_drop)
         return refuse(&at, cloud->n, bad, err);
     if (bad == cloud->n)
-        return vor_fail(err, VOR_E_EMPTY, "all %zu points have a coordinate that is not finite",
-                        cloud->n);
+        return vor_fail(err, VOR_E_EMPTY,
+                        "each of the %zu points has a coordinate that is not finite", cloud->n);
     if (cloud->triangle_count > 0 && renumber(cloud, &at, err) != VOR_OK)
         return VOR_E_NOMEM;
     for (size_t k = 0; k < cloud->attribute_count; k++)

@@ -48,7 +48,8 @@ vor_status vor_carried_check(const struct vor_cloud *in, const struct vor_spec *
     if (carried == NULL)
         return vor_fail_param(
             err, VOR_E_NORMALS, "inputNormals",
-            "inputNormals=use needs normals, but none of the input's %zu points has one", in->n);
+            "inputNormals=use needs normals, but none of the input's %zu points has a normal",
+            in->n);
     status = vor_carried_count(&bad, &first, carried, in->n, run, err);
     if (status != VOR_OK || bad == 0)
         return status;

@@ -60,10 +60,10 @@ static vor_status check_values(const struct vor_attribute *attribute, size_t n,
         status = vor_count(&positive, &first, n, is_positive, attribute, run, err);
     if (status != VOR_OK || positive > 0)
         return status;
-    return vor_fail_param(err, VOR_E_DENSITY, "density",
-                          "attribute %s is 0 at all %zu points, want a value above 0 at one "
-                          "point at least",
-                          attribute->name, n);
+    return vor_fail_param(
+        err, VOR_E_DENSITY, "density",
+        "attribute %s is 0 at all %zu points, want a value above 0 at one or more points",
+        attribute->name, n);
 }
 
 /* Says which attributes could have been named. */

@@ -20,7 +20,7 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
         if (id > (double)loops->count)
             return vor_fail_param(err, VOR_E_HOLES, "holes",
                                   "holes contains %.0f, want numbers of border loops from 1 to "
-                                  "%zu; the process inspect lists the loops with their numbers",
+                                  "%zu; run inspect to list the loops with their numbers",
                                   id, loops->count);
         chosen[(size_t)id - 1] = 1;
     }

@@ -345,17 +345,20 @@ vor_status vor_distortion_measure(struct vor_distortion *out,
     vor_status status;
 
     if (pair->n == 0 || pair->m == 0)
-        return vor_fail(err, VOR_E_DEGENERATE,
-                        "the cloud has %zu points and the reference %zu, want at least 1 each",
-                        pair->n, pair->m);
+        return vor_fail(
+            err, VOR_E_DEGENERATE,
+            "the cloud has %zu points and the reference has %zu, want at least 1 in each", pair->n,
+            pair->m);
     if (carried != NULL && carried->components < 3)
         carried = NULL;
     status = side_open(&cloud, pair->xyz, pair->n, run, err);
     if (status == VOR_OK)
         status = side_open(&reference, pair->reference, pair->m, run, err);
     if (status == VOR_OK && reference.n < 2)
-        status = vor_fail(err, VOR_E_DEGENERATE,
-                          "the reference has 1 distinct point of %zu, want at least 2", pair->m);
+        status =
+            vor_fail(err, VOR_E_DEGENERATE,
+                     "the reference has %zu points at the same position, want at least 2 positions",
+                     pair->m);
     if (status == VOR_OK)
         status = measure(&distortion, &cloud, &reference, carried, run, err);
     if (status == VOR_OK)

@@ -24,11 +24,9 @@ struct vor_apart {
 /** How many points of the result have a surface that was fitted to a given number of input points.
  */
 #define VOR_FITTED_TABLE(X)                                                                        \
-    X(U32, neighbors, "neighbors", "points",                                                       \
-      "Number of input points that a surface was fitted to")                                       \
+    X(U32, neighbors, "neighbors", "points", "A number of input points")                           \
     X(U64, points, "points", "points",                                                             \
-      "Number of points of the result where the surface was fitted to as many input points as "    \
-      "the member neighbors says")
+      "Number of result points with a surface that was fitted to this number of input points")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
@@ -73,11 +71,11 @@ enum vor_oriented {
       "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface for every value of the parameter neighbors. In "           \
+      "Noise hides parts of the surface, with any value of the parameter neighbors. In "           \
       "these parts, the result may be farther from the surface than the input")                    \
     X(NOT_RESTORED, "lattice",                                                                     \
-      "The points were not moved because no grid was found, or because the grid cells are "        \
-      "smaller than a tenth of the spacing")
+      "No point was moved: either no grid was found, or the grid cells are smaller than a tenth "  \
+      "of the spacing")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
@@ -94,10 +92,10 @@ enum vor_warning_kind {
 /** A warning. */
 #define VOR_WARNING_TABLE(X)                                                                       \
     X(TEXT, about, "about", "",                                                                    \
-      "Name of the parameter, or of the member of the report, that the warning is about")          \
+      "Subject of the warning: the name of a parameter or of a member of the report")              \
     X(REAL, value, "value", "",                                                                    \
-      "Figure that the warning is about: the value of a parameter or member, in its unit, or a "   \
-      "number of points, places or parts; null for a parameter that had no effect")                \
+      "The number that the warning is about: the value of a parameter or member, in its unit, "    \
+      "or a count of points, places or parts; null for a parameter that had no effect")            \
     X(REAL, limit, "limit", "",                                                                    \
       "Threshold of the warning, in the unit of value; null for a parameter that had no effect")   \
     X(WARNING_SAYS, says, "says", "", "Text of the warning")
@@ -124,7 +122,7 @@ struct vor_corners {
 
 /** An attribute of a cloud. */
 #define VOR_COLUMN_TABLE(X)                                                                        \
-    X(TEXT, name, "name", "", "Name of the attribute; normals are called normal, colours color")   \
+    X(TEXT, name, "name", "", "Name of the attribute; normal for normals, and color for colours")  \
     X(TEXT, type, "type", "", "Type of the scalars: int8 to uint64, float32 or float64")           \
     X(U32, components, "components", "", "Number of scalars for each point")
 
@@ -170,9 +168,8 @@ enum vor_hole_outcome {
 
 /** A loop of border points, and what became of it. */
 #define VOR_HOLE_TABLE(X)                                                                          \
-    X(U32, id, "id", "", "Number of the loop, the same as in the output of the process inspect")   \
-    X(LOOP_KIND, kind, "kind", "",                                                                 \
-      "Kind of the loop, the same as in the output of the process inspect")                        \
+    X(U32, id, "id", "", "Number that identifies the loop, as in the output of inspect")           \
+    X(LOOP_KIND, kind, "kind", "", "Kind of the loop, as in the output of inspect")                \
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
       "What happened to the loop. filled: it was filled; rim: it is an outer border, and "         \
       "holes=auto fills only holes; too-long: it is longer than the parameter holeMax; "           \
@@ -248,7 +245,8 @@ struct vor_runner_up {
     X(OPTIONAL, has_pose, "registration", "",                                                      \
       "Pose of the cloud on the reference; present only for the process register")                 \
     X(MATRIX, transform, "registration.transform", "",                                             \
-      "4 x 4 matrix, row by row, that moves a point (x, y, z, 1) of the cloud onto the reference") \
+      "4 x 4 matrix that moves a point (x, y, z, 1) of the cloud onto the reference; listed row "  \
+      "by row")                                                                                    \
     X(REAL, pose_scale, "registration.scale", "",                                                  \
       "Factor by which the transform scales (1 with scale=fixed)")                                 \
     X(REAL, pose_rms, "registration.rms", "unit of the reference",                                 \
@@ -261,9 +259,9 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Mismatch where the clouds overlap: the share of the overlapping surface that is close to "  \
-      "the other cloud, but not on it, as the mean of both clouds (0 if all overlapping parts "    \
-      "agree)")                                                                                    \
+      "Mismatch where the clouds overlap: the share of a cloud's overlapping surface that is "     \
+      "close to the other cloud, but not on it; the mean of the two clouds' shares (0 if all "     \
+      "overlapping parts agree)")                                                                  \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \
@@ -275,18 +273,20 @@ struct vor_runner_up {
       "the clouds overlaps")                                                                       \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
-      "in the reference's coordinates (0,0,0 unless reason is free-slide or free-turn)")           \
+      "in the reference's coordinates (0,0,0 unless the member reason is free-slide or "           \
+      "free-turn)")                                                                                \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose (higher is better): the share of each surface that lies on the other "    \
-      "one, as the mean of both, reduced if the surfaces are apart or in conflict")                \
+      "Score of the pose (higher is better): the mean of two shares, of the cloud that lies on "   \
+      "the reference and of the reference that lies on the cloud; lower if the surfaces are "      \
+      "apart or in conflict")                                                                      \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "The second best pose that was found; all members are 0 if there is no such pose")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: as many as in the result, but at most as many as in the input. A voxel "  \
-      "grid gives only about this number of points")                                               \
+      "Number of points: the number of points of the result, or of the input if the input has "    \
+      "fewer. A voxel grid gives only about this number of points")                                \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \
@@ -295,8 +295,8 @@ struct vor_runner_up {
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points that have six Voronoi neighbours")    \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
-      "Distances from the input to the points that this method made, computed in the same way "    \
-      "as the report's member ref_to_out")
+      "Distances from the input to the points that this method made, computed like the member "    \
+      "ref_to_out of the report")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

@@ -121,71 +121,74 @@ enum vor_method_choice {
       "Number of points of the result. A request may have only one of the parameters points, "     \
       "ratio and spacing")                                                                         \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
-      "Number of points of the result, divided by the number of points of the input. The "         \
-      "default of a process, if it has one, applies only to requests without the parameters "      \
-      "points and spacing")                                                                        \
+      "Number of points of the result, divided by the number of points of the input. If a "        \
+      "process has a default for this parameter, the default applies only to requests with "       \
+      "neither points nor spacing")                                                                \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbouring points of the result. The number of points is the area of "   \
-      "the surface divided by sqrt(3)/2 * spacing^2")                                              \
+      "the surface divided by (sqrt(3)/2 * spacing^2)")                                            \
     X(METHOD, method, CHOICE, SPREAD, "", 0, 0, VOR_METHOD_CVT, VOR_METHOD_WORDS,                  \
       "Method that spreads the points. cvt: centroidal Voronoi tessellation of the surface; "      \
       "wlop: weighted locally optimal projection, in which points repel each other and input "     \
-      "points attract them; ear: edge-aware resampling (Huang 2013), which projects points with "  \
-      "normals away from sharp edges, then inserts points up to the edges; kmeans: a baseline "    \
-      "that moves each point to the mean of the input points nearest to it. A polish (see the "    \
-      "parameter polish) follows cvt, wlop and ear, but not kmeans. The result of kmeans is "      \
-      "denser where the input is denser, and cannot have more points than the input")              \
+      "points attract them; ear: edge-aware resampling (Huang 2013), which first moves points "    \
+      "onto the surface, but away from sharp edges, then inserts points up to the edges; "         \
+      "kmeans: a baseline that moves each point to the mean of the input points nearest to it. "   \
+      "A polish (see the parameter polish) follows cvt, wlop and ear, but not kmeans. The "        \
+      "result of kmeans is denser where the input is denser, and cannot have more points than "    \
+      "the input")                                                                                 \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
       "flat surface, as in Chen 2018, which rounds sharp edges")                                   \
     X(DENSITY, density, CHOICE_OR_NAME, SPREAD, "", 1, 63, VOR_DENSITY_UNIFORM,                    \
       "uniform curvature edges attribute:NAME",                                                    \
-      "Where the points of the result are denser. uniform: equally dense everywhere; curvature: "  \
-      "denser where the surface bends more; edges: denser along sharp edges, an error if the "     \
-      "input has none; attribute:NAME: denser where this scalar attribute of the input, 0 or "     \
-      "more, is larger. The distance between neighbours is proportional to density^(-1/4)")        \
+      "How the density of the result's points varies. uniform: equally dense everywhere; "         \
+      "curvature: denser where the surface bends more; edges: denser along sharp edges (an "       \
+      "error if the input has none); attribute:NAME: denser where this scalar attribute of the "   \
+      "input is larger; its values must be 0 or more. The distance between neighbours is "         \
+      "proportional to density^(-1/4)")                                                            \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
       "Ratio of the largest to the smallest distance between neighbours. The parameter has an "    \
       "effect only if the parameter density is not uniform")                                       \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
-      "Largest change of the distance between neighbours per unit of length along the surface. "   \
-      "The parameter has an effect only if the parameter density is not uniform")                  \
+      "How fast the distance between neighbours may change along the surface: largest change "     \
+      "per unit of length. The parameter has an effect only if the parameter density is not "      \
+      "uniform")                                                                                   \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
       "Shape of the Voronoi cells around the points. isotropic: as long as wide; anisotropic: "    \
-      "longer in the direction in which the surface bends less, where length divided by width "    \
-      "is the square root of the ratio of the principal curvatures; attribute:NAME: the shape "    \
-      "that positive definite tensors in the input give (six scalars NAME_xx, NAME_xy, NAME_xz, "  \
-      "NAME_yy, NAME_yz, NAME_zz); lp: squares along the directions of principal curvature, by "   \
-      "minimising an L_p energy, without polish")                                                  \
+      "longer in the direction in which the surface bends less; length divided by width is the "   \
+      "square root of the ratio of the principal curvatures; attribute:NAME: the shape of "        \
+      "positive definite tensors in the input (six scalars NAME_xx, NAME_xy, NAME_xz, NAME_yy, "   \
+      "NAME_yz, NAME_zz); lp: squares along the directions of principal curvature; the run "       \
+      "minimises an L_p energy and has no polish")                                                 \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
-      "Largest ratio of length to width of a Voronoi cell. The parameter has an effect only if "   \
-      "the parameter metric is not isotropic")                                                     \
+      "Largest ratio of length to width of a Voronoi cell. This parameter has no effect with "     \
+      "metric=isotropic")                                                                          \
     X(P, p, COUNT, SPREAD, "", 2, 8, 8, "",                                                        \
-      "Power of the distances in the energy that metric=lp minimises, an even number: 2 gives "    \
-      "hexagonal cells, 8 gives square cells")                                                     \
+      "Exponent of the distances in the energy that metric=lp minimises. It must be even: 2 "      \
+      "gives hexagonal cells, 8 gives square cells")                                               \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
-      "Distance that the Voronoi cells are computed with. metric: the distance that the "          \
+      "Kind of distance used to compute the Voronoi cells. metric: the distance that the "         \
       "parameter metric defines; euclid: the Euclidean distance, as in Chen 2018. With "           \
       "cells=euclid, the energy is still computed in the metric, and there is no polish. "         \
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
-      "Number of iterations. Default: up to 12, without polish up to 100, and with "               \
-      "method=kmeans, metric=lp or cells=euclid up to 35. The run makes fewer if more of them "    \
+      "Number of iterations. Default: up to 12; up to 100 without polish; up to 35 with "          \
+      "method=kmeans, metric=lp or cells=euclid. The run stops earlier if further iterations "     \
       "would not spread the points more evenly")                                                   \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
       "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
       "distances to the nearest neighbour, divided by their mean")                                 \
     X(ETA, eta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                               \
-      "The run ends as soon as eta is this low. eta is the energy of the Voronoi tessellation "    \
-      "divided by the energy of the same number of regular hexagons, minus 1")                     \
+      "The run ends as soon as eta is this low. eta = E / H - 1, where E is the energy of the "    \
+      "Voronoi tessellation and H is the energy of the same number of regular hexagons")           \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
-      "The iterations of method=cvt end as soon as no point moves farther than this distance, "    \
-      "in units of the distance between neighbours in a perfectly even result")                    \
+      "The iterations of method=cvt end as soon as no point moves farther than this distance. 1 "  \
+      "is the distance between neighbours in a perfectly even result")                             \
     X(SECONDS, seconds, REAL, CVT, "s", 0, 86400, VOR_UNSET, "", "Time limit of the run")          \
     X(NEIGHBORS, neighbors, COUNT_OR_AUTO, SPREAD, "points", 6, 500, VOR_UNSET, "",                \
-      "Number of input points that each local surface is fitted to. auto: the noise in each "      \
-      "region decides")                                                                            \
+      "Number of input points in the fit of each local surface. auto: the number depends on the "  \
+      "noise in each region")                                                                      \
     X(ANDERSON, anderson, COUNT, CVT, "", 0, 16, VOR_UNSET, "",                                    \
       "Number of previous iterations that Anderson acceleration uses. 0: plain Lloyd iterations "  \
       "without acceleration. Default: momentum instead of Anderson acceleration")                  \
@@ -194,7 +197,7 @@ enum vor_method_choice {
       "each other until the distances between them are more even. 0: no polish")                   \
     X(EVENNESS, evenness, CHOICE, CVT, "", 0, 0, VOR_EVENNESS_SPACING, "spacing cover",            \
       "Aim of the polish. spacing: all points are equally far from their nearest neighbours; "     \
-      "cover: every place of the surface is close to a point. With evenness=cover, the second "    \
+      "cover: every place on the surface is close to a point. With evenness=cover, the second "    \
       "half of the polish moves each point towards the centroid of its Voronoi cell, and delta "   \
       "is about 0.04 instead of 0.02")                                                             \
     X(SIGMA_N, sigmaN, REAL, LOP, "degrees", 1, 90, 15, "",                                        \
@@ -215,8 +218,8 @@ enum vor_method_choice {
       "it projects the points. 0: the points stay at their initial positions, which are random. "  \
       "The parameter has an effect only with method=wlop or method=ear")                           \
     X(STEPS, steps, COUNT, LOP, "", 1, 100, VOR_UNSET, "",                                         \
-      "Number of projection steps in each round. Default: 12, or 4 with method=ear if a polish "   \
-      "follows. The parameter has an effect only with method=wlop or method=ear")                  \
+      "Number of projection steps in each round. Default: 4 with method=ear if a polish "          \
+      "follows, otherwise 12. The parameter has an effect only with method=wlop or method=ear")    \
     X(RHO, rho, REAL, LOP, "", 0, 20, 5, "",                                                       \
       "How strongly method=ear prefers places near sharp edges when it inserts points. With "      \
       "rho=0, points are inserted evenly everywhere")                                              \
@@ -225,23 +228,23 @@ enum vor_method_choice {
       "only inserts points between the input points; both: it projects points, then inserts "      \
       "more")                                                                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
-      "Number of points that method=ear starts from when it inserts points: projected points "     \
-      "or, with phases=insert, input points. No points are inserted if the result has no more "    \
-      "points than this number. auto: half of the input points (all input points with "            \
-      "phases=insert), but not more than the result has")                                          \
+      "Number of points that method=ear starts with before it inserts more: projected points "     \
+      "or, with phases=insert, input points. If the result has at most this number of points, "    \
+      "none are inserted. auto: half the number of input points (with phases=insert, all of "      \
+      "them), but at most the number of points of the result")                                     \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
       "What method=ear does with gaps in the input that are wider than the distance between "      \
-      "input points. keep: it leaves them empty; fill: it inserts points into them, as far as "    \
-      "the distance in the parameter sigmaP reaches")                                              \
+      "input points. keep: it leaves them empty; fill: it inserts points into them, up to the "    \
+      "distance sigmaP from other points")                                                         \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
       "Treatment of the borders of the input, the lines where its surface ends. keep: no point "   \
       "moves beyond a border; free: points may move beyond a border; sites: the first points "     \
       "are placed evenly along the borders and stay there; fill: holes are filled first, then "    \
       "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "Numbers of the border loops that boundary=fill closes. The process inspect lists the "      \
-      "loops with their numbers. These loops may be holes or outer borders (rims). auto: all "     \
-      "holes with a border that is shorter than the parameter holeMax")                            \
+      "Numbers of the border loops that boundary=fill closes. Run inspect to list the loops "      \
+      "with their numbers. These loops may be holes or outer borders (rims). auto: all holes "     \
+      "with a border that is shorter than the parameter holeMax")                                  \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
       "holes=auto fills only holes with a border that is shorter than this length. "               \
       "holeMax=auto: the diagonal of the input's bounding box")                                    \
@@ -251,54 +254,54 @@ enum vor_method_choice {
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
       "are used like all other points; drop: they are ignored; pull: they are moved onto the "     \
-      "surface. Default: drop for the processes denoise and inspect and with method=ear, else "    \
-      "keep")                                                                                      \
+      "surface. Default: drop for denoise, for inspect, and for any process with method=ear; "     \
+      "otherwise keep")                                                                            \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
-      "Part of a mesh that is resampled. vertices: the vertices of the mesh; faces: points "       \
-      "drawn evenly from its faces, at least eight for each point of the result, an error if "     \
-      "the input has no faces")                                                                    \
+      "Which part of a mesh is resampled. vertices: the vertices of the mesh; faces: points "      \
+      "drawn evenly from its faces, at least eight for each point of the result; an input "        \
+      "without faces is an error")                                                                 \
     X(FILTERS, filters, LIST, FILTER, "", 0, 0, 0, "mls outliers thin",                            \
       "Filters that are applied to the input, always in the order outliers, mls, thin. "           \
-      "outliers: drops outliers, or moves them onto the surface with outliers=pull; mls: moves "   \
-      "each point onto a smooth surface fitted around it; thin: drops points until no two "        \
-      "points are closer together than the mean distance of the points to their three nearest "    \
+      "outliers: drops outliers or, with outliers=pull, moves them onto the surface; mls: moves "  \
+      "each point onto a smooth surface fitted around it; thin: drops points until no two are "    \
+      "closer together than a limit: the mean distance from a point to its three nearest "         \
       "neighbours. If a request has the filter mls or outliers, but none of the parameters "       \
       "points, ratio and spacing, its result is the filtered input: the points of the input in "   \
-      "their order, with their attributes. The result of upsample is never the filtered input, "   \
-      "because upsample has a default ratio. The process denoise applies outliers and mls by "     \
-      "default with method=cvt and method=kmeans")                                                 \
+      "their order, with their attributes. upsample never returns the filtered input itself, "     \
+      "because its parameter ratio always has a value. The process denoise applies outliers and "  \
+      "mls by default with method=cvt and method=kmeans")                                          \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
-      "Use of the input's normals. use: fitted normals are oriented like the normals of the "      \
-      "input; estimate: the normals of the input are ignored; auto: like use if all normals of "   \
-      "the input are finite and non-zero, else each connected part is oriented by its valid "      \
-      "normals")                                                                                   \
+      "How the normals of the input are used. use: fitted normals are oriented like the normals "  \
+      "of the input; estimate: the normals of the input are ignored; auto: the same as use if "    \
+      "all normals of the input are finite and non-zero, otherwise each connected part is "        \
+      "oriented by its valid normals")                                                             \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
-      "When two nearby points count as points of the same layer of the surface (sheet), such as "  \
-      "one side of a thin wall. local: if a short path over points in between connects them; "     \
-      "satellites: if they have similar distances along the surface from three reference "         \
-      "points; none: always")                                                                      \
+      "Rule that decides whether two nearby points lie on the same layer of the surface "          \
+      "(sheet), such as one side of a thin wall. local: if a short path over points in between "   \
+      "connects them; satellites: if they have similar distances along the surface from three "    \
+      "reference points; none: always")                                                            \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
       "Treatment of input points with a coordinate that is not finite. refuse: the input is "      \
       "refused; drop: these points are left out and counted")                                      \
     X(SEED, seed, COUNT, SPREAD, "", 0, 9007199254740991, 1, "", "Seed of the random numbers")     \
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
-      "Order of the points in the result. spatial: most points are next to one of their "          \
-      "neighbours; progressive: for every N, the first N points are spread evenly")                \
+      "Order of the points in the result. spatial: most points come directly before or after "     \
+      "one of their neighbours; progressive: for every N, the first N points are spread evenly")   \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
-      "Format of the result. Default: the format in the suffix of the output file or in the "      \
-      "Accept header, else the format of the input")                                               \
+      "Format of the result. Default: the format that the suffix of the output file or the "       \
+      "Accept header names; otherwise the format of the input")                                    \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
-      "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: enough "   \
-      "bits for rounding steps below 1/200 of the distance between neighbours")                    \
+      "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: as many "  \
+      "bits as keep the rounding step below 1/200 of the distance between neighbours")             \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
       "Compression level of Draco. 10 gives the smallest files")                                   \
     X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
       "auto absolute relative",                                                                    \
       "Point that the positions in a Draco file are relative to. absolute: 0,0,0; relative: a "    \
       "point with whole-number coordinates near the middle of the input; X,Y,Z: this point; "      \
-      "auto: like relative if float32 is too coarse for the coordinates of the input, else like "  \
-      "absolute")                                                                                  \
+      "auto: the same as relative if float32 is too coarse for the coordinates of the input, "     \
+      "otherwise the same as absolute")                                                            \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
       "Attributes of the result. nearest: each point has the attributes of the nearest input "     \
       "point; drop: the result has only positions")                                                \
@@ -309,9 +312,9 @@ enum vor_method_choice {
       "fit: normals of the fitted surface, on the side of the input's normals, or outward if "     \
       "the input has none; drop: no normals")                                                      \
     X(SOUP, soup, FLAG, MESH, "", 0, 0, 0, "",                                                     \
-      "Make the faces of the result from the Voronoi cells around the points instead of "          \
-      "triangles between the points. The faces are polygons that share no vertices; in a Draco "   \
-      "file they are cut into triangles")                                                          \
+      "The faces of the result are the Voronoi cells around the points, not triangles between "    \
+      "the points. The faces are polygons that share no vertices; in a Draco file they are cut "   \
+      "into triangles")                                                                            \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
       "Also run four simple methods on the same input and add their figures to the report: "       \
       "k-means, random sampling, voxel grid and farthest-point sampling")                          \
@@ -319,12 +322,12 @@ enum vor_method_choice {
       "Peak value in the formulas of d1_psnr and d2_psnr. auto: the largest distance from a "      \
       "reference point to its nearest neighbour")                                                  \
     X(SCALE, scale, CHOICE, ALIGN, "", 0, 0, VOR_SCALE_FIXED, "fixed free",                        \
-      "Whether the cloud may be scaled. fixed: the cloud keeps its scale, because both clouds "    \
-      "have the same unit; free: register also finds the scale, which is reliable only if both "   \
+      "Whether the cloud may be scaled. fixed: the cloud keeps its scale (right if both clouds "   \
+      "have the same unit); free: register also finds the scale, which is reliable only if both "  \
       "clouds show the whole object")                                                              \
     X(OVERLAP, overlap, REAL_OR_AUTO, ALIGN, "", 0.1, 1, VOR_UNSET, "",                            \
-      "Share of the cloud that has a counterpart in the reference. auto: the process register "    \
-      "computes the share from the distances")                                                     \
+      "Share of the cloud that has a counterpart in the reference. auto: the share is computed "   \
+      "from the distances")                                                                        \
     VOR_EXTRA_PARAMETERS(X)
 
 enum vor_parameter {
@@ -439,20 +442,20 @@ struct vor_artefact_info {
       "Spreads exactly the requested number of points evenly over the surface of the input")       \
     X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,               \
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
-      "Removes the noise and outliers of the input, then spreads as many points as the input "     \
-      "has, or the requested number, evenly over its surface")                                     \
+      "Removes the noise and outliers of the input, then spreads points evenly over its "          \
+      "surface: the requested number or, by default, as many as the input has")                    \
     X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
       VOR_CLOUD_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
-      "Spreads four times as many points as the input has, or the requested number, evenly over "  \
-      "the surface of the input")                                                                  \
+      "Spreads points evenly over the surface of the input: the requested number or, by "          \
+      "default, four times as many as the input has")                                              \
     X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
-      "Spreads exactly the requested number of points, at most as many as the input has, evenly "  \
-      "over the surface of the input")                                                             \
+      "Spreads points evenly over the surface of the input: exactly the requested number, which "  \
+      "cannot be larger than the number of points of the input")                                   \
     X(MEASURE, measure, 1, VOR_IN(READ) | VOR_IN(MEASURE), 0, 0, 0, VOR_CLOUD_AND_REFERENCE_IN,    \
       VOR_MEASURE_OUT, "Measure a point cloud",                                                    \
-      "Measures how evenly a cloud is spread and, with a reference, how far the two clouds are "   \
-      "apart")                                                                                     \
+      "Measures how evenly a cloud is spread and, if a reference is given, how far apart the "     \
+      "cloud and the reference are")                                                               \
     X(INSPECT, inspect, 1, VOR_IN(READ) | VOR_IN(INPUT), 0, 0, 0, VOR_CLOUD_IN, VOR_INSPECT_OUT,   \
       "Inspect a point cloud",                                                                     \
       "Describes a cloud: its parts, spacing, noise, layers, sharp edges, borders and holes")      \

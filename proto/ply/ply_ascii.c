@@ -86,7 +86,7 @@ static vor_status bad_number(const struct vor_ply_body *body, const struct vor_p
         vor_fail(err, VOR_E_FORMAT, "%s of row %zu is \"%s\", want a number of type %s%s", name,
                  row, shown, type,
                  memchr(token.at, ',', token.length) != NULL
-                     ? ": separate numbers by blanks, and use a point for decimals"
+                     ? ": separate numbers by blanks, and write decimals with a point"
                      : "");
     return vor_ply_at(err, offset_of(body, token), VOR_E_FORMAT);
 }
@@ -202,8 +202,8 @@ static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned proper
 
     if (extra.length == 0)
         return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT, "row %zu has more than its %u properties: \"%s\"", row, properties,
-             vor_quote(shown, sizeof shown, extra.at, extra.length));
+    vor_fail(err, VOR_E_FORMAT, "row %zu has more values than its %u properties: \"%s\"", row,
+             properties, vor_quote(shown, sizeof shown, extra.at, extra.length));
     return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
 }
 

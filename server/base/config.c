@@ -406,9 +406,10 @@ static vor_status check_role(struct vor_config *config, struct vor_error *err)
         (strncmp(config->text[VOR_SET_STORE], "postgres", 8) == 0 &&
          strncmp(config->text[VOR_SET_BLOBS], "s3:", 3) == 0))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, "role",
-                          "role is api or worker, but only daemons that share their jobs can have "
-                          "one: give --store postgresql://... and --blobs s3:..., or --role all");
+    return vor_fail_param(
+        err, VOR_E_PARAM, "role",
+        "role is api or worker, but these roles are only for daemons that share "
+        "their jobs: give --store postgresql://... and --blobs s3:..., or --role all");
 }
 
 static vor_status check_callers(const struct vor_config *config, struct vor_error *err)

@@ -32,7 +32,7 @@ enum vor_setting_kind {
       "File with settings, one \"name = value\" per line. Flags and environment variables "        \
       "override the file. Default: " VOR_CONFIG_PLACE " if it exists")                             \
     X(CHECK_CONFIG, "check-config", FLAG, "", 0, 1, "0",                                           \
-      "Check the settings, report every error and exit")                                           \
+      "Check the settings and report every error, then exit")                                      \
     X(LISTEN, "listen", TEXT, "HOST:PORT", 0, 0, "127.0.0.1:8080",                                 \
       "Address to listen on. With port 0 the daemon picks a free port and logs it; unix:/PATH "    \
       "is a Unix socket")                                                                          \
@@ -40,8 +40,9 @@ enum vor_setting_kind {
       "Which users may connect to the Unix socket of --listen: its owner (0600), its group "       \
       "(0660) or all users (0666)")                                                                \
     X(ADMIN_LISTEN, "admin-listen", TEXT, "HOST:PORT", 0, 0, "",                                   \
-      "Separate address that serves only /livez, /readyz and /metrics. This address has its own "  \
-      "thread and responds even while the main address is overloaded. Default: none")              \
+      "Separate address that serves only /livez, /readyz and /metrics. A thread of its own "       \
+      "serves this address, so the daemon responds here even while the main address is "           \
+      "overloaded. Default: none")                                                                 \
     X(ADMIN_ANYWHERE, "admin-anywhere", FLAG, "", 0, 1, "0",                                       \
       "Allow an --admin-listen address that other machines can reach")                             \
     X(DATA, "data", TEXT, "DIR", 0, 0, "",                                                         \
@@ -73,8 +74,8 @@ enum vor_setting_kind {
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
       "Largest amount of memory that one job may use. 0: --memory divided by --jobs")              \
     X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
-      "Longest time that a job may run. A job that would take four times as long is refused. 0: "  \
-      "no limit")                                                                                  \
+      "Longest time that a job may run. A job that would take four times as long as this "         \
+      "setting is refused. 0: no limit")                                                           \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest size of an upload, before and after decompression")                                 \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
@@ -82,22 +83,24 @@ enum vor_setting_kind {
     X(RESULT_TTL, "result-ttl", TIME, "seconds", 1, 31536000, "86400",                             \
       "Time after which the results of a job are deleted")                                         \
     X(KEEP_INPUTS, "keep-inputs", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Largest total size of uploads that are kept as long as their results. If the total "        \
-      "exceeds this size, uploads of the jobs that ended first are deleted first. 0: no upload "   \
-      "is kept")                                                                                   \
+      "Largest total size of the uploads that the daemon keeps until the results of their jobs "   \
+      "expire. If all of them together exceed this size, they are deleted, starting with those "   \
+      "of the job that ended first. 0: no upload is kept")                                         \
     X(RESULTS_BYTES, "results-bytes", BYTES, "bytes", 0, 1e15, "0",                                \
       "Largest total size of results that are kept. If the total exceeds this size, results of "   \
-      "the jobs that ended first are deleted first. 0: half of the disk of --blobs")               \
+      "the jobs that ended first are deleted first. 0: half the size of the disk that holds the "  \
+      "folder --blobs")                                                                            \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "Time after which files in the folder lost/ of --blobs are deleted. Files of jobs that "     \
-      "are missing from a damaged --store are moved to this folder")                               \
+      "Time after which files in the folder lost/ of --blobs are deleted. Files of jobs that a "   \
+      "damaged --store lacks are moved to this folder")                                            \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
       "Largest total size of the files in the folder lost/ of --blobs. If the total exceeds "      \
       "this size, the oldest files are deleted first")                                             \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
-      "Size of a file in the folder of the job store that keeps disk space free. When the disk "   \
-      "is full, the daemon gives this space up, so that jobs can still be finished and deleted. "  \
-      "An upload is refused if it would leave less free space than this size")                     \
+      "Size of the reserve file, which keeps disk space free in the folder of the job store. "     \
+      "When the disk is full, the daemon gives this space up, so that jobs can still be "          \
+      "finished and deleted. An upload is refused if it would leave less free space than this "    \
+      "size")                                                                                      \
     X(PUBLIC_URL, "public-url", TEXT, "URL", 0, 0, "",                                             \
       "URL at which clients reach the daemon; links in responses begin with it. Default: the "     \
       "scheme, host and path that a trusted proxy sends, else http:// and the Host header")        \
@@ -114,8 +117,8 @@ enum vor_setting_kind {
     X(CORS_ORIGIN, "cors-origin", TEXT, "LIST", 0, 0, "",                                          \
       "Origins of web pages that may use the daemon, separated by commas")                         \
     X(API_KEYS, "api-keys", TEXT, "FILE", 0, 0, "",                                                \
-      "File with API keys; the command voronoid key NAME makes its lines. With this setting, "     \
-      "all requests under /v1 need a key. SIGHUP reloads the file")                                \
+      "File with API keys, one in each line. To get a line for a new key, run: voronoid key "      \
+      "NAME. With this setting, all requests under /v1 need a key. SIGHUP reloads the file")       \
     X(NO_AUTH, "no-auth", FLAG, "", 0, 1, "0",                                                     \
       "Allow requests without a key, even if other machines can reach the daemon directly or "     \
       "through a proxy")                                                                           \
@@ -125,9 +128,9 @@ enum vor_setting_kind {
       "daemon closes the connections that have been idle longest. 32 more are reserved for "       \
       "health checks")                                                                             \
     X(ADDRESS_CONNECTIONS, "address-connections", COUNT_OF, "connections", 0, 100000, "128",       \
-      "Largest number of open connections per client, which is an IPv4 address or an IPv6 /64 "    \
-      "network. This limit does not apply to this machine and to --trusted-proxy. 0: no limit "    \
-      "for any client")                                                                            \
+      "Largest number of open connections per client (a client is one IPv4 address or one IPv6 "   \
+      "/64 network). Clients on this machine and proxies in --trusted-proxy have no such limit. "  \
+      "0: no limit for any client")                                                                \
     X(STREAMS, "streams", COUNT_OF, "streams", 1, 100000, "512",                                   \
       "Largest number of open event streams")                                                      \
     X(HEADER_TIMEOUT, "header-timeout", TIME, "seconds", 0.1, 3600, "10",                          \
@@ -138,25 +141,25 @@ enum vor_setting_kind {
       "Time limit for an upload")                                                                  \
     X(BODY_IDLE, "body-idle", TIME, "seconds", 0.1, 3600, "30", "Longest pause in an upload")      \
     X(BODY_RATE, "body-rate", BYTES, "bytes/s", 0, 1e12, "16K",                                    \
-      "Lowest average speed of an upload that takes longer than --body-idle")                      \
+      "Lowest average speed allowed for an upload that takes longer than --body-idle")             \
     X(REPLY_RATE, "reply-rate", BYTES, "bytes/s", 0, 1e12, "4K",                                   \
-      "Lowest average speed at which a client may read a response (not an event stream), if "      \
-      "reading takes longer than --body-idle")                                                     \
+      "If a client reads a response for longer than --body-idle, it must read at least at this "   \
+      "average speed. Event streams have no such limit")                                           \
     X(HEARTBEAT, "heartbeat", TIME, "seconds", 0.1, 3600, "15",                                    \
-      "Interval at which an event stream without events sends a keep-alive line")                  \
+      "Interval at which a keep-alive line is sent on an event stream that has no events to send") \
     X(DRAIN_DELAY, "drain-delay", TIME, "seconds", 0, 3600, "0",                                   \
       "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
       "balancers can stop sending new ones")                                                       \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time that running jobs have to finish after SIGTERM and --drain-delay. Jobs that do not "   \
-      "finish in this time run again after the next start")                                        \
+      "Time that running jobs have to finish after SIGTERM and --drain-delay. Jobs that are not "  \
+      "finished by then run again after the next start")                                           \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
       "Draco files that the daemon accepts. any: all files that the Draco library can read; "      \
       "strict: only point clouds of bitstream 2.3 without metadata, which need less code of the "  \
       "library")                                                                                   \
     X(ALLOW_WEAK_SANDBOX, "allow-weak-sandbox", FLAG, "", 0, 1, "0",                               \
-      "Start even if the kernel does not support seccomp. The sandbox of the processes that "      \
-      "decode uploads then has only limits of memory and time")                                    \
+      "Start even if the kernel does not support seccomp. Uploads are then decoded in a sandbox "  \
+      "that has only limits on memory and time")                                                   \
     X(LOG_LEVEL, "log-level", CHOICE, "debug info warn error off", 0, 0, "info",                   \
       "Lowest level of messages in the log. The log has one JSON object per line and goes to "     \
       "standard error")

@@ -49,8 +49,8 @@ static vor_status read_scopes(struct vor_principal *out, const char *text, size_
         scope = scope_of(text + at, word);
         if (scope == VOR_SCOPES)
             return vor_fail_param(err, VOR_E_PARAM, "scopes",
-                                  "the scopes are \"%s\", want some of read, submit and admin, "
-                                  "with commas between",
+                                  "the scopes are \"%s\", want one or more of read, submit and "
+                                  "admin, separated by commas",
                                   vor_quote(shown, sizeof shown, text, length));
         out->scopes |= 1u << scope;
         at += word + 1;

@@ -278,7 +278,7 @@ vor_status vor_log_sink_start(struct vor_error *err)
     return alive ? VOR_OK
                  : vor_fail(err, VOR_E_NOMEM,
                             "cannot start the thread that writes the log: too little memory, or a "
-                            "limit on processes");
+                            "limit on the number of processes");
 }
 
 void vor_log_sink_stop(double seconds)

@@ -13,8 +13,8 @@
  *  ("" for a count of things), labels in their order with blanks between, sentence. */
 #define VOR_METRIC_TABLE(X)                                                                        \
     X(BUILD, "build_info", GAUGE, "", "version engine simd",                                       \
-      "Always 1. The labels identify the build: engine is a digest of the sources of the "         \
-      "computation, simd names the vector instructions that are used")                             \
+      "Always 1. The labels identify the build: the label engine is a digest of the source code "  \
+      "of the computation, and the label simd says which vector instructions are used")            \
     X(HTTP_REQUESTS, "http_requests_total", COUNTER, "", "route method code",                      \
       "Requests that have ended, by status of the response (499: the client disconnected)")        \
     X(HTTP_SECONDS, "http_request_duration_seconds", TIMES, "seconds", "route",                    \
@@ -27,7 +27,7 @@
     X(HTTP_BYTES_IN, "http_request_bytes_total", COUNTER, "bytes", "",                             \
       "Bytes of request bodies received")                                                          \
     X(HTTP_BYTES_OUT, "http_response_bytes_total", COUNTER, "bytes", "",                           \
-      "Bytes of response bodies sent")                                                             \
+      "Number of bytes sent in response bodies")                                                   \
     X(REJECTED, "rejected_total", COUNTER, "", "reason",                                           \
       "Error responses, by type of the problem (the last part of its URL)")                        \
     X(CONNECTIONS, "connections", GAUGE, "", "", "Open connections")                               \
@@ -79,10 +79,10 @@
       "Bytes of stored uploads and results. A file that several jobs share counts once for each "  \
       "of these jobs")                                                                             \
     X(STORE_SECONDS, "store_operation_duration_seconds", TIMES, "seconds", "driver op",            \
-      "Time of the statements of the job database, including the time that they wait for the "     \
-      "lock of the database and for the disk")                                                     \
+      "Time that statements of the job database take, including waits for the database lock and "  \
+      "for the disk")                                                                              \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
-      "Failed statements of the job database")                                                     \
+      "SQL statements that failed in the job database")                                            \
     X(BLOB_SECONDS, "blob_operation_duration_seconds", TIMES, "seconds", "driver op",              \
       "Time of each try of a request to the storage of files on another machine (S3)")             \
     X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "", "Requests to S3 that were sent again")  \

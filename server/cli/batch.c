@@ -113,8 +113,7 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
 
         if (strcmp(input, "-") == 0 || base[0] == '\0')
             return vor_fail(err, VOR_E_PARAM,
-                            "%s has no file name after which the result in "
-                            "%s could be named",
+                            "%s has no file name, so the result in %s cannot be named after it",
                             input[0] != '\0' ? input : "an empty input",
                             cli->option[VOR_OPTION_OUTPUT]);
         results[i].input = input;

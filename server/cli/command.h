@@ -27,8 +27,8 @@ enum {
       "there under the name of its input. inspect and measure write to stdout by default")         \
     X(INTO, "output", 'o', "OUT", "", VOR_COMMAND_FETCHES,                                         \
       "File for one result, or - for stdout. If OUT is a folder (DIR/), all results are written "  \
-      "there: the results of a job named bunny.ply as bunny.resample.ply and bunny.report.json. "  \
-      "Default: ./")                                                                               \
+      "there. For example, the results of a job named bunny.ply are written to "                   \
+      "bunny.resample.ply and bunny.report.json. Default: ./")                                     \
     X(FORCE, "force", 'f', "", "", VOR_COMMAND_RUNS | VOR_COMMAND_FETCHES,                         \
       "Overwrite existing files, but never an input")                                              \
     X(RESULT, "result", 0, "NAME", "", VOR_COMMAND_FETCHES,                                        \
@@ -40,19 +40,18 @@ enum {
       "List only jobs with these statuses, separated by commas: accepted, running, successful, "   \
       "failed, dismissed")                                                                         \
     X(SERVER, "server", 0, "URL", "VORONOID_SERVER", VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,        \
-      "URL of the daemon to use. Without this option, processes run on this machine without a "    \
-      "daemon; other commands connect to the address in VORONOID_LISTEN or to "                    \
-      "http://127.0.0.1:8080")                                                                     \
+      "URL of the daemon to use. Without this option, processes such as resample run on this "     \
+      "machine, without a daemon; other commands connect to the address in VORONOID_LISTEN or "    \
+      "to http://127.0.0.1:8080")                                                                  \
     X(API_KEY_FILE, "api-key-file", 0, "FILE", "VORONOID_KEY_FILE",                                \
       VOR_COMMAND_REMOTE | VOR_COMMAND_ASKS,                                                       \
-      "File that has the API key for the daemon on its first line. Default: the key in "           \
-      "VORONOID_KEY")                                                                              \
+      "File with the API key for the daemon in its first line. Default: the key in VORONOID_KEY")  \
     X(SCOPES, "scopes", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
       "Scopes of the key, separated by commas: read, submit, admin. Default: submit,read")         \
     X(QUOTAS, "quotas", 0, "LIST", "", VOR_COMMAND_KEYS,                                           \
-      "Quotas of the key, separated by commas: jobs=N, the number of jobs that wait or run "       \
-      "(16); rate=N, the number of jobs started per second (10); bytes=N, the bytes of stored "    \
-      "inputs and results; points=N, the points of an input")                                      \
+      "Quotas of the key, separated by commas: jobs=N, at most N jobs that wait or run (default "  \
+      "16); rate=N, at most N jobs started per second (default 10); bytes=N, at most N bytes of "  \
+      "stored inputs and results; points=N, at most N points in an input")                         \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \
@@ -61,11 +60,11 @@ enum {
       "Number of threads for computations on this machine, 0 to 256. 0: one thread per core. "     \
       "Default: 0")                                                                                \
     X(JSON, "json", 0, "", "", VOR_COMMAND_TELLS,                                                  \
-      "Print JSON, one object per line: an object for each job or file, or the progress records "  \
-      "and then the report. The objects go to stdout, or to stderr if the result goes to "         \
-      "stdout. inspect prints a single document")                                                  \
+      "Print JSON, one object per line: either one object for each job or file, or one for each "  \
+      "progress record and a last one for the report. The objects go to stdout, or to stderr if "  \
+      "the result goes to stdout. inspect prints a single document")                               \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "Print no progress and no summary. jobs and submit print only IDs")                          \
+      "Print no progress and no summary. the commands jobs and submit print only IDs")             \
     X(HELP, "help", 'h', "", "", ~0u, "Print this help")
 
 enum vor_option {

@@ -455,7 +455,7 @@ vor_status vor_conn_guard_start(struct vor_conn_guard **out, const struct vor_co
         release(guard);
         return vor_fail(err, VOR_E_NOMEM,
                         "cannot start the thread that watches connections: too little memory, or a "
-                        "limit on processes");
+                        "limit on the number of processes");
     }
     *out = guard;
     return VOR_OK;

@@ -186,9 +186,9 @@ vor_status vor_http_start(struct vor_http *http, struct vor_error *err)
 {
     http->daemon = start_daemon(http, http->fd);
     if (http->daemon == NULL)
-        return vor_fail(
-            err, VOR_E_NOMEM,
-            "cannot start the HTTP threads: too little memory, or a limit on processes");
+        return vor_fail(err, VOR_E_NOMEM,
+                        "cannot start the HTTP threads: too little memory, or a limit on the "
+                        "number of processes");
     http->fd = -1;
     return VOR_OK;
 }

@@ -34,7 +34,7 @@ static vor_status open_server(struct postgres_store *store, const char *where, i
     status = vor_postgres_hold(store->server, &held, err);
     if (status == VOR_OK && !held) {
         *holder = -1;
-        return vor_fail(err, VOR_E_IO, "another daemon uses the job store");
+        return vor_fail(err, VOR_E_IO, "another daemon is already using the job store");
     }
     return status == VOR_OK ? vor_postgres_prepare_schema(store->server, err) : status;
 }
@@ -82,7 +82,7 @@ static vor_status check(struct vor_store *store, int *is_lost, struct vor_error 
 
     *is_lost = status == VOR_OK && !held;
     if (*is_lost)
-        return vor_fail(err, VOR_E_IO, "another daemon uses the job store");
+        return vor_fail(err, VOR_E_IO, "another daemon is already using the job store");
     if (status != VOR_OK)
         return status;
     return vor_sql_query(vor_sql_of(store), vor_sql_take_number, &rows, err,

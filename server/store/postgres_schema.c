@@ -109,9 +109,10 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
                       "");
 
     if (status == VOR_OK && found < 0)
-        return vor_fail(err, VOR_E_IO,
-                        "the job store: the table \"job\" of this database is another program's; "
-                        "choose an empty schema or database");
+        return vor_fail(
+            err, VOR_E_IO,
+            "the job store: the table \"job\" of this database belongs to another program; "
+            "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
         made = vor_postgres_run(
             db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);",

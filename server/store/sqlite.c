@@ -84,7 +84,7 @@ static vor_status check(struct vor_store *store, int *is_lost, struct vor_error 
     vor_status status;
 
     if (vor_sqlite_broken(((struct sqlite_store *)store)->file))
-        status = vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
+        status = vor_fail(err, VOR_E_IO, "the job store cannot be used because its disk failed");
     else
         status = vor_sql_query(vor_sql_of(store), vor_sql_take_number, &rows, err,
                                "SELECT seq FROM job LIMIT 1", "");

@@ -204,7 +204,7 @@ static struct vor_sqlite *of_sql(struct vor_sql *db)
 
 static vor_status refuse(struct vor_error *err)
 {
-    return vor_fail(err, VOR_E_IO, "the job store cannot be used since its disk failed");
+    return vor_fail(err, VOR_E_IO, "the job store cannot be used because its disk failed");
 }
 
 static vor_status change(struct vor_sql *sql_db, struct vor_sql_changing *changing,

@@ -106,7 +106,7 @@ static const char *what_of(const struct vor_codec_order *order)
 
 static vor_status too_long(const struct run *run, struct vor_error *err)
 {
-    return vor_fail(err, blame(run), "%s took more than %u seconds of CPU time, the limit",
+    return vor_fail(err, blame(run), "%s exceeded the limit of %u seconds of CPU time",
                     what_of(run->order), seconds_for(run->order->size));
 }
 

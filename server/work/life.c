@@ -176,16 +176,16 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
 
         runner->worker = worker;
         if (vor_machine_thread(&runner->thread, "vor-runner", runner_main, runner) != 0)
-            return vor_fail(
-                err, VOR_E_NOMEM,
-                "cannot start %u threads that run jobs: too little memory, or a limit on processes",
-                worker->config.jobs);
+            return vor_fail(err, VOR_E_NOMEM,
+                            "cannot start %u threads that run jobs: too little memory, or a limit "
+                            "on the number of processes",
+                            worker->config.jobs);
         worker->runner_count++;
     }
     if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)
         return vor_fail(err, VOR_E_NOMEM,
                         "cannot start the thread that deletes expired jobs: too little memory, or "
-                        "a limit on processes");
+                        "a limit on the number of processes");
     worker->sweeper_started = 1;
     return VOR_OK;
 }

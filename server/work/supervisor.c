@@ -174,7 +174,7 @@ static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
     while (i < VOR_SEATS && worker->seat[i].taken)
         i++;
     if (i == VOR_SEATS)
-        return vor_fail(err, VOR_E_IO, "more than %d jobs run at the same time", VOR_SEATS);
+        return vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time", VOR_SEATS);
     worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
     atomic_store(&worker->board->asked[i], VOR_CONTINUE);
     atomic_store(&worker->board->showing[i].sequence,

@@ -109,9 +109,9 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
     vor_child_kill(child);
     (void)vor_child_wait(child, &end, end_seconds);
     if (end.status == VOR_STATION_NO_POOL)
-        return vor_fail(
-            err, VOR_E_NOMEM,
-            "cannot start the threads of the worker: too little memory, or a limit on processes");
+        return vor_fail(err, VOR_E_NOMEM,
+                        "cannot start the threads of the worker: too little memory, or a limit on "
+                        "the number of processes");
     describe_end(how, &end);
     return vor_fail(err, VOR_E_IO, "the worker process cannot be started: %s", how);
 }

@@ -86,11 +86,11 @@ refused 'equal names', ['resample', $a, $b, $twin, @request, '-fo', "$out/"], 2,
 my $drc = spew("$folder/b.drc", 'x');
 refused 'names that a format makes equal', ['resample', $b, $drc, @request, '--format=ply', '-fo', "$out/"], 2,
     "the results of $b and $drc would have the same file name, $out/b.ply";
-refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- has no file name after which the result in $out/ could be named";
+refused 'an input without a name', ['resample', $a, '-', @request, '-fo', "$out/"], 2, "- has no file name, so the result in $out/ cannot be named after it";
 refused 'a name whose suffix no format has', ['resample', $a, $odd, @request, '-fo', "$out/"], 2,
     "the result of $odd cannot be written: the suffix of the output is .1, want one of .ply, .drc, or give --format";
 refused 'a folder as an input', ['resample', $a, "$folder/sub/", @request, '-fo', "$out/"], 2,
-    "$folder/sub/ has no file name after which the result in $out/ could be named";
+    "$folder/sub/ has no file name, so the result in $out/ cannot be named after it";
 refused 'a folder in one that is not there', ['resample', $a, $b, @request, '-fo', "$out/x/"], 1,
     "$out/x/ cannot be made: No such file or directory";
 

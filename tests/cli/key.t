@@ -24,7 +24,7 @@ my (undef, $bounded, $root) = run(['key', 'root', '--scopes', 'admin', '--quotas
 like $bounded, qr/\Aroot:admin:[0-9a-f]{64}:jobs=3,rate=0\.5\n\z/, 'scopes and quotas are in it';
 for my $case (
     [[], qr/no name/], [['a', 'b'], qr/one operand too many/], [['a b'], qr/the name is "a b", want 1 to 64/],
-    [['a', '--scopes', 'write'], qr/the scopes are "write", want some of read, submit and admin/],
+    [['a', '--scopes', 'write'], qr/the scopes are "write", want one or more of read, submit and admin/],
     [['a', '--quotas', 'jobs=0'], qr/a quota is "jobs=0", want jobs=a whole number from 1/],
 ) {
     my ($arguments, $message) = @$case;

@@ -59,7 +59,7 @@ like $help, qr/env:\s+VORONOID_SERVER/, 'it shows environment variables';
 my (undef, $of_resample) = run(['resample', '--help']);
 my ($basic, $advanced) = $of_resample =~ /\nParameters of the request[^\n]*:\n(.*)\nAdvanced parameters[^\n]*:\n(.*)/s;
 like $basic, qr/--points VALUE\n      Number of points of the result\. /, 'the help begins with basic parameters';
-like $advanced, qr/--grading VALUE\n      Largest change of the distance\b/, 'the advanced ones are under a heading of their own';
+like $advanced, qr/--grading VALUE\n      How fast the distance between\b/, 'the advanced ones are under a heading of their own';
 unlike $basic, qr/--grading/, 'and there alone';
 like $of_resample, qr/\nPresets:\n  even .*: points=10000\n/, 'the help lists the presets';
 unlike $of_measure, qr/preset/i, 'that of a process without any does not speak of them';

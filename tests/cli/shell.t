@@ -53,7 +53,7 @@ subtest 'the topics' => sub {
         for ['body-limit', '1G'], ['points-limit', '50000000'];
     like $resample, qr/^ {6}1 to 10000000 points$/m, 'the tables: ten million points of a result';
     like $upsample, qr/--$_->[0] VALUE\n(?: {6}\S.*\n)*? {6}.*default $_->[1]$/m, "the tables: $_->[0] is $_->[1] of upsample" for [ratio => 4], [iterations => 1];
-    like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(16\);\s+rate=N,[^(]*per\s+second\s+\(10\)/, 'the tables: quotas';
+    like printed('key', '--help'), qr/that\s+wait\s+or\s+run\s+\(default\s+16\);\s+rate=N,[^(]*per\s+second\s+\(default\s+10\)/, 'the tables: quotas';
     like printed('help', 'metrics'), qr/^  voronoid_queue_jobs\n      gauge by state[.] /m, 'help metrics has what /metrics has';
     is printed('help', $_->[0]), printed('help', $_->[1]), "help $_->[0] is help $_->[1]" for ['backup', 'data'], ['nginx', 'proxies'];
 };

@@ -181,7 +181,7 @@ like json($unknown)->{detail}, qr/^input is job:$id: there is no such job/, 'whi
 for my $bad ('', 'job:', "job:${id}0", $id, 'file:/etc/passwd', 'job:../x') {
     my $refused = $daemon->post("$quick&input=$bad", '');
     is_problem($refused, 400, 'invalid-parameter', "input=$bad is refused");
-    like json($refused)->{detail}, qr/^input is "\Q$bad\E", want job: and the ID/, 'with what it may be';
+    like json($refused)->{detail}, qr/^input is "\Q$bad\E", want job:ID, with/, 'with what it may be';
 }
 is_problem($daemon->post("$quick&input=job:" . id_of($rerun), $cloud), 400, 'invalid-parameter',
     'input and a body together are refused');

@@ -99,7 +99,7 @@ my $line = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty 
     . "property float z\nend_header\n" . join('', map { "$_ 0 0\n" } 1 .. 9);
 my $flat = $daemon->post('/v1/resample?points=5', $line);
 refused($flat, 422, 'degenerate-cloud', qr/./, 'points on a line');
-refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/none of the input.s \d+ points has one/,
+refused($daemon->post('/v1/resample?points=10&inputNormals=use', $cloud), 422, 'unusable-normals', qr/none of the input.s \d+ points has a normal/,
     'normals to be used that are not there');
 refused($daemon->post('/v1/resample?points=10&density=attribute:height', $cloud), 422, 'unusable-density',
     qr/no attribute height; its scalars are none/, 'a density that is not there');

@@ -33,7 +33,7 @@ is $report->{status}, 'successful', 'a job runs';
 is ask('daemons', "SELECT status FROM job"), 'successful', 'and stands in the database';
 my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", '--store', $uri);
 is $status, 75, 'a second daemon finds the store taken';
-like $text, qr/another daemon uses the job store/, 'and says so';
+like $text, qr/another daemon is already using the job store/, 'and says so';
 
 my $long = $daemon->submit('points=2000&iterations=200', $cloud);
 ok wait_until(sub { $daemon->status($long) eq 'running' }), 'a job runs';
@@ -58,7 +58,7 @@ is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', '
 ask('postgres', 'CREATE DATABASE other');
 ask('other', 'CREATE TABLE job (id int)');
 for my $case (
-    ["postgresql://voronoid:secret-word\@127.0.0.1:$port/other", qr/table "job" of this database is another program's/],
+    ["postgresql://voronoid:secret-word\@127.0.0.1:$port/other", qr/table "job" of this database belongs to another program/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:$port/none", qr/database "none" does not exist/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:1/daemons", qr/Connection refused/],
     ['postgres:nonsense=1', qr/invalid connection option "nonsense"/], ['postgre:secret-word', qr/store is "postgre:...", want sqlite:PATH or postgres:URI/]

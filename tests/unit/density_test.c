@@ -111,7 +111,7 @@ VT_TEST(what_is_no_density_is_refused_with_the_names_there_or_the_first_point)
     vt_assert_fails(VOR_E_DENSITY, with_value(0, 0, weight));
     ck_assert_str_eq(
         vt_err.message,
-        "attribute weight is 0 at all 100 points, want a value above 0 at one point at least");
+        "attribute weight is 0 at all 100 points, want a value above 0 at one or more points");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:height"));
     ck_assert_str_eq(vt_err.message, "the input has no attribute height; its scalars are weight");
     vt_assert_fails(VOR_E_DENSITY, with_value(1, 1, "attribute:normal"));

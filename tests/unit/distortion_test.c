@@ -183,7 +183,8 @@ VT_TEST(no_points_and_a_reference_in_one_place_are_refused)
     make(&cloud, 2, two, NULL);
     make(&reference, 3, same, NULL);
     vt_assert_fails(VOR_E_DEGENERATE, measure(&d, &cloud, &reference));
-    ck_assert_str_eq(vt_err.message, "the reference has 1 distinct point of 3, want at least 2");
+    ck_assert_str_eq(vt_err.message,
+                     "the reference has 3 points at the same position, want at least 2 positions");
     cloud.n = 0;
     vt_assert_fails(VOR_E_DEGENERATE, measure(&d, &cloud, &reference));
     cloud.n = 2;

@@ -141,7 +141,7 @@ VT_TEST(a_wrong_line_is_named_with_its_reason)
         {"alice:submit\n", "line 1: the line has fewer than two colons"},
         {":submit:" ALPHA, "line 1: the name is \"\", want 1 to 64 letters"},
         {"al ice:submit:" ALPHA, "the name is \"al ice\""},
-        {"alice::" ALPHA, "the scopes are \"\", want some of read, submit and admin"},
+        {"alice::" ALPHA, "the scopes are \"\", want one or more of read, submit and admin"},
         {"alice:submit,:" ALPHA, "the scopes are \"submit,\""},
         {"alice:write:" ALPHA, "the scopes are \"write\""},
         {"alice:open:" ALPHA, "the scopes are \"open\""},

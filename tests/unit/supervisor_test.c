@@ -445,9 +445,8 @@ VT_TEST(a_worker_whose_threads_do_not_start_is_an_error)
 
     vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
     vt_assert_fails(VOR_E_NOMEM, vor_supervisor_create(&supervisor, &config, &vt_err));
-    ck_assert_str_eq(
-        vt_err.message,
-        "cannot start the threads of the worker: too little memory, or a limit on processes");
+    ck_assert_str_eq(vt_err.message, "cannot start the threads of the worker: too little memory, "
+                                     "or a limit on the number of processes");
     config.kind = UNFIT;
     vt_assert_fails(VOR_E_INTERNAL, vor_supervisor_create(&supervisor, &config, &vt_err));
     ck_assert_str_eq(

@@ -42,7 +42,7 @@ vor_status vor_submit_options_take(struct vor_submit_options *out, const char *n
             vor_uuid_parse(&out->input, value + length, strlen(value) - length))
             return VOR_OK;
         return vor_fail_param(err, VOR_E_PARAM, "input",
-                              "input is \"%s\", want job: and the ID of a job",
+                              "input is \"%s\", want job:ID, with the ID of a job",
                               vor_quote(quoted, sizeof quoted, value, strlen(value)));
     }
     *taken = 0;
