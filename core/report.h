@@ -92,8 +92,8 @@ struct vor_record {
 
 extern const struct vor_members vor_record_members;
 
-/** Sets the members best of a record that was written before records had them: what would have been
- *  handed back was not written, its delta, sigma and epsilon become NAN. */
+/** Sets the members best of a record that was written before records had them: what would have
+ * been handed back was not written, its delta, sigma and epsilon become NAN. */
 void vor_record_unknown_best(struct vor_record *record);
 
 /** Why a run ended: identifier, word in the report. */
@@ -216,7 +216,7 @@ struct vor_stage_done {
       "density")                                                                                   \
     X(REAL, density_span, "density.span", "",                                                      \
       "Ratio of the 95th to the 5th percentile of the density on the surface, after the "          \
-      "parameters contrast and grading were applied")                                              \
+      "parameters `contrast` and `grading` were applied")                                          \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest target spacing")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest target spacing")    \
     X(OPTIONAL, has_metric, "metric", "",                                                          \
@@ -268,8 +268,8 @@ struct vor_stage_done {
       "Distances from points of the input to the nearest point of the result. Points at the "      \
       "same position count once; outliers that were ignored do not count. Points that were "       \
       "moved within their grid cell are measured from their new position. If there are more "      \
-      "than 200000 points, only 200000 of them are measured, taken at equal steps along a curve "  \
-      "through the input: mean and rms are then estimates, and max is a lower bound")              \
+      "than 200000 points, only 200000 of them are measured, taken at equal steps along a "        \
+      "space-filling curve; mean and rms are then estimates, and max is a lower bound")            \
     X(APART, out_to_ref, "out_to_ref", "",                                                         \
       "Distances from all points of the result to the nearest input point. The same input "        \
       "points are used as for ref_to_out: ignored outliers do not count, and points that were "    \
@@ -282,7 +282,7 @@ struct vor_stage_done {
       "Histogram of the number of input points per local surface in the last step. Each entry "    \
       "has two members: neighbors, a number of input points, and points, the number of result "    \
       "points with a surface that was fitted to that many input points. Entries are sorted by "    \
-      "their member neighbors. The numbers of points add up to points.out")                        \
+      "their member `neighbors`. The numbers of points add up to points.out")                      \
     X(U64, held, "held", "points",                                                                 \
       "Number of points that were prevented from moving beyond the border in the last iteration")  \
     X(U64, held_ever, "held_ever", "points",                                                       \
@@ -295,7 +295,7 @@ struct vor_stage_done {
       "Number of points that did not move in the last iteration, because no surface could be "     \
       "fitted")                                                                                    \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
-      "Area of the surface. If the request has the parameter spacing, this is the area from "      \
+      "Area of the surface. If the request has the parameter `spacing`, this is the area from "    \
       "which the number of points was computed; else it is the sum of the areas of all Voronoi "   \
       "cells of the result")                                                                       \
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
@@ -357,10 +357,10 @@ struct vor_stage_done {
     X(U64, mesh_unsure, "mesh.unsure", "",                                                         \
       "Number of triangles that possibly connect two layers of the surface (sheets) by mistake, "  \
       "because the sheets cross or are too close together. A triangle is counted if the surface "  \
-      "that was fitted at one corner passes another corner at more than a fifth of the distance "  \
-      "between the two corners. If no sheets of the input are close together, the rule is "        \
-      "another: a triangle is counted if one of its edges is longer than the distance from an "    \
-      "end of this edge to another sheet")                                                         \
+      "fitted at one corner misses another corner by more than a fifth of the distance between "   \
+      "the two corners. If no sheets of the input are close together, the rule is another: a "     \
+      "triangle is counted if one of its edges is longer than the distance from an end of this "   \
+      "edge to another sheet")                                                                     \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out: triangles where two sheets meet, triangles that "   \
       "intersect other triangles, and triangles that are then no longer connected to the mesh. "   \
@@ -370,8 +370,8 @@ struct vor_stage_done {
     X(REAL, mesh_seconds, "mesh.seconds", "s", "Time to make the triangles")                       \
     VOR_REGISTRATION_TABLE(X)                                                                      \
     X(OPTIONAL, has_baselines, "baselines", "",                                                    \
-      "Results of simple methods on the same input; present only with baselines=true, unless "     \
-      "the run only filtered the input or the caller stopped it")                                  \
+      "Results of simple methods on the same input; present with baselines=true, but not if the "  \
+      "run only filtered the input or was stopped by the caller")                                  \
     X(BASELINE, kmeans, "baselines.kmeans", "", "The method kmeans, 35 iterations")                \
     X(BASELINE, random, "baselines.random", "", "Points of the input, chosen at random")           \
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
@@ -380,9 +380,9 @@ struct vor_stage_done {
       "Points of the input that were chosen by farthest-point sampling, which always adds the "    \
       "point that is farthest from its nearest chosen point")                                      \
     X(SPEC, parameters, "parameters", "",                                                          \
-      "Parameters of the request. If the request has ratio or spacing, the parameter points has "  \
-      "the number computed from it. A parameter that was auto has the value that the run used "    \
-      "instead; neighbors has the value that was used most often")
+      "Parameters of the request. If the request has ratio or spacing, the value of points is "    \
+      "the number computed from that parameter. A parameter that was auto has the value that "     \
+      "the run used instead; neighbors has the value that was used most often")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -498,7 +498,7 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
     X(LOOP_WHY, why, "why", "",                                                                    \
       "Why the loop is of this kind: where the surface lies, seen from the loop")                  \
     X(REAL, turns, "turns", "",                                                                    \
-      "Number of turns that the loop makes around the gap, measured along the surface: 1 for a "   \
+      "How many full turns the direction of the loop makes, measured along the surface: 1 for a "  \
       "hole in a plane, 0 for the end of a tube, -1 for the outer border of a plane. A loop "      \
       "with 0.3 turns or more is a hole")
 
@@ -514,7 +514,7 @@ struct vor_loop_told {
 
 /** What a cloud is like. Lengths are in the unit of the cloud. */
 #define VOR_INSPECT_TABLE(X)                                                                       \
-    X(TEXT, format, "format", "", "Format of the file, as in the parameter format")                \
+    X(TEXT, format, "format", "", "Format of the file, as in the parameter `format`")              \
     X(BOX, bounds, "bounds", "", "Axis-aligned bounding box of all points")                        \
     X(VECTOR, origin, "origin", "unit of the cloud", "Origin of the positions in the file")        \
     X(COLUMNS, attributes, "attributes", "", "Attributes of the points besides positions")         \
@@ -546,7 +546,8 @@ struct vor_loop_told {
       "Root mean square distance from points to the local surface fitted to them: median over "    \
       "512 places")                                                                                \
     X(U32, neighbors, "neighbors", "points",                                                       \
-      "With neighbors=auto, to how many input points a local surface is fitted in most regions")   \
+      "With neighbors=auto: number of input points that a local surface is fitted to in most "     \
+      "regions")                                                                                   \
     X(VECTOR, lattice, "lattice", "unit of the cloud",                                             \
       "Step of the grid to which the coordinates were rounded (0 if no grid was found)")           \
     X(ANSWERED, lattice_matters, "lattice.matters", "",                                            \

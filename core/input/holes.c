@@ -18,10 +18,11 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
             return vor_fail_param(err, VOR_E_HOLES, "holes",
                                   "holes contains %.0f, but the input has no border loops", id);
         if (id > (double)loops->count)
-            return vor_fail_param(err, VOR_E_HOLES, "holes",
-                                  "holes contains %.0f, want numbers of border loops from 1 to "
-                                  "%zu; run inspect to list the loops with their numbers",
-                                  id, loops->count);
+            return vor_fail_param(
+                err, VOR_E_HOLES, "holes",
+                "holes contains %.0f, but the border loops are numbered from 1 to "
+                "%zu; run inspect to list them",
+                id, loops->count);
         chosen[(size_t)id - 1] = 1;
     }
     return VOR_OK;

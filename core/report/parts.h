@@ -1,5 +1,5 @@
-/** Parts of a report: tables of their own that members of its tables are made of. Included through
- *  core/report.h. */
+/** Parts of a report: tables of their own that members of its tables are made of. Included
+ * through core/report.h. */
 #ifndef VOR_REPORT_PARTS_H
 #define VOR_REPORT_PARTS_H
 
@@ -71,8 +71,8 @@ enum vor_oriented {
       "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface, with any value of the parameter neighbors. In "           \
-      "these parts, the result may be farther from the surface than the input")                    \
+      "Noise hides parts of the surface, with any value of the parameter `neighbors`. In these "   \
+      "parts, the result may be farther from the surface than the input")                          \
     X(NOT_RESTORED, "lattice",                                                                     \
       "No point was moved: either no grid was found, or the grid cells are smaller than a tenth "  \
       "of the spacing")
@@ -173,7 +173,7 @@ enum vor_hole_outcome {
     X(HOLE_OUTCOME, outcome, "outcome", "",                                                        \
       "What happened to the loop. filled: it was filled; rim: it is an outer border, and "         \
       "holes=auto fills only holes; too-long: it is longer than the parameter holeMax; "           \
-      "not-chosen: its number is not in the parameter holes; not-closed: no surface was found "    \
+      "not-chosen: its number is not in the parameter `holes`; not-closed: no surface was found "  \
       "that closes it, another part of the input is in the way, or time ran out")                  \
     X(REAL, length, "length", "unit of the cloud", "Length of the loop")                           \
     X(VECTOR, centre, "centre", "unit of the cloud",                                               \
@@ -205,8 +205,8 @@ struct vor_hole_told {
       "Number of gaps: places of the surface that are farther than 0.64 spacings from the "        \
       "nearest point")                                                                             \
     X(U64, open, object "open", "points",                                                          \
-      "Number of points without a closed Voronoi cell, such as points along a border. eta, gap "   \
-      "and wide leave these points out")
+      "Number of points without a closed Voronoi cell, such as points along a border. These "      \
+      "points do not count in the members `eta`, `gap` and `wide`")
 
 /** Why the pose of a registered cloud may be wrong: identifier, word. */
 #define VOR_DOUBT_TABLE(X)                                                                         \
@@ -253,7 +253,7 @@ struct vor_runner_up {
       "Root mean square of the distances from points of the moved cloud to the surface of the "    \
       "reference. The points are evenly spread over the region where the two clouds overlap")      \
     X(REAL, pose_mse, "registration.mse", "unit of the reference^2",                               \
-      "Mean square distance: the square of the member rms, in squared units of the reference")     \
+      "Mean square distance: the square of the member `rms`, in squared units of the reference")   \
     X(REAL, pose_overlap, "registration.overlap", "",                                              \
       "Share of the cloud's surface that lies on the reference")                                   \
     X(REAL, pose_covered, "registration.covered", "",                                              \
@@ -273,8 +273,8 @@ struct vor_runner_up {
       "the clouds overlaps")                                                                       \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
-      "in the reference's coordinates (0,0,0 unless the member reason is free-slide or "           \
-      "free-turn)")                                                                                \
+      "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
+      "free-slide nor free-turn")                                                                  \
     X(REAL, pose_score, "registration.score", "",                                                  \
       "Score of the pose (higher is better): the mean of two shares, of the cloud that lies on "   \
       "the reference and of the reference that lies on the cloud; lower if the surfaces are "      \
@@ -296,7 +296,7 @@ struct vor_runner_up {
     X(REAL, six_share, "six_share", "", "Share of the points that have six Voronoi neighbours")    \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \
       "Distances from the input to the points that this method made, computed like the member "    \
-      "ref_to_out of the report")
+      "`ref_to_out` of the report")
 
 struct vor_baseline {
     VOR_BASELINE_TABLE(VOR_FIELD)

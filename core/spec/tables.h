@@ -118,8 +118,8 @@ enum vor_method_choice {
  * default. Choices are words with blanks between. */
 #define VOR_PARAMETER_TABLE(X)                                                                     \
     X(POINTS, points, COUNT, TARGET, "points", 1, 10000000, VOR_UNSET, "",                         \
-      "Number of points of the result. A request may have only one of the parameters points, "     \
-      "ratio and spacing")                                                                         \
+      "Number of points of the result. A request may have only one of the parameters `points`, "   \
+      "`ratio` and `spacing`")                                                                     \
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
       "Number of points of the result, divided by the number of points of the input. If a "        \
       "process has a default for this parameter, the default applies only to requests with "       \
@@ -133,7 +133,7 @@ enum vor_method_choice {
       "points attract them; ear: edge-aware resampling (Huang 2013), which first moves points "    \
       "onto the surface, but away from sharp edges, then inserts points up to the edges; "         \
       "kmeans: a baseline that moves each point to the mean of the input points nearest to it. "   \
-      "A polish (see the parameter polish) follows cvt, wlop and ear, but not kmeans. The "        \
+      "A polish (see the parameter `polish`) follows cvt, wlop and ear, but not kmeans. The "      \
       "result of kmeans is denser where the input is denser, and cannot have more points than "    \
       "the input")                                                                                 \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
@@ -148,10 +148,10 @@ enum vor_method_choice {
       "proportional to density^(-1/4)")                                                            \
     X(CONTRAST, contrast, REAL, SPREAD, "", 1, 100, 4, "",                                         \
       "Ratio of the largest to the smallest distance between neighbours. The parameter has an "    \
-      "effect only if the parameter density is not uniform")                                       \
+      "effect only if the parameter `density` is not uniform")                                     \
     X(GRADING, grading, REAL, SPREAD, "", 0.001, 1, 0.2, "",                                       \
       "How fast the distance between neighbours may change along the surface: largest change "     \
-      "per unit of length. The parameter has an effect only if the parameter density is not "      \
+      "per unit of length. The parameter has an effect only if the parameter `density` is not "    \
       "uniform")                                                                                   \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
@@ -169,7 +169,7 @@ enum vor_method_choice {
       "gives hexagonal cells, 8 gives square cells")                                               \
     X(CELLS, cells, CHOICE, SPREAD, "", 0, 0, VOR_CELLS_METRIC, "metric euclid",                   \
       "Kind of distance used to compute the Voronoi cells. metric: the distance that the "         \
-      "parameter metric defines; euclid: the Euclidean distance, as in Chen 2018. With "           \
+      "parameter `metric` defines; euclid: the Euclidean distance, as in Chen 2018. With "         \
       "cells=euclid, the energy is still computed in the metric, and there is no polish. "         \
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
@@ -229,13 +229,13 @@ enum vor_method_choice {
       "more")                                                                                      \
     X(SAMPLES, samples, COUNT_OR_AUTO, LOP, "points", 1, 10000000, VOR_UNSET, "",                  \
       "Number of points that method=ear starts with before it inserts more: projected points "     \
-      "or, with phases=insert, input points. If the result has at most this number of points, "    \
-      "none are inserted. auto: half the number of input points (with phases=insert, all of "      \
-      "them), but at most the number of points of the result")                                     \
+      "or, with phases=insert, input points. Points are inserted only if the result has more "     \
+      "points than this. auto: half the number of input points (with phases=insert, the full "     \
+      "number), or the number of points of the result if that is smaller")                         \
     X(GAPS, gaps, CHOICE, LOP, "", 0, 0, VOR_GAPS_KEEP, "keep fill",                               \
       "What method=ear does with gaps in the input that are wider than the distance between "      \
-      "input points. keep: it leaves them empty; fill: it inserts points into them, up to the "    \
-      "distance sigmaP from other points")                                                         \
+      "input points. keep: it leaves them empty; fill: it inserts points into them, each at "      \
+      "most sigmaP from another point")                                                            \
     X(BOUNDARY, boundary, CHOICE, SPREAD, "", 0, 0, VOR_BOUNDARY_KEEP, "keep free sites fill",     \
       "Treatment of the borders of the input, the lines where its surface ends. keep: no point "   \
       "moves beyond a border; free: points may move beyond a border; sites: the first points "     \
@@ -266,10 +266,10 @@ enum vor_method_choice {
       "each point onto a smooth surface fitted around it; thin: drops points until no two are "    \
       "closer together than a limit: the mean distance from a point to its three nearest "         \
       "neighbours. If a request has the filter mls or outliers, but none of the parameters "       \
-      "points, ratio and spacing, its result is the filtered input: the points of the input in "   \
-      "their order, with their attributes. upsample never returns the filtered input itself, "     \
-      "because its parameter ratio always has a value. The process denoise applies outliers and "  \
-      "mls by default with method=cvt and method=kmeans")                                          \
+      "`points`, `ratio` and `spacing`, its result is the filtered input: the points of the "      \
+      "input in their order, with their attributes. upsample never returns the filtered input "    \
+      "itself, because its parameter `ratio` always has a value. The process denoise applies "     \
+      "outliers and mls by default with method=cvt and method=kmeans")                             \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \
@@ -289,8 +289,8 @@ enum vor_method_choice {
       "Order of the points in the result. spatial: most points come directly before or after "     \
       "one of their neighbours; progressive: for every N, the first N points are spread evenly")   \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
-      "Format of the result. Default: the format that the suffix of the output file or the "       \
-      "Accept header names; otherwise the format of the input")                                    \
+      "Format of the result. Default: the format given by the suffix of the output file or by "    \
+      "the Accept header, otherwise the format of the input")                                      \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
       "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: as many "  \
       "bits as keep the rounding step below 1/200 of the distance between neighbours")             \

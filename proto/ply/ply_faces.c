@@ -141,7 +141,7 @@ static vor_status check_type(const struct vor_ply_element *element, unsigned lis
 
     if (property->type != VOR_FLOAT32 && property->type != VOR_FLOAT64)
         return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT, "property %s of %s is a list of %s, want a type of integers",
+    vor_fail(err, VOR_E_FORMAT, "property %s of %s is a list of %s, want a list of integers",
              vor_quote(name, sizeof name, property->name, property->name_length),
              vor_quote(of, sizeof of, element->name, element->name_length),
              vor_type_name(property->type));

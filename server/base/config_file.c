@@ -113,7 +113,7 @@ vor_status vor_config_file_value(char *out, size_t size, const char *variable, c
     if (strlen(out) != got || has_control(out))
         return vor_fail(err, VOR_E_PARAM,
                         "%.60s: %.200s holds a control byte (such as a line break), want a single "
-                        "line without any",
+                        "line without control bytes",
                         variable, path);
     return VOR_OK;
 }

@@ -33,7 +33,7 @@ for my $server ([], ['--server', $daemon->{url}]) {
     is_deeply $one->{parameters}{holes}, [2], "$where: the request tells its number";
     ($code, $stdout, $stderr) = run([@fill, '--holes=1,9', @$server]);
     isnt $code, 0, "$where: a number that none has is refused";
-    like $stderr, qr/holes contains 9, want numbers of border loops from 1 to 2; run inspect to list the loops with their numbers/, "$where: with those there are";
+    like $stderr, qr/holes contains 9, but the border loops are numbered from 1 to 2; run inspect to list them/, "$where: with those there are";
 }
 my ($code, $stdout) = run(['inspect', "$folder/out.ply", '--json']);
 is decode_json($stdout)->{border}{loops}, 1, 'the hole that was not named is the last one in the result';

@@ -128,7 +128,7 @@ for my $case (
     refused($daemon->post("/v1/resample?points=10&$query", $cloud), 400, 'invalid-parameter', $detail, $name);
 }
 refused($daemon->post('/v1/resample?points=10&boundary=fill&holes=7', $cloud), 422, 'unknown-hole',
-    qr/holes contains 7, (?:but the input has no border loops|want numbers of border loops from 1 to)/, 'a hole that is not there');
+    qr/holes contains 7, (?:but the input has no border loops|but the border loops are numbered from 1 to)/, 'a hole that is not there');
 refused($daemon->post('/v1/resample?points=10&method=kmeans&edges=sites', $cloud), 400, 'invalid-parameter',
     qr/method=kmeans does not support edges=sites: use edges=ignore or method=cvt/, 'sites of a method that has none');
 my $job = json($flat)->{jobID};

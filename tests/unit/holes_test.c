@@ -251,7 +251,7 @@ VT_TEST_FIGURES(a_number_that_no_loop_has_is_refused, 0)
     vt_assert_fails(VOR_E_HOLES, try(&filled, &cloud, "holes", "1,3", 2));
     ck_assert_str_eq(vt_err.parameter, "holes");
     ck_assert_ptr_nonnull(
-        strstr(vt_err.message, "holes contains 3, want numbers of border loops from 1 to 2"));
+        strstr(vt_err.message, "holes contains 3, but the border loops are numbered from 1 to 2"));
     vor_cloud_free(&cloud);
     vt_cloud_sphere(&cloud, 1, N);
     vt_assert_fails(VOR_E_HOLES, try(&filled, &cloud, "holes", "1", 2));
