@@ -52,7 +52,7 @@ static int is_thick(const struct vor_domain *domain)
     return 1;
 }
 
-/* Takes every second point. */
+/* Takes every second point. Noise that asks for that hides sheets from one another. */
 static vor_status take(struct vor_domain *out, const struct vor_domain *in,
                        const struct vor_run *run, struct vor_error *err)
 {
@@ -71,6 +71,8 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
         memcpy(&domain.xyz[3 * i], &in->xyz[6 * i], 3 * sizeof *domain.xyz);
         domain.source[i] = in->source[2 * i];
     }
+    domain.known.sheets = domain.known.seek_sheets = domain.known.grown = 0;
+    domain.known.lists = VOR_LISTS_NONE;
     status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {
         vor_domain_free(&domain);
@@ -78,6 +80,24 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
     }
     *out = domain;
     return VOR_OK;
+}
+
+vor_status vor_domain_halve(struct vor_domain *out, const struct vor_domain *in,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_domain domain = {.n = 0};
+    vor_status status = VOR_OK;
+
+    if (in->n / 2 < LEAST)
+        return VOR_OK;
+    status = take(&domain, in, run, err);
+    if (status == VOR_OK)
+        status = vor_neighbors_choose(&domain.known.neighbors, &domain, run, err);
+    if (status == VOR_OK)
+        *out = domain;
+    else
+        vor_domain_free(&domain);
+    return status;
 }
 
 vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *in,
@@ -97,9 +117,6 @@ vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *i
         now = &domain;
     }
     if (status == VOR_OK && domain.n > 0 && !is_thick(&domain)) {
-        /* Noise as wide hides sheets from one another. */
-        domain.known.sheets = domain.known.seek_sheets = domain.known.grown = 0;
-        domain.known.lists = VOR_LISTS_NONE;
         status = vor_outliers_drop(&domain, &dropped, run, err);
         if (status == VOR_OK)
             status = vor_neighbors_choose(&domain.known.neighbors, &domain, run, err);

@@ -28,4 +28,15 @@
 VOR_NODISCARD vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *in,
                                             const struct vor_run *run, struct vor_error *err);
 
+/** Takes every second point of `in`, indexes them and chooses how many a fit takes. Leaves *out
+ *  untouched where too few would be left.
+ *
+ *  @param[out] out  free with vor_domain_free; untouched on failure
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
+ *
+ *  O(n log n), on the run's pool. The same points for any number of threads. */
+VOR_NODISCARD vor_status vor_domain_halve(struct vor_domain *out, const struct vor_domain *in,
+                                          const struct vor_run *run, struct vor_error *err);
+
 #endif

@@ -16,7 +16,7 @@
 struct bends {
     struct vor_lop_samples *data;
     const struct vor_domain *domain;
-    const unsigned char *flag;
+    const struct vor_lop_bends_how *how;
     uint32_t *left; /* of a region: points on edges */
 };
 
@@ -71,23 +71,23 @@ static void region_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     uint32_t flagged = 0;
 
     for (size_t i = begin; i < end; i++) {
-        flagged += bends->flag[i];
-        if (!bends->flag[i] || !fit_around(&surface, put, &off2, bends->domain, i))
+        flagged += bends->how->flag[i];
+        if (!bends->how->flag[i] || !fit_around(&surface, put, &off2, bends->domain, i))
             continue;
         fitted += off2;
         sides += vor_distance2f(&bends->domain->xyz[3 * i], &bends->data->xyz[3 * i]);
     }
     bends->left[begin / VOR_NOISY_REGION] = fitted < BENDS * sides ? 0 : flagged;
-    for (size_t i = begin; i < end && fitted < BENDS * sides; i++)
+    for (size_t i = begin; i < end && bends->how->put && fitted < BENDS * sides; i++)
         take_fit(bends, i);
 }
 
 vor_status vor_lop_bends(size_t *on_edges, struct vor_lop_samples *data,
-                         const struct vor_domain *domain, const unsigned char *flag,
+                         const struct vor_domain *domain, const struct vor_lop_bends_how *how,
                          const struct vor_run *run, struct vor_error *err)
 {
     size_t regions = vor_blocks_of(domain->n, VOR_NOISY_REGION);
-    struct bends bends = {data, domain, flag, vor_malloc(run->memory, regions, sizeof *bends.left)};
+    struct bends bends = {data, domain, how, vor_malloc(run->memory, regions, sizeof *bends.left)};
     vor_status status;
 
     if (bends.left == NULL)

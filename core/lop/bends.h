@@ -15,14 +15,19 @@
 #include "core/input/domain.h"
 #include "core/lop/samples.h"
 
+/** What to do about points that seem to lie on edges. */
+struct vor_lop_bends_how {
+    const unsigned char *flag; /**< n: 1 for those, else 0 */
+    int put;                   /**< move data; else regions are only counted */
+};
+
 /** Puts the data of regions that bend onto the surfaces fitted around them, with their normals; all
  *  others stay. A region is VOR_NOISY_REGION points (core/input/noisy.h) that follow
  *  each other in the domain.
  *
- *  @param[out]    on_edges  points with a flag in the regions that do not bend
+ *  @param[out]    on_edges  flagged points in the regions that do not bend
  *  @param[in,out] data      the points of the domain, smoothed
  *  @param[in]     domain    read: xyz, lists, neighbours
- *  @param[in]     flag      n: 1 for points that seem to lie on edges, else 0
  *  @param[in]     run       whole: it is not stopped
  *
  *  @retval VOR_E_NOMEM
@@ -30,7 +35,8 @@
  *  On the run's pool, a fit for each flagged point and each in a region that bends. The same points
  *  for any number of threads. */
 VOR_NODISCARD vor_status vor_lop_bends(size_t *on_edges, struct vor_lop_samples *data,
-                                       const struct vor_domain *domain, const unsigned char *flag,
+                                       const struct vor_domain *domain,
+                                       const struct vor_lop_bends_how *how,
                                        const struct vor_run *run, struct vor_error *err);
 
 #endif

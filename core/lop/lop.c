@@ -4,7 +4,6 @@
 #include "core/base/morton.h"
 #include "core/geom/patch.h"
 #include "core/input/coarsen.h"
-#include "core/input/edges.h"
 #include "core/input/lists.h"
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
@@ -13,6 +12,7 @@
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
 #include "core/lop/project.h"
+#include "core/lop/scale.h"
 #include "core/lop/strays.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
@@ -36,18 +36,11 @@ enum { BESIDE = 7 };
 /* Fewest points that others can be inserted between. */
 #define FEWEST 4
 
-/* Share of the input's points on edges below which it counts as having none, and is evened out as
- * by other methods: igea, bunny and a sphere have at most 0.13 % (input/edges.h), fandisk 10 %.
- * Igea of 30,000 points to 10,000, evened out with edges: delta 0.084, rms 9.5e-4. */
-#define EDGES_SHARE 0.005
 /* Part of the samples that sides are looked for as if there were no more, where the points are
  * means: one mean for each sample, then. Of 22,000 normals of an armadillo with noise (lop.h) 23
  * face inwards, 35 without means. By lists that walks make 62, at 0.125 / 1 37 / 24, and 1.3 / 3.5
  * CPU s more. */
 #define SIDES_SHARE 0.2
-/* Points in a square as large as the surface, of the gap that a dense input is thinned to first. */
-#define EDGES_POINTS 40000.0
-
 #define RADIANS 0.017453292519943295
 #define PI 3.141592653589793
 
@@ -168,10 +161,15 @@ static vor_status start(struct lop *lop, size_t n, struct vor_error *err)
     lop->reach = sigma_p(lop);
     if (!(lop->reach > 0))
         lop->reach = reach_of(lop);
-    if (status == VOR_OK && lop->reach < lop->spacing)
+    return status;
+}
+
+/* Says if points do not see each other. */
+static void warn_of_reach(const struct lop *lop)
+{
+    if (lop->reach < lop->spacing)
         vor_warn(lop->told->warnings, &lop->told->warnings_count, VOR_WARNING_SIGMA_P,
                  lop->reach * lop->domain->unit, lop->spacing * lop->domain->unit);
-    return status;
 }
 
 /* Puts a place onto the plane of a point whose neighbours end at a squared distance. */
@@ -296,6 +294,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     vor_status status = start(&lop, n, err);
 
     if (status == VOR_OK) {
+        warn_of_reach(&lop);
         lop.data = (struct vor_lop_samples){.n = lop.domain->n, .xyz = lop.domain->xyz};
         told->seconds_start = vor_run_clock(run) - before;
         status = project(&lop, vor_spec_polish(spec), err);
@@ -373,36 +372,6 @@ static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, stru
     return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, normal_block, &fitting, err);
 }
 
-static int is_smooth(size_t flagged, size_t n)
-{
-    return (double)flagged < EDGES_SHARE * (double)n;
-}
-
-/* Finds out whether the input has edges at all: of a dense one, some of its points say so. */
-static vor_status look_for_edges(struct lop *lop, struct vor_edges *out, struct vor_error *err)
-{
-    const struct vor_run whole = vor_run_unstoppable(lop->run);
-    struct vor_domain all = *lop->domain, few = {.n = 0};
-    struct vor_edges edges = {.n = 0};
-    vor_status status;
-
-    all.known.seek_sheets = 0; /* edges are found without lists */
-    all.known.lists = VOR_LISTS_NONE;
-    status = vor_domain_thin(&few, &all, sqrt(lop->area / EDGES_POINTS), &whole, err);
-    if (status == VOR_OK && few.n > 0)
-        vor_neighbors_fewer(&few.known.neighbors, (double)few.n / (double)all.n);
-    if (status == VOR_OK)
-        status = vor_edges_find(&edges, few.n > 0 ? &few : lop->domain, &whole, err);
-    if (status == VOR_OK)
-        lop->smooth = is_smooth(edges.flagged, edges.n);
-    if (few.n == 0 && !lop->smooth)
-        *out = edges;
-    else
-        vor_edges_free(&edges);
-    vor_domain_free(&few);
-    return status;
-}
-
 /* Points to project, of the n in the end. */
 static size_t samples_of(const struct lop *lop, size_t n)
 {
@@ -456,23 +425,52 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
     return vor_lop_insert(&lop->samples, n, &how, lop->domain, lop->told, lop->run, err);
 }
 
+/* Starts samples for n points and looks for edges; where noise hides them, starts again with fewer
+ * of the input's points. */
+static vor_status start_with_edges(struct lop *lop, size_t n, struct vor_edges *edges,
+                                   struct vor_error *err)
+{
+    const struct vor_run whole = vor_run_unstoppable(lop->run);
+    vor_status status = start(lop, samples_of(lop, n), err);
+
+    if (status != VOR_OK || lop->whole == &lop->coarse)
+        return status;
+    status = vor_lop_has_edges(&lop->smooth, edges, lop->domain, lop->area, &whole, err);
+    if (status == VOR_OK && lop->smooth && !only_inserts(lop))
+        status = vor_lop_find_scale(&lop->coarse, lop->input, lop->area, &whole, err);
+    if (status != VOR_OK || lop->coarse.n == 0)
+        return status;
+    vor_lop_samples_free(&lop->samples);
+    vor_domain_free(&lop->thin);
+    lop->means = 0;
+    lop->whole = lop->domain = &lop->coarse;
+    status = start(lop, samples_of(lop, n), err);
+    if (status != VOR_OK)
+        return status;
+    return vor_lop_has_edges(&lop->smooth, edges, lop->domain, lop->area, &whole, err);
+}
+
 /* Projects samples, and inserts points until there are n. */
 static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
 {
     double before = vor_run_clock(lop->run);
     const struct vor_run whole = vor_run_unstoppable(lop->run);
     struct vor_edges edges = {.n = 0};
-    size_t samples = samples_of(lop, n), on_edges;
-    vor_status status = start(lop, samples, err);
+    struct vor_lop_bends_how how;
+    size_t samples, on_edges = 0;
+    vor_status status = start_with_edges(lop, n, &edges, err);
 
-    if (status == VOR_OK && lop->whole == lop->input)
-        status = look_for_edges(lop, &edges, err);
+    samples = lop->samples.n;
+    if (status == VOR_OK)
+        warn_of_reach(lop);
     if (status == VOR_OK)
         status = find_normals(lop, samples, err);
-    if (status == VOR_OK && edges.n > 0)
-        status = vor_lop_bends(&on_edges, &lop->data, lop->domain, edges.flag, &whole, err);
-    if (status == VOR_OK && edges.n > 0)
-        lop->smooth = is_smooth(on_edges, edges.n);
+    if (status == VOR_OK && edges.n > 0) {
+        how.flag = edges.flag;
+        how.put = lop->whole == lop->input; /* noise as wide makes fits as good as the sides */
+        status = vor_lop_bends(&on_edges, &lop->data, lop->domain, &how, &whole, err);
+        lop->smooth = vor_lop_is_smooth(on_edges, edges.n);
+    }
     vor_edges_free(&edges);
     if (status == VOR_OK)
         status = vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err);

@@ -12,8 +12,9 @@
  *  the reach of the weights, where exp(-4) is left of the Gaussian that others use. For ear it is
  *  no less than the radius of the fits that the input's noise asks for (input/neighbors.h), one
  *  for all regions: noise that reaches beyond it stays in clusters of samples.
- *  Where not even the most neighbours of a fit show a surface, ear takes fewer of the input's
- *  points (input/coarsen.h), and its result is not attached to the input.
+ *  Where not even the most neighbours of a fit show a surface, or noise hides edges that show among
+ *  fewer points (lop/scale.h), ear takes fewer of the input's points (input/coarsen.h), and its
+ *  result is not attached to the input.
  *  Departure: the papers start from a random subset of the input. That follows its density, and so
  *  does the result, where that is uneven over more than sigma_p: igea, 30,000 points with one half
  *  20 times as dense, to 10,000: delta 0.45 (both), now 0.043 (wlop) and 0.037 (ear); three boxes
