@@ -36,8 +36,9 @@ static const struct vor_method methods[VOR_METHODS] = {
 
 /* A run of a process that spreads points. */
 struct engine {
-    const struct vor_cloud *given, *in; /* in: what is resampled, given or sampled */
-    struct vor_cloud sampled;           /* points of its faces, if the request says so */
+    const struct vor_cloud *given, *previous; /* previous: or NULL */
+    const struct vor_cloud *in;               /* what is resampled: given, or sampled */
+    struct vor_cloud sampled;                 /* points of its faces, if the request says so */
     struct vor_spec spec;
     struct vor_run run, whole; /* whole: for parts that a stop must not interrupt */
     struct vor_domain domain;
@@ -72,10 +73,10 @@ static vor_status place(struct engine *engine, struct vor_error *err)
 {
     unsigned method = (unsigned)engine->spec.value[VOR_PARAM_METHOD];
     size_t n = engine->target.n, share = vor_islands_share(&engine->domain, n);
-    vor_status status = VOR_OK;
+    vor_status status = vor_domain_continue(&engine->domain, engine->in, engine->previous, err);
 
     assert(method < VOR_METHODS);
-    if (share < n)
+    if (status == VOR_OK && share < n)
         status = vor_followed_make(&engine->domain, engine->in, n - share, &engine->spec,
                                    &engine->whole, err);
     if (status == VOR_OK && share < n)
@@ -149,6 +150,7 @@ static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
     struct engine engine = {.given = vor_artefacts_cloud(in, "cloud"),
+                            .previous = vor_artefacts_cloud(in, "previous"),
                             .spec = *spec,
                             .run = *run,
                             .whole = vor_run_unstoppable(run),

@@ -18,6 +18,7 @@
  *
  *  @retval VOR_E_TARGET     the number of points, given or from ratio or spacing, is out of range
  *                           (vor_spec_check_target)
+ *  @retval VOR_E_PARAM      the attribute track of the earlier result has unusable values
  *  @retval VOR_E_NORMALS    inputNormals is use, and the cloud has none, or some that are zero or
  *                           not finite
  *  @retval VOR_E_FACES      sample is faces, and the cloud has none with an area
@@ -39,6 +40,9 @@
  *
  *  With sample=faces the input is points drawn from its faces (core/cloud/faces.h), which take 12
  *  bytes each and their attributes besides.
+ *
+ *  With an earlier result, seeds start where its points were (seeds/warm_start.h); it takes 53
+ * bytes a point while they do.
  *
  *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
  *  neighbours on one sheet are made (input/lists.h) and 28 while they are, for meshes 450 (at worst

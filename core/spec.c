@@ -423,6 +423,21 @@ vor_status vor_spec_complete(struct vor_spec *spec, struct vor_error *err)
     return vor_spec_check(spec, err);
 }
 
+/* Checks a request with an earlier result, which only one method starts from. */
+static vor_status check_previous(const struct vor_spec *spec, unsigned inputs,
+                                 struct vor_error *err)
+{
+    const struct vor_artefact_info *of = spec->process->inputs,
+                                   *previous = vor_artefact_find(of, "previous");
+
+    if (previous == NULL || (inputs >> (previous - of) & 1) == 0 ||
+        (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT && !vor_spec_only_filters(spec)))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, "previous",
+                          "previous works only with method=cvt, and not where filters alone make "
+                          "the result");
+}
+
 vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
                                  struct vor_error *err)
 {
@@ -451,7 +466,7 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
                               "none",
                               info.name, SHOWN_SIZE, text, needed);
     }
-    return VOR_OK;
+    return check_previous(spec, inputs, err);
 }
 
 double vor_spec_target(const struct vor_spec *spec, uint64_t input)

@@ -8,6 +8,8 @@
 #include "core/seeds/repel.h"
 #include "core/seeds/start.h"
 
+#include <math.h>
+
 /* Places sites along borders or edges, and starts the other seeds beside them. */
 static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_domain *domain,
                                    size_t n, const struct vor_spec *spec, const struct vor_run *run,
@@ -31,6 +33,19 @@ static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_dom
     return status;
 }
 
+/* After a warm start: fewer iterations, none at a coherence of 1, and a polish of down to half as
+ * many steps. Without a polish all iterations are made. */
+static struct vor_spec shorten(const struct vor_spec *spec, double coherence)
+{
+    struct vor_spec out = *spec;
+
+    if (coherence > 0 && vor_spec_polish(spec) > 0) {
+        out.value[VOR_PARAM_ITERATIONS] = rint((1 - coherence) * vor_spec_iterations(spec));
+        out.value[VOR_PARAM_POLISH] = rint((1 - coherence / 2) * vor_spec_polish(spec));
+    }
+    return out;
+}
+
 vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
                        const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
@@ -40,6 +55,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_domain thin = {.n = 0}; /* of a dense input: most of the work is done on it */
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
+    struct vor_spec shorter;
     vor_status status =
         (sites ? start_with_sites : vor_start_seeds)(&seeds, domain, n, spec, run, err);
 
@@ -48,11 +64,12 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
+    shorter = shorten(spec, seeds.coherence);
     if (status == VOR_OK)
-        status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, spec, run, err)
-                                         : vor_lloyd_run(&seeds, told, spec, run, err);
+        status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
+                                         : vor_lloyd_run(&seeds, told, &shorter, run, err);
     if (status == VOR_OK)
-        status = vor_polish(&seeds, told, spec, run, err);
+        status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

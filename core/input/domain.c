@@ -341,8 +341,22 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
     return VOR_OK;
 }
 
+vor_status vor_domain_continue(struct vor_domain *domain, const struct vor_cloud *in,
+                               const struct vor_cloud *previous, struct vor_error *err)
+{
+    double middle[3];
+
+    if (previous == NULL)
+        return VOR_OK;
+    for (int c = 0; c < 3; c++)
+        middle[c] = in->origin[c] + domain->shift[c];
+    return vor_previous_take(&domain->previous, previous, middle, domain->unit, domain->memory,
+                             err);
+}
+
 void vor_domain_free(struct vor_domain *domain)
 {
+    vor_previous_free(&domain->previous);
     vor_tensors_free(&domain->tensors);
     vor_field_free(&domain->field);
     vor_graph_free(&domain->graph);

@@ -7,6 +7,7 @@
 #include "core/geom/graph.h"
 #include "core/input/conditioning.h"
 #include "core/input/field.h"
+#include "core/input/previous.h"
 #include "core/input/tensor.h"
 #include "core/knn/knn.h"
 
@@ -40,6 +41,8 @@ struct vor_domain {
                                         input only (input/density.h) */
     struct vor_tensors tensors;    /**< metric, where one was asked for; likewise
                                         (input/anisotropy.h) */
+    struct vor_previous previous;  /**< points of an earlier result, where they were given; of the
+                                        whole input only */
     struct vor_conditioning known; /**< of the input; a thinned domain has that of the whole, and
                                         sheets of its own */
 };
@@ -124,6 +127,14 @@ enum { VOR_DOMAIN_FEW = 200 };
 VOR_NODISCARD vor_status vor_domain_add(struct vor_domain *domain, const float *xyz,
                                         const uint32_t *source, size_t count,
                                         const struct vor_run *run, struct vor_error *err);
+
+/** Takes the points of an earlier result as domain->previous (vor_previous_take, which fails as
+ *  said there). Does nothing if previous is NULL.
+ *
+ *  @param[in] in  the cloud that the domain was made of */
+VOR_NODISCARD vor_status vor_domain_continue(struct vor_domain *domain, const struct vor_cloud *in,
+                                             const struct vor_cloud *previous,
+                                             struct vor_error *err);
 
 /** Frees the points and the index; domain may be all zero. */
 void vor_domain_free(struct vor_domain *domain);

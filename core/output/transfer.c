@@ -137,6 +137,21 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
     return status;
 }
 
+/* Adds the tracks, before an attribute of that name that the input may have. */
+static vor_status add_track(struct vor_cloud *out, const struct vor_seeds *seeds,
+                            struct vor_error *err)
+{
+    struct vor_attribute *to;
+    vor_status status;
+
+    if (seeds->track == NULL)
+        return VOR_OK;
+    status = vor_cloud_add_attribute(out, VOR_TRACK, VOR_GENERIC, VOR_UINT32, 1, &to, err);
+    if (status == VOR_OK)
+        memcpy(to->data, seeds->track, seeds->n * sizeof *seeds->track);
+    return status;
+}
+
 vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struct vor_seeds *seeds,
                         const struct vor_transfer_how *how, struct vor_error *err)
 {
@@ -164,7 +179,10 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     if (status != VOR_OK)
         goto done;
     place(&transfer, how->spacing);
-    status = vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, how->spec, err);
+    status = add_track(&cloud, seeds, err);
+    if (status == VOR_OK)
+        status =
+            vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, how->spec, err);
     if (status != VOR_OK)
         goto done;
     *out = cloud;

@@ -20,7 +20,7 @@ struct vor_transfer_how {
  *  (STEPS_PER_SPACING in transfer.c), else double. Attributes and normals are as the request says.
  *  Fitted normals point to the side that `sides` says. With normals=oriented the carried ones do,
  *  in float32 and as long as they are; a point whose nearest input point has none with a direction
- *  gets a fitted one.
+ *  gets a fitted one. Seeds with tracks give them as the attribute "track", the first one.
  *
  *  @param[out] out      initialised, empty; filled only when VOR_OK is returned
  *  @param[in]  in       the cloud that the domain was made of

@@ -3,6 +3,7 @@
 #include "core/base/stat.h"
 #include "core/input/islands.h"
 #include "core/seeds/uniformity.h"
+#include "core/seeds/warm_start.h"
 
 #include <string.h>
 
@@ -15,15 +16,18 @@
 struct counted {
     struct vor_counts counts;
     uint64_t indexed;
-    double area;
+    double area, coherence;
+    uint32_t unused;
 };
 
-static struct counted count(const struct vor_seeds *seeds)
+static struct counted count(const struct vor_seeds *seeds, const struct vor_domain *domain)
 {
-    struct counted counted = {.area = seeds->area};
+    struct counted counted = {
+        .area = seeds->area, .coherence = seeds->coherence, .unused = domain->previous.unused};
 
     if (seeds->n == 0)
         return counted;
+    counted.unused = seeds->unused;
     counted.counts = vor_seeds_counts(seeds);
     counted.indexed = seeds->point_lists.indexed;
     return counted;
@@ -40,17 +44,20 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
                             const struct vor_domain *domain, struct vor_seeds_policy policy,
                             const struct vor_run *run, struct vor_error *err)
 {
-    struct counted counted = count(seeds);
+    struct counted counted = count(seeds, domain);
     size_t moved = seeds->n;
-    int normals = seeds->normal != NULL;
+    int normals = seeds->normal != NULL, tracks = domain->previous.n > 0;
     float *xyz = vor_malloc(run->memory, moved + fixed.n, 3 * sizeof *xyz);
     float *normal = normals ? vor_calloc(run->memory, moved + fixed.n, 3 * sizeof *normal) : NULL;
+    uint32_t *track = tracks ? vor_malloc(run->memory, moved + fixed.n, sizeof *track) : NULL;
     vor_status status;
 
-    if (xyz == NULL || (normals && normal == NULL)) {
-        vor_free(run->memory, xyz);
+    if (xyz == NULL || (normals && normal == NULL) || (tracks && track == NULL)) {
+        VOR_FREE_ALL(run->memory, track, normal, xyz);
         return vor_fail(err, VOR_E_NOMEM, "%zu points", fixed.n);
     }
+    if (tracks && moved > 0)
+        memcpy(track, seeds->track, moved * sizeof *track);
     if (normals)
         memcpy(normal, seeds->normal, 3 * moved * sizeof *normal);
     if (moved > 0)
@@ -65,6 +72,12 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
         memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
         seeds->normal = normal;
         normal = NULL;
+        seeds->track = track;
+        track = NULL;
+        seeds->unused = counted.unused;
+        seeds->coherence = counted.coherence;
+        if (tracks)
+            vor_warm_start_number(seeds, moved);
         seeds->area = counted.area;
         seeds->indexed_before = counted.indexed;
         scratch->queries = counted.counts.queries;
@@ -72,7 +85,7 @@ static vor_status add_fixed(struct vor_seeds *seeds, struct fixed fixed,
         scratch->bisectors = counted.counts.bisectors;
         scratch->triangles = counted.counts.triangles;
     }
-    VOR_FREE_ALL(run->memory, normal, xyz);
+    VOR_FREE_ALL(run->memory, track, normal, xyz);
     return status;
 }
 
@@ -141,6 +154,8 @@ static void keep_far(struct vor_seeds *seeds, const float *distance2, float far2
     for (size_t i = 0; i < seeds->n; i++) {
         if (distance2[i] < far2 || (distance2[i] == far2 && equal > 0 && equal-- > 0))
             continue;
+        if (seeds->track != NULL)
+            seeds->track[kept] = seeds->track[i];
         memmove(&seeds->xyz[3 * kept++], &seeds->xyz[3 * i], 3 * sizeof *seeds->xyz);
     }
     seeds->n = kept;

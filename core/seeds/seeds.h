@@ -72,10 +72,15 @@ struct vor_seeds {
     double fence; /**< distance that others keep from those, so that none slips through between two;
                        with a density, times the value of the field there */
     struct vor_seeds_policy policy;
-    int sheets;    /**< fits look for layers: a domain that they are or were made on has sheets */
-    float *xyz;    /**< n x 3 */
-    float *normal; /**< n x 3: unit vectors outward, or 0 where there is none, if the method finds
-                        normals; else NULL */
+    int sheets;      /**< fits look for layers: a domain that they are or were made on has sheets */
+    float *xyz;      /**< n x 3 */
+    float *normal;   /**< n x 3: unit vectors outward, or 0 where there is none, if the method finds
+                          normals; else NULL */
+    uint32_t *track; /**< n: which points of a sequence they are, if there is an earlier result;
+                        else NULL */
+    uint32_t unused; /**< then the next number for a point that is born */
+    double coherence; /**< coherence of the request times the share of the seeds that live on from
+                           there; 0 if there is none */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     _Atomic double *foot; /**< of each point of the domain, room for those of the whole: spacing of

@@ -5,6 +5,7 @@
 #include "core/geom/integrate.h"
 #include "core/seeds/area.h"
 #include "core/seeds/hurried.h"
+#include "core/seeds/warm_start.h"
 
 #include <math.h>
 #include <string.h>
@@ -398,6 +399,8 @@ vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domai
         status = start_at_points(&areas, &done, err);
     if (status == VOR_OK && !done)
         status = start_in_cells(&areas, err);
+    if (status == VOR_OK && domain->previous.n > 0)
+        status = vor_warm_start(&to, spec->value[VOR_PARAM_COHERENCE], err);
     if (status != VOR_OK) {
         vor_seeds_free(&to);
         return status;

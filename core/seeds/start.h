@@ -29,7 +29,9 @@
  *  point to its neighbours gives the area of its stretch, and each of n equal parts of the running
  *  sum of these areas gives one of its own points. That takes a tenth of the time and ends no less
  *  even: for 5,000 of 110,000 points, half of them ten times as dense, delta after 20 iterations is
- *  0.066, with cells 0.069 (mean of six seeds). */
+ *  0.066, with cells 0.069 (mean of six seeds).
+ *
+ *  With an earlier result the seeds start where its points were (seeds/warm_start.h). */
 #ifndef VOR_SEEDS_START_H
 #define VOR_SEEDS_START_H
 
@@ -39,7 +41,7 @@
 /** Makes n seeds at their first positions, not indexed yet; out->area is the area of the surface.
  *
  *  @param[out] out   free with vor_seeds_free; untouched on failure
- *  @param[in]  spec  read: seed, boundary
+ *  @param[in]  spec  read: seed, boundary, coherence
  *
  *  @retval VOR_E_DEGENERATE no seed has a cell with area
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED; a stop does not interrupt it

@@ -251,6 +251,9 @@ enum vor_method_choice {
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
       "Treatment of the sharp edges of the input. ignore: no special treatment; sites: the "       \
       "first points are placed evenly along the edges and stay there")                             \
+    X(COHERENCE, coherence, REAL, SPREAD, "", 0, 1, 1, "",                                         \
+      "How much of the previous result is kept. 1: points move only as far as an even spread "     \
+      "needs; less: they move more, and the run makes more iterations; 0: all points are new")     \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
       "are used like all other points; drop: they are ignored; pull: they are moved onto the "     \
@@ -399,6 +402,14 @@ struct vor_artefact_info {
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
       "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
       "of the request or a part of a form"})
+/* A frame of a sequence of clouds, which may be its only one. */
+#define VOR_FRAME_IN                                                                               \
+    ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
+      "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
+      "of the request or a part of a form"},                                                       \
+     {"previous", VOR_ARTEFACT_CLOUD, 0,                                                           \
+      "Result for the frame before, in a sequence of clouds: points start where they were and "    \
+      "keep their number, in the attribute track. Over HTTP, it is a part of a form"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \
       "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
@@ -437,18 +448,18 @@ struct vor_artefact_info {
  * without the group TARGET), inputs, outputs, title, sentence. core/engine.c says which function
  * runs it. */
 #define VOR_PROCESS_TABLE(X)                                                                       \
-    X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,             \
+    X(RESAMPLE, resample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_FRAME_IN,             \
       VOR_CLOUD_OUT, "Resample a point cloud",                                                     \
       "Spreads exactly the requested number of points evenly over the surface of the input")       \
-    X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,               \
+    X(DENOISE, denoise, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 16, VOR_FRAME_IN,               \
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
       "Removes the noise and outliers of the input, then spreads points evenly over its "          \
       "surface: the requested number or, by default, as many as the input has")                    \
     X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
-      VOR_CLOUD_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
+      VOR_FRAME_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
       "Spreads points evenly over the surface of the input: the requested number or, by "          \
       "default, four times as many as the input has")                                              \
-    X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_CLOUD_IN,              \
+    X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_FRAME_IN,              \
       VOR_CLOUD_OUT, "Simplify a point cloud",                                                     \
       "Spreads points evenly over the surface of the input: exactly the requested number, which "  \
       "cannot be larger than the number of points of the input")                                   \
@@ -463,7 +474,7 @@ struct vor_artefact_info {
       "Convert a point cloud",                                                                     \
       "Writes a cloud, with its attributes and faces, in another format or in the same format. "   \
       "Positions do not change, except that the format may round them")                            \
-    X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_CLOUD_IN,      \
+    X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_FRAME_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
       "Spreads points as the process resample does, then joins them into a manifold triangle "     \
       "mesh that faces outward")                                                                   \
@@ -493,6 +504,7 @@ struct vor_artefact_info {
 /** Parameters that mean nothing without an optional input: parameter, name of the input. */
 #define VOR_NEED_TABLE(X)                                                                          \
     X(PEAK, "reference")                                                                           \
+    X(COHERENCE, "previous")                                                                       \
     VOR_EXTRA_NEEDS(X)
 
 /** One row of the table of processes. */

@@ -15,6 +15,7 @@
 #define RESTORE 36.0  /* of the input, what restore takes beside convert and the index: 36 */
 #define REGISTER 24.0 /* of each input, what register takes beside convert: 24 */
 #define SAMPLES 7e6   /* whatever the input, what register takes for samples and poses: 6e6 */
+#define PREVIOUS 65.0 /* of an earlier result, while points start from it: 53 to 65 */
 #define DOUBLES                                                                                    \
     24.0            /* of the input, where it may be doubles that are kept: convert 24 beside what \
                        attributes are reckoned with, denoise 36 */
@@ -134,7 +135,9 @@ uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
             continue;
         if (vor_spec_keeps_points(spec) && attributes >= 3 * (sizeof(double) - sizeof(float)))
             bytes += DOUBLES * points;
-        if (spec->process->methods != 0)
+        if (spec->process->methods != 0 && i > 0)
+            bytes += (PREVIOUS + attributes) * points;
+        else if (spec->process->methods != 0)
             bytes += of_spread(spec, points, attributes);
         else if (vor_process_takes(spec->process, VOR_PARAM_OUTLIERS))
             bytes += (INDEX + INSPECT + attributes) * points;

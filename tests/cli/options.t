@@ -109,8 +109,8 @@ refused 'a name cut short of a wrong value', ['resample', $in, @points, '-fo', $
     'resample: boundary is "open", want one of keep, free, sites, fill';
 refused 'an option of another command', ['measure', $in, '--listen', '127.0.0.1:1'], 2,
     'measure: no option --listen; see voronoid measure --help';
-refused 'an input of another command', ['resample', $in, @points, '-fo', $out, '--reference', $in], 2,
-    'resample: no option --reference; see voronoid resample --help';
+refused 'an input of another command', ['restore', $in, '-fo', $out, '--reference', $in], 2,
+    'restore: no option --reference; see voronoid restore --help';
 refused 'a parameter of another process', ['measure', $in, '--points', 5], 2,
     'measure: --points is an option of resample, denoise, upsample, simplify, mesh, not of measure';
 refused 'a letter of another process', ['measure', $in, '-n', 5], 2, 'measure: no option -n; see voronoid measure --help';

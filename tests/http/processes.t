@@ -78,7 +78,7 @@ my %names;
 for my $process (@listed) {
     my $described = json($daemon->get("/v1/processes/$process->{id}"));
     my %parameters = map { $_ => $described->{inputs}{$_} } grep { $described->{inputs}{$_}{'x-level'} } keys %{ $described->{inputs} };
-    is_deeply [grep { !$parameters{$_} } sort keys %{ $described->{inputs} }], [grep { /^(?:cloud|reference)$/ } sort keys %{ $described->{inputs} }],
+    is_deeply [grep { !$parameters{$_} } sort keys %{ $described->{inputs} }], [grep { /^(?:cloud|reference|previous)$/ } sort keys %{ $described->{inputs} }],
         "$process->{id}: every parameter has a level";
     is_deeply [grep { $parameters{$_}{'x-level'} !~ /^(?:basic|advanced)$/ || $parameters{$_}{title} eq $_ || !$parameters{$_}{'x-group'} }
         sort keys %parameters], [], 'one of the two, a title and a group';

@@ -1,0 +1,64 @@
+#include "core/input/previous.h"
+
+#include <float.h>
+#include <math.h>
+
+/* Leaves numbers for as many points as a cloud may have. */
+#define TRACK_MAX (UINT32_MAX - VOR_POINTS_MAX)
+
+static vor_status take_tracks(struct vor_previous *out, const struct vor_attribute *track,
+                              struct vor_error *err)
+{
+    for (size_t i = 0; i < out->n; i++) {
+        double value =
+            track != NULL ? vor_attribute_scalar(track, i * track->components) : (double)i;
+
+        if (!(value >= 0 && value <= (double)TRACK_MAX && value == floor(value)))
+            return vor_fail_param(err, VOR_E_PARAM, "previous",
+                                  "the " VOR_TRACK
+                                  " of point %zu of the previous cloud is %g, want "
+                                  "a whole number from 0 to %zu",
+                                  i, value, (size_t)TRACK_MAX);
+        out->track[i] = (uint32_t)value;
+        if (out->track[i] >= out->unused)
+            out->unused = out->track[i] + 1;
+    }
+    return VOR_OK;
+}
+
+vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *from,
+                             const double middle[3], double unit, struct vor_memory *memory,
+                             struct vor_error *err)
+{
+    struct vor_previous taken = {.memory = memory, .n = from->n};
+    vor_status status;
+
+    taken.xyz = vor_malloc(memory, taken.n, 3 * sizeof *taken.xyz);
+    taken.track = vor_malloc(memory, taken.n, sizeof *taken.track);
+    if (taken.xyz == NULL || taken.track == NULL) {
+        vor_previous_free(&taken);
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", from->n);
+    }
+    status = take_tracks(&taken, vor_cloud_find_name(from, VOR_TRACK), err);
+    if (status != VOR_OK) {
+        vor_previous_free(&taken);
+        return status;
+    }
+    for (size_t i = 0; i < taken.n; i++) {
+        double x[3];
+
+        vor_cloud_position(from, i, x);
+        for (size_t c = 0; c < 3; c++)
+            taken.xyz[3 * i + c] =
+                (float)fmax(-(double)FLT_MAX, fmin((x[c] - middle[c]) / unit, (double)FLT_MAX));
+    }
+    *out = taken;
+    return VOR_OK;
+}
+
+void vor_previous_free(struct vor_previous *previous)
+{
+    if (previous->memory != NULL)
+        VOR_FREE_ALL(previous->memory, previous->track, previous->xyz);
+    *previous = (struct vor_previous){.n = 0};
+}

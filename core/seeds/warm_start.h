@@ -1,0 +1,36 @@
+/** A warm start: seeds that begin where the points of an earlier result were.
+ *
+ *  Each point of that result is put onto the surface near it; it dies if the surface is too far
+ *  away. How many points there should be in each place is read off the first positions of a run
+ *  without an earlier result (seeds/start.h): each of these counts for the point nearest to it, and
+ *  those farther than a spacing from all points become points themselves. Then the points and what
+ *  counts for them are summed along the Morton curve. Where one sum is ahead of the other by
+ *  BALANCE, a point is born at the emptiest first position since the last such place, or the point
+ *  with the least room dies. In the end there are exactly as many points as asked for.
+ *
+ *  Source: none. Matching every point with one of the first positions also keeps the count, but
+ *  moves one point in thirty without need. */
+#ifndef VOR_SEEDS_WARM_START_H
+#define VOR_SEEDS_WARM_START_H
+
+#include "core/seeds/seeds.h"
+
+/** Moves seeds to the points of domain->previous that live on, and to those that are born, in
+ *  Morton order; sets their tracks and coherence. If none lives on, the seeds stay where they are.
+ *
+ *  @param[in,out] seeds  at the first positions of a run without an earlier result, not indexed
+ *                        yet; on failure at some of them
+ *  @param[in]     coherence  of the request, 0 .. 1; at 0 no point lives on
+ *
+ *  @retval VOR_E_NOMEM 37 bytes for each earlier point and 29 for each seed do not fit
+ *  @retval VOR_E_CANCELLED
+ *
+ *  O(n log n), on the run's pool. The same positions for any number of threads, unless the run is
+ *  late: then the points that are left die. */
+VOR_NODISCARD vor_status vor_warm_start(struct vor_seeds *seeds, double coherence,
+                                        struct vor_error *err);
+
+/** Gives seeds after the first `known` ones numbers that no point has had so far. */
+void vor_warm_start_number(struct vor_seeds *seeds, size_t known);
+
+#endif
