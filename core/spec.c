@@ -462,8 +462,8 @@ vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,
             continue;
         vor_spec_text(spec, parameter, text);
         return vor_fail_param(err, VOR_E_PARAM, info.name,
-                              "the parameter %s is %.*s, which needs a %s, but the request has "
-                              "none",
+                              "the parameter %s is %.*s, which needs a %s cloud, but the "
+                              "request has none",
                               info.name, SHOWN_SIZE, text, needed);
     }
     return check_previous(spec, inputs, err);

@@ -46,7 +46,7 @@ enum vor_level {
     X(HOLES, ADVANCED, "Holes to fill")                                                            \
     X(HOLE_MAX, ADVANCED, "Longest hole to fill")                                                  \
     X(EDGES, BASIC, "Sharp edges")                                                                 \
-    X(COHERENCE, ADVANCED, "Coherence with the previous result")                                   \
+    X(COHERENCE, ADVANCED, "Coherence of a sequence")                                              \
     X(OUTLIERS, BASIC, "Outliers")                                                                 \
     X(SAMPLE, ADVANCED, "Resampled part of a mesh")                                                \
     X(FILTERS, BASIC, "Filters")                                                                   \

@@ -108,7 +108,7 @@ subtest 'a peak that is none' => sub {
     is "$code$stdout$stderr", "2voronoid: measure: peak is empty, want a number from 1e-30 to 1e+30 or auto\n", 'nothing';
     ($code, $stdout, $stderr) = run(['measure', $pair[0], '--peak', 1023]);
     is "$code$stdout$stderr",
-        "2voronoid: measure: the parameter peak is 1023, which needs a reference, but the request has none: give --reference FILE too\n", 'no reference';
+        "2voronoid: measure: the parameter peak is 1023, which needs a reference cloud, but the request has none: give --reference FILE too\n", 'no reference';
     my (undef, $default) = run(['measure', @pair]);
     is((run(['measure', @pair, '--peak=auto']))[1], $default, 'auto is the default');
     is +(run(['measure', $pair[0], '--peak=auto']))[0], 0, 'and means nothing without a reference';

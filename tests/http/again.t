@@ -214,6 +214,17 @@ is_problem($daemon->post('/v1/resample', form(@quick, ['name', 'a'], ['name', 'b
     'invalid-parameter', 'nor two names');
 is_problem($daemon->post('/v1/resample?name=a', form(@quick, ['name', 'b'], ['file', $cloud, 'x']), @form), 400,
     'invalid-parameter', 'nor one in the query and one in the form');
+my $from = id_of($third);
+my $next = $daemon->post("$quick&previous=job:$from", $cloud);
+like $next->{content}, qr/^property uint track$/m, 'previous=job:ID starts from the result of that job';
+is $daemon->post('/v1/resample', form(@quick, $_, ['file', $cloud, 'x']), @form)->{content}, $next->{content}, 'so does a part of a form'
+    for ['previous', "job:$from"], ['previous', $third->{content}, 'p.ply'];
+is_problem($daemon->post("/v1/resample?previous=job:$from", form(@quick, ['previous', $cloud, 'p'], ['file', $cloud, 'x']), @form), 400,
+    'invalid-parameter', 'not both');
+my $runs = id_of($daemon->post($endless, $cloud, @async));
+is_problem($daemon->post("$quick&previous=job:$runs", $cloud), 404, 'result-not-ready', 'a job that has not ended has no result');
+$daemon->request('DELETE', "/v1/jobs/$runs");
+is_problem($daemon->post("$quick&previous=job:" . id_of($measured), $cloud), 404, 'no-such-output', 'nor has one that measures');
 require IO::Compress::Gzip;
 IO::Compress::Gzip::gzip(\$cloud, \my $gzipped);
 my $inflated = $daemon->post($quick, $gzipped, 'Content-Encoding' => 'gzip');

@@ -102,7 +102,7 @@ is_deeply { map { $_ => $info->{voronoid}{inputs}{$_}{points} } keys %{ $info->{
 is_deeply json($daemon->get("/v1/jobs/$id/results/measure")), json($both), 'with its result';
 refused(curl('/v1/measure', '-F', "reference=\@$ply"), 400, 'invalid-parameter', qr/^measure needs a cloud, but the request has none$/,
     'a reference without a cloud');
-refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^the parameter peak is 1, which needs a reference, but the request has none$/,
+refused(curl('/v1/measure?peak=1', '-F', "cloud=\@$ply"), 400, 'invalid-parameter', qr/^the parameter peak is 1, which needs a reference cloud, but the request has none$/,
     'a peak without a reference');
 my $rubbish = file('z.ply', 'rubbish');
 refused(curl('/v1/measure', '-F', "cloud=\@$ply", '-F', "reference=\@$rubbish"), 415, 'unsupported-format',
@@ -116,9 +116,9 @@ for my $case (
     ['a field twice', '', [[@points], [@points], [@cloud]], 400, qr/^points is given more than once$/],
     ['a file twice', '', [[@points], [@cloud], ['name="file"; filename="y"', $cloud]], 400, qr/^cloud is given more than once$/],
     ['an unknown field', '', [[@points], ['name="pionts"', 5], [@cloud]], 400,
-        qr/^unknown parameter "pionts" of resample; nearest: points, [\w, ]+; its files are cloud \(or file\)$/],
+        qr/^unknown parameter "pionts" of resample; nearest: points, [\w, ]+; its files are cloud \(or file\), previous$/],
     ['an unknown file', '', [[@points], ['name="mesh"; filename="x"', 'y' x 9999], [@cloud]], 400,
-        qr/^unknown parameter "mesh" of resample; nearest: .*; its files are cloud \(or file\)$/],
+        qr/^unknown parameter "mesh" of resample; nearest: .*; its files are cloud \(or file\), previous$/],
     ["another process's file", '', [[@points], ['name="reference"; filename="x"', 'y'], [@cloud]], 400, qr/^unknown parameter "reference" of /],
     ['a parameter as a file', '', [['name="points"; filename="points.txt"', 100], [@cloud]], 400, qr/^points is a file, want a text$/],
     ['a value out of range', '', [['name="points"', 0], [@cloud]], 400, qr/^points is 0, want a whole number from 1 to 10000000$/],

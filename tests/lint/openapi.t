@@ -48,7 +48,7 @@ my %description = map { $_ => json($daemon->get("/v1/processes/$_")) } @processe
 is_deeply [sort map { m{^POST /v1/(\w+)$} ? $1 : () } keys %operations], [sort @processes],
     'every process that is offered has a path of its own';
 my (%taken, %given);
-my %of_a_job = map { $_ => 1 } qw(name input); # what any job takes beside the parameters of its process
+my %of_a_job = map { $_ => 1 } qw(name input previous); # what any job takes beside the parameters of its process
 for my $process (@processes) {
     my $described = $description{$process};
     my $operation = $operations{"POST /v1/$process"} // next;

@@ -368,6 +368,6 @@ VT_TEST(a_peak_needs_a_reference)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 1, &vt_err));
     ck_assert_str_eq(
         vt_err.message,
-        "the parameter peak is 1023, which needs a reference, but the request has none");
+        "the parameter peak is 1023, which needs a reference cloud, but the request has none");
     ck_assert_str_eq(vt_err.parameter, "peak");
 }

@@ -265,7 +265,7 @@ VT_TEST(what_a_process_cannot_work_on_is_refused_and_leaves_nothing)
         {"measure", NULL, 0, "cloud", "measure needs a cloud, but the request has none"},
         {"measure", NULL, 2, "cloud", "measure needs a cloud, but the request has none"},
         {"measure", "2", 1, "peak",
-         "the parameter peak is 2, which needs a reference, but the request has none"},
+         "the parameter peak is 2, which needs a reference cloud, but the request has none"},
         {"resample", NULL, 3, "reference", "the process resample has no input reference"},
         {"resample", NULL, 2, "reference", "the process resample has no input reference"},
         {"resample", NULL, 0, "cloud", "resample needs a cloud, but the request has none"},

@@ -11,22 +11,27 @@
 /* --- submit_options.c ------------------------------------------------------------------------- */
 
 /** What a request says besides the parameters of its process: a name for the job, a job whose input
- * it wants again, and the key that makes one job of a request sent twice. */
+ * it wants again, one whose result it goes on from, and the key that makes one job of a request
+ * sent twice. */
 struct vor_submit_options {
     char name[VOR_JOB_NAME_SIZE]; /**< "" for none */
     struct vor_uuid input;        /**< the job whose input it is; "" when the body has it */
+    struct vor_uuid previous;     /**< the job whose result it is; "" when there is none, or a form
+                                       has it */
     struct vor_job_key
         key; /**< text is "" for none; the fingerprint is vor_submit_options_find's */
 };
 
 /** Takes the pair name=value if it is one of these and no parameter of a process: name (1 to 200
- *  characters of UTF-8 without control characters) and input (job:ID).
+ *  characters of UTF-8 without control characters), input and, if the process has an input of that
+ *  name, previous (job:ID both).
  *
  *  @param[out] taken  0 when the pair is something else; *out is then untouched
  *
  *  @retval VOR_E_PARAM the value is wrong; the message says it and what it may be */
-VOR_NODISCARD vor_status vor_submit_options_take(struct vor_submit_options *out, const char *name,
-                                                 const char *value, int *taken,
+VOR_NODISCARD vor_status vor_submit_options_take(struct vor_submit_options *out,
+                                                 const struct vor_process_info *process,
+                                                 const char *name, const char *value, int *taken,
                                                  struct vor_error *err);
 
 /** Sets whose the job and its key are, and reads the header Idempotency-Key: 1 to 255 visible
@@ -38,15 +43,17 @@ VOR_NODISCARD vor_status vor_submit_options_read_key(struct vor_submit_options *
                                                      const struct vor_request *request,
                                                      struct vor_error *err);
 
-/** True for the names of such pairs. */
-bool vor_submit_options_has(const char *name);
+/** True for the names of such pairs of a process. */
+bool vor_submit_options_has(const struct vor_process_info *process, const char *name);
 
-/** Opens the main input of the job that `input` names, as it came.
+/** Adds the inputs that are other jobs' as uploads: the main input of the job that `input` names,
+ *  as it came, and the cloud that is the result of the one that `previous` names.
  *
- *  @return the bytes as a new upload, to be discarded by the caller; NULL after a problem has been
- *          replied: no-such-job, job-expired or input-not-kept */
-struct vor_blob_writer *vor_submit_options_open(struct vor_app *app, struct vor_request *request,
-                                                const struct vor_submit_options *options);
+ *  @return false after a problem has been replied: no-such-job, job-expired, input-not-kept, those
+ *          of vor_result_missing, or an input that came with the request as well */
+bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
+                             const struct vor_submit_options *options,
+                             const struct vor_process_info *process, struct vor_uploads *uploads);
 
 /** The inputs of a request, by the SHA-256 of their bytes. */
 struct vor_submit_inputs {

@@ -247,7 +247,6 @@ static bool end_body(struct vor_app *app, struct vor_request *request,
                      struct submission *submission)
 {
     struct vor_submit_head *head = &submission->head;
-    struct vor_upload kept = {.name = head->spec.process->inputs[0].name};
 
     if (head->body == VOR_SUBMIT_JSON) {
         vor_submit_json_refuse(app, request, head->spec.process, &submission->json);
@@ -255,12 +254,9 @@ static bool end_body(struct vor_app *app, struct vor_request *request,
     }
     if (submission->form != NULL && !vor_submit_form_end(submission->form))
         return false;
-    if (head->options.input.text[0] != '\0') { /* the main input is that of another job */
-        kept.bytes = vor_submit_options_open(app, request, &head->options);
-        if (kept.bytes == NULL)
-            return false;
-        vor_uploads_add(&submission->uploads, &kept);
-    }
+    if (!vor_submit_options_open(app, request, &head->options, head->spec.process,
+                                 &submission->uploads))
+        return false;
     return submission->form == NULL || vor_submit_complete(app, request, head);
 }
 

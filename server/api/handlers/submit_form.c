@@ -80,7 +80,7 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
     enum vor_parameter parameter = vor_parameter_find(part->name);
 
     const struct vor_submit_options *options = &form->head->options;
-    bool is_option = vor_submit_options_has(part->name), was_given;
+    bool is_option = vor_submit_options_has(form->head->spec.process, part->name), was_given;
 
     if (!is_option && (parameter == VOR_PARAMETER_COUNT ||
                        !vor_process_takes(form->head->spec.process, parameter))) {
@@ -108,8 +108,9 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
                               "of these places",
                               part->name);
     if (is_option)
-        was_given = strcmp(part->name, "name") == 0 ? options->name[0] != '\0'
-                                                    : options->input.text[0] != '\0';
+        was_given = (strcmp(part->name, "name") == 0    ? options->name
+                     : strcmp(part->name, "input") == 0 ? options->input.text
+                                                        : options->previous.text)[0] != '\0';
     else
         was_given = form->given[parameter];
     if (was_given)
@@ -127,6 +128,9 @@ static vor_status on_part(void *ctx, const struct vor_multipart_part *part, stru
 
     form->file = NULL;
     form->size = 0;
+    if (input != NULL && !part->is_file &&
+        vor_submit_options_has(form->head->spec.process, part->name))
+        input = NULL; /* it names a job */
     return input != NULL ? begin_file(form, input, part, err) : begin_text(form, part, err);
 }
 
@@ -159,7 +163,8 @@ static vor_status on_end(void *ctx, struct vor_error *err)
                                   "%s has a NUL byte, want a "
                                   "text without it",
                                   form->name);
-        status = vor_submit_options_take(&form->head->options, form->name, form->text, &taken, err);
+        status = vor_submit_options_take(&form->head->options, form->head->spec.process, form->name,
+                                         form->text, &taken, err);
         if (status != VOR_OK || taken)
             return status;
         return vor_spec_set(&form->head->spec, form->name, form->text, err);
@@ -224,6 +229,26 @@ int vor_submit_form_take(void *ctx, const void *bytes, size_t size)
     return 0;
 }
 
+/* Adds an input that is another job's, unless the form has it as well. */
+static vor_status add_of_job(unsigned *inputs, const struct vor_process_info *process,
+                             const char *option, const struct vor_uuid *job, struct vor_error *err)
+{
+    const struct vor_artefact_info *input = vor_artefact_find(process->inputs, option);
+    unsigned bit;
+
+    if (job->text[0] == '\0')
+        return VOR_OK;
+    if (input == NULL)
+        input = process->inputs; /* the main one has another name */
+    bit = 1u << (input - process->inputs);
+    if ((*inputs & bit) != 0)
+        return vor_fail_param(err, VOR_E_PARAM, option,
+                              "%s is job:%s, but the form also has a file %s; send only one input",
+                              option, job->text, input->name);
+    *inputs |= bit;
+    return VOR_OK;
+}
+
 static vor_status check_whole(struct vor_submit_form *form, struct vor_error *err)
 {
     const struct vor_submit_options *options = &form->head->options;
@@ -237,15 +262,10 @@ static vor_status check_whole(struct vor_submit_form *form, struct vor_error *er
         for (unsigned k = 0; spec->process->inputs[k].name != NULL; k++)
             if (spec->process->inputs[k].name == form->uploads->item[i].name)
                 inputs |= 1u << k;
-    if (options->input.text[0] != '\0') {
-        if ((inputs & 1) != 0)
-            return vor_fail_param(
-                err, VOR_E_PARAM, "input",
-                "input is job:%s, but the form also has a file %s; send only one input",
-                options->input.text, spec->process->inputs[0].name);
-        inputs |= 1;
-    }
-    return vor_spec_check_inputs(spec, inputs, err);
+    status = add_of_job(&inputs, spec->process, "input", &options->input, err);
+    if (status == VOR_OK)
+        status = add_of_job(&inputs, spec->process, "previous", &options->previous, err);
+    return status == VOR_OK ? vor_spec_check_inputs(spec, inputs, err) : status;
 }
 
 bool vor_submit_form_end(struct vor_submit_form *form)

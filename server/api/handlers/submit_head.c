@@ -98,7 +98,8 @@ static vor_status read_pairs(struct vor_request *request, struct vor_submit_head
         if (vor_request_query(request, name) != value)
             return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
                                   vor_quote(quoted, sizeof quoted, name, strlen(name)));
-        status = vor_submit_options_take(&out->options, name, value, &taken, err);
+        status =
+            vor_submit_options_take(&out->options, out->spec.process, name, value, &taken, err);
         if (status == VOR_OK && !taken)
             status = vor_spec_set(&out->spec, name, value, err);
         if (status != VOR_OK)

@@ -27,31 +27,36 @@ static vor_status take_name(struct vor_submit_options *out, const char *value,
     return VOR_OK;
 }
 
-vor_status vor_submit_options_take(struct vor_submit_options *out, const char *name,
-                                   const char *value, int *taken, struct vor_error *err)
+static vor_status take_job(struct vor_uuid *out, const char *name, const char *value,
+                           struct vor_error *err)
 {
-    *taken = 1;
-    if (strcmp(name, "name") == 0)
-        return take_name(out, value, err);
-    if (strcmp(name, "input") == 0) {
-        static const char scheme[] = "job:";
-        size_t length = sizeof scheme - 1;
-        char quoted[SHOWN_SIZE];
+    static const char scheme[] = "job:";
+    size_t length = sizeof scheme - 1;
+    char quoted[SHOWN_SIZE];
 
-        if (strncmp(value, scheme, length) == 0 &&
-            vor_uuid_parse(&out->input, value + length, strlen(value) - length))
-            return VOR_OK;
-        return vor_fail_param(err, VOR_E_PARAM, "input",
-                              "input is \"%s\", want job:ID, with the ID of a job",
-                              vor_quote(quoted, sizeof quoted, value, strlen(value)));
-    }
-    *taken = 0;
-    return VOR_OK;
+    if (strncmp(value, scheme, length) == 0 &&
+        vor_uuid_parse(out, value + length, strlen(value) - length))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, name, "%s is \"%s\", want job:ID, with the ID of a job",
+                          name, vor_quote(quoted, sizeof quoted, value, strlen(value)));
 }
 
-bool vor_submit_options_has(const char *name)
+vor_status vor_submit_options_take(struct vor_submit_options *out,
+                                   const struct vor_process_info *process, const char *name,
+                                   const char *value, int *taken, struct vor_error *err)
 {
-    return strcmp(name, "name") == 0 || strcmp(name, "input") == 0;
+    *taken = vor_submit_options_has(process, name);
+    if (!*taken)
+        return VOR_OK;
+    if (strcmp(name, "name") == 0)
+        return take_name(out, value, err);
+    return take_job(strcmp(name, "input") == 0 ? &out->input : &out->previous, name, value, err);
+}
+
+bool vor_submit_options_has(const struct vor_process_info *process, const char *name)
+{
+    return strcmp(name, "name") == 0 || strcmp(name, "input") == 0 ||
+           (strcmp(name, "previous") == 0 && vor_artefact_find(process->inputs, name) != NULL);
 }
 
 static int is_key_character(char c)
@@ -90,49 +95,103 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
     return VOR_OK;
 }
 
-static struct vor_blob_writer *refuse(struct vor_app *app, struct vor_request *request,
-                                      const char *slug, const char *why, const struct vor_uuid *id)
+static bool refuse(struct vor_app *app, struct vor_request *request, const char *slug,
+                   const char *why, const char *option, const struct vor_uuid *id)
 {
-    vor_problem_say(app, request, slug, "input is job:%s: %s", id->text, why);
-    return NULL;
+    vor_problem_say(app, request, slug, "%s is job:%s: %s", option, id->text, why);
+    return false;
 }
 
-static struct vor_blob_writer *open_upload(struct vor_app *app, struct vor_request *request,
-                                           const struct vor_job_view *view)
+/* The job that an option names; false after a problem has been replied. */
+static bool find_job(struct vor_app *app, struct vor_request *request, struct vor_job_view *view,
+                     const char *option, const struct vor_uuid *id)
 {
-    struct vor_blob_source source = {.id = view->id};
-    struct vor_blob_writer *upload = NULL;
-    struct vor_error err;
-    int found = 0;
-
-    (void)vor_blob_of_upload(view->spec.process->inputs[0].name, source.name);
-    memcpy(source.sha256, view->input[0].sha256, sizeof source.sha256);
-    if (vor_blob_reopen(app->blobs, &source, &upload, &found, &err) != VOR_OK)
-        vor_problem_error(app, request, &err, view->id.text);
-    else if (!found)
-        refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
-               &view->id);
-    return upload;
-}
-
-struct vor_blob_writer *vor_submit_options_open(struct vor_app *app, struct vor_request *request,
-                                                const struct vor_submit_options *options)
-{
-    const struct vor_uuid *id = &options->input;
-    struct vor_job_view view;
     enum vor_job_outcome outcome;
     struct vor_error err;
 
-    outcome = vor_worker_get(app->worker, id, vor_auth_tenant(request), &view, &err);
+    outcome = vor_worker_get(app->worker, id, vor_auth_tenant(request), view, &err);
     if (outcome == VOR_UNKNOWN)
-        return refuse(app, request, "no-such-job", "there is no such job", id);
+        return refuse(app, request, "no-such-job", "there is no such job", option, id);
     if (outcome != VOR_DONE) {
         vor_outcome_reply(app, request, outcome, &err, id);
-        return NULL;
+        return false;
     }
-    if (view.expired)
-        return refuse(app, request, "job-expired", "this job has expired", id);
-    return open_upload(app, request, &view);
+    if (view->expired)
+        return refuse(app, request, "job-expired", "this job has expired", option, id);
+    return true;
+}
+
+/* Adds the bytes of a blob of that job, if it is there; false after a problem has been replied. */
+static bool reopen(struct vor_app *app, struct vor_request *request,
+                   const struct vor_blob_source *source, struct vor_upload *upload,
+                   struct vor_uploads *uploads)
+{
+    struct vor_error err;
+    int found = 0;
+
+    if (vor_blob_reopen(app->blobs, source, &upload->bytes, &found, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, source->id.text);
+        return false;
+    }
+    if (found)
+        vor_uploads_add(uploads, upload);
+    return true;
+}
+
+/* The main input of a job as that of this one. */
+static bool open_input(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
+                       struct vor_upload *upload, struct vor_uploads *uploads)
+{
+    struct vor_blob_source source = {.id = *id};
+    struct vor_job_view view;
+
+    if (!find_job(app, request, &view, "input", id))
+        return false;
+    (void)vor_blob_of_upload(view.spec.process->inputs[0].name, source.name);
+    memcpy(source.sha256, view.input[0].sha256, sizeof source.sha256);
+    if (!reopen(app, request, &source, upload, uploads))
+        return false;
+    return upload->bytes != NULL ||
+           refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
+                  "input", id);
+}
+
+/* The result of a job, a cloud, as an input of this one. */
+static bool open_result(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
+                        struct vor_upload *upload, struct vor_uploads *uploads)
+{
+    struct vor_blob_source source = {.id = *id};
+    const struct vor_artefact_info *output;
+    struct vor_job_view view;
+
+    if (!find_job(app, request, &view, upload->name, id))
+        return false;
+    output = &view.spec.process->outputs[0];
+    if (output->kind != VOR_ARTEFACT_CLOUD)
+        return refuse(app, request, "no-such-output", "the result of this job is not a cloud",
+                      upload->name, id);
+    (void)snprintf(source.name, sizeof source.name, "%s", output->name);
+    memcpy(source.sha256, view.output[0].sha256, sizeof source.sha256);
+    if (view.status == VOR_JOB_SUCCESSFUL && !reopen(app, request, &source, upload, uploads))
+        return false;
+    if (upload->bytes == NULL)
+        vor_result_missing(app, request, &view);
+    return upload->bytes != NULL;
+}
+
+bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
+                             const struct vor_submit_options *options,
+                             const struct vor_process_info *process, struct vor_uploads *uploads)
+{
+    struct vor_upload input = {.name = process->inputs[0].name}, previous = {.bytes = NULL};
+
+    if (options->input.text[0] != '\0' &&
+        !open_input(app, request, &options->input, &input, uploads))
+        return false;
+    if (options->previous.text[0] == '\0')
+        return true;
+    previous.name = vor_artefact_find(process->inputs, "previous")->name;
+    return open_result(app, request, &options->previous, &previous, uploads);
 }
 
 void vor_submit_inputs_of_uploads(struct vor_submit_inputs *out, const struct vor_uploads *uploads)
