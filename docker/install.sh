@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs the Debian packages of the stages named (build, demo, test, page, bench, peers, lint, contract, cross, arm64, torture, gate)
+# Installs the Debian packages of the stages named (build, demo, test, page, bench, peers, lint, contract, cross, arm64, torture, image, scale, gate)
 # that docker/packages.txt lists and this machine lacks. Root or passwordless sudo does it; else prints the one line to type and
 # fails. Headers of packages that would bring many others with them are unpacked under build/headers, which needs no root.
 set -eu

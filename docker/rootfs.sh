@@ -1,20 +1,32 @@
 #!/bin/sh
-# usage: rootfs.sh BINARY FOLDER: makes FOLDER a root file system that holds the binary, the libraries it loads and
-# nothing else but the user it runs as, an empty state folder and /tmp. No certificates: the daemon calls nobody. The binary is
-# stripped; FOLDER.debug/voronoid.debug has its symbols, for a debugger.
+# usage: rootfs.sh BINARY FOLDER [scale]: makes FOLDER a root file system that holds the binary, the libraries it loads and
+# nothing else but the user it runs as, an empty state folder and /tmp. With "scale" also libpq and certificates, for a database
+# and a bucket on other machines; else the daemon calls nobody. The binary is stripped; FOLDER.debug/voronoid.debug has its
+# symbols, for a debugger.
 set -eu
 binary=$1
 root=$2
 rm -rf "$root" "$root.debug"
 mkdir -p "$root/usr/bin" "$root/etc" "$root/tmp" "$root/var/lib/voronoid" "$root.debug"
-# libcurl is loaded by `voronoid health` and --server alone.
-curl=$(/sbin/ldconfig -p | awk '$1 == "libcurl-gnutls.so.4" { print $NF; exit }')
-mkdir -p "$root$(dirname "$curl")"
-cp -L "$curl" "$root$curl"
-{ ldd "$binary" && ldd "$curl"; } | awk '$2 == "=>" && $3 ~ /^\// { print $3 } $1 ~ /^\// { print $1 }' | while read -r library; do
+# Loaded at run time: libcurl by `voronoid health`, --server and --blobs s3:, libpq by --store postgresql:.
+loaded=libcurl-gnutls.so.4
+if [ "${3:-}" = scale ]; then
+    loaded="$loaded libpq.so.5"
+    mkdir -p "$root/etc/ssl/certs"
+    cp -L /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/certs"
+fi
+for name in $loaded; do
+    library=$(/sbin/ldconfig -p | awk -v name="$name" '$1 == name { print $NF; exit }')
+    mkdir -p "$root$(dirname "$library")"
+    cp -L "$library" "$root$library"
+    ldd "$library"
+done >"$root.ldd"
+ldd "$binary" >>"$root.ldd"
+awk '$2 == "=>" && $3 ~ /^\// { print $3 } $1 ~ /^\// { print $1 }' "$root.ldd" | while read -r library; do
     mkdir -p "$root$(dirname "$library")"
     cp -L "$library" "$root$library"
 done
+rm "$root.ldd"
 objcopy --only-keep-debug "$binary" "$root.debug/voronoid.debug"
 chmod 0644 "$root.debug/voronoid.debug"
 objcopy --strip-unneeded --add-gnu-debuglink="$root.debug/voronoid.debug" "$binary" "$root/usr/bin/voronoid"

@@ -31,7 +31,7 @@ for my $in (sort keys %least) {
 for my $block (@blocks) {
     my $language = $block->{language};
     ok $run{$language} || $elsewhere{$language}, "a block of $language in $block->{in} is run somewhere" or diag $block->{text};
-    is_deeply [grep { !/^(?:docker|voronoid (?:serve|stop|cancel)) / } split /\n/, $block->{text}], [], 'what is not run is docker\'s, or needs a proxy, a page or a job that runs'
+    is_deeply [grep { !/^(?:docker|kubectl|voronoid (?:serve|stop|cancel)) / } split /\n/, $block->{text}], [], 'what is not run is docker\'s, or needs a proxy, a page or a job that runs'
         if $language eq 'console';
 }
 like Vt::slurp('.ci/run'), qr/^exec make gate$/m, 'continuous integration runs make gate';

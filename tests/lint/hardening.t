@@ -48,15 +48,43 @@ SKIP: {
     cmp_ok $exposure // 10, '<=', 1.5, 'which is little';
 }
 
-# The compose file.
-my $service = YAML::XS::LoadFile('docker/compose.yaml')->{services}{voronoid};
-ok $service->{read_only}, 'the container\'s root is read-only';
-is "@{ $service->{cap_drop} }", 'ALL', 'it has no capabilities';
-ok !exists $service->{$_}, "nor $_" for qw(cap_add privileged devices network_mode pid);
-is "@{ $service->{security_opt} }", 'no-new-privileges:true', 'and gains none';
-like $service->{user}, qr/^[1-9]\d*:[1-9]\d*$/, 'it is not root';
-cmp_ok $service->{pids_limit}, '<=', 1024, 'its processes are counted';
-like $service->{mem_limit}, qr/^\d+g$/, 'and its memory';
-is scalar(grep { !/^127\.0\.0\.1:/ } @{ $service->{ports} }), 0, 'its port is this machine\'s alone';
+# The compose files, and what Kubernetes gets: each daemon is shut in, and would start with the settings that stand there.
+sub merged { my %all = %{ $_[0] }; my $below = delete $all{'<<'}; return $below ? { %{ merged($below) }, %all } : \%all }
+my ($plain, $scale) = map { YAML::XS::LoadFile($_)->{services} } 'docker/compose.yaml', 'docker/compose.scale.yaml';
+for my $service (map { merged($_) } $plain->{voronoid}, @$scale{qw(api-1 api-2 worker)}) {
+    ok $service->{read_only}, 'the container\'s root is read-only';
+    is "@{ $service->{cap_drop} }", 'ALL', 'it has no capabilities';
+    ok !exists $service->{$_}, "nor $_" for qw(cap_add privileged devices network_mode pid);
+    is "@{ $service->{security_opt} }", 'no-new-privileges:true', 'and gains none';
+    like $service->{user}, qr/^[1-9]\d*:[1-9]\d*$/, 'it is not root';
+    cmp_ok $service->{pids_limit}, '<=', 1024, 'its processes are counted';
+    like $service->{mem_limit}, qr/^\d+g$/, 'and its memory';
+}
+is scalar(grep { !/^127\.0\.0\.1:/ } map { @{ $_->{ports} // [] } } values %$plain, values %$scale), 0, 'ports are this machine\'s alone';
 like slurp('docker/Dockerfile'), qr/^USER 65532:65532$/m, 'the image itself is not root\'s either';
+
+my %is_setting = map { $_ => 1 } slurp('server/base/config.h') =~ /^    X\(\w+, "([\w-]+)"/mg;
+# Starts nothing: whether these settings are valid, with a file in place of each secret.
+sub holds {
+    my ($name, %set) = @_;
+    open my $out, '>', "$dir/secret" or die $!;
+    print $out "postgresql://voronoid\@host/voronoid\n";
+    local %ENV = (PATH => $ENV{PATH}, slurp('docker/Dockerfile') =~ /^(?:ENV| ) +([A-Z_]+)=(\S+)/mg, map { $_ => $set{$_} =~ m{^/run/} ? "$dir/secret" : $set{$_} } keys %set);
+    is join(' ', grep { /^VORONOID_/ && !$is_setting{ lc s/^VORONOID_|_FILE$//gr =~ tr/_/-/r } } keys %set), '', "$name names settings alone";
+    is `$binary serve --check-config 2>&1`, "voronoid: the settings are valid\n", "$name would start";
+    is join(' ', sort grep { /^AWS_.*_FILE$/ } keys %set), 'AWS_ACCESS_KEY_ID_FILE AWS_SECRET_ACCESS_KEY_FILE', 'and has keys for S3';
+}
+holds($_, %{ merged(merged($scale->{$_})->{environment}) }) for qw(api-1 api-2 worker);
+my $kustomization = YAML::XS::LoadFile('docker/k8s/kustomization.yaml');
+my @objects = map { YAML::XS::LoadFile("docker/k8s/$_") } @{ $kustomization->{resources} };
+is join(' ', map { $_->{kind} } @objects), 'Deployment PodDisruptionBudget Service Deployment PodDisruptionBudget', 'Kubernetes gets these';
+for my $object (grep { $_->{kind} eq 'Deployment' } @objects) {
+    my $pod = $object->{spec}{template}{spec};
+    my $daemon = $pod->{containers}[0];
+    my %set = map { split /=/, $_, 2 } @{ $kustomization->{configMapGenerator}[0]{literals} };
+    holds($object->{metadata}{name}, %set, map { $_->{name} => $_->{value} } @{ $daemon->{env} });
+    is scalar(grep { exists $_->{value} && !/_FILE|_KEYS/ && $_->{value} =~ m{//} } @{ $daemon->{env} }), 0, 'no secret stands there';
+    ok $pod->{securityContext}{runAsNonRoot} && $daemon->{securityContext}{readOnlyRootFilesystem}, 'it is shut in';
+    ok $daemon->{$_}{httpGet}{path} =~ m{^/(?:livez|readyz)$}, "and has a $_" for qw(startupProbe livenessProbe readinessProbe);
+}
 done_testing();

@@ -67,19 +67,24 @@ sub write_large {
 }
 
 # How each is started: its configuration, and the command.
+sub nginx {
+    my ($dir, $port, $text, %changes) = @_;
+    my $site = adapt($text, 'listen 80;' => "listen 127.0.0.1:$port;", %changes);
+    my $temp = join '', map { "${_}_temp_path $dir/$_;\n" } qw(client_body proxy fastcgi uwsgi scgi);
+    my $user = $> == 0 ? "user root;\n" : '';
+    write_file("$dir/nginx.conf", "${user}daemon off;\npid $dir/pid;\nerror_log stderr;\nevents {}\n",
+        "http {\naccess_log off;\n$temp$site}\n");
+    return ("$root/usr/sbin/nginx", '-e', 'stderr', '-p', $dir, '-c', "$dir/nginx.conf");
+}
+
 my %proxies = (
     nginx => {
         scheme => 'http',
-        start => sub {
-            my ($dir, $port, $daemon) = @_;
-            my $site = adapt(Vt::documented_in('nginx'), 'listen 80;' => "listen 127.0.0.1:$port;",
-                '127.0.0.1:8080' => $daemon->{address});
-            my $temp = join '', map { "${_}_temp_path $dir/$_;\n" } qw(client_body proxy fastcgi uwsgi scgi);
-            my $user = $> == 0 ? "user root;\n" : '';
-            write_file("$dir/nginx.conf", "${user}daemon off;\npid $dir/pid;\nerror_log stderr;\nevents {}\n",
-                "http {\naccess_log off;\n$temp$site}\n");
-            return ("$root/usr/sbin/nginx", '-e', 'stderr', '-p', $dir, '-c', "$dir/nginx.conf");
-        },
+        start => sub { nginx(@_[0, 1], Vt::documented_in('nginx'), '127.0.0.1:8080' => $_[2]{address}) },
+    },
+    'nginx of docker/compose.scale.yaml' => {
+        scheme => 'http',
+        start => sub { nginx(@_[0, 1], Vt::slurp('docker/nginx.conf'), map { $_ => $_[2]{address} } 'api-1:8080', 'api-2:8080') },
     },
     haproxy => {
         scheme => 'http',
