@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
+#include "server/blob/s3_multipart.h"
 #include "server/blob/s3_request.h"
 
 #include <errno.h>
@@ -14,7 +15,7 @@
 
 enum {
     TEXT_MAX = 8 << 20, /* of an answer that is no object: 1,000 keys take .5 MB */
-    PATH_SIZE = 2 * VOR_S3_URL_SIZE + VOR_S3_KEY_MAX + 2
+    PATH_SIZE = 3 * VOR_S3_URL_SIZE + VOR_S3_KEY_MAX + 2
 };
 
 /* The characters of buckets and keys. */
@@ -85,9 +86,12 @@ static vor_status read_keys(struct vor_s3 *s3, struct vor_error *err)
 /* Splits a URL into the bucket's and the prefix. */
 static int read_url(struct vor_s3 *s3, const char *url)
 {
-    const char *host = strstr(url, "://"), *bucket, *prefix;
-    size_t length = strlen(url);
+    static const char styles[2][12] = {"?style=path", "?style=host"};
+    const char *host = strstr(url, "://"), *bucket, *prefix, *style = strchr(url, '?');
+    size_t length = style != NULL ? (size_t)(style - url) : strlen(url);
 
+    if (style != NULL && strcmp(style, styles[0]) != 0 && strcmp(style, styles[1]) != 0)
+        return 0;
     if (length + 2 > VOR_S3_URL_SIZE || host == NULL ||
         (strncmp(url, "http://", 7) != 0 && strncmp(url, "https://", 8) != 0))
         return 0;
@@ -96,13 +100,18 @@ static int read_url(struct vor_s3 *s3, const char *url)
     if (bucket == host || memchr(host, '@', (size_t)(bucket - host)) != NULL || *bucket != '/')
         return 0;
     bucket++;
-    prefix = bucket + strcspn(bucket, "/");
-    if (prefix == bucket || strspn(bucket, PLAIN) != strlen(bucket))
+    prefix = bucket + strcspn(bucket, "/?");
+    if (prefix == bucket || bucket + strspn(bucket, PLAIN) != url + length)
         return 0;
-    (void)snprintf(s3->bucket, sizeof s3->bucket, "%.*s", (int)(prefix - url), url);
+    (void)snprintf(s3->name, sizeof s3->name, "%.*s", (int)(prefix - bucket), bucket);
+    if (style == NULL || strcmp(style, styles[1]) != 0)
+        (void)snprintf(s3->bucket, sizeof s3->bucket, "%.*s", (int)(prefix - url), url);
+    else
+        (void)snprintf(s3->bucket, sizeof s3->bucket, "%.*s%s.%.*s", (int)(host - url), url,
+                       s3->name, (int)(bucket - 1 - host), host);
     prefix += strspn(prefix, "/");
-    length = strlen(prefix);
-    (void)snprintf(s3->prefix, sizeof s3->prefix, "%s%s", prefix,
+    length -= (size_t)(prefix - url);
+    (void)snprintf(s3->prefix, sizeof s3->prefix, "%.*s%s", (int)length, prefix,
                    length == 0 || prefix[length - 1] == '/' ? "" : "/");
     return 1;
 }
@@ -120,7 +129,8 @@ vor_status vor_s3_open(struct vor_s3 **out, const char *url, struct vor_error *e
                  : vor_fail_param(err, VOR_E_PARAM, "blobs",
                                   "blobs is \"s3:%.80s\", want s3:https://HOST/BUCKET or "
                                   "s3:https://HOST/BUCKET/PREFIX, with letters, digits, '.', '_' "
-                                  "and '-' in both, and no user or password",
+                                  "and '-' in both, ?style=host or ?style=path behind them or "
+                                  "nothing, and no user or password",
                                   strchr(url, '@') == NULL ? url : "...");
     if (status == VOR_OK)
         status = vor_curl_load(&s3->curl, err);
@@ -197,6 +207,12 @@ vor_status vor_s3_put(struct vor_s3 *s3, const char *key, int fd, uint64_t size,
                                .size = size,
                                .header = {digest, "Content-Type: application/octet-stream"}};
 
+    if (size > VOR_S3_PART) {
+        char url[PATH_SIZE];
+
+        write_url(s3, key, url);
+        return vor_s3_put_parts(s3, url, fd, size, sha256, err);
+    }
     (void)snprintf(digest, sizeof digest, "x-amz-content-sha256: %s", sha256);
     return ask(&call, key, NULL, err);
 }
@@ -209,10 +225,11 @@ vor_status vor_s3_copy(struct vor_s3 *s3, const char *from, const char *to, stru
                                .method = "PUT",
                                .is_put = 1,
                                .fd = -1,
+                               .ends = "</CopyObjectResult>",
                                .header = {UNSIGNED, source}};
 
-    (void)snprintf(source, sizeof source, "x-amz-copy-source: %s/%s%.*s", strrchr(s3->bucket, '/'),
-                   s3->prefix, VOR_S3_KEY_MAX, from);
+    (void)snprintf(source, sizeof source, "x-amz-copy-source: /%s/%s%.*s", s3->name, s3->prefix,
+                   VOR_S3_KEY_MAX, from);
     return ask(&call, to, NULL, err);
 }
 
@@ -291,7 +308,7 @@ static vor_status list_page(struct vor_s3_call *call, const char *prefix,
         return vor_fail(err, VOR_E_NOMEM, "a request to S3");
     }
     /* In the order of names, as they are signed. */
-    (void)snprintf(url, sizeof url, "%s?%s%s%slist-type=2&prefix=%s", call->s3->bucket,
+    (void)snprintf(url, sizeof url, "%s/?%s%s%slist-type=2&prefix=%s", call->s3->bucket,
                    token[0] != '\0' ? "continuation-token=" : "", from, token[0] != '\0' ? "&" : "",
                    below);
     curl->free(from);
@@ -327,7 +344,8 @@ static vor_status list(struct vor_s3_call *call, const char *begin,
     return status;
 }
 
-#define LIST_CALL .verb = "list", .method = "GET", .fd = -1, .header = {UNSIGNED}
+#define LIST_CALL                                                                                  \
+    .verb = "list", .method = "GET", .fd = -1, .ends = "</ListBucketResult>", .header = {UNSIGNED}
 
 vor_status vor_s3_list(struct vor_s3 *s3, const char *begin,
                        void (*each)(void *ctx, const struct vor_s3_object *object), void *ctx,

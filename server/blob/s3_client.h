@@ -1,6 +1,5 @@
 /** Objects of one S3 bucket (or of what speaks its protocol) under a prefix, by libcurl, which
- * signs each request (AWS Signature Version 4). Path style: the bucket is the first part of the
- * path.
+ * signs each request (AWS Signature Version 4).
  *
  *  Every function may be called from any thread and waits for the network: up to 10 s for a
  *  connection, and 30 s for each pause in which no byte comes. A request that meets a 5xx, 429, a
@@ -23,7 +22,9 @@ enum { VOR_S3_KEY_MAX = 128 }; /**< bytes of a key behind the prefix */
 /** Reads the URL and the environment: AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY and
  *  AWS_SESSION_TOKEN, each also as the file that VARIABLE_FILE names; AWS_REGION. Asks nobody.
  *
- *  @param[in] url  http[s]://HOST[:PORT]/BUCKET[/PREFIX]
+ *  @param[in] url  http[s]://HOST[:PORT]/BUCKET[/PREFIX][?style=host]: with style=host the bucket
+ *                  becomes a part of the host's name (https://BUCKET.HOST/KEY), as pgBackRest
+ *                  calls it; else it is the first part of the path
  *
  *  @retval VOR_E_PARAM the URL is none of those, or a key is missing
  *  @retval VOR_E_IO    libcurl or a file cannot be had
@@ -33,7 +34,8 @@ VOR_NODISCARD vor_status vor_s3_open(struct vor_s3 **out, const char *url, struc
 /** s3 may be NULL. */
 void vor_s3_close(struct vor_s3 *s3);
 
-/** Puts the first size bytes of a file (at most 5 GiB) in place of what was there.
+/** Puts the first size bytes of a file in place of what was there; of large ones each part by
+ *  itself, tried again by itself (s3_multipart.h).
  *
  *  @param[in] sha256  of the bytes, 64 digits: S3 compares */
 VOR_NODISCARD vor_status vor_s3_put(struct vor_s3 *s3, const char *key, int fd, uint64_t size,

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -51,7 +52,7 @@ static size_t on_send(char *bytes, size_t unit, size_t count, void *ctx)
     ssize_t got;
 
     do
-        got = size > 0 ? pread(call->fd, bytes, size, (off_t)call->at) : 0;
+        got = size > 0 ? pread(call->fd, bytes, size, (off_t)(call->from + call->at)) : 0;
     while (got < 0 && errno == EINTR);
     if (got < 0)
         return CURL_READFUNC_ABORT;
@@ -91,6 +92,21 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
         done += (size_t)wrote;
     }
     call->at += size;
+    return size;
+}
+
+static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
+{
+    static const char name[] = "etag:";
+    struct vor_s3_call *call = ctx;
+    size_t size = unit * count, at = sizeof name - 1;
+
+    if (size < at || strncasecmp(line, name, at) != 0)
+        return size;
+    while (at < size && line[at] == ' ')
+        at++;
+    (void)snprintf(call->etag, sizeof call->etag, "%.*s", (int)(size - at), line + at);
+    call->etag[strcspn(call->etag, "\r\n")] = '\0';
     return size;
 }
 
@@ -144,6 +160,10 @@ static CURLcode perform_once(struct vor_s3_call *call)
         curl->easy_setopt(handle, CURLOPT_READDATA, call);
         curl->easy_setopt(handle, CURLOPT_SEEKFUNCTION, on_rewind);
         curl->easy_setopt(handle, CURLOPT_SEEKDATA, call);
+        curl->easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
+        curl->easy_setopt(handle, CURLOPT_HEADERDATA, call);
+    } else if (call->body != NULL) {
+        curl->easy_setopt(handle, CURLOPT_POSTFIELDS, call->body);
     } else if (strcmp(call->method, "HEAD") == 0) {
         curl->easy_setopt(handle, CURLOPT_NOBODY, 1L);
     } else {
@@ -158,16 +178,18 @@ static CURLcode perform_once(struct vor_s3_call *call)
 }
 
 /* An answer that ended too soon: curl takes one that is cut in its head for whole. An object has a
- * length, and a list ends. */
+ * length, and a document ends; one that was begun with 200 may turn out to be an error. */
 static int is_cut(const struct vor_s3_call *call)
 {
-    if (call->http != 200 || call->is_put)
+    if (call->http != 200)
+        return 0;
+    if (call->ends != NULL)
+        return call->text.data == NULL || strstr(call->text.data, call->ends) == NULL;
+    if (call->is_put)
         return 0;
     if (call->fd >= 0)
         return call->length < 0 || call->at != (uint64_t)call->length;
-    if (strcmp(call->method, "HEAD") == 0)
-        return call->length < 0;
-    return call->text.data == NULL || strstr(call->text.data, "</ListBucketResult>") == NULL;
+    return strcmp(call->method, "HEAD") == 0 && call->length < 0;
 }
 
 /* May the same request succeed a little later? */

@@ -16,8 +16,9 @@ enum {
 
 struct vor_s3 {
     const struct vor_curl *curl;
-    char bucket[VOR_S3_URL_SIZE]; /**< "https://HOST/BUCKET" */
-    char prefix[VOR_S3_URL_SIZE]; /**< "" or "PART/PART/" */
+    char bucket[2 * VOR_S3_URL_SIZE]; /**< "https://HOST/BUCKET" or "https://BUCKET.HOST" */
+    char name[VOR_S3_URL_SIZE];       /**< "BUCKET" */
+    char prefix[VOR_S3_URL_SIZE];     /**< "" or "PART/PART/" */
     char key_id[VOR_S3_SECRET_SIZE], secret[VOR_S3_SECRET_SIZE];
     char token[VOR_S3_HEADER_SIZE]; /**< a header; "" for none */
     char sign[96];                  /**< what CURLOPT_AWS_SIGV4 takes */
@@ -32,17 +33,20 @@ struct vor_s3_call {
     struct vor_s3 *s3;
     CURL *handle;
     const char *verb;   /**< label of the metrics */
-    const char *method; /**< not PUT: GET, HEAD, DELETE */
+    const char *method; /**< not PUT: GET, HEAD, DELETE, or POST of body */
+    const char *body;
+    const char *ends; /**< an answer with 200 has this, or it is none; NULL: any is */
     const char *url;
-    const char *header[3]; /**< NULL: none */
-    int fd;                /**< of the bytes that are sent or received; -1 for none */
-    uint64_t size, at;     /**< of those that are sent; where the next one stands */
-    int is_put;            /**< else bytes are received */
-    int is_probe;          /**< once, and soon over */
-    struct vor_text text;  /**< an answer that is no object */
-    int number;            /**< errno of a write that failed */
+    const char *header[3];   /**< NULL: none */
+    int fd;                  /**< of the bytes that are sent or received; -1 for none */
+    uint64_t from, size, at; /**< of those that are sent: where they stand, where the next one */
+    int is_put;              /**< else bytes are received */
+    int is_probe;            /**< once, and soon over */
+    struct vor_text text;    /**< an answer that is no object */
+    int number;              /**< errno of a write that failed */
     long http;
     curl_off_t length; /**< of the answer, as it was declared */
+    char etag[80];     /**< of the answer, with its quotes; cut where it is longer */
     char why[CURL_ERROR_SIZE];
 };
 

@@ -123,7 +123,7 @@ sub start_proxy {
     config('proxy', 'catch_errors cache s3api tempauth slo proxy-server', "[app:proxy-server]\nuse = egg:swift#proxy\naccount_autocreate = true\n"
         . "[filter:catch_errors]\nuse = egg:swift#catch_errors\n"
         . "[filter:cache]\nuse = egg:swift#memcache\nmemcache_servers = 127.0.0.1:$swift{memcached}\n"
-        . "[filter:s3api]\nuse = egg:swift#s3api\nlocation = us-east-1\ns3_acl = false\n[filter:slo]\nuse = egg:swift#slo\n"
+        . "[filter:s3api]\nuse = egg:swift#s3api\nlocation = us-east-1\nstorage_domain = localhost\ns3_acl = false\n[filter:slo]\nuse = egg:swift#slo\n"
         . "[filter:tempauth]\nuse = egg:swift#tempauth\nuser_test_tester = $secret .admin\n");
     child('proxy', 'swift-proxy-server', "$dir/etc/proxy.conf");
 }

@@ -113,6 +113,18 @@ like json($next->get("/v1/jobs/$long"))->{status}, qr/running|successful/, 'the 
 is $next->finish($long)->{status}, 'successful', 'and ends';
 is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'as does a new one';
 
+# A file above 64 MiB goes part by part; the bucket may be a part of the host's name.
+my $host = "s3:http://localhost:$Scale::swift{proxy}/bucket/large?style=host";
+my $large = Vt->start(blobs => $host, 'blobs-cache' => 0);
+my $padded = $cloud =~ s/(?=^end_header)/element padding 1\nproperty list int uchar bytes\n/mr . pack('l<', 70_000_000) . 'x' x 70_000_000;
+my $id = $large->submit('points=100', $padded);
+is $large->finish($id)->{status}, 'successful', 'a large input is taken';
+ok wait_until(sub { 2 == grep { /^large\/keep\/\Q$id\E/ } objects() }), 'and stored, as is the result';
+$large->stop;
+$large = Vt->start(dir => $large->{dir}, blobs => $host);
+same($large->get("/v1/jobs/$id/input"), $padded, 'and comes back');
+$large->stop;
+
 Scale::start_proxy('another-word');
 ok wait_until(sub { $next->get("/v1/jobs/$ids[7]/results/cloud")->{status} == 500 }), 'the secret is changed';
 is_problem($next->get("/v1/jobs/$ids[7]/results/cloud"), 500, 'storage-refused', 'a result is not to be had');
