@@ -156,10 +156,10 @@ $(B)/%.o: %.cc
 # What names the version is compiled again where that may have changed.
 $(call obj,$(shell grep -rl VOR_VERSION --include='*.c' core proto server)): Makefile
 
-# Which engine this is: a digest of its sources, for build_info among the metrics.
+# Which engine this is: a digest of its sources.
 ENGINE_SRC := $(sort $(shell find core -name '*.[ch]'))
-$(B)/server/api/admin.o: $(ENGINE_SRC)
-$(B)/server/api/admin.o: OWN_CFLAGS = -DVOR_ENGINE='"$(shell cat $(ENGINE_SRC) | sha256sum | cut -c-12)"'
+$(B)/server/base/build.o: $(ENGINE_SRC)
+$(B)/server/base/build.o: OWN_CFLAGS = -DVOR_ENGINE='"$(shell cat $(ENGINE_SRC) | sha256sum | cut -c-12)"'
 
 # The topics of the help are embedded by the assembler, which tells nobody.
 $(B)/server/base/topics.o: $(wildcard server/cli/help/*.txt)

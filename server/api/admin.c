@@ -4,6 +4,7 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
+#include "server/base/build.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/log_sink.h"
@@ -31,13 +32,14 @@ static void read_storage(const struct vor_app *app)
 static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *request)
 {
     struct vor_text text;
+    const struct vor_build build = vor_build_own();
     struct vor_worker_load load;
     double waited = 0;
     static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
                                                VOR_METRIC_UPLOADS,       VOR_METRIC_WORKER_RESTARTS,
                                                VOR_METRIC_UPLOAD_BYTES,  VOR_METRIC_POINTS};
 
-    vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION, VOR_ENGINE, vor_vector_name()));
+    vor_metric_set(VOR_METRIC_BUILD, 1, VOR_LABELS(VOR_VERSION, build.engine, vor_vector_name()));
     /* A counter that has counted nothing yet says 0, so that its first step is seen. */
     for (size_t i = 0; i < sizeof counters / sizeof counters[0]; i++)
         vor_metric_add(counters[i], 0, NULL);

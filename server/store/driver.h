@@ -86,7 +86,7 @@ static inline int vor_ledger_fits(const struct vor_ledger *ledger, uint64_t byte
 
 /** Why jobs lose what they keep, and the limit above which they do. */
 enum vor_evict {
-    VOR_EVICT_EXPIRED, /**< their time is over: the time now; they expire */
+    VOR_EVICT_EXPIRED, /**< their time is over: the time now, 0 by the store's clock; they expire */
     VOR_EVICT_UPLOADS, /**< bytes of all kept uploads; they give up theirs */
     VOR_EVICT_RESULTS  /**< bytes of all results; they expire */
 };
@@ -105,15 +105,16 @@ struct vor_evictions {
 struct vor_claim {
     const char *owner; /**< borrowed */
     int64_t now_ms;
-    uint64_t memory;  /**< bytes: a job that needs more is not claimed; UINT64_MAX for any */
-    int may_be_alone; /**< also one that is to have nothing beside it (vor_job_view.alone) */
-    int64_t until_ms; /**< the claimer's, unless it is renewed */
+    uint64_t memory;        /**< bytes: a job that needs more is not claimed; UINT64_MAX for any */
+    int may_be_alone;       /**< also one that is to have nothing beside it (vor_job_view.alone) */
+    struct vor_build build; /**< the claimer's */
 };
 
-/** Jobs of one owner, whose leases are made longer together. */
+/** The lease of an owner on all jobs that it runs, made longer. */
 struct vor_renewal {
     const char *owner; /**< borrowed */
-    int64_t until_ms;
+    struct vor_build build;
+    int64_t lease_ms; /**< it ends so much later than now, by the clock of the store */
     struct vor_leased {
         struct vor_uuid id;
         uint32_t attempt;
@@ -185,7 +186,7 @@ struct vor_store_driver {
                                  struct vor_error *err);
     vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-    vor_status (*reap)(struct vor_store *store, const char *owner, int64_t until_ms, int64_t now_ms,
+    vor_status (*reap)(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                        uint64_t *reaped, struct vor_error *err);
 };
 

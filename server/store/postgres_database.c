@@ -116,18 +116,22 @@ static vor_status run_first(struct vor_postgres *db, struct connection *connecti
     return status == VOR_OK ? run(db, connection, sql, err) : status;
 }
 
-/* Writes a statement in PostgreSQL's words: ?1 is $1, a ? without a number the next one, and
- * INDEXED BY with its name goes. */
+/* Writes a statement in PostgreSQL's words: ?1 is $1, a ? without a number the next one, clock_ms()
+ * the time of the server, and INDEXED BY with its name goes. */
 static int translate(char *out, size_t size, const char *sql)
 {
-    static const char hint[] = "INDEXED BY ";
+    static const char hint[] = "INDEXED BY ", clock[] = "clock_ms()";
+    static const char now[] = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint";
     size_t at = 0;
     int next = 1;
 
-    while (*sql != '\0' && at + NUMBER_SIZE < size) {
+    while (*sql != '\0' && at + sizeof now + NUMBER_SIZE < size) {
         if (strncmp(sql, hint, sizeof hint - 1) == 0) {
             sql += sizeof hint - 1;
             sql += strcspn(sql, " )");
+        } else if (strncmp(sql, clock, sizeof clock - 1) == 0) {
+            sql += sizeof clock - 1;
+            at += (size_t)snprintf(out + at, size - at, "%s", now);
         } else if (*sql != '?') {
             out[at++] = *sql++;
         } else if (sql[1] >= '0' && sql[1] <= '9') {
@@ -252,14 +256,14 @@ static struct vor_postgres *of_sql(struct vor_sql *db)
 
 /* All are durable: the server may die and this process go on, which would then have what the store
  * has forgotten. */
-static vor_status begin(struct vor_sql *sql_db, VOR_UNUSED enum vor_sql_how how,
-                        struct vor_error *err)
+static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor_error *err)
 {
     struct vor_postgres *db = of_sql(sql_db);
     vor_status status;
 
     pthread_mutex_lock(&db->writing);
-    status = run_first(db, &db->writer, db->is_shared ? BEGIN_IN_TURN : "BEGIN", err);
+    status = run_first(db, &db->writer,
+                       db->is_shared && how != VOR_SQL_APART ? BEGIN_IN_TURN : "BEGIN", err);
     if (status != VOR_OK) {
         pthread_mutex_unlock(&db->writing);
         return status;

@@ -3,7 +3,7 @@
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
-enum { SCHEMA_VERSION = 1 };
+enum { SCHEMA_VERSION = 2 };
 
 /* clang-format off */
 
@@ -40,7 +40,7 @@ enum { SCHEMA_VERSION = 1 };
     " held bigint NOT NULL DEFAULT 0, alone bigint NOT NULL DEFAULT 0,"                            \
     " traceparent text NOT NULL DEFAULT '', turn bigint NOT NULL DEFAULT 0,"                       \
     " memory bigint NOT NULL DEFAULT 0, decoded bigint NOT NULL DEFAULT 0,"                        \
-    " owner text NOT NULL DEFAULT '', lease bigint NOT NULL DEFAULT 0);"                           \
+    " owner text NOT NULL DEFAULT '');"                                                            \
     "CREATE TABLE job_blob (seq bigint PRIMARY KEY, report text);"                                 \
     "CREATE TABLE event (seq bigint, attempt bigint, last bigint, data bytea NOT NULL,"            \
     " PRIMARY KEY (seq, attempt, last));"                                                          \
@@ -48,6 +48,13 @@ enum { SCHEMA_VERSION = 1 };
     " held bigint NOT NULL, turn bigint NOT NULL DEFAULT -1);"                                     \
     "CREATE TABLE round (number bigint PRIMARY KEY, jobs bigint NOT NULL,"                         \
     " decoded bigint NOT NULL);"
+
+/* Leases are a row of each daemon, not of each job. */
+#define FROM_1                                                                                     \
+    "CREATE TABLE daemon (owner text PRIMARY KEY, lease bigint NOT NULL, engine text NOT NULL);"   \
+    "ALTER TABLE job ADD COLUMN engine text NOT NULL DEFAULT '',"                                  \
+    " ADD COLUMN release bigint NOT NULL DEFAULT 0, DROP COLUMN IF EXISTS lease;"                  \
+    "UPDATE voronoid_schema SET version = 2;"
 
 #define INDEXES                                                                                    \
     VOR_SQL_INDEXES                                                                                \
@@ -115,11 +122,20 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
         made = vor_postgres_run(
-            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);",
+            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);" FROM_1,
             &failure);
     if (status == VOR_OK)
         status = vor_sql_query(sql, vor_sql_take_number, &version, err,
                                "SELECT version FROM voronoid_schema", "");
+    if (status == VOR_OK && version == 1) { /* all the same if another daemon does it meanwhile */
+        made = vor_postgres_run(db, FROM_1, &failure);
+        status = vor_sql_query(sql, vor_sql_take_number, &version, err,
+                               "SELECT version FROM voronoid_schema", "");
+        if (status == VOR_OK && version == 1 && made != VOR_OK && err != NULL)
+            *err = failure;
+        if (version == 1)
+            return made;
+    }
     if (status != VOR_OK && made != VOR_OK && err != NULL)
         *err = failure; /* nor has another daemon made them meanwhile */
     if (status == VOR_OK && version != SCHEMA_VERSION)

@@ -5,6 +5,7 @@
 
 #include "core/report.h"
 #include "core/spec.h"
+#include "server/base/build.h"
 #include "server/base/digest.h"
 #include "server/base/span.h"
 #include "server/base/uuid.h"
@@ -122,6 +123,7 @@ struct vor_job_view {
     struct vor_record record; /**< the latest */
     struct vor_error problem; /**< failed; status VOR_OK otherwise */
     char message[128];        /**< a sentence for people: what it does, or why it ended */
+    struct vor_build build;   /**< of the daemon that accepted it */
     int expired;              /**< result and report are gone: 410 */
     int alone; /**< nothing may run beside it: it was running when the program crashed */
     int64_t created, started, updated, finished, expires;

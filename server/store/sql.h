@@ -1,8 +1,9 @@
 /** A database that speaks SQL: one connection that writes and some that read, so that no reader
  *  waits for a durable change, or for another reader. Each kind of database is a table of functions
  *  (struct vor_sql_engine) that its own files declare; statements are the same for all. Statements
- *  are literals, in the words of SQLite: ?1, max(a, b), INDEXED BY. An engine that has others
- *  translates them. Only drivers of stores include this. Thread-safe. */
+ *  are literals, in the words of SQLite: ?1, max(a, b), INDEXED BY; clock_ms() is the time of the
+ *  database in milliseconds since 1970. An engine that has others translates them. Only drivers of
+ * stores include this. Thread-safe. */
 #ifndef VOR_SERVER_STORE_SQL_H
 #define VOR_SERVER_STORE_SQL_H
 
@@ -32,8 +33,9 @@ struct vor_sql_row {
     int column; /**< the next one */
 };
 
-/** Whether a kill of the process alone undoes nothing (lazy), or a crash of the machine either. */
-enum vor_sql_how { VOR_SQL_DURABLE, VOR_SQL_LAZY };
+/** Whether a kill of the process alone undoes nothing (lazy), or a crash of the machine either; or
+ *  lazy, and of rows of this process alone, so that it need not wait for changes of others. */
+enum vor_sql_how { VOR_SQL_DURABLE, VOR_SQL_LAZY, VOR_SQL_APART };
 
 /** The values of a statement's parameters, from the first on; borrowed. */
 enum { VOR_SQL_VALUES_MAX = 24 };

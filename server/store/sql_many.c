@@ -13,6 +13,7 @@ static void take_evicted(void *ctx, struct vor_sql_row *row)
     vor_sql_copy(row, one->process, sizeof one->process);
 }
 
+#define TIME "CASE ?1 WHEN 0 THEN clock_ms() ELSE ?1 END"
 #define EXPIRE "UPDATE job SET expired = 1, report_bytes = 0, idem_key = NULL, kept = 0, held = 0"
 
 /* ?1 is the limit, ?2 how many at most. A job before others, in the order in which they ended,
@@ -23,10 +24,10 @@ static const struct {
     const char *total; /* nothing is too much while this is not above the limit; NULL: ask anyway */
     const char *sql;
 } evictions_by[] = {
-    [VOR_EVICT_EXPIRED] = {NULL,
-                           EXPIRE " WHERE seq IN (SELECT seq FROM job WHERE expires > 0"
-                                  " AND expires <= ?1 AND expired = 0 ORDER BY expires LIMIT ?2)"
-                                  " RETURNING id, process_id"},
+    [VOR_EVICT_EXPIRED] = {NULL, EXPIRE " WHERE seq IN (SELECT seq FROM job WHERE expires > 0"
+                                        " AND expires <= " TIME
+                                        " AND expired = 0 ORDER BY expires LIMIT ?2)"
+                                        " RETURNING id, process_id"},
     [VOR_EVICT_UPLOADS] = {"SELECT sum(kept) FROM ledger",
                            "UPDATE job SET kept = 0 WHERE seq IN"
                            " (SELECT seq FROM (SELECT seq, sum(kept) OVER (ORDER BY finished, seq)"
@@ -57,8 +58,8 @@ vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t li
                                  limit, (int64_t)evictions->max);
     if (status == VOR_OK && why == VOR_EVICT_EXPIRED)
         status = vor_sql_change(db, &forgotten, err,
-                                "DELETE FROM job WHERE expires > 0 AND expires <= ?1"
-                                " AND expired = 1 AND expires + (expires - finished) <= ?1",
+                                "DELETE FROM job WHERE expires > 0 AND expires <= " TIME
+                                " AND expired = 1 AND expires + (expires - finished) <= " TIME,
                                 "i", limit);
     if (status != VOR_OK)
         evictions->count = 0;
@@ -138,7 +139,7 @@ vor_status vor_sql_waiting(struct vor_store *store, struct vor_waiting *out, str
         "");
 }
 
-static void take_leased(void *ctx, struct vor_sql_row *row)
+static int take_leased(void *ctx, struct vor_sql_row *row)
 {
     struct vor_renewal *renewal = ctx;
 
@@ -149,34 +150,57 @@ static void take_leased(void *ctx, struct vor_sql_row *row)
         job->attempt = (uint32_t)vor_sql_number(row);
     }
     renewal->count++;
+    return 1;
 }
 
 vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
                          struct vor_error *err)
 {
     struct vor_sql *db = vor_sql_of(store);
-    vor_status status = vor_sql_begin(db, VOR_SQL_LAZY, err);
+    int rows;
+    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
 
     renewal->count = 0;
-    if (status != VOR_OK)
-        return status;
-    status = vor_sql_change_each(db, take_leased, renewal, err,
-                                 "UPDATE job SET lease = ?2 WHERE status = 'running'"
-                                 " AND expired = 0 AND owner = ?1 RETURNING id, attempt",
-                                 "ti", renewal->owner, renewal->until_ms);
-    return vor_sql_end(db, status, err);
+    if (status == VOR_OK)
+        status = vor_sql_end(db,
+                             vor_sql_change(db, &rows, err,
+                                            "INSERT INTO daemon (owner, lease, engine)"
+                                            " VALUES (?1, clock_ms() + ?2, ?3) ON CONFLICT (owner)"
+                                            " DO UPDATE SET lease = excluded.lease",
+                                            "tit", renewal->owner, renewal->lease_ms,
+                                            renewal->build.engine),
+                             err);
+    return status == VOR_OK ? vor_sql_query(db, take_leased, renewal, err,
+                                            "SELECT id, attempt FROM job WHERE status = 'running'"
+                                            " AND expired = 0 AND owner = ?1",
+                                            "t", renewal->owner)
+                            : status;
 }
 
-vor_status vor_sql_reap(struct vor_store *store, const char *owner, int64_t until_ms,
-                        int64_t now_ms, uint64_t *reaped, struct vor_error *err)
+/* The row of an owner stays for an hour, should it come back. */
+vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
+                        uint64_t *reaped, struct vor_error *err)
 {
-    int changed = 0;
-    vor_status status = vor_sql_change(vor_sql_of(store), &changed, err,
-                                       "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
-                                       " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
-                                       " AND lease <= ?3",
-                                       "tii", owner, now_ms, until_ms);
+    struct vor_sql *db = vor_sql_of(store);
+    int changed = 0, gone;
+    vor_status status = vor_sql_begin(db, VOR_SQL_DURABLE, err);
 
-    *reaped = (uint64_t)changed;
+    *reaped = 0;
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change(db, &changed, err,
+                            "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
+                            " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
+                            " AND (?3 <> 0 OR owner NOT IN"
+                            " (SELECT owner FROM daemon WHERE lease > clock_ms()))",
+                            "tii", owner, now_ms, (int64_t)is_alone);
+    if (status == VOR_OK)
+        status = vor_sql_change(db, &gone, err,
+                                "DELETE FROM daemon WHERE owner <> ?1"
+                                " AND (?2 <> 0 OR lease < clock_ms() - 3600000)",
+                                "ti", owner, (int64_t)is_alone);
+    status = vor_sql_end(db, status, err);
+    if (status == VOR_OK)
+        *reaped = (uint64_t)changed;
     return status;
 }

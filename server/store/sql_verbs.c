@@ -34,19 +34,20 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         vor_sql_of(store), take_seq, &seq, err,
         "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
         " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-        " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, turn)"
+        " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, engine, release,"
+        " turn)"
         " VALUES (?1, ?2, 'accepted', ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?11, ?12, ?13, ?14,"
-        " ?15, ?16, ?17, ?18, ?19, max((SELECT coalesce(max(turn), 0) FROM ledger),"
+        " ?15, ?16, ?17, ?18, ?19, ?20, ?21, max((SELECT coalesce(max(turn), 0) FROM ledger),"
         " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE status = 'accepted'),"
         " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE status = 'accepted'"
         "  AND principal = ?14),"
         " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14), 0))) RETURNING seq",
-        "tttttiiitritttttiii", row->id.text, row->process, row->message, text->request.data,
+        "tttttiiitritttttiiiti", row->id.text, row->process, row->message, text->request.data,
         text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
         input->sha256, input->seconds, row->created, row->name,
         vor_span_text(&row->span, traceparent), row->key.principal,
         row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept,
-        (int64_t)row->memory, (int64_t)row->decoded);
+        (int64_t)row->memory, (int64_t)row->decoded, row->build.engine, row->build.release);
 
     if (status == VOR_OK)
         row->seq = seq;
@@ -220,7 +221,8 @@ vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, in
     " output_format, output_points, output_bytes, output_sha256,"                                  \
     " report_bytes,"                                                                               \
     " attempt, created, started, updated, finished, expires, expired,"                             \
-    " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded"
+    " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded,"          \
+    " engine, release"
 
 /* How many leave before a row that waits: in rounds of 256 turns, in turns, in its own turn; -1 for
  * others. */
@@ -310,6 +312,8 @@ static void read_row(struct vor_job_view *out, struct vor_sql_row *row)
     out->alone = (int)vor_sql_number(row);
     out->memory = (uint64_t)vor_sql_number(row);
     out->decoded = (uint64_t)vor_sql_number(row);
+    vor_sql_copy(row, out->build.engine, sizeof out->build.engine);
+    out->build.release = vor_sql_number(row);
     out->queue_position = (long)vor_sql_number(row);
     out->stage = stage_of(out);
 }
@@ -461,13 +465,14 @@ vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *c
     status = vor_sql_change_each(
         vor_sql_of(store), take_claimed, &taken, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
-        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1,"
-        " lease = ?5"
+        " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
         " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE status = 'accepted'"
+        " AND release <= ?6 AND (engine = ?5 OR engine NOT IN"
+        " (SELECT engine FROM daemon WHERE lease > clock_ms()))"
         " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS
         ", -1",
-        "tiiii", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
-        claim->until_ms);
+        "tiiiti", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
+        claim->build.engine, claim->build.release);
     if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
         status = vor_sql_change(vor_sql_of(store), &rows, err,
                                 "DELETE FROM event WHERE attempt < ?2"

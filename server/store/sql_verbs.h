@@ -56,8 +56,8 @@ vor_status vor_sql_events(struct vor_store *store, const struct vor_uuid *id,
 vor_status vor_sql_waiting(struct vor_store *store, struct vor_waiting *out, struct vor_error *err);
 vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
                          struct vor_error *err);
-vor_status vor_sql_reap(struct vor_store *store, const char *owner, int64_t until_ms,
-                        int64_t now_ms, uint64_t *reaped, struct vor_error *err);
+vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
+                        uint64_t *reaped, struct vor_error *err);
 
 /** The indexes that every engine has, for its schema. */
 #define VOR_SQL_INDEXES                                                                            \

@@ -1,5 +1,7 @@
 #include "server/store/sqlite_database.h"
 
+#include "server/base/clock.h"
+
 #include <assert.h>
 #include <errno.h>
 #include <pthread.h>
@@ -66,6 +68,13 @@ static vor_status run(struct vor_sqlite *db, struct connection *connection, cons
     return code == SQLITE_OK ? VOR_OK : fail(db, connection, code, err);
 }
 
+/* The function clock_ms() of statements. */
+static void clock_ms(sqlite3_context *context, int count, sqlite3_value **values)
+{
+    (void)count, (void)values;
+    sqlite3_result_int64(context, vor_clock_wall_ms());
+}
+
 static vor_status connect(struct vor_sqlite *db, struct connection *connection, const char *path,
                           const char *pragmas, struct vor_error *err)
 {
@@ -76,6 +85,8 @@ static vor_status connect(struct vor_sqlite *db, struct connection *connection, 
         return fail(db, connection, code, err);
     (void)sqlite3_extended_result_codes(connection->handle, 1);
     (void)sqlite3_busy_timeout(connection->handle, BUSY_MS);
+    (void)sqlite3_create_function(connection->handle, "clock_ms", 0, SQLITE_UTF8, NULL, clock_ms,
+                                  NULL, NULL);
     return run(db, connection, pragmas, err);
 }
 
@@ -250,7 +261,7 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
     vor_status status;
 
     pthread_mutex_lock(&db->writing);
-    db->is_lazy = how == VOR_SQL_LAZY;
+    db->is_lazy = how != VOR_SQL_DURABLE;
     status = vor_sqlite_broken(db) ? refuse(err)
                                    : run(db, &db->writer,
                                          db->is_lazy ? "PRAGMA synchronous=NORMAL; BEGIN IMMEDIATE"

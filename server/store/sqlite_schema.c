@@ -4,7 +4,7 @@
 
 /* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
  * brought up to it; versions 1 to 5 and 7 were never released. */
-enum { SCHEMA_VERSION = 10 };
+enum { SCHEMA_VERSION = 11 };
 
 /* A row of job is short and is written when the state changes. What is long and is asked for by
  * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, and the
@@ -140,12 +140,20 @@ static const char from_9[] =
     COUNT("new", WAITS("new") " - " WAITS("old")) " END;"
     "DELETE FROM round;" COUNT_ALL("turn") COUNT_ALL("-1 - (turn >> 8)")
     "PRAGMA user_version=10; COMMIT;";
+
+/* Leases are a row of each daemon, not of each job. */
+static const char from_10[] =
+    "BEGIN; CREATE TABLE daemon (owner TEXT PRIMARY KEY, lease INTEGER NOT NULL,"
+    " engine TEXT NOT NULL) WITHOUT ROWID;"
+    "ALTER TABLE job ADD COLUMN engine TEXT NOT NULL DEFAULT '';"
+    "ALTER TABLE job ADD COLUMN release INTEGER NOT NULL DEFAULT 0;"
+    "ALTER TABLE job DROP COLUMN lease; PRAGMA user_version=11; COMMIT;";
 /* clang-format on */
 
 static const struct {
     int64_t from, to;
     const char *sql;
-} steps[] = {{0, 8, first}, {6, 8, from_6}, {8, 9, from_8}, {9, 10, from_9}};
+} steps[] = {{0, 8, first}, {6, 8, from_6}, {8, 9, from_8}, {9, 10, from_9}, {10, 11, from_10}};
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
@@ -160,10 +168,11 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
         version = steps[i].to;
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
-        return vor_fail(err, VOR_E_IO,
-                        "the job database has schema %lld, but this version reads only 6, 8, "
-                        "9 and %d: start the version that wrote the database, or choose another "
-                        "--data",
-                        (long long)version, SCHEMA_VERSION);
+        return vor_fail(
+            err, VOR_E_IO,
+            "the job database has schema %lld, but this version reads only 6, 8, "
+            "9, 10 and %d: start the version that wrote the database, or choose another "
+            "--data",
+            (long long)version, SCHEMA_VERSION);
     return status;
 }

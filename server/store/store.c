@@ -201,13 +201,13 @@ vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_er
     return status;
 }
 
-vor_status vor_store_reap(struct vor_store *store, const char *owner, int64_t until_ms,
-                          int64_t now_ms, uint64_t *reaped, struct vor_error *err)
+vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
+                          uint64_t *reaped, struct vor_error *err)
 {
     vor_status status;
 
     do
-        status = store->driver->reap(store, owner, until_ms, now_ms, reaped, err);
+        status = store->driver->reap(store, owner, is_alone, now_ms, reaped, err);
     while (made_room(store->reserve, status, err));
     return status;
 }

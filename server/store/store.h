@@ -79,7 +79,8 @@ VOR_NODISCARD static inline vor_status vor_store_insert(struct vor_store *store,
 }
 
 /** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
- *  Events of its former attempts go.
+ *  Events of its former attempts go. A job of a later release than the claimer's, and one of
+ * another engine while a daemon that has a lease is of that engine, is left to others.
  *
  *  The queue goes in rounds. In each round every principal gets one job, and the jobs of one
  *  principal start in the order of acceptance. A principal without waiting jobs joins the current
@@ -98,9 +99,9 @@ VOR_NODISCARD static inline vor_status vor_store_claim_next(struct vor_store *st
     return store->driver->claim_next(store, claim, out, found, err);
 }
 
-/** Makes the leases of an owner longer, all by one change, and says which jobs are still its: any
- *  other that it runs was dismissed, or is another owner's by now, and no change of its does
- *  anything to it.
+/** Makes the lease of an owner longer, or begins it, and says which jobs are still its: any other
+ *  that it runs was dismissed, or is another owner's by now, and no change of its does anything to
+ *  it. Waits for no other daemon's change.
  *
  *  Cost: as many rows as it runs jobs. A crash of the machine may undo it. */
 VOR_NODISCARD static inline vor_status
@@ -254,11 +255,11 @@ VOR_NODISCARD static inline vor_status vor_store_newest(struct vor_store *store,
  *  again, to be run with nothing beside it (vor_job_view.alone). What ran in another process cannot
  *  be why a daemon ended, so nothing counts against a job.
  *
- *  @param[in]  until_ms  only those whose lease has ended by then; INT64_MAX where it is known that
- *                        there is no other daemon, as after an opening that locks the store
+ *  @param[in]  is_alone  it is known that there is no other daemon, as after an opening that locks
+ *                        the store; else only jobs of owners whose leases have ended, or who never
+ *                        had one
  *  @param[out] reaped    how many */
-VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner,
-                                        int64_t until_ms, int64_t now_ms, uint64_t *reaped,
-                                        struct vor_error *err);
+VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone,
+                                        int64_t now_ms, uint64_t *reaped, struct vor_error *err);
 
 #endif

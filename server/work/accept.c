@@ -73,6 +73,7 @@ static void first_row(struct vor_job_view *row, const struct vor_uuid *id,
                                  .queue_position = -1,
                                  .eta_seconds = -1,
                                  .spec = *spec,
+                                 .build = vor_build_own(),
                                  .created = vor_clock_wall_ms()};
     (void)snprintf(row->process, sizeof row->process, "%s", spec->process->id);
     row->updated = row->created;

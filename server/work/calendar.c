@@ -13,8 +13,11 @@ vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err)
 {
     struct vor_calendar *calendar = &worker->calendar;
     int64_t ahead;
-    vor_status status = vor_store_newest(worker->config.store, &calendar->newest, err);
+    vor_status status;
 
+    if (vor_store_is_shared(worker->config.store)) /* whose clock it goes by */
+        return VOR_OK;
+    status = vor_store_newest(worker->config.store, &calendar->newest, err);
     if (status != VOR_OK)
         return status;
     calendar->wall = vor_clock_wall_ms();
@@ -58,6 +61,8 @@ int vor_calendar_look(struct vor_worker *worker)
     int64_t wall = vor_clock_wall_ms(), steady = vor_clock_boot_ms();
     int64_t jump = wall - calendar->wall - (steady - calendar->steady);
 
+    if (vor_store_is_shared(worker->config.store))
+        return 1;
     if (calendar->unsure)
         calendar->unsure = !is_believed(calendar, wall, steady);
     else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(worker, jump))

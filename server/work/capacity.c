@@ -169,9 +169,8 @@ int vor_capacity_claim(struct vor_worker *worker, struct vor_claim *claim)
     const struct vor_capacity *capacity = &worker->capacity;
     int may;
 
-    *claim = (struct vor_claim){.owner = worker->owner.text,
-                                .now_ms = vor_clock_wall_ms(),
-                                .until_ms = vor_worker_lease_until()};
+    *claim = (struct vor_claim){
+        .owner = worker->owner.text, .now_ms = vor_clock_wall_ms(), .build = vor_build_own()};
     pthread_mutex_lock(&worker->mutex);
     may = capacity->waiting > 0 && !worker->draining && !atomic_load(&worker->is_late) &&
           !(capacity->running > 0 && capacity->runs_alone);

@@ -6,12 +6,7 @@
 #include <string.h>
 
 /* A lease outlives a disk that is slow, or a thread that waits for its core, for so long. */
-static const double lease_seconds = 30, renew_seconds = 5;
-
-int64_t vor_worker_lease_until(void)
-{
-    return vor_clock_wall_ms() + (int64_t)(1000 * lease_seconds);
-}
+static const double lease_seconds = 30, renew_seconds = 2;
 
 /* True when a runner has this attempt; the mutex is held. */
 static int is_run(const struct vor_worker *worker, const struct vor_leased *leased)
@@ -64,17 +59,18 @@ void vor_worker_renew(struct vor_worker *worker)
     enum { LEASED_MAX = 2 * VOR_WORKER_JOBS_MAX };
     struct vor_leased jobs[LEASED_MAX], *unheard = jobs;
     struct vor_renewal renewal = {.owner = worker->owner.text,
-                                  .until_ms = vor_worker_lease_until(),
+                                  .build = vor_build_own(),
+                                  .lease_ms = (int64_t)(1000 * lease_seconds),
                                   .job = jobs,
                                   .max = LEASED_MAX};
     struct vor_error err;
     vor_status status;
-    int runs;
+    int is_wanted; /* others look which engines there are */
 
     pthread_mutex_lock(&worker->mutex);
-    runs = worker->capacity.running > 0;
+    is_wanted = worker->capacity.running > 0 || vor_store_is_shared(worker->config.store);
     pthread_mutex_unlock(&worker->mutex);
-    if ((!runs && !atomic_load(&worker->may_be_unheard)) ||
+    if ((!is_wanted && !atomic_load(&worker->may_be_unheard)) || worker->config.jobs == 0 ||
         vor_clock_seconds() - worker->renewed < renew_seconds)
         return;
     worker->renewed = vor_clock_seconds();

@@ -148,7 +148,7 @@ static void *sweeper_main(void *arg)
     double swept = vor_clock_seconds() - SWEEP_SECONDS;
     struct vor_error err;
 
-    worker->busy = vor_clock_seconds();
+    worker->busy = worker->unreached = vor_clock_seconds();
     vor_worker_drop_strays(worker);
     do {
         double now = vor_clock_seconds();
@@ -209,6 +209,8 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     status = vor_uuid_make(&worker->owner, err);
     if (status == VOR_OK)
         status = vor_worker_recover(worker, err);
+    if (status == VOR_OK)
+        vor_worker_renew(worker); /* before any job is claimed */
     if (status == VOR_OK)
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
     if (status == VOR_OK)

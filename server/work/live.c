@@ -245,7 +245,8 @@ vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struc
     static const char *const done[] = {[VOR_EVICT_EXPIRED] = "results expired",
                                        [VOR_EVICT_UPLOADS] = "uploads deleted to make room",
                                        [VOR_EVICT_RESULTS] = "results deleted to make room"};
-    const int64_t limit[] = {[VOR_EVICT_EXPIRED] = vor_clock_wall_ms(),
+    const int is_shared = vor_store_is_shared(worker->config.store);
+    const int64_t limit[] = {[VOR_EVICT_EXPIRED] = is_shared ? 0 : vor_clock_wall_ms(),
                              [VOR_EVICT_UPLOADS] = (int64_t)worker->config.keep,
                              [VOR_EVICT_RESULTS] = (int64_t)worker->config.results};
     struct vor_evicted job[BATCH];

@@ -73,9 +73,10 @@ struct vor_worker {
     int is_away;               /* the blobs are, and the log says so */
     int is_full;               /* the store has no reserve, and the log says so */
     int has_failed;            /* config.failed was called */
-    double renewed;            /* when the leases were */
+    double renewed;            /* when the lease was */
     double busy;               /* when there was a job last */
     double reaped;             /* when the leases of others were looked at */
+    double unreached;          /* when the store was away last, or not known */
     atomic_int may_be_unheard; /* a claim failed, or nobody knows whether it did */
     atomic_int is_late; /* the disk was full at the start: what a former life left waits for room */
 };
@@ -102,10 +103,7 @@ void vor_worker_let_go(struct vor_runner *runner);
 /** True when a runner has the job. */
 int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
 
-/** When a lease that begins now ends. */
-int64_t vor_worker_lease_until(void);
-
-/** Makes the leases of what runs longer, if that is due, and ends the runs that have lost theirs.
+/** Makes the lease on what runs longer, if that is due, and ends the runs that have lost theirs.
  * For the sweeper. */
 void vor_worker_renew(struct vor_worker *worker);
 

@@ -9,8 +9,10 @@
 
 #include <stdlib.h>
 
-/* Between two looks for jobs whose daemon has ended; their leases are much longer. */
-static const double reap_seconds = 5;
+/* Between two looks for jobs whose daemon has ended; their leases are much longer. While the store
+ * was away nobody could renew his: those who live have done so when it has been back for that long.
+ */
+static const double reap_seconds = 5, renewed_seconds = 10;
 
 static int take_last(void *ctx, const struct vor_event_piece *piece)
 {
@@ -68,15 +70,15 @@ static void count_waiting(struct vor_worker *worker)
 
 static void reap(struct vor_worker *worker)
 {
-    int64_t now_ms = vor_clock_wall_ms();
     struct vor_error err;
     uint64_t reaped = 0;
 
-    if (vor_clock_seconds() - worker->reaped < reap_seconds)
+    if (vor_clock_seconds() - worker->reaped < reap_seconds ||
+        vor_clock_seconds() - worker->unreached < renewed_seconds)
         return;
     worker->reaped = vor_clock_seconds();
-    if (vor_store_reap(worker->config.store, worker->owner.text, now_ms, now_ms, &reaped, &err) !=
-        VOR_OK) {
+    if (vor_store_reap(worker->config.store, worker->owner.text, 0, vor_clock_wall_ms(), &reaped,
+                       &err) != VOR_OK) {
         vor_log(VOR_LOG_WARN, "leases that have ended are not looked for",
                 VOR_TEXT("error", err.message));
         return;

@@ -249,12 +249,12 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 {
     struct vor_waiting waiting;
     uint64_t requeued = 0;
-    int64_t now_ms = vor_clock_wall_ms();
-    /* What another daemon runs is its own until its lease ends. */
-    int64_t until_ms = vor_store_is_shared(worker->config.store) ? now_ms : INT64_MAX;
-    vor_status status =
-        vor_store_reap(worker->config.store, worker->owner.text, until_ms, now_ms, &requeued, err);
+    vor_status status = VOR_OK;
 
+    /* What another daemon runs is its own until its lease ends: later (mirror.c). */
+    if (!vor_store_is_shared(worker->config.store))
+        status = vor_store_reap(worker->config.store, worker->owner.text, 1, vor_clock_wall_ms(),
+                                &requeued, err);
     pthread_mutex_lock(&worker->claim); /* nothing that waits is dismissed meanwhile */
     if (status == VOR_OK)
         status = vor_store_waiting(worker->config.store, &waiting, err);

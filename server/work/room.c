@@ -38,6 +38,8 @@ static vor_status check_disks(struct vor_worker *worker, struct vor_error *err)
     int is_lost = 0;
     vor_status status = vor_store_check(worker->config.store, &is_lost, err);
 
+    if (status != VOR_OK)
+        worker->unreached = vor_clock_seconds();
     vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
     return is_lost ? status : vor_blobs_check(worker->config.blobs, err);
 }

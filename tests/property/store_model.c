@@ -107,7 +107,7 @@ static void do_insert(struct model *model)
 /* All jobs are one principal's: they leave in the order of acceptance. */
 static void do_claim(struct model *model)
 {
-    const struct vor_claim claim = {VT_OWNER, model->now, UINT64_MAX, 1, 0};
+    const struct vor_claim claim = {VT_OWNER, model->now, UINT64_MAX, 1, {"", 0}};
     struct model_job *job = model->jobs, *end = model->jobs + model->count;
     struct vor_job_view row;
     int found;
@@ -243,7 +243,7 @@ static void do_crash(struct model *model, const char *dir)
 
     vor_store_close(model->store);
     model->store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_reap(model->store, "y", INT64_MAX, model->now, &recovered, &vt_err));
+    vt_assert_ok(vor_store_reap(model->store, "y", 1, model->now, &recovered, &vt_err));
     for (size_t i = 0; i < model->count; i++) {
         struct model_job *job = &model->jobs[i];
 

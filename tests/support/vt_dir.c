@@ -175,8 +175,7 @@ struct vor_job_view vt_stored(struct vor_store *store, const struct vor_uuid *id
 
 uint32_t vt_claim(struct vor_store *store, const struct vor_uuid *id)
 {
-    const struct vor_claim claim = {
-        .owner = VT_OWNER, .now_ms = vor_clock_wall_ms(), .memory = UINT64_MAX, .may_be_alone = 1};
+    const struct vor_claim claim = {VT_OWNER, vor_clock_wall_ms(), UINT64_MAX, 1, vor_build_own()};
     struct vor_job_view row;
     int found;
 

@@ -279,7 +279,7 @@ VT_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
     vor_store_close(store);
     fill(dir);
     store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_reap(store, "this life", INT64_MAX, 1, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "this life", 1, 1, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 1);
     vor_store_close(store);
     remove_disk(dir);

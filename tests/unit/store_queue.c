@@ -37,7 +37,7 @@ static struct vor_job_view insert_of(struct vor_store *store, const char *tenant
 /* The first letter of whose job is claimed; 0 when none waits. */
 static char claim_letter(struct vor_store *store)
 {
-    const struct vor_claim claim = {"x", 1, UINT64_MAX, 1, 0};
+    const struct vor_claim claim = {"x", 1, UINT64_MAX, 1, {"", 0}};
     struct vor_job_view row;
     int found;
 
@@ -149,7 +149,7 @@ VT_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
 {
     struct vor_store *store = vt_dir_store(vt_dir_make());
     struct vor_job_view rows[2] = {vt_row(10), vt_row(10)}, row;
-    struct vor_claim claim = {"me", 1, 99, 0, 0};
+    struct vor_claim claim = {"me", 1, 99, 0, {"", 0}};
     uint64_t reaped;
     int found;
 
@@ -162,9 +162,9 @@ VT_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
     claim.memory = 100;
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(found && strcmp(row.id.text, rows[0].id.text) == 0 && row.memory == 100);
-    vt_assert_ok(vor_store_reap(store, "me", INT64_MAX, 1, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "me", 1, 1, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 0); /* what runs in this life */
-    vt_assert_ok(vor_store_reap(store, "the next one", INT64_MAX, 1, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "the next one", 1, 1, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 1);
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(!found); /* it is to be alone */
@@ -174,15 +174,42 @@ VT_TEST(the_next_job_is_claimed_once_it_may_and_none_before_it)
     vor_store_close(store);
 }
 
+static const int64_t hour_ms = 3600000;
+
+/* Daemons of two builds at once, as while they are upgraded. */
+VT_TEST(a_job_waits_for_its_own_engine_while_there_is_one_and_for_no_older_release)
+{
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    struct vor_job_view row = vt_row(1);
+    struct vor_renewal renewal = {"first", {"a", 2}, hour_ms, NULL, 0, 0};
+    struct vor_claim claim = {"second", 1, UINT64_MAX, 1, {"b", 3}};
+    int found;
+
+    row.build = renewal.build;
+    vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(!found);
+    renewal.lease_ms = -1;
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
+    claim.build.release = 1;
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(!found);
+    claim.build.release = 2;
+    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
+    ck_assert(found && row.build.release == 2 && strcmp(row.build.engine, "a") == 0);
+    vor_store_close(store);
+}
+
 /* A worker that was stopped past its lease and goes on. */
 VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
 {
     struct vor_store *store = vt_dir_store(vt_dir_make());
     struct vor_job_view rows[2] = {insert_of(store, "", 0), insert_of(store, "", 0)}, row;
     const struct vor_lease late = {"late", 1}, other = {"other", 2};
-    struct vor_claim claim = {"late", 10, UINT64_MAX, 1, 100};
+    struct vor_claim claim = {"late", 10, UINT64_MAX, 1, {"", 0}};
     struct vor_leased left[2];
-    struct vor_renewal renewal = {"late", 300, left, 2, 0};
+    struct vor_renewal renewal = {"late", {"", 0}, hour_ms, left, 2, 0};
     struct vor_hand_back back = {.lease = late, .now_ms = 400};
     const struct vor_store_ending ending = {"{}", {0}};
     char events[32];
@@ -191,16 +218,21 @@ VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
 
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(vt_append(store, rows[0], 10, &late, 2));
-    claim.until_ms = 200;
-    vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
-    vt_assert_ok(vor_store_reap(store, "late", INT64_MAX, 150, &reaped, &vt_err));
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "other", 0, 150, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 0); /* the lease has not ended */
+    renewal.lease_ms = -1;
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "late", 1, 150, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 0); /* his own are not his to reap */
-    vt_assert_ok(vor_store_reap(store, "other", 150, 150, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "other", 0, 150, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 1);
     claim.owner = "other";
     vt_assert_ok(vor_store_claim_next(store, &claim, &row, &found, &vt_err));
     ck_assert(found && row.attempt == 2);
     ck_assert_str_eq(row.id.text, rows[0].id.text);
+    claim.owner = "late";
+    vt_assert_ok(vor_store_claim_next(store, &claim, &rows[1], &found, &vt_err));
     for (uint32_t attempt = 1; attempt <= 2; attempt++) { /* the owner alone is wrong, too */
         const struct vor_lease wrong = {"late", attempt};
 
@@ -213,10 +245,11 @@ VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
     }
     row = vt_stored(store, &rows[0].id);
     ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2 && row.progress == 10);
+    renewal.lease_ms = hour_ms;
     vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
     ck_assert(renewal.count == 1 && left[0].attempt == 1);
     ck_assert_str_eq(left[0].id.text, rows[1].id.text);
-    vt_assert_ok(vor_store_reap(store, "other", 250, 250, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(store, "other", 0, 250, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 0); /* renewed */
     ck_assert(vt_append(store, rows[0], 0, &other, 1) && vt_append(store, rows[0], 0, &other, 4));
     vt_events(store, &rows[0].id, 1, 0, events);

@@ -214,7 +214,7 @@ VT_TEST(a_claim_whose_answer_was_lost_is_taken_back)
     struct vt_daemon daemon;
     struct vor_job_view row;
     struct vor_uuid endless, id;
-    struct vor_claim claim = {.memory = UINT64_MAX, .may_be_alone = 1, .until_ms = INT64_MAX};
+    struct vor_claim claim = {.memory = UINT64_MAX, .may_be_alone = 1, .build = vor_build_own()};
     int found = 0;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});

@@ -222,12 +222,12 @@ static struct {
     atomic_int recoveries, counts;
 } failing;
 
-static vor_status reap_late(struct vor_store *store, const char *owner, int64_t until_ms,
+static vor_status reap_late(struct vor_store *store, const char *owner, int is_alone,
                             int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
     if (atomic_fetch_add(&failing.recoveries, 1) == 0)
         return vor_fail_errno(err, ENOSPC, "the job store");
-    return failing.real->reap(store, owner, until_ms, now_ms, reaped, err);
+    return failing.real->reap(store, owner, is_alone, now_ms, reaped, err);
 }
 
 static vor_status count_waiting(struct vor_store *store, struct vor_waiting *out,
@@ -330,7 +330,7 @@ VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1});
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, INT64_MAX, 1, &reaped, &vt_err));
+    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, 1, 1, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 1);
     ck_assert_uint_eq(vt_claim(daemon.store, &runs), 2);
     vt_daemon_wait_idle(&daemon);
@@ -358,7 +358,7 @@ VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     vt_daemon_stop(&daemon); /* gives it back: it waits */
     life.store = vt_dir_store(life.dir);
     ck_assert_uint_gt(vt_claim(life.store, &suspected), 1);
-    vt_assert_ok(vor_store_reap(life.store, "this life", INT64_MAX, 1, &requeued, &vt_err));
+    vt_assert_ok(vor_store_reap(life.store, "this life", 1, 1, &requeued, &vt_err));
     ck_assert_uint_eq(requeued, 1);
     vor_store_close(life.store);
 
