@@ -10,6 +10,7 @@
 #include "server/cli/interrupt.h"
 #include "server/cli/jobs.h"
 #include "server/cli/key.h"
+#include "server/cli/migrate.h"
 #include "server/cli/options.h"
 #include "server/cli/run_local.h"
 #include "server/cli/run_remote.h"
@@ -49,6 +50,12 @@ static const struct vor_command others[] = {
      "Prints a new key on stderr and, on stdout, the line to add to the file of voronoid serve "
      "--api-keys. The key cannot be shown again",
      VOR_COMMAND_KEYS, " NAME", 1, 1, NULL, vor_cli_key},
+    {"migrate", "Move a daemon's jobs to PostgreSQL and S3",
+     "Copies the jobs and files in a data folder, DATA, into another database and another place "
+     "for "
+     "files. No daemon may use them meanwhile. DATA stays as it is. A copy that was broken off "
+     "continues when the command is started again",
+     VOR_COMMAND_MOVES, " DATA", 1, 1, NULL, vor_cli_migrate},
 };
 
 enum { OTHERS = sizeof others / sizeof others[0], SUBMIT = 0 };

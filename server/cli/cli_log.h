@@ -16,7 +16,8 @@
     X(REJECTED, 3, "an input is rejected", "")                                                     \
     X(CANCELLED, 4, "cancelled on the daemon, or by SIGTERM", "")                                  \
     X(UNREACHABLE, 5, "the server is unreachable or busy", "")                                     \
-    X(IN_USE, 75, "", "another daemon uses the data folder")                                       \
+    X(IN_USE, 75, "a daemon uses the data folder or the database",                                 \
+      "another daemon uses the data folder")                                                       \
     X(INTERRUPTED, 130, "ended by ^C; the best result so far is written, if there is one", "")
 
 enum {

@@ -13,7 +13,8 @@ enum {
     VOR_COMMAND_JOBS = 16,    /**< its operands are jobs */
     VOR_COMMAND_LISTS = 32,   /**< lists jobs */
     VOR_COMMAND_FETCHES = 64, /**< writes results of jobs */
-    VOR_COMMAND_KEYS = 128    /**< makes keys */
+    VOR_COMMAND_KEYS = 128,   /**< makes keys */
+    VOR_COMMAND_MOVES = 256   /**< moves what a daemon has stored */
 };
 
 #define VOR_COMMAND_TELLS (VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS | VOR_COMMAND_JOBS)
@@ -52,6 +53,11 @@ enum {
       "Quotas of the key, separated by commas: jobs=N, at most N jobs that wait or run (default "  \
       "16); rate=N, at most N jobs started per second (default 10); bytes=N, at most N bytes of "  \
       "stored inputs and results; points=N, at most N points in an input")                         \
+    X(STORE, "store", 0, "SCHEME:PLACE", "VORONOID_STORE", VOR_COMMAND_MOVES,                      \
+      "Database that gets the jobs, as --store of voronoid serve: "                                \
+      "postgresql://USER@HOST/DATABASE")                                                           \
+    X(BLOBS, "blobs", 0, "SCHEME:PLACE", "VORONOID_BLOBS", VOR_COMMAND_MOVES,                      \
+      "Place that gets the files, as --blobs of voronoid serve: s3:https://HOST/BUCKET/PREFIX")    \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \

@@ -140,6 +140,11 @@ struct vor_waiting {
     int64_t oldest_ms;      /**< when the one that is next was accepted; 0 when none waits */
 };
 
+/** What a move of all jobs has come to. */
+struct vor_store_copied {
+    uint64_t jobs, were_there; /**< that are there now, and that were before */
+};
+
 /** The functions of a driver. Each does what the function of store.h with its name promises. */
 struct vor_store_driver {
     const char *scheme; /**< "sqlite": what stands before the colon of --store */
@@ -188,6 +193,8 @@ struct vor_store_driver {
     vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
     vor_status (*reap)(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                        uint64_t *reaped, struct vor_error *err);
+    vor_status (*copy)(struct vor_store *into, struct vor_store *from, struct vor_store_copied *out,
+                       struct vor_error *err);
 };
 
 #endif

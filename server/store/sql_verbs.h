@@ -59,6 +59,10 @@ vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
 vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                         uint64_t *reaped, struct vor_error *err);
 
+/* Into another database: sql_copy.c. */
+vor_status vor_sql_copy_all(struct vor_store *into, struct vor_store *from,
+                            struct vor_store_copied *out, struct vor_error *err);
+
 /** The indexes that every engine has, for its schema. */
 #define VOR_SQL_INDEXES                                                                            \
     "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
@@ -78,6 +82,6 @@ vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone
     .ledger = vor_sql_ledger, .find_key = vor_sql_find_key, .report = vor_sql_report,              \
     .events = vor_sql_events, .list = vor_sql_list, .waiting = vor_sql_waiting,                    \
     .evict = vor_sql_evict, .forget_uploads = vor_sql_forget_uploads, .shift = vor_sql_shift,      \
-    .newest = vor_sql_newest, .reap = vor_sql_reap
+    .newest = vor_sql_newest, .reap = vor_sql_reap, .copy = vor_sql_copy_all
 
 #endif

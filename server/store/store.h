@@ -262,4 +262,21 @@ VOR_NODISCARD static inline vor_status vor_store_newest(struct vor_store *store,
 VOR_NODISCARD vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone,
                                         int64_t now_ms, uint64_t *reaped, struct vor_error *err);
 
+/** Copies all jobs of one store into another, whatever their drivers: rows, reports, events, and
+ *  whose turn is next. A job that was running is copied as such. No daemon may use either.
+ *
+ *  @param[in] into  empty, or with the first jobs of `from`, as a copy that was broken off leaves
+ *                   it: then it goes on from there
+ *
+ *  @retval VOR_E_IO also when `into` has other jobs, or not as many in the end
+ *
+ *  Cost: a durable change for each job. */
+VOR_NODISCARD static inline vor_status vor_store_copy(struct vor_store *into,
+                                                      struct vor_store *from,
+                                                      struct vor_store_copied *out,
+                                                      struct vor_error *err)
+{
+    return into->driver->copy(into, from, out, err);
+}
+
 #endif

@@ -15,11 +15,31 @@ ok start_swift(), 'Swift serves' or BAIL_OUT Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
 my %place = (store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/daemons", blobs => "s3:http://127.0.0.1:$Scale::swift{proxy}/bucket");
 my $cloud = sphere_ply(3000);
-my $wanted = Vt->start->post('/v1/resample?points=500', $cloud)->{content};
+my $alone = Vt->start(jobs => 1);
+my $wanted = $alone->post('/v1/resample?points=500', $cloud)->{content};
+
+# What a daemon has in its folder moves to both. Status and what it says; it gets the places by the environment.
+my @moved = map { $alone->submit('points=500', $cloud) } 1 .. 2;
+$alone->finish($_) for @moved;
+my $waits = $alone->submit('points=5000&iterations=10000&delta=0', $cloud);
+ok wait_until(sub { $alone->status($waits) eq 'running' }), 'a daemon alone has jobs';
+sub migrate {
+    local @ENV{qw(VORONOID_STORE VORONOID_BLOBS)} = @place{qw(store blobs)};
+    my $said = `@{[$ENV{VORONOID} // 'build/release/voronoid']} migrate $alone->{dir}/data 2>&1`;
+    return ($? >> 8) . " $said";
+}
+like migrate(), qr/\A75 voronoid: migrate: /, 'they are not moved while it runs';
+$alone->stop('KILL');
+like migrate(), qr/\A0 4 jobs \(0 were there already\) and (\d+) files \(0\), /, 'but after that';
+like migrate(), qr/\A0 4 jobs \(4 were there already\) and (\d+) files \(\1\), /, 'and once';
 my @daemons = map { Vt->start(%place, jobs => 1) } 1 .. 3;
 my ($one, $other, $third) = @daemons;
 my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--store', $place{store});
 is $status, 75, 'a daemon that has its files in a folder cannot join them';
+like migrate(), qr/\A75 voronoid: migrate: another daemon uses the job store/, 'nor is anything moved to them';
+ok wait_until(sub { $third->status($waits) eq 'running' }), 'what ran when it was moved runs again';
+is $other->request('DELETE', "/v1/jobs/$waits")->{status}, 200, 'and can be dismissed';
+is scalar(grep { $other->get("/v1/jobs/$_/results/cloud")->{content} eq $wanted && $one->finish($_)->{status} eq 'successful' } @moved), 2, 'results are there';
 
 # What one accepts, another one shows.
 my $long = $one->submit('points=5000&iterations=10000&delta=0', sphere_ply(20000)); # a minute and more, if nobody ends it

@@ -1,0 +1,195 @@
+#include "server/cli/migrate.h"
+
+#include "server/base/disk.h"
+#include "server/blob/blob.h"
+#include "server/cli/cli_log.h"
+#include "server/store/store.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { CHUNK = 1 << 20 };
+
+struct file {
+    struct vor_uuid id;
+    char name[VOR_BLOB_NAME_MAX + 1];
+};
+
+struct files {
+    struct file *item;
+    size_t count, capacity;
+    int is_short; /* of memory */
+};
+
+struct migration {
+    const char *data;
+    struct vor_store *from_store, *store;
+    struct vor_blobs *from_blobs, *blobs;
+    struct vor_store_copied jobs;
+    size_t files, files_were_there;
+    uint64_t bytes;
+    long holder;
+};
+
+static void note_file(void *ctx, const struct vor_uuid *id, const char *name)
+{
+    struct files *files = ctx;
+
+    if (files->count == files->capacity) {
+        size_t capacity = 2 * files->capacity + 256;
+        struct file *more = realloc(files->item, capacity * sizeof *more);
+
+        if (more == NULL) {
+            files->is_short = 1;
+            return;
+        }
+        files->item = more;
+        files->capacity = capacity;
+    }
+    files->item[files->count].id = *id;
+    (void)snprintf(files->item[files->count++].name, sizeof files->item->name, "%s", name);
+}
+
+static vor_status list(struct vor_blobs *blobs, struct files *out, struct vor_error *err)
+{
+    vor_status status = vor_blobs_list(blobs, note_file, out, err);
+
+    return status == VOR_OK && out->is_short ? vor_fail(err, VOR_E_NOMEM, "the list of files")
+                                             : status;
+}
+
+static vor_status copy_bytes(struct vor_blob_writer *writer, int fd, struct vor_error *err)
+{
+    char *buffer = malloc(CHUNK);
+    vor_status status = buffer != NULL ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "a copy of a file");
+    off_t at = 0;
+
+    while (status == VOR_OK) {
+        ssize_t got = pread(fd, buffer, CHUNK, at);
+
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0)
+            status = vor_fail_errno(err, errno, "a file of DATA");
+        if (got <= 0)
+            break;
+        status = vor_blob_append(writer, buffer, (size_t)got, err);
+        at += got;
+    }
+    free(buffer);
+    return status;
+}
+
+/* One that is there with its size was copied whole. */
+static vor_status copy_file(struct migration *move, const struct file *file, struct vor_error *err)
+{
+    struct vor_blob_writer *writer = NULL;
+    uint64_t size = 0, there = 0;
+    int fd = -1, found = 0, is_there = 0;
+    vor_status status =
+        vor_blob_get(move->from_blobs, &file->id, file->name, &fd, &size, &found, err);
+
+    if (status == VOR_OK && !found)
+        status = vor_fail(err, VOR_E_IO, "%s.%s has gone from DATA", file->id.text, file->name);
+    if (status == VOR_OK)
+        status = vor_blob_get(move->blobs, &file->id, file->name, NULL, &there, &is_there, err);
+    if (status == VOR_OK && is_there && there == size) {
+        move->files_were_there++;
+    } else if (status == VOR_OK) {
+        status = vor_blob_create(move->blobs, &writer, err);
+        if (status == VOR_OK)
+            status = copy_bytes(writer, fd, err);
+        if (status == VOR_OK)
+            status = vor_blob_commit(writer, &file->id, file->name, err);
+        else
+            vor_blob_discard(writer);
+    }
+    if (fd >= 0)
+        close(fd);
+    move->bytes += size;
+    return status;
+}
+
+static vor_status copy_files(struct migration *move, struct vor_error *err)
+{
+    struct files files = {.item = NULL}, copies = {.item = NULL};
+    vor_status status = list(move->from_blobs, &files, err);
+
+    for (size_t i = 0; status == VOR_OK && i < files.count; i++)
+        status = copy_file(move, &files.item[i], err);
+    if (status == VOR_OK)
+        status = list(move->blobs, &copies, err);
+    if (status == VOR_OK && copies.count != files.count)
+        status = vor_fail(err, VOR_E_IO,
+                          "--blobs has %zu files, want the %zu of DATA and no others: choose "
+                          "another prefix or folder",
+                          copies.count, files.count);
+    move->files = files.count;
+    free(files.item);
+    free(copies.item);
+    return status;
+}
+
+static vor_status open_all(struct migration *move, const struct vor_cli *cli, struct vor_error *err)
+{
+    const struct vor_blob_cache cache = {.data = move->data};
+    char where[PATH_MAX];
+    vor_status status = VOR_OK;
+
+    (void)snprintf(where, sizeof where, "sqlite:%.4000s/jobs.sqlite", move->data);
+    if (access(where + strlen("sqlite:"), R_OK | W_OK) != 0) {
+        (void)vor_fail_errno(err, errno, where + strlen("sqlite:"));
+        return VOR_E_IO;
+    }
+    status = vor_store_open(&move->from_store, where, 0, &move->holder, err);
+    (void)snprintf(where, sizeof where, "dir:%.4000s/blobs", move->data);
+    if (status == VOR_OK)
+        status = vor_blobs_open(&move->from_blobs, where, &cache, &move->holder, err);
+    if (status == VOR_OK)
+        status = vor_store_open(&move->store, cli->option[VOR_OPTION_STORE], 0, &move->holder, err);
+    return status == VOR_OK ? vor_blobs_open(&move->blobs, cli->option[VOR_OPTION_BLOBS], &cache,
+                                             &move->holder, err)
+                            : status;
+}
+
+int vor_cli_migrate(const struct vor_cli *cli)
+{
+    struct migration move = {.data = cli->operands[0]};
+    const char *const none = cli->option[VOR_OPTION_STORE] == NULL   ? "--store"
+                             : cli->option[VOR_OPTION_BLOBS] == NULL ? "--blobs"
+                                                                     : NULL;
+    struct vor_error err;
+    vor_status status;
+    int code = VOR_EXIT_OK;
+
+    if (none != NULL) {
+        char line[64];
+
+        (void)snprintf(line, sizeof line, "no %s: say where the jobs and files go", none);
+        vor_cli_say(cli->command->name, line);
+        return VOR_EXIT_USAGE;
+    }
+    status = open_all(&move, cli, &err);
+    if (status == VOR_OK)
+        status = copy_files(&move, &err);
+    if (status == VOR_OK) /* a job's files are there before it */
+        status = vor_store_copy(move.store, move.from_store, &move.jobs, &err);
+    if (status == VOR_OK) {
+        printf("%llu jobs (%llu were there already) and %zu files (%zu), %.1f MB\n",
+               (unsigned long long)move.jobs.jobs, (unsigned long long)move.jobs.were_there,
+               move.files, move.files_were_there, (double)move.bytes / 1e6);
+        code = fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    } else {
+        code = vor_cli_fail(cli->command->name, &err);
+        code = move.holder != 0 ? VOR_EXIT_IN_USE : code;
+    }
+    vor_blobs_close(move.blobs);
+    vor_store_close(move.store);
+    vor_blobs_close(move.from_blobs);
+    vor_store_close(move.from_store);
+    return code;
+}

@@ -1,0 +1,182 @@
+/* All jobs of one database into another, for a move. */
+#include "server/store/sql_verbs.h"
+
+#include <assert.h>
+
+/* The columns of a job but seq; and for each what it is (vor_sql_change), and its place. */
+#define COLUMNS                                                                                    \
+    "id, process_id, status, progress, message, request, metrics, problem, inputs, "               \
+    "outputs, input_format, input_points, input_bytes, input_sha256, "                             \
+    "input_seconds, output_format, output_points, output_bytes, output_sha256, "                   \
+    "report_bytes, attempt, crashes, created, started, updated, finished, expires, "               \
+    "expired, name, traceparent, principal, idem_key, fingerprint, kept, held, "                   \
+    "alone, turn, memory, decoded, owner, engine, release"
+
+static const char types[] = "tttittttttiiitriiitiiiiiiiiitttttiiiiiitti";
+
+#define PLACES                                                                                     \
+    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "   \
+    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?"
+
+/* One job on its way. */
+struct copying {
+    struct vor_sql *into;
+    int64_t from_seq, into_seq; /* 0 when there is none any more */
+    vor_status status;          /* of the first change that failed */
+    struct vor_error *err;
+};
+
+static void take_seq(void *ctx, struct vor_sql_row *row)
+{
+    *(int64_t *)ctx = vor_sql_number(row);
+}
+
+static int copy_job(void *ctx, struct vor_sql_row *row)
+{
+    struct copying *copying = ctx;
+    struct vor_sql_changing changing = {.each = take_seq, .ctx = &copying->into_seq};
+    struct vor_sql_values values = {.count = sizeof types - 1};
+
+    assert(values.count <= VOR_SQL_VALUES_MAX);
+    copying->from_seq = vor_sql_number(row);
+    for (unsigned i = 0; i < values.count; i++) {
+        struct vor_sql_value *value = &values.value[i];
+
+        *value = (struct vor_sql_value){.type = types[i]};
+        if (types[i] == 't')
+            value->bytes = vor_sql_text(row);
+        else if (types[i] == 'r')
+            value->real = vor_sql_real(row);
+        else
+            value->number = vor_sql_number(row);
+    }
+    copying->status = copying->into->engine->change(
+        copying->into, &changing, copying->err,
+        "INSERT INTO job (" COLUMNS ") VALUES (" PLACES ") RETURNING seq", &values);
+    return 0;
+}
+
+static int copy_event(void *ctx, struct vor_sql_row *row)
+{
+    struct copying *copying = ctx;
+    int64_t attempt = vor_sql_number(row), last = vor_sql_number(row);
+    size_t size;
+    const void *data = vor_sql_bytes(row, &size);
+    int rows;
+
+    copying->status =
+        vor_sql_change(copying->into, &rows, copying->err, "INSERT INTO event VALUES (?, ?, ?, ?)",
+                       "iiib", copying->into_seq, attempt, last, data, size);
+    return copying->status == VOR_OK;
+}
+
+static int copy_report(void *ctx, struct vor_sql_row *row)
+{
+    struct copying *copying = ctx;
+    int rows;
+
+    copying->status =
+        vor_sql_change(copying->into, &rows, copying->err, "INSERT INTO job_blob VALUES (?, ?)",
+                       "it", copying->into_seq, vor_sql_text(row));
+    return 0;
+}
+
+/* What its principal had as the turn of a job that has started. */
+static int copy_turn(void *ctx, struct vor_sql_row *row)
+{
+    struct copying *copying = ctx;
+    const char *principal = vor_sql_text(row);
+    int rows;
+
+    copying->status = vor_sql_change(copying->into, &rows, copying->err,
+                                     "UPDATE ledger SET turn = max(turn, ?2) WHERE principal = ?1",
+                                     "ti", principal, vor_sql_number(row));
+    return copying->status == VOR_OK;
+}
+
+/* The next job, with its events and its report: all of it, or nothing. */
+static vor_status copy_next(struct vor_sql *from, struct copying *copying, struct vor_error *err)
+{
+    vor_status status = vor_sql_begin(copying->into, VOR_SQL_DURABLE, err);
+    int64_t after = copying->from_seq;
+
+    if (status != VOR_OK)
+        return status;
+    copying->from_seq = 0;
+    status = vor_sql_query(from, copy_job, copying, err,
+                           "SELECT seq, " COLUMNS " FROM job WHERE seq > ? ORDER BY seq LIMIT 1",
+                           "i", after);
+    if (status == VOR_OK && copying->status == VOR_OK && copying->from_seq != 0)
+        status = vor_sql_query(from, copy_event, copying, err,
+                               "SELECT attempt, last, data FROM event WHERE seq = ?", "i",
+                               copying->from_seq);
+    if (status == VOR_OK && copying->status == VOR_OK && copying->from_seq != 0)
+        status = vor_sql_query(from, copy_report, copying, err,
+                               "SELECT report FROM job_blob WHERE seq = ?", "i", copying->from_seq);
+    return vor_sql_end(copying->into, status == VOR_OK ? copying->status : status, err);
+}
+
+static int take_id(void *ctx, struct vor_sql_row *row)
+{
+    vor_sql_copy(row, ((struct vor_uuid *)ctx)->text, sizeof((struct vor_uuid *)ctx)->text);
+    return 0;
+}
+
+static vor_status count(struct vor_sql *db, int64_t *number, struct vor_error *err)
+{
+    return vor_sql_query(db, vor_sql_take_number, number, err, "SELECT count(*) FROM job", "");
+}
+
+/* Jobs are copied in the order of acceptance, so that those which are there are the first ones. */
+static vor_status find_rest(struct vor_sql *from, struct vor_sql *into, int64_t *after,
+                            int64_t *were_there, struct vor_error *err)
+{
+    struct vor_uuid newest = {.text = ""};
+    int64_t first = 0;
+    vor_status status = count(into, were_there, err);
+
+    *after = 0;
+    if (status != VOR_OK || *were_there == 0)
+        return status;
+    status = vor_sql_query(into, take_id, &newest, err,
+                           "SELECT id FROM job ORDER BY seq DESC LIMIT 1", "");
+    if (status == VOR_OK)
+        status = vor_sql_query(from, vor_sql_take_number, after, err,
+                               "SELECT seq FROM job WHERE id = ?", "t", newest.text);
+    if (status == VOR_OK)
+        status = vor_sql_query(from, vor_sql_take_number, &first, err,
+                               "SELECT count(*) FROM job WHERE seq <= ?", "i", *after);
+    if (status == VOR_OK && first != *were_there)
+        return vor_fail(err, VOR_E_IO,
+                        "the database has %lld jobs that are not of this move: choose an empty "
+                        "schema or database",
+                        (long long)*were_there);
+    return status;
+}
+
+vor_status vor_sql_copy_all(struct vor_store *into_store, struct vor_store *from_store,
+                            struct vor_store_copied *out, struct vor_error *err)
+{
+    struct vor_sql *from = vor_sql_of(from_store), *into = vor_sql_of(into_store);
+    struct copying copying = {.into = into, .err = err};
+    int64_t there = 0, wanted = 0;
+    vor_status status = find_rest(from, into, &copying.from_seq, &there, err);
+
+    out->were_there = (uint64_t)there;
+    if (status == VOR_OK)
+        status = count(from, &wanted, err);
+    for (int64_t left = wanted - there; left > 0 && status == VOR_OK; left--)
+        status = copy_next(from, &copying, err);
+    if (status == VOR_OK)
+        status =
+            vor_sql_query(from, copy_turn, &copying, err, "SELECT principal, turn FROM ledger", "");
+    if (status == VOR_OK)
+        status = copying.status;
+    if (status == VOR_OK)
+        status = count(into, &there, err);
+    out->jobs = (uint64_t)there;
+    if (status == VOR_OK && there != wanted)
+        return vor_fail(err, VOR_E_IO, "%lld of %lld jobs are in the database", (long long)there,
+                        (long long)wanted);
+    return status;
+}
