@@ -12,6 +12,10 @@
 /** Most points of a cloud: indices are uint32_t and a count must fit an int32_t. */
 #define VOR_POINTS_MAX ((size_t)INT32_MAX - 1)
 
+/** Name of the attribute that tells which point of a sequence of clouds a point is: whole numbers,
+ *  each of one point. */
+#define VOR_TRACK "track"
+
 /** Most attributes of a cloud. */
 #define VOR_ATTRIBUTES_MAX 64
 

@@ -1,10 +1,34 @@
 #include "core/input/previous.h"
 
+#include "core/base/stat.h"
+
 #include <float.h>
 #include <math.h>
 
 /* Leaves numbers for as many points as a cloud may have. */
 #define TRACK_MAX (UINT32_MAX - VOR_POINTS_MAX)
+
+/* Checks that no two points have one number. */
+static vor_status check_distinct(const struct vor_previous *taken, struct vor_error *err)
+{
+    double *sorted = vor_malloc(taken->memory, taken->n, sizeof *sorted), twice = -1;
+
+    if (sorted == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", taken->n);
+    for (size_t i = 0; i < taken->n; i++)
+        sorted[i] = taken->track[i];
+    vor_sort_doubles(sorted, taken->n);
+    for (size_t i = 1; i < taken->n && twice < 0; i++)
+        if (sorted[i] <= sorted[i - 1])
+            twice = sorted[i];
+    vor_free(taken->memory, sorted);
+    if (twice < 0)
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, "previous",
+                          "two points of the previous cloud have the " VOR_TRACK
+                          " %.0f, want a number of its own for each",
+                          twice);
+}
 
 static vor_status take_tracks(struct vor_previous *out, const struct vor_attribute *track,
                               struct vor_error *err)
@@ -23,7 +47,7 @@ static vor_status take_tracks(struct vor_previous *out, const struct vor_attribu
         if (out->track[i] >= out->unused)
             out->unused = out->track[i] + 1;
     }
-    return VOR_OK;
+    return track != NULL ? check_distinct(out, err) : VOR_OK;
 }
 
 vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *from,

@@ -4,9 +4,6 @@
 
 #include "core/cloud/cloud.h"
 
-/** Name of the attribute that tells which point of a sequence a point is: a whole number. */
-#define VOR_TRACK "track"
-
 /** n points in the domain's frame. All zero: there is no earlier result. */
 struct vor_previous {
     struct vor_memory *memory;
@@ -18,17 +15,17 @@ struct vor_previous {
 
 /** Takes the points of an earlier result.
  *
- *  The attribute "track" says which points they are, in whole numbers from 0 to 2147483649. Without
- *  it point i is number i.
+ *  The attribute "track" says which points they are, in whole numbers from 0 to 2147483649, each
+ *  once. Without it point i is number i.
  *
  *  @param[out] out       free with vor_previous_free; untouched on failure
  *  @param[in]  from      checked (vor_cloud_check)
  *  @param[in]  middle    in the result, (x - middle) / unit stands for x
  *
  *  @retval VOR_E_PARAM the attribute has other values
- *  @retval VOR_E_NOMEM 16 bytes a point do not fit
+ *  @retval VOR_E_NOMEM 24 bytes a point do not fit
  *
- *  O(n), on one thread. */
+ *  O(n log n), on one thread. */
 VOR_NODISCARD vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *from,
                                            const double middle[3], double unit,
                                            struct vor_memory *memory, struct vor_error *err);

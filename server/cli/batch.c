@@ -6,17 +6,22 @@
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/overwrite.h"
+#include "server/cli/sequence.h"
 
 #include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Number of the input of resample that is the result for the frame before. */
+enum { PREVIOUS = 1 };
+
 /* A result and the input that it is of. */
 struct result {
     const char *input;
     char *output;
     int replace; /* a file that has its name */
+    int is_done;
 };
 
 static int is_interrupted(void)
@@ -175,15 +180,25 @@ static void print_names(const struct result *result)
 /* What a batch is about. */
 struct batch {
     const struct vor_cli *cli;
-    struct result *results; /* one for each operand */
+    struct result *results;            /* one for each operand */
+    struct vor_attribute_names common; /* that all frames have, of a sequence */
     int (*run)(const struct vor_cli *cli);
 };
+
+/* The result for the last frame before that has one; else what the command line says. */
+static const char *previous_of(const struct batch *batch, int index)
+{
+    while (index-- > 0)
+        if (batch->results[index].is_done)
+            return batch->results[index].output;
+    return batch->cli->input[PREVIOUS];
+}
 
 /* A process without a report has no summary: its results get one here. */
 static int run_one(const void *ctx, int index)
 {
     const struct batch *batch = ctx;
-    const struct result *result = &batch->results[index];
+    struct result *result = &batch->results[index];
     struct vor_cli one = *batch->cli;
     int is_quiet = one.option[VOR_OPTION_QUIET] != NULL || one.option[VOR_OPTION_JSON] != NULL ||
                    vor_artefact_find(one.spec.process->outputs, "report") != NULL;
@@ -191,12 +206,17 @@ static int run_one(const void *ctx, int index)
 
     one.operand_count = 1;
     one.input[0] = result->input;
+    if ((one.command->does & VOR_COMMAND_FRAMES) != 0) {
+        one.keep = &batch->common;
+        one.input[PREVIOUS] = previous_of(batch, index);
+    }
     one.option[VOR_OPTION_OUTPUT] = result->output;
     if (result->replace)
         one.option[VOR_OPTION_FORCE] = "";
     if (one.option[VOR_OPTION_JSON] != NULL)
         print_names(result);
     code = batch->run(&one);
+    result->is_done = code == VOR_EXIT_OK;
     if (code == VOR_EXIT_OK && !is_quiet)
         vor_cli_say(result->output, "written");
     return code;
@@ -228,12 +248,16 @@ static int run_all(struct batch *batch)
         status = check_overwrites(batch, &err);
     if (status == VOR_OK)
         status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
+    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0)
+        status = vor_sequence_common(&batch->common, cli, &err);
     return status == VOR_OK ? each(cli, run_one, batch) : vor_cli_fail(cli->command->name, &err);
 }
 
 int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli))
 {
-    struct batch batch = {cli, calloc((size_t)cli->operand_count, sizeof *batch.results), run};
+    struct batch batch = {.cli = cli,
+                          .results = calloc((size_t)cli->operand_count, sizeof *batch.results),
+                          .run = run};
     struct vor_error err;
     int code;
 

@@ -14,6 +14,8 @@ int vor_cli_each(const struct vor_cli *cli,
  *  not there. A result has the name of its input; with the parameter format, or for a document,
  *  that of a format at its end gives way to the suffix of the result. Names are checked before any
  *  work is done. With --json, a line {"input": ..., "output": ...} precedes those of an input.
+ *  Of the frames of a sequence each gets the last result before it as the input `previous`, and
+ *  none keeps an attribute that not all have.
  *
  *  @param[in] run  runs the process on the one input of its command line
  *  @return VOR_EXIT_USAGE when two results would have one name, or an input has none to give;

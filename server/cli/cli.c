@@ -25,8 +25,9 @@
 enum { ASKS_JOBS = VOR_COMMAND_ASKS | VOR_COMMAND_JOBS };
 
 static int no_process(const struct vor_cli *cli);
+static int run_process(const struct vor_cli *cli);
 
-/* The commands that run no process. */
+/* The commands that are no process. */
 static const struct vor_command others[] = {
     {"submit", "Send clouds to a daemon",
      "Sends each cloud to a daemon and prints the ID of its job",
@@ -56,9 +57,24 @@ static const struct vor_command others[] = {
      "files. No daemon may use them meanwhile. DATA stays as it is. A copy that was broken off "
      "continues when the command is started again",
      VOR_COMMAND_MOVES, " DATA", 1, 1, NULL, vor_cli_migrate},
+    {"sequence", "Resample the frames of a sequence",
+     "Resamples each cloud starting from the result for the one before: points move little from "
+     "frame to frame and keep their number, in the attribute track. Frames are taken in the order "
+     "given. If one fails, the next starts from the last result. Default for the number of points: "
+     "as many as each frame has. Attributes that not all frames have are left out",
+     VOR_COMMAND_RUNS | VOR_COMMAND_FRAMES, FILES, 1, INT_MAX, NULL, run_process},
 };
 
 enum { OTHERS = sizeof others / sizeof others[0], SUBMIT = 0 };
+
+static struct vor_command other(unsigned index)
+{
+    struct vor_command command = others[index];
+
+    if ((command.does & VOR_COMMAND_FRAMES) != 0)
+        command.process = vor_process_find("resample");
+    return command;
+}
 
 /* The command that a command line begins with. */
 struct chosen {
@@ -154,7 +170,7 @@ static int find(struct chosen *out, const char *name, const char *next)
     }
     for (int i = 0; i < OTHERS; i++)
         if (strcmp(others[i].name, name) == 0) {
-            out->command = others[i];
+            out->command = other((unsigned)i);
             return 1;
         }
     return 0;
@@ -213,7 +229,7 @@ const struct vor_command *vor_cli_command(struct vor_command *out, unsigned inde
         }
     if (index - i >= OTHERS)
         return NULL;
-    *out = others[index - i];
+    *out = other(index - i);
     return out;
 }
 

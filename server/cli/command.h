@@ -14,7 +14,8 @@ enum {
     VOR_COMMAND_LISTS = 32,   /**< lists jobs */
     VOR_COMMAND_FETCHES = 64, /**< writes results of jobs */
     VOR_COMMAND_KEYS = 128,   /**< makes keys */
-    VOR_COMMAND_MOVES = 256   /**< moves what a daemon has stored */
+    VOR_COMMAND_MOVES = 256,  /**< moves what a daemon has stored */
+    VOR_COMMAND_FRAMES = 512  /**< its operands are frames of a sequence */
 };
 
 #define VOR_COMMAND_TELLS (VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS | VOR_COMMAND_JOBS)

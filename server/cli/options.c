@@ -239,15 +239,17 @@ static vor_status check_inputs(const struct vor_cli *cli, struct vor_error *err)
     const struct vor_process_info *process = cli->command->process;
     const char *needed = NULL;
     struct vor_error why;
-    unsigned inputs = 0;
+    unsigned inputs = 0, option;
 
     for (unsigned i = 0; process->inputs[i].name != NULL; i++)
-        inputs |= cli->input[i] != NULL ? 1u << i : 0;
+        inputs |=
+            cli->input[i] != NULL || (cli->command->does & VOR_COMMAND_FRAMES) != 0 ? 1u << i : 0;
     if (vor_spec_check_inputs(&cli->spec, inputs, &why) == VOR_OK)
         return VOR_OK;
-    needed = find_input(process, why.parameter) > 0
-                 ? why.parameter
-                 : vor_parameter_needs(vor_parameter_find(why.parameter));
+    option = find_input(process, why.parameter);
+    if (option > 0 && (inputs >> option & 1) != 0) /* it is there, but does not fit */
+        return vor_fail_param(err, why.status, why.parameter, "%s", why.message);
+    needed = option > 0 ? why.parameter : vor_parameter_needs(vor_parameter_find(why.parameter));
     return vor_fail_param(err, why.status, why.parameter, "%s: give --%s FILE too", why.message,
                           needed);
 }
@@ -403,6 +405,9 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
             status = resolve_output(out, err);
         if (status == VOR_OK)
             status = take_preset(out, err);
+        if (status == VOR_OK && (command->does & VOR_COMMAND_FRAMES) != 0 &&
+            !is_given(out, VOR_PARAM_POINTS)) /* else the process asks for it */
+            out->spec.value[VOR_PARAM_RATIO] = 1;
         if (status == VOR_OK)
             status = vor_spec_complete(&out->spec, err);
         if (status == VOR_OK)

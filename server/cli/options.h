@@ -9,6 +9,8 @@
 
 #include <limits.h>
 
+struct vor_attribute_names;
+
 /** A command with its options. Strings are argv's or the environment's. */
 struct vor_cli {
     const struct vor_command *command;
@@ -20,7 +22,8 @@ struct vor_cli {
     char folder[PATH_MAX]; /**< the output, if it is a folder's name without a slash at its end */
     unsigned threads;      /**< resolved: 1 .. VOR_THREADS_MAX */
     struct vor_spec spec;  /**< of a process; checked, with its inputs */
-    int given[VOR_PARAMETER_COUNT]; /**< the parameters of spec that were named */
+    int given[VOR_PARAMETER_COUNT];         /**< the parameters of spec that were named */
+    const struct vor_attribute_names *keep; /**< attributes of the input to be kept; NULL: all */
 };
 
 /** Reads argv[1 .. argc - 1] and the environment; argv[0] is the command's name. Moves operands to

@@ -7,6 +7,7 @@
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
 #include "server/cli/overwrite.h"
+#include "server/cli/sequence.h"
 #include "server/cli/work.h"
 
 #include <stdio.h>
@@ -53,6 +54,8 @@ static vor_status load(struct local_run *r, struct vor_error *err)
             continue;
         r->subject = r->cli->input[i];
         status = vor_work_load(&r->work, &cloud, i == 0 ? &r->format : NULL, r->subject, err);
+        if (i == 0 && r->cli->keep != NULL)
+            vor_sequence_keep(&cloud, r->cli->keep);
         vor_artefacts_put_cloud(&r->in, inputs[i].name, &cloud);
     }
     r->seconds_read = vor_clock_seconds() - began;
@@ -71,8 +74,14 @@ static vor_status run(struct local_run *r, struct vor_error *err)
     if (r->spec.process->methods != 0)
         vor_interrupt_keep_best();
     status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
-    if (status == VOR_OK)
-        r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
+    if (status != VOR_OK)
+        return status;
+    r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
+    if (r->cli->keep == NULL || vor_artefacts_cloud(&r->in, "previous") != NULL)
+        return VOR_OK;
+    for (unsigned i = 0; i < r->out.count && status == VOR_OK; i++)
+        if (r->out.item[i].kind == VOR_ARTEFACT_CLOUD)
+            status = vor_sequence_number(&r->out.item[i].cloud, err);
     return status;
 }
 

@@ -104,6 +104,26 @@ spew("$out/a.ply", 'old');
 refused 'a result that exists', ['resample', $b, $a, @request, '-o', "$out/"], 2, "$out/a.ply: the file exists: use --force (-f) to overwrite it", 'a.ply';
 clear();
 
+# Frames of a sequence: each from the last result, with the attributes that all have.
+my @frames = map {
+    my ($name, @attributes) = @$_;
+    my $frame = sphere(60, 1) =~ s/(?=end_header)/join '', map { "property int $_\n" } @attributes/er;
+    my $row = 0;
+    spew("$folder/$name.ply", $frame =~ s/(?<=[0-9])\n(?=-?[0-9]|\z)/(' ' . $row++) x @attributes . "\n"/ger);
+} ['f1', 'depth', 'class'], ['f2', 'class', 'track'], ['f3', 'class', 'depth'];
+my ($f1, $f2, $f3) = @frames;
+($code, $stdout, $stderr) = run(['sequence', $f1, $bad, $f2, $f3, '-q', '-n', 40, '-fo', "$out/"]);
+is "$code|$stdout", '3|', 'a frame that is damaged fails alone';
+like $stderr, qr{\Avoronoid: sequence: not all frames have these attributes, so no result has them: depth\nvoronoid: \Q$bad\E: .*\nvoronoid: sequence: 1 of 4 failed\n\z},
+    'and is named, as are the attributes that some frames do not have';
+is files(), 'f1.ply f2.ply f3.ply', 'the others are there';
+is_deeply [map { [slurp("$out/$_.ply") =~ /^property \w+ (\w+)$/mg] } qw(f1 f2 f3)], [([qw(x y z track class)]) x 3], 'each with what all have';
+run(['resample', $f3, '-n', 40, '--previous', "$out/f2.ply", '-q', '-fo', "$folder/x.ply"]);
+my @bytes = map { slurp($_) =~ s/\A.*?end_header\n//sr } "$folder/x.ply", "$out/f3.ply";
+is length $bytes[0], 40 * (3 + 3) * 4, 'alone a frame has all its attributes';
+is_deeply [map { substr $bytes[0], 24 * $_, 16 } 0 .. 39], [map { substr $bytes[1], 20 * $_, 16 } 0 .. 39], 'and the same points';
+clear();
+
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);
 ($code, $stdout, $stderr) = run(['resample', $a, $bad, $b, @request, '-fo', "$out/", '--server', $daemon->{url}]);
 is "$code|$stdout", '3|', 'a daemon does it as well, and refuses as well';

@@ -26,10 +26,10 @@ sub refused {
 my ($code, $help, $errors) = run(['--help']);
 is "$code$errors", '0', 'voronoid --help ends well';
 unlike $help, qr/^.{101}/m, 'no line is long';
-like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert mesh restore register submit jobs wait fetch cancel health);
+like $help, qr/^  \Q$_\E +\S/m, "the overview names $_" for qw(serve resample denoise upsample simplify measure inspect convert mesh restore register sequence submit jobs wait fetch cancel health);
 like $help, qr/^  +$_  \S/m, "and the exit code $_" for 0 .. 5, 75, 130;
 
-for my $command (qw(resample denoise upsample simplify measure inspect convert mesh restore register submit jobs wait fetch cancel stop health key serve)) {
+for my $command (qw(resample denoise upsample simplify measure inspect convert mesh restore register sequence submit jobs wait fetch cancel stop health key serve)) {
     ($code, $help, $errors) = run([$command, '--help']);
     is "$code$errors", '0', "voronoid $command --help ends well";
     like $help, qr/^usage: voronoid $command/, "it is the help of $command";

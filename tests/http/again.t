@@ -221,9 +221,9 @@ is $daemon->post('/v1/resample', form(@quick, $_, ['file', $cloud, 'x']), @form)
     for ['previous', "job:$from"], ['previous', $third->{content}, 'p.ply'];
 is_problem($daemon->post("/v1/resample?previous=job:$from", form(@quick, ['previous', $cloud, 'p'], ['file', $cloud, 'x']), @form), 400,
     'invalid-parameter', 'not both');
-my $runs = id_of($daemon->post($endless, $cloud, @async));
-is_problem($daemon->post("$quick&previous=job:$runs", $cloud), 404, 'result-not-ready', 'a job that has not ended has no result');
-$daemon->request('DELETE', "/v1/jobs/$runs");
+my $unended = id_of($daemon->post($endless, $cloud, @async));
+is_problem($daemon->post("$quick&previous=job:$unended", $cloud), 404, 'result-not-ready', 'a job that has not ended has no result');
+$daemon->request('DELETE', "/v1/jobs/$unended");
 is_problem($daemon->post("$quick&previous=job:" . id_of($measured), $cloud), 404, 'no-such-output', 'nor has one that measures');
 require IO::Compress::Gzip;
 IO::Compress::Gzip::gzip(\$cloud, \my $gzipped);

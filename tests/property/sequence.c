@@ -221,6 +221,9 @@ VT_TEST(where_no_point_lives_on_the_result_is_that_of_a_single_run)
     vor_cloud_free(&now);
     ck_assert_int_eq(run(&now, &report, &in, &first, "points=300"), VOR_E_PARAM);
     ck_assert_str_eq(vt_err.parameter, "previous");
+    ((uint32_t *)first.attributes[0].data)[7] = track_of(&first, 8);
+    vor_cloud_free(&now);
+    ck_assert_int_eq(run(&now, &report, &in, &first, "points=300"), VOR_E_PARAM);
     vor_cloud_free(&now);
     vor_cloud_free(&first);
     vor_cloud_free(&single);
