@@ -43,9 +43,13 @@ static double flatness_of(const struct vor_domain *domain, unsigned k)
     return flatness[PLACES / 2];
 }
 
-/* Whether no number of neighbours shows a surface. */
+/* Whether no number of neighbours shows a surface. Where the nearest few do, what is thick is a
+ * thin part: 0.05 of a vase whose walls are 2.6 spacings apart, 0.1 and more at any other number;
+ * with noise of 1.5 spacings and more they have 0.13. */
 static int is_thick(const struct vor_domain *domain)
 {
+    if (flatness_of(domain, VOR_NEIGHBORS_EXACT) <= THICK)
+        return 0;
     for (unsigned step = 0; step < VOR_LADDER_STEPS; step++)
         if (flatness_of(domain, ladder[step]) <= THICK)
             return 0;

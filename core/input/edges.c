@@ -165,7 +165,8 @@ static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
         double unit2;
 
-        search(&around, domain, &domain->xyz[3 * at], AROUND);
+        search(&around, domain, &domain->xyz[3 * at],
+               domain->known.sheets ? VOR_NEIGHBORS_EXACT : AROUND);
         vor_surface_fit(&surface, around.near, around.k);
         unit2 = around.spacing * around.spacing * (around.k - QUADRIC_TERMS) / around.k;
         find->off2[i] = unit2 > 0 ? (float)(surface.off2 / unit2) : -1;
@@ -173,8 +174,10 @@ static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 }
 
 /* Sets the variance of the noise beyond what detail has. Where the input has sheets, what quadrics
- * leave is the gap between them: that is no noise. Two squares one or two spacings apart have 0.1
- * and 0.2 % flagged, 1.8 and 3.6 % if it were; shell60k (two shells) 0.01 and 2.7 %. */
+ * leave is the gap between them: there the nearest few say how much noise there is. Of two squares
+ * one or two spacings apart 0.4 and 0.2 % are flagged, as if there were no noise; of a vase of
+ * 6,243 points with noise of 0.3 spacings and walls 2.9 apart, 472 of them beside its rim, 107, and
+ * 11 if there were none. */
 static vor_status measure_noise(struct find *find, const struct vor_run *run, struct vor_error *err)
 {
     vor_status status = vor_run_for(run, find->places, BLOCK, noise_block, find, err);
@@ -184,8 +187,7 @@ static vor_status measure_noise(struct find *find, const struct vor_run *run, st
         return status;
     vor_sort_floats(find->off2, find->places);
     low = (double)find->off2[vor_quantile_rank(NOISE_QUANTILE, find->places)];
-    if (!find->domain->known.sheets)
-        find->noise2 = fmax(0, low / (NOISE_LOW * NOISE_LOW) - DETAIL * DETAIL);
+    find->noise2 = fmax(0, low / (NOISE_LOW * NOISE_LOW) - DETAIL * DETAIL);
     return VOR_OK;
 }
 

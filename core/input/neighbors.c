@@ -18,8 +18,8 @@ enum {
     PLACES = VOR_NEIGHBORS_PLACES,
     BLOCK = 16, /* places of one task */
     STEPS = VOR_LADDER_STEPS,
-    FIRST = 2,  /* steps that decide whether the others are tried; 1 and 3 change no figure */
-    EXACT = 10, /* neighbours that tell a thin part from a noisy one */
+    FIRST = 2, /* steps that decide whether the others are tried; 1 and 3 change no figure */
+    EXACT = VOR_NEIGHBORS_EXACT,
     MOST = VOR_LADDER_LAST,
     ROOM = VOR_NEIGHBORS_ROOM,
     POOL = VOR_NEIGHBORS_POOL

@@ -37,6 +37,8 @@ enum { VOR_LADDER_STEPS = 6, VOR_LADDER_LAST = 150 };
     }
 
 enum {
+    /** Neighbours that tell a thin part from a noisy one: noise makes them thick too. */
+    VOR_NEIGHBORS_EXACT = 10,
     /** A step is tried if a domain has so many times its points: a fit to more than an eighth of
      *  the input shows no detail. At 4 / 8 / 16 no figure of neighbors.c moves. */
     VOR_NEIGHBORS_ROOM = 8,

@@ -8,11 +8,11 @@
 
 enum { N = 24000, FEWEST = 1200, EDGE = 20, GRID = EDGE * EDGE, STRAYS = 3 };
 
-/* A layer over a unit square, as thick as fits are wide, one that they see over, and a ball: the
- * 150 points nearest to one reach 0.055 where they fill space. */
-VT_TEST_LOOP(a_layer_as_thick_as_fits_are_wide_has_fewer_points, 3)
+/* A layer over a unit square, as thick as fits are wide, one that they see over, a ball (the 150
+ * points nearest to one reach 0.055 where they fill space), two noisy walls 2.3 spacings apart. */
+VT_TEST_LOOP(a_layer_as_thick_as_fits_are_wide_has_fewer_points, 4)
 {
-    static const float heights[] = {0.1F, 0.02F, 1};
+    static const float heights[] = {0.1F, 0.02F, 1, 0.0226F};
     struct vor_cloud cloud, other;
     struct vor_domain whole, few;
     struct vt_engine engine;
@@ -20,7 +20,8 @@ VT_TEST_LOOP(a_layer_as_thick_as_fits_are_wide_has_fewer_points, 3)
     vt_cloud_square(&cloud, 5, N);
     vt_cloud_square(&other, 6, N);
     for (size_t i = 0; i < N; i++)
-        cloud.xyz[3 * i + 2] = heights[_i] * other.xyz[3 * i];
+        cloud.xyz[3 * i + 2] =
+            heights[_i] * (_i < 3 ? other.xyz[3 * i] : (float)(i % 2 + 0.13 * vt_normal(7, i)));
     vt_engine_open(&engine, 2);
     vt_assert_ok(vor_domain_init(&whole, &cloud, &engine.run, &vt_err));
     vt_assert_ok(vor_domain_coarsen(&few, &whole, &engine.run, &vt_err));
