@@ -18,9 +18,6 @@ enum {
     /* Points for each one of the result, and at least: as a thinned domain has (input/thin.c). */
     POINTS_EACH = 5,
     POINTS_LEAST = 20000,
-    /* Oriented points that decide the side of a place. Not measured: one suffices where it is
-     * right, and three outvote a single wrong one. */
-    AROUND = 3,
     /* Rounds in which neighbours vote on single points. At 0 / 3: of armadillo (third draw) 27 /
      * 19 points are wrong. */
     VOTES = 3,
@@ -43,8 +40,9 @@ enum {
 /* Flux over the sum of the distances from the middle, below which a component has no inside, over
  * the length of the mean normal: that is 0 where a surface is closed. Measured, flux and mean
  * normal: igea 0.87 and 0, a torus knot of tube 0.12 around a ring of 2 0.08 and 0, a plate 1 x 1 x
- * 0.02 0.12 and 0; autzen, a terrain with buildings, 0.02 and nearly 1. */
-#define INSIDE 0.1
+ * 0.02 0.12 and 0, a half sphere 0.94 and 0.5; autzen, a terrain with buildings and trees, 0.08 and
+ * 0.62. */
+#define INSIDE 0.5
 /* Those carried normals of a component that agree less those that do not, over all of them: beyond
  * it they say the side. Not measured: those of one scan agree (1), random signs do not (0). */
 #define AGREE 0.5
@@ -60,6 +58,9 @@ enum {
  * closed: between clean closed surfaces, 0.0002 to 0.007, with noise of a third of the spacing
  * 0.04, and a wedge of which a face is on the wrong side, 0.11. */
 #define APART 0.06
+/* Mean square off its surface of a point's list, over that of its nearest, below which these are
+ * of two sheets. */
+#define OWN 0.25
 #define PI 3.14159265358979
 
 /* The points to orient and what is found of them. */
@@ -83,43 +84,61 @@ struct component {
     double beside;         /* votes of larger components */
 };
 
-/* The points that the normal of point i is fitted to: those of its list where a fit takes as few,
- * else the nearest of all. */
-static unsigned gather(float *near, const struct orient *orient, size_t i,
-                       struct vor_knn_last *last)
+/* Fits the surface at point i to its list: points of its own sheet. */
+static void fit_list(struct vor_surface *out, const struct orient *orient, size_t i)
+{
+    const struct vor_graph *graph = orient->graph;
+    float near[3 * (VOR_ADJACENT + 1)];
+
+    memcpy(near, &orient->on->xyz[3 * i], 3 * sizeof *near);
+    for (unsigned a = 0; a < graph->count[i]; a++)
+        memcpy(&near[3 * (a + 1)], &orient->on->xyz[3 * (size_t)graph->list[i * graph->most + a]],
+               3 * sizeof *near);
+    vor_surface_fit(out, near, graph->count[i] + 1u);
+}
+
+/* Fits the surface at point i: to its list where a fit takes as few, else to the nearest of all;
+ * unless these are of two sheets: not all of them are in the list, and they lie off their surface
+ * where the list does not. */
+static void fit_at(struct vor_surface *out, const struct orient *orient, size_t i,
+                   struct vor_knn_last *last)
 {
     const struct vor_graph *graph = orient->graph;
     const float *x = &orient->on->xyz[3 * i];
-    unsigned k = vor_neighbors_at(&orient->domain->known.neighbors, x);
+    unsigned k = vor_neighbors_at(&orient->domain->known.neighbors, x), count = graph->count[i];
     uint32_t index[VOR_NEIGHBORS_MAX];
-    float distance2[VOR_NEIGHBORS_MAX];
+    float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
+    struct vor_surface list;
 
     k = k < orient->domain->n ? k : (unsigned)orient->domain->n;
-    memcpy(near, x, 3 * sizeof *near);
     if (k <= graph->most) {
-        for (unsigned a = 0; a < graph->count[i]; a++)
-            memcpy(&near[3 * (a + 1)],
-                   &orient->on->xyz[3 * (size_t)graph->list[i * graph->most + a]],
-                   3 * sizeof *near);
-        return graph->count[i] + 1u;
+        fit_list(out, orient, i);
+        return;
     }
     vor_knn_search_next(orient->domain->knn, last, x, k, index, distance2);
+    memcpy(near, x, 3 * sizeof *near);
     for (unsigned a = 1; a < k; a++)
         memcpy(&near[3 * a], &orient->domain->xyz[3 * (size_t)index[a]], 3 * sizeof *near);
-    return k;
+    vor_surface_fit(out, near, k);
+    if (count == 0 ||
+        vor_distance2f(x, &orient->on->xyz[3 * (size_t)graph->list[i * graph->most + count - 1]]) <=
+            (double)distance2[count])
+        return;
+    fit_list(&list, orient, i);
+    if (list.kind != VOR_SURFACE_NONE && list.off2 < OWN * out->off2)
+        *out = list;
 }
 
 static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct orient *orient = ctx;
-    float near[3 * VOR_NEIGHBORS_MAX];
     struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
         struct vor_surface surface;
         double x[3], local[3], normal[3];
 
-        vor_surface_fit(&surface, near, gather(near, orient, i, &last));
+        fit_at(&surface, orient, i, &last);
         vor_to_doubles(normal, &orient->graph->normal[3 * i]);
         orient->rough[i] =
             surface.spacing > 0 ? (float)(sqrt(surface.off2) / surface.spacing) : 1.f;
@@ -550,24 +569,6 @@ vor_status vor_orient(struct vor_orientation *out, const struct vor_domain *doma
     }
     *out = made;
     return VOR_OK;
-}
-
-double vor_orientation_side(const struct vor_orientation *orientation,
-                            const struct vor_domain *domain, const float x[3],
-                            const double normal[3], struct vor_knn_last *last)
-{
-    const struct vor_domain *on = orientation->thin.n > 0 ? &orientation->thin : domain;
-    unsigned k = on->n < AROUND ? (unsigned)on->n : AROUND;
-    uint32_t index[AROUND];
-    float distance2[AROUND];
-    double sum = 0, own[3];
-
-    vor_knn_search_next(on->knn, last, x, k, index, distance2);
-    for (unsigned j = 0; j < k; j++) {
-        vor_to_doubles(own, &orientation->normal[3 * (size_t)index[j]]);
-        sum += vor_dot(own, normal);
-    }
-    return sum;
 }
 
 void vor_orientation_free(struct vor_orientation *orientation, struct vor_memory *memory)

@@ -77,7 +77,7 @@ VOR_NODISCARD vor_status vor_orient(struct vor_orientation *out, const struct vo
                                     struct vor_error *err);
 
 /** Adds up, over the oriented points around x (normalised, of the same domain), which side `normal`
- *  is on: positive where it agrees with theirs.
+ *  is on: positive where it agrees with theirs, the nearest on its sheet first.
  *
  *  @param[in,out] last  of a row of places near each other
  *

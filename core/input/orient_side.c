@@ -1,0 +1,38 @@
+#include "core/base/linalg.h"
+#include "core/input/adjacency.h"
+#include "core/input/orient.h"
+
+#include <float.h>
+
+/* How far point i is from x, squared, with what lies along the normal at x counted twice: the other
+ * face of a thin wall may be nearer than the points of its own. */
+static double distance_on_sheet(const struct vor_domain *on, size_t i, const float x[3],
+                                const double normal[3])
+{
+    double from[3], along;
+
+    for (size_t c = 0; c < 3; c++)
+        from[c] = (double)on->xyz[3 * i + c] - (double)x[c];
+    along = vor_dot(from, normal);
+    return vor_dot(from, from) + along * along;
+}
+
+double vor_orientation_side(const struct vor_orientation *orientation,
+                            const struct vor_domain *domain, const float x[3],
+                            const double normal[3], struct vor_knn_last *last)
+{
+    const struct vor_domain *on = orientation->thin.n > 0 ? &orientation->thin : domain;
+    unsigned k = on->n < VOR_ADJACENT ? (unsigned)on->n : VOR_ADJACENT;
+    uint32_t index[VOR_ADJACENT];
+    float distance2[VOR_ADJACENT];
+    double sum = 0, own[3];
+
+    vor_knn_search_next(on->knn, last, x, k, index, distance2);
+    for (unsigned j = 0; j < k; j++) {
+        double d2 = distance_on_sheet(on, index[j], x, normal);
+
+        vor_to_doubles(own, &orientation->normal[3 * (size_t)index[j]]);
+        sum += vor_dot(own, normal) / fmax(d2 * d2, DBL_MIN);
+    }
+    return sum;
+}
