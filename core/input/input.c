@@ -175,9 +175,9 @@ static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
     if (status == VOR_OK)
         status = find_sheets(domain, spec, run, err);
     if (status == VOR_OK)
-        status = leave_noise(domain, outliers, spec, run, err);
-    if (status == VOR_OK)
         status = choose_neighbors(domain, spec, run, err);
+    if (status == VOR_OK)
+        status = leave_noise(domain, outliers, spec, run, err);
     if (status == VOR_OK)
         status = choose_lists(domain, spec, run, err);
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)

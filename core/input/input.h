@@ -8,10 +8,10 @@
 /** Makes a domain of a cloud. In this order it checks carried normals that the request says to use
  * and the attribute that it names as density, takes outliers out if the request says so, looks for
  * a lattice and moves the points within its cells if it matters, looks for sheets, chooses the
- * number of neighbours per region unless the request gives one, puts outliers back that are to be
- * pulled, fills holes if the request says so (input/holes.h), makes lists of neighbours if the
- * request asks for satellites, applies the other filters, and takes islands out, where points are
- * to be spread; then it makes the lists again.
+ * number of neighbours per region unless the request gives one, moves points out of wide noise,
+ * puts outliers back that are to be pulled, fills holes if the request says so (input/holes.h),
+ * makes lists of neighbours if the request asks for satellites, applies the other filters, and
+ * takes islands out, where points are to be spread; then it makes the lists again.
  *
  *  @param[out] out   to be freed with vor_domain_free; untouched on failure
  *  @param[in]  in    checked (vor_cloud_check); borrowed for the call

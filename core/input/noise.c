@@ -24,10 +24,9 @@ enum {
 #define THICK 0.28
 /* Factor between a region and the median, below which they are taken for the same. */
 #define ALIKE 1.5
-/* Deviation over the reach of FEW neighbours from which noise is wide. On a plane 0.36 is a noise
- * of one spacing, 0.55 of 1.6. At 0.24 / 0.45, rms off the surface over that of the input: a wedge
- * with noise of one spacing 0.436 / 0.394, a gear with the same 0.445 / 0.61: there the shape
- * decides, and this cannot tell. */
+/* Deviation over the reach of FEW neighbours from which noise is wide whatever the number that fits
+ * take. On a plane 0.36 is a noise of one spacing, 0.55 of 1.6. At 0.24 / 0.45, rms off the surface
+ * over that of the input, of a torus with noise of 0.9 spacings: 0.19 / 0.15. */
 #define WIDE 0.45
 
 static const unsigned ladder[STEPS] = VOR_LADDER;
@@ -35,6 +34,7 @@ static const unsigned ladder[STEPS] = VOR_LADDER;
 /* What is found at the places. */
 struct survey {
     const struct vor_halves *halves;
+    const struct vor_neighbors *neighbors;
     struct vor_noise *out;
     unsigned level, from;            /* of the halves; the first step that is fitted there */
     double deviation[STEPS][PLACES]; /* the least of any level */
@@ -137,14 +137,30 @@ static void agree(struct survey *survey, double few[PLACES])
             out->deviation[place] = usual;
 }
 
-/* Leaves only the deviations of wide noise; where no number of neighbours shows a surface there is
- * none to move points to. */
-static void keep_wide(struct vor_noise *out, const double few[PLACES])
+/* Whether fits at a place do not reach VOR_NOISE_REACH deviations. */
+static int is_short(const struct survey *survey, const double few[PLACES], size_t place)
 {
+    double reach = VOR_NOISE_REACH * survey->out->deviation[place] / few[place];
+
+    return !isinf(survey->out->deviation[place]) &&
+           FEW * reach * reach > vor_neighbors_at(survey->neighbors, &survey->out->xyz[3 * place]);
+}
+
+/* Leaves only the deviations of wide noise; where no number of neighbours shows a surface there is
+ * none to move points to. Without noise fits are short at a few places, between parts. */
+static void keep_wide(struct survey *survey, const double few[PLACES])
+{
+    struct vor_noise *out = survey->out;
+    unsigned count = 0;
+
+    for (size_t place = 0; place < PLACES; place++)
+        count += is_short(survey, few, place) != 0;
     for (size_t place = 0; place < PLACES; place++) {
         double deviation = out->deviation[place];
 
-        if (!(deviation > WIDE * few[place]) || isinf(deviation))
+        if (!(deviation > WIDE * few[place] ||
+              (count > VOR_NOISE_HIDDEN && is_short(survey, few, place))) ||
+            isinf(deviation))
             out->deviation[place] = 0;
         out->wide |= out->deviation[place] > 0;
     }
@@ -185,12 +201,13 @@ static vor_status look(struct survey *survey, struct vor_halves *halves, const s
             break;
     }
     if (status == VOR_OK)
-        keep_wide(survey->out, few);
+        keep_wide(survey, few);
     return status;
 }
 
 vor_status vor_noise_find(struct vor_noise *out, struct vor_halves *halves,
-                          const struct vor_run *run, struct vor_error *err)
+                          const struct vor_neighbors *neighbors, const struct vor_run *run,
+                          struct vor_error *err)
 {
     size_t n = halves->level[0].n;
     struct survey *survey;
@@ -205,6 +222,7 @@ vor_status vor_noise_find(struct vor_noise *out, struct vor_halves *halves,
     if (survey == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     survey->halves = halves;
+    survey->neighbors = neighbors;
     survey->out = out;
     for (size_t place = 0; place < PLACES; place++) {
         size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)n);

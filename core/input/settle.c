@@ -26,9 +26,8 @@ enum {
     TERMS = 6        /* of a quadric */
 };
 
-/* Deviations that a fit reaches, and that a point may move. With fits at all points, of a gear with
- * noise of 0.77 spacings: at 3 / 3.5 / 4.5: 0.69 / 0.56 / 0.52. */
-#define REACH 4.5
+/* Deviations that a fit reaches, and that a point may move. */
+#define REACH VOR_NOISE_REACH
 /* Deviations from a quadric or a plane beyond which points do not count; after the first pass, half
  * as many from a quadric. At 2 / 2.5 of a quadric, as REACH: 0.55 / 0.52; at 1.5 / 2.5 of a plane:
  * 0.448, 0.267, 0.542 / 0.448, 0.268, 0.530. */
@@ -452,7 +451,7 @@ vor_status vor_settle(struct vor_domain *domain, int *moved, const struct vor_ru
     vor_status status;
 
     vor_halves_init(&halves, domain);
-    status = vor_noise_find(&noise, &halves, run, err);
+    status = vor_noise_find(&noise, &halves, &domain->known.neighbors, run, err);
     *moved = noise.wide;
     domain->known.hidden = noise.hidden;
     if (status == VOR_OK && noise.wide) {

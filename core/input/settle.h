@@ -1,5 +1,5 @@
 /** Moves the points of an input onto the surfaces among them where noise is so wide that the points
- *  around a place form a ball and show none (input/noise.h).
+ *  around a place form a ball and show none, or reach no farther than the noise (input/noise.h).
  *
  *  Source: none of the papers; moving least squares as in input/mls.h, with two departures. The
  *  reach is in deviations of the noise, not in neighbours. Points count the less the farther they
@@ -25,8 +25,8 @@
 
 #include "core/input/domain.h"
 
-/** Moves the points of a domain that lie in wide noise, and indexes it again. Others stay. Sets
- *  known.hidden.
+/** Moves the points of a domain that lie in wide noise, and indexes it again. Others stay. Reads
+ *  known.neighbors, sets known.hidden.
  *
  *  @param[out] moved  whether there were any
  *
