@@ -18,6 +18,11 @@
  *  to lie, and takes the one with the most points. None goes farther from where it was than the
  *  reach of a fit: it stays there then.
  *
+ *  Noise also carries points past the end of an open surface. Spread evenly they fill that fringe:
+ *  of four sheets a seventh of the result lay there, with two thirds of its squared distance to the
+ *  surface. So points also move back along the surface to where it ends, which the mean of those
+ *  around them says. At sharp edges this takes off what lies beyond them.
+ *
  *  More points of the same surface leave no more of the noise: neighbours are taken from fewer of
  *  them (input/halves.h) where the most that a fit takes do not reach far enough. */
 #ifndef VOR_INPUT_SETTLE_H
@@ -33,8 +38,8 @@
  *  @retval VOR_E_NOMEM 90 n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the domain may have to be freed
  *
- *  O(n), on the run's pool; 60 us of CPU a representative and pass, 2 us any other point; 20 ms
- *  where there is no wide noise. The same points for any number of threads. */
+ *  O(n), on the run's pool; 60 us of CPU a representative and pass, 2 us any other point, 20 near
+ *  ends; 20 ms where there is no wide noise. The same points for any number of threads. */
 VOR_NODISCARD vor_status vor_settle(struct vor_domain *domain, int *moved,
                                     const struct vor_run *run, struct vor_error *err);
 
