@@ -71,7 +71,7 @@ enum {
       "progress record and a last one for the report. The objects go to stdout, or to stderr if "  \
       "the result goes to stdout. inspect prints a single document")                               \
     X(QUIET, "quiet", 'q', "", "", VOR_COMMAND_TELLS,                                              \
-      "Print no progress and no summary. the commands jobs and submit print only IDs")             \
+      "Print no progress and no summary. The commands jobs and submit print only IDs")             \
     X(HELP, "help", 'h', "", "", ~0u, "Print this help")
 
 enum vor_option {
