@@ -197,7 +197,9 @@ static int is_passing(const struct vor_s3_call *call, CURLcode code)
 {
     switch (code) {
     case CURLE_OK:
-        return call->http >= 500 || call->http == 429 || call->http == 408 || is_cut(call);
+        return call->http >= 500 || call->http == 429 || call->http == 408 || is_cut(call) ||
+               (call->http == 400 && call->text.data != NULL && /* the connection was too slow */
+                strstr(call->text.data, "<Code>RequestTimeout</Code>") != NULL);
     case CURLE_COULDNT_RESOLVE_HOST:
     case CURLE_COULDNT_CONNECT:
     case CURLE_PARTIAL_FILE:

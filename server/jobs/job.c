@@ -21,6 +21,7 @@ struct vor_job {
     struct vor_pace pace;    /* of this attempt, for the estimate */
     uint32_t stored, newest; /* numbers of events of this attempt: that the store has, and of all */
     struct vor_text piece;   /* those between them */
+    int is_here;             /* this attempt runs here; else there may be more than is known */
     pthread_mutex_t waking;  /* subscribers; held while they are woken */
     struct vor_subscriber *subscribers;
 };
@@ -168,20 +169,29 @@ void vor_job_read_end(const struct vor_job_view *row, uint32_t last, struct vor_
         (void)vor_event_batch_add(batch, &end);
 }
 
+/* The reader was at another daemon, which knows more; the caller holds job->state. */
+static int is_ahead(const struct vor_job *job, const struct vor_position *position)
+{
+    return position->attempt > job->view.attempt ||
+           (position->attempt == job->view.attempt && position->number > job->newest);
+}
+
 int vor_job_read(struct vor_job *job, struct vor_event_batch *batch)
 {
     struct vor_event_piece piece;
-    int over, is_here;
+    int over, is_at_hand = 1;
 
     pthread_mutex_lock(&job->state);
     over = vor_job_status_over(job->view.status);
-    vor_event_batch_begin(batch, job->view.attempt, job->newest + (uint32_t)over);
-    is_here = batch->position.number >= job->stored;
-    piece = vor_job_piece(job);
-    if (is_here && vor_events_unpack(batch, &piece) != 0 && over)
-        vor_job_read_end(&job->view, job->newest, batch);
+    if (over || job->is_here || !is_ahead(job, &batch->position)) {
+        vor_event_batch_begin(batch, job->view.attempt, job->newest + (uint32_t)over);
+        is_at_hand = batch->position.number >= job->stored;
+        piece = vor_job_piece(job);
+        if (is_at_hand && vor_events_unpack(batch, &piece) != 0 && over)
+            vor_job_read_end(&job->view, job->newest, batch);
+    }
     pthread_mutex_unlock(&job->state);
-    return is_here;
+    return is_at_hand;
 }
 
 int vor_job_is_over(struct vor_job *job)
@@ -277,6 +287,7 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     if (!begin_change(job))
         return;
     pthread_mutex_lock(&job->state);
+    job->is_here = 1;
     job->view.status = VOR_JOB_RUNNING;
     job->view.stage = VOR_STAGE_PREPARE;
     job->view.updated = vor_job_now(&job->view, now_ms);
@@ -294,6 +305,7 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
         return 0;
     pthread_mutex_lock(&job->state);
     job->view.attempt++;
+    job->is_here = 0;
     job->stored = job->newest = 0;
     vor_text_clear(&job->piece);
     pthread_mutex_unlock(&job->state);
@@ -439,6 +451,7 @@ void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_
         job->view.status != row->status || job->view.attempt != row->attempt || job->newest != last;
     job->view = *row;
     job->view.queue_position = -1;
+    job->is_here = 0;
     job->stored = job->newest = last;
     vor_text_clear(&job->piece);
     pthread_mutex_unlock(&job->state);

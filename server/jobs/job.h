@@ -54,7 +54,9 @@ void vor_job_subscribe(struct vor_job *job, struct vor_subscriber *subscriber);
  *  holding a lock that wake takes. One that never subscribed is fine. */
 void vor_job_unsubscribe(struct vor_job *job, struct vor_subscriber *subscriber);
 
-/** Reads events that the store does not have yet, and END. Never waits for an fsync.
+/** Reads events that the store does not have yet, and END. Never waits for an fsync. A position
+ *  behind the last event that is known stays while the job runs at another daemon, which may have
+ *  told it.
  *
  *  @return false, and nothing is read, where the store has the next one */
 int vor_job_read(struct vor_job *job, struct vor_event_batch *batch);

@@ -36,7 +36,7 @@ my @daemons = map { Vt->start(%place, jobs => 1) } 1 .. 3;
 my ($one, $other, $third) = @daemons;
 my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--store', $place{store});
 is $status, 75, 'a daemon that has its files in a folder cannot join them';
-like migrate(), qr/\A75 voronoid: migrate: another daemon uses the job store/, 'nor is anything moved to them';
+like migrate(), qr/\A75 voronoid: migrate: another daemon is already using the job store/, 'nor is anything moved to them';
 ok wait_until(sub { $third->status($waits) eq 'running' }), 'what ran when it was moved runs again';
 is $other->request('DELETE', "/v1/jobs/$waits")->{status}, 200, 'and can be dismissed';
 is scalar(grep { $other->get("/v1/jobs/$_/results/cloud")->{content} eq $wanted && $one->finish($_)->{status} eq 'successful' } @moved), 2, 'results are there';
@@ -51,10 +51,15 @@ my @seen;
 while (@seen < 8 && (my $event = $stream->next_event)) { push @seen, $event->{id} if $event->{id} }
 is @seen, 8, 'its events come from another one';
 is_deeply \@seen, [sort { ($a =~ s/.*\.//r) <=> ($b =~ s/.*\.//r) } @seen], 'in order';
+my ($runner) = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @daemons;
+my ($ahead, $next) = ($runner->events("/v1/jobs/$long/events"));
+1 while $next = $ahead->next_event and ($next->{id} // '1.0') !~ /\.\d\d/;
+my ($last) = $next->{id} =~ /\.(\d+)$/;
+$next = $elsewhere[1]->events("/v1/jobs/$long/events", headers => { 'Last-Event-ID' => $next->{id} })->next_event;
+cmp_ok $next->{id} =~ s/.*\.//r, '>', $last, 'who comes from the daemon that runs it, and is ahead, sees none twice';
 cmp_ok json($elsewhere[1]->get("/v1/jobs/$long"))->{progress}, '>', 0, 'and its progress';
 is $elsewhere[1]->request('DELETE', "/v1/jobs/$long")->{status}, 200, 'another one dismisses it';
 ok wait_until(sub { $_->status($long) eq 'dismissed' }), 'all see that' for @daemons;
-my ($runner) = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @daemons;
 is $runner->finish($runner->submit('points=100', $cloud))->{status}, 'successful', 'and the one that ran it goes on';
 my $end;
 while (my $event = $stream->next_event) { $end = $event }
@@ -108,7 +113,7 @@ is $worker->get('/v1/jobs')->{status}, 404, 'and answers nothing else';
 for my $role (qw(api worker)) {
     ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--role', $role);
     is $status, 2, "a daemon that shares nothing is no $role";
-    like $text, qr/\A[^\n]*role is api or worker, but only daemons that share their jobs[^\n]*\n\z/, 'which it says in a line';
+    like $text, qr/\A[^\n]*role is api or worker, but these roles are only for daemons that share their jobs[^\n]*\n\z/, 'which it says in a line';
 }
 is ask('daemons', "SELECT count(*) FROM job WHERE status NOT IN ('successful', 'dismissed')"), 0, 'no job is left';
 done_testing;
