@@ -197,6 +197,47 @@ double vor_boundary_foot(const float *near, unsigned k, const double x[3], doubl
     return length;
 }
 
+/* The place nearest to x on the lines from foot to those of the points within `within` of it. */
+static void nearest_on_lines(const float *near, unsigned k, const double foot[3], double within,
+                             const double x[3], double out[3])
+{
+    double from[3] = {x[0] - foot[0], x[1] - foot[1], x[2] - foot[2]};
+    double best = vor_dot(from, from);
+
+    memcpy(out, foot, 3 * sizeof *out);
+    for (unsigned i = 0; i < k; i++) {
+        double to[3] = {(double)near[3 * i] - foot[0], (double)near[3 * i + 1] - foot[1],
+                        (double)near[3 * i + 2] - foot[2]};
+        double length2 = vor_dot(to, to), along = vor_dot(from, to), share, d2;
+
+        if (!(along > 0) || length2 > within * within)
+            continue;
+        share = fmin(1, along / length2);
+        d2 = vor_dot(from, from) + share * (share * length2 - 2 * along);
+        if (!(d2 < best))
+            continue;
+        best = d2;
+        for (int c = 0; c < 3; c++)
+            out[c] = foot[c] + share * to[c];
+    }
+}
+
+int vor_boundary_pull(const float *near, unsigned k, const double foot[3], double spacing,
+                      double x[3])
+{
+    double rim[3], way[3], length, margin = VOR_HOLE_MARGIN * spacing;
+
+    nearest_on_lines(near, k, foot, VOR_RIM_RING * spacing, x, rim);
+    for (int c = 0; c < 3; c++)
+        way[c] = x[c] - rim[c];
+    length = sqrt(vor_dot(way, way));
+    if (!(length > margin))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        x[c] = rim[c] + way[c] * (margin / length);
+    return 1;
+}
+
 double vor_boundary_reach(const float *near, unsigned k, const double x[3])
 {
     double far2 = 0;

@@ -15,8 +15,8 @@
  *     centroid stays inside and points hardly ever meet OUTSIDE.
  *  - HOLE asks, in an input that is sampled regularly, from the point nearest to a place, its
  *     foot, straight towards the place. Where the input does not go on, the place lies in a hole
- *     or beyond an edge, however narrow, and a point stays within a quarter of a spacing of the
- *     foot. Where many places are like that, the holes are GAPS OF THE SAMPLING, made by how the
+ *     or beyond an edge, however narrow, and a point stays near the foot and the points next to
+ *     it. Where many places are like that, the holes are GAPS OF THE SAMPLING, made by how the
  *     input was taken (a depth image in steps, scan lines, a rotating scanner); they are to be
  *     filled, and HOLE is not asked. Measured: bunny's points lie at most 0.0071 of the diagonal
  *     off the true mesh, in its holes, with HOLE, 0.011 without, rms 2.9e-4 and 6.5e-4. Asked of a
@@ -112,8 +112,13 @@
 
 /* --- hole ------------------------------------------------------------------------------------ */
 
-/** Spacings of the input that a point may be from the foot, into a hole. At 0.125 / 0.25 / 0.5: rms
- *  on bunny 2.6e-4 / 2.8e-4 / 3.4e-4; less draws points onto the rim. */
+/** Spacings of the input that a point may be from the foot, into a hole, where the input surrounds
+ *  the point; else from the lines between the foot and the points of its first ring
+ *  (VOR_RIM_RING). From the foot alone, points beyond a border end on circles around the input's
+ *  points: delta of four times as many points as a saddle with a hole, a square one and folds have
+ *  0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. At 0.125 / 0.25 / 0.5: rms on bunny
+ *  3.0e-4 / 3.3e-4 / 3.9e-4; less draws points onto the rim: least distance over the mean, 20,000
+ *  points, 0.49 / 0.74 / 0.80. */
 #define VOR_HOLE_MARGIN 0.25
 /** Spacings from the input: a place that is farther may be in a hole. At 0.35 / 0.7 / 1.4: rms on
  *  bunny 2.9e-4 / 2.8e-4 / 3.6e-4, max 5.9e-3 / 5.4e-3 / 10.8e-3, searches on square 32 / 27 / 23
@@ -126,12 +131,13 @@
 /** Fewer neighbours do not show a hole. At 6 / 12 / 24: rms on bunny 3.1e-4 / 2.8e-4 / 5.3e-4; 24
  *  is more than an exact input's fits have, and turns the rule off. */
 #define VOR_HOLE_NEIGHBORS_MIN 12
-/** Share of the points in holes above which these are gaps of the sampling. Points beyond the end
- * of the input do not count: a small open sheet has many (6 % of 6,400 on a grid of 40 x 40).
- * Shares measured on 5,000 points without polish: the grid 0.002, fandisk 0.004, bunny 0.006, cow
- * 0.013 (regular, with or without holes); scannet 0.031, autzen 0.075, kitti 0.14, office1 0.15
- * (scans). At 0.01 / 0.02 / 0.04 cow and scannet change sides. */
-#define VOR_GAPS_SHARE 0.02
+/** Share of the points in holes above which these are gaps of the sampling. Points that the input
+ *  does not surround do not count: a small open sheet has many near its border (6 % of 6,400 on a
+ *  grid of 40 x 40). Shares measured on 5,000 points without polish: fandisk 0.001, bunny 0.003,
+ *  cow 0.007 (regular, with or without holes), four times as many points on regular points of open
+ *  sheets 0 to 0.006; scannet 0.016, autzen and kitti 0.047, office1 0.059 (scans). At 0.0055 /
+ * 0.011 / 0.022 cow and scannet change sides. */
+#define VOR_GAPS_SHARE 0.011
 /** Largest number of points looked at for that share; with more, every second or third one is. Its
  *  standard error at the threshold is then 0.0007. */
 #define VOR_GAPS_COUNTED 60000
@@ -198,6 +204,12 @@ int vor_boundary_within(const float *near, unsigned k, const double x[3], double
  *  they coincide. Returns the distance between them. O(k). */
 double vor_boundary_foot(const float *near, unsigned k, const double x[3], double foot[3],
                          double way[3]);
+
+/** HOLE. Moves x straight towards the lines from foot, its nearest point, to those of the k points
+ *  that are in its first ring (VOR_RIM_RING; of none, towards foot), to VOR_HOLE_MARGIN spacings
+ *  from them. Returns whether it was farther away. `spacing` is vor_boundary_spacing. O(k). */
+int vor_boundary_pull(const float *near, unsigned k, const double foot[3], double spacing,
+                      double x[3]);
 
 /** Distance from x to the farthest of the neighbours. O(k). */
 double vor_boundary_reach(const float *near, unsigned k, const double x[3]);

@@ -274,20 +274,27 @@ uint32_t vor_seeds_nearest(const struct vor_seeds *seeds, size_t i)
     return index;
 }
 
+int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3])
+{
+    const struct vor_place *here = &scratch->here;
+    const struct vor_surface *surface = &here->surface;
+    double local[3], side[2];
+
+    vor_surface_to_local(surface, x, local);
+    return isinf(vor_boundary_room(surface, here->near, here->k, local, surface->reach, side));
+}
+
 /* Whether the input surrounds the seed, at x, with no border near it. */
 static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
                            const double x[3], const struct vor_recall *how)
 {
     const struct vor_place *here = &scratch->here;
-    double local[3], side[2], inside = how->keep_holes ? VOR_HOLE_INSIDE : 1;
+    double inside = how->keep_holes ? VOR_HOLE_INSIDE : 1;
 
-    if (!seeds->policy.keep_border)
-        return 1;
-    vor_surface_to_local(&here->surface, x, local);
-    return vor_boundary_within(here->near, here->k, x,
-                               inside * vor_boundary_spacing(here->near, here->k, x)) &&
-           isinf(vor_boundary_room(&here->surface, here->near, here->k, local, here->surface.reach,
-                                   side));
+    return !seeds->policy.keep_border ||
+           (vor_boundary_within(here->near, here->k, x,
+                                inside * vor_boundary_spacing(here->near, here->k, x)) &&
+            vor_seeds_surrounded(scratch, x));
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
@@ -406,24 +413,20 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     const struct vor_place *other = &scratch->foot;
     const float *near = scratch->here.near;
     unsigned k = scratch->here.k;
-    double foot[3], way[3], spacing, length;
+    double foot[3], way[3], length = vor_boundary_foot(near, k, x, foot, way);
+    double spacing = vor_boundary_spacing(near, k, x);
 
-    if (k < VOR_HOLE_NEIGHBORS_MIN)
-        return 0;
-    length = vor_boundary_foot(near, k, x, foot, way);
-    spacing = vor_boundary_spacing(near, k, x);
     /* Mostly the points at hand decide, which saves a search. With sheets the list does not: its
      * points may be on another one. */
-    if (length <= VOR_HOLE_MARGIN * spacing ||
+    if (k < VOR_HOLE_NEIGHBORS_MIN || length <= VOR_HOLE_MARGIN * spacing ||
         vor_boundary_goes_on(near, k, foot, way, vor_boundary_reach(near, k, x) - length) ||
         (!seeds->sheets && goes_on(seeds, i, foot, way, k)) ||
         spacing_at(seeds, scratch, foot) < 0 ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
-    for (int c = 0; c < 3; c++)
-        x[c] = foot[c] + (x[c] - foot[c]) * (VOR_HOLE_MARGIN * spacing / length);
-    return 1;
+    return vor_boundary_pull(other->near, vor_seeds_surrounded(scratch, x) ? 0 : other->k, foot,
+                             spacing, x);
 }
 
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
