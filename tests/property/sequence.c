@@ -1,6 +1,6 @@
 /* Frames of a sequence, each from the result of the one before: points stay where they are, and are
  * who they are. */
-#include "core/input/previous.h"
+#include "core/base/linalg.h"
 #include "tests/support/vt_ask.h"
 
 #include <math.h>
@@ -38,30 +38,12 @@ static vor_status run(struct vor_cloud *out, struct vor_report *report, const st
                       const struct vor_cloud *previous, const char *options)
 {
     struct vt_engine engine;
-    struct vor_artefacts inputs, outputs;
-    struct vor_cloud copy;
     vor_status status;
 
     vt_engine_open(&engine, 2);
     vt_ask_set(&engine, options);
-    vor_artefacts_init(&inputs, &vt_memory);
-    vor_artefacts_init(&outputs, &vt_memory);
-    vor_cloud_init(out, &vt_memory);
-    vor_cloud_init(&copy, &vt_memory);
-    vt_assert_ok(vor_cloud_copy(&copy, in, &vt_err));
-    vor_artefacts_put_cloud(&inputs, "cloud", &copy);
-    if (previous != NULL) {
-        vt_assert_ok(vor_cloud_copy(&copy, previous, &vt_err));
-        vor_artefacts_put_cloud(&inputs, "previous", &copy);
-    }
-    status = vor_engine_run(&outputs, &inputs, &engine.spec, &engine.run, &vt_err);
-    if (status == VOR_OK) {
-        *report =
-            *(struct vor_report *)vor_artefacts_values(&outputs, "report", &vor_report_members);
-        vt_assert_ok(vor_cloud_copy(out, vor_artefacts_cloud(&outputs, "cloud"), &vt_err));
-    }
-    vor_artefacts_free(&outputs);
-    vor_artefacts_free(&inputs);
+    engine.previous = previous;
+    status = vt_engine_try(&engine, out, report, in);
     vt_engine_close(&engine);
     return status;
 }
@@ -71,18 +53,6 @@ static uint32_t track_of(const struct vor_cloud *cloud, size_t i)
     const struct vor_attribute *track = vor_cloud_find_name(cloud, VOR_TRACK);
 
     return track != NULL ? ((const uint32_t *)track->data)[i] : (uint32_t)i;
-}
-
-static double distance2(const struct vor_cloud *a, size_t i, const struct vor_cloud *b, size_t j)
-{
-    double sum = 0;
-
-    for (size_t c = 0; c < 3; c++) {
-        double d = (double)a->xyz[3 * i + c] - (double)b->xyz[3 * j + c];
-
-        sum += d * d;
-    }
-    return sum;
 }
 
 /* How many points live on, their mean square move, and that to the nearest point of the frame
@@ -115,7 +85,7 @@ static struct compared compare(const struct vor_cloud *before, const struct vor_
             continue;
         }
         out.kept++;
-        out.moved2 += distance2(now, i, before, j);
+        out.moved2 += vor_distance2f(&now->xyz[3 * i], &before->xyz[3 * j]);
     }
     out.moved2 /= (double)out.kept;
     return out;

@@ -140,10 +140,11 @@ vor_status vt_call_request(struct vt_call *call)
     vor_artefacts_init(&outputs, &vt_memory);
     inputs.item[inputs.count++] =
         (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *call->in};
-    if (strcmp(process, "measure") == 0 ||
-        strcmp(process, "register") == 0) /* to the first half of itself */
+    if (engine.spec.process->inputs[1].name != NULL &&
+        (!vor_process_takes(engine.spec.process, VOR_PARAM_COHERENCE) ||
+         engine.spec.value[VOR_PARAM_COHERENCE] < 1)) /* the first half of itself */
         inputs.item[inputs.count++] =
-            (struct vor_artefact){.name = "reference",
+            (struct vor_artefact){.name = engine.spec.process->inputs[1].name,
                                   .kind = VOR_ARTEFACT_CLOUD,
                                   .cloud = {.n = call->in->n / 2, .xyz = call->in->xyz}};
     status = vor_engine_run(&outputs, &inputs, &engine.spec, call->run, &vt_err);

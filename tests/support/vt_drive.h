@@ -29,8 +29,9 @@ struct vt_row {
 };
 
 /** Runs a request: options are NAME=VALUE with blanks between, a process's id before them. A
- *  measure or register has a second cloud as reference. All that comes out is hashed: positions,
- * attributes, triangles, and the members of documents but times and bytes. */
+ *  measure or register has a second cloud as reference, one with a coherence below 1 as previous.
+ * All that comes out is hashed: positions, attributes, triangles, and the members of documents but
+ * times and bytes. */
 vor_status vt_call_request(struct vt_call *call);
 
 /** Appends bytes to the hash of a call. */

@@ -36,19 +36,11 @@ void vt_engine_resample(struct vt_engine *engine, struct vor_cloud *out, struct 
     vt_assert_ok(vt_engine_try(engine, out, report, in));
 }
 
-vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
-                         const struct vor_cloud *in)
-{
-    vt_assert_ok(vor_spec_check(&engine->spec, &vt_err));
-    vor_cloud_init(out, engine->run.memory);
-    memset(report, 0, sizeof *report);
-    return vt_run_engine(out, report, in, &engine->spec, &engine->run, &vt_err);
-}
-
-/* Runs a process with one cloud in, a cloud and a report out. *out is set on success alone. */
+/* Runs a process with one cloud in, or two, a cloud and a report out. *out is set on success alone.
+ */
 static vor_status run_engine(struct vt_meshed *out, const struct vor_cloud *in,
-                             const struct vor_spec *spec, const struct vor_run *run,
-                             struct vor_error *err)
+                             const struct vor_cloud *previous, const struct vor_spec *spec,
+                             const struct vor_run *run, struct vor_error *err)
 {
     struct vor_artefacts inputs, outputs;
     vor_status status;
@@ -57,6 +49,9 @@ static vor_status run_engine(struct vt_meshed *out, const struct vor_cloud *in,
     vor_artefacts_init(&outputs, run->memory);
     inputs.item[inputs.count++] =
         (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *in};
+    if (previous != NULL)
+        inputs.item[inputs.count++] = (struct vor_artefact){
+            .name = "previous", .kind = VOR_ARTEFACT_CLOUD, .cloud = *previous};
     status = vor_engine_run(&outputs, &inputs, spec, run, err);
     if (status == VOR_OK) {
         struct vor_report *told = vor_artefacts_values(&outputs, "report", &vor_report_members);
@@ -72,12 +67,30 @@ static vor_status run_engine(struct vt_meshed *out, const struct vor_cloud *in,
     return status;
 }
 
+vor_status vt_engine_try(struct vt_engine *engine, struct vor_cloud *out, struct vor_report *report,
+                         const struct vor_cloud *in)
+{
+    struct vt_meshed made;
+    vor_status status;
+
+    vt_assert_ok(vor_spec_check(&engine->spec, &vt_err));
+    vor_cloud_init(out, engine->run.memory);
+    memset(report, 0, sizeof *report);
+    status = run_engine(&made, in, engine->previous, &engine->spec, &engine->run, &vt_err);
+    if (status == VOR_OK) {
+        *report = made.report;
+        *out = made.cloud;
+        vor_mesh_free(&made.mesh);
+    }
+    return status;
+}
+
 vor_status vt_run_engine(struct vor_cloud *out, struct vor_report *report,
                          const struct vor_cloud *in, const struct vor_spec *spec,
                          const struct vor_run *run, struct vor_error *err)
 {
     struct vt_meshed made;
-    vor_status status = run_engine(&made, in, spec, run, err);
+    vor_status status = run_engine(&made, in, NULL, spec, run, err);
 
     if (status == VOR_OK) {
         *report = made.report;
@@ -91,7 +104,7 @@ vor_status vt_engine_mesh(struct vt_meshed *out, const struct vor_cloud *in,
                           const struct vt_engine *engine)
 {
     memset(out, 0, sizeof *out);
-    return run_engine(out, in, &engine->spec, &engine->run, &vt_err);
+    return run_engine(out, in, NULL, &engine->spec, &engine->run, &vt_err);
 }
 
 void vt_cloud_make(struct vor_cloud *cloud, size_t n)

@@ -14,6 +14,7 @@ struct vt_engine {
     struct vor_pool *pool;
     struct vor_run run;
     struct vor_spec spec;
+    const struct vor_cloud *previous; /**< of vt_engine_try and vt_engine_resample; NULL: none */
 };
 
 void vt_engine_open(struct vt_engine *engine, unsigned threads);
