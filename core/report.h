@@ -280,9 +280,9 @@ struct vor_stage_done {
       "the spacing")                                                                               \
     X(FITTED, fitted, "neighbors_histogram", "",                                                   \
       "Histogram of the number of input points per local surface in the last step. Each entry "    \
-      "has two members: neighbors, a number of input points, and points, the number of result "    \
-      "points with a surface that was fitted to that many input points. Entries are sorted by "    \
-      "their member `neighbors`. The numbers of points add up to points.out")                      \
+      "says that, at `points` points of the result, the local surface was fitted to `neighbors` "  \
+      "input points. Entries are sorted by `neighbors`. The numbers of points add up to "          \
+      "points.out")                                                                                \
     X(U64, held, "held", "points",                                                                 \
       "Number of points that were prevented from moving beyond the border in the last iteration")  \
     X(U64, held_ever, "held_ever", "points",                                                       \

@@ -133,7 +133,7 @@ static vor_status refuse_size(enum vor_parameter parameter, const char *text, st
 
     return vor_fail_param(
         err, VOR_E_PARAM, name,
-        "%s has %zu bytes, want at most %d in all text values of a request together", name,
+        "%s has %zu bytes, want at most %d in all text values of the request together", name,
         text != NULL ? strlen(text) : 0, VOR_SPEC_TEXTS_SIZE);
 }
 

@@ -12,14 +12,14 @@
 /** Something that was left out. */
 #define VOR_DROPPED_TABLE(X)                                                                       \
     X(TEXT, what, "what", "",                                                                      \
-      "Kind of the missing content. comment or obj_info: lines of a PLY header; an element of a "  \
-      "PLY file, such as face, or one of its list properties, ELEMENT.PROPERTY; metadata: "        \
-      "entries of a Draco file; digits of NAME: an attribute has integers that a double cannot "   \
-      "hold; digits of positions: positions have doubles that float32 cannot hold; name of "       \
-      "NAME: the name of an attribute has more than 63 bytes, or blanks, which PLY does not "      \
-      "allow; meaning of NAME: an attribute lost its meaning, for example a normal that does "     \
-      "not have three numbers; attribute NAME: a whole attribute; others: kinds that do not fit "  \
-      "into this list")                                                                            \
+      "Kind of the missing content. comment or obj_info: lines of a PLY header; ELEMENT or "       \
+      "ELEMENT.PROPERTY: an element of a PLY file, such as `face`, or one of its list "            \
+      "properties; metadata: entries of a Draco file; digits of NAME: an attribute has integers "  \
+      "that a double cannot hold; digits of positions: positions have doubles that float32 "       \
+      "cannot hold; name of NAME: the name of an attribute has more than 63 bytes, or blanks, "    \
+      "which PLY does not allow; meaning of NAME: an attribute lost its meaning, for example a "   \
+      "normal that does not have three numbers; attribute NAME: a whole attribute; others: "       \
+      "kinds that do not fit into this list")                                                      \
     X(U64, count, "count", "", "Number of missing items, as far as the file declares it")
 
 struct vor_dropped {

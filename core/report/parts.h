@@ -71,8 +71,8 @@ enum vor_oriented {
       "Some connected parts of the input have only one side, so their normals cannot be "          \
       "consistent")                                                                                \
     X(NOISE, "neighbors",                                                                          \
-      "Noise hides parts of the surface, with any value of the parameter `neighbors`. In these "   \
-      "parts, the result may be farther from the surface than the input")                          \
+      "Noise hides parts of the surface, and no value of the parameter `neighbors` can show "      \
+      "them. In these parts, the result may be farther from the surface than the input")           \
     X(NOT_RESTORED, "lattice",                                                                     \
       "No point was moved: either no grid was found, or the grid cells are smaller than a tenth "  \
       "of the spacing")

@@ -242,7 +242,7 @@ enum vor_method_choice {
       "are placed evenly along the borders and stay there; fill: holes are filled first, then "    \
       "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "Numbers of the border loops that boundary=fill closes. Run inspect to list the loops "      \
+      "Which border loops boundary=fill closes, by their numbers. Run inspect to list the loops "  \
       "with their numbers. These loops may be holes or outer borders (rims). auto: all holes "     \
       "with a border that is shorter than the parameter holeMax")                                  \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
@@ -268,7 +268,7 @@ enum vor_method_choice {
       "outliers: drops outliers or, with outliers=pull, moves them onto the surface; mls: moves "  \
       "each point onto a smooth surface fitted around it; thin: drops points until no two are "    \
       "closer together than a limit: the mean distance from a point to its three nearest "         \
-      "neighbours. If a request has the filter mls or outliers, but none of the parameters "       \
+      "neighbours. If a request has the filter mls or outliers and none of the parameters "        \
       "`points`, `ratio` and `spacing`, its result is the filtered input: the points of the "      \
       "input in their order, with their attributes. upsample never returns the filtered input "    \
       "itself, because its parameter `ratio` always has a value. The process denoise applies "     \
@@ -276,9 +276,9 @@ enum vor_method_choice {
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \
-      "of the input; estimate: the normals of the input are ignored; auto: the same as use if "    \
-      "all normals of the input are finite and non-zero, otherwise each connected part is "        \
-      "oriented by its valid normals")                                                             \
+      "of the input; estimate: the normals of the input are ignored; auto: like "                  \
+      "inputNormals=use if all normals of the input are finite and non-zero, otherwise each "      \
+      "connected part is oriented by its valid normals")                                           \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
       "Rule that decides whether two nearby points lie on the same layer of the surface "          \
       "(sheet), such as one side of a thin wall. local: if a short path over points in between "   \
@@ -295,16 +295,17 @@ enum vor_method_choice {
       "Format of the result. Default: the format given by the suffix of the output file or by "    \
       "the Accept header, otherwise the format of the input")                                      \
     X(QUANTIZATION, quantization, COUNT_OR_AUTO, FORMAT, "bits", 0, 30, VOR_UNSET, "",             \
-      "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: as many "  \
-      "bits as keep the rounding step below 1/200 of the distance between neighbours")             \
+      "Bits per coordinate in a Draco file. 0: positions are stored without loss; auto: the "      \
+      "smallest number of bits that keeps the rounding step below 1/200 of the distance between "  \
+      "neighbours")                                                                                \
     X(COMPRESSION, compression, COUNT, FORMAT, "", 0, 10, 7, "",                                   \
       "Compression level of Draco. 10 gives the smallest files")                                   \
     X(ORIGIN, origin, CHOICE_OR_VECTOR, FORMAT, "", -1e30, 1e30, VOR_ORIGIN_AUTO,                  \
       "auto absolute relative",                                                                    \
       "Point that the positions in a Draco file are relative to. absolute: 0,0,0; relative: a "    \
       "point with whole-number coordinates near the middle of the input; X,Y,Z: this point; "      \
-      "auto: the same as relative if float32 is too coarse for the coordinates of the input, "     \
-      "otherwise the same as absolute")                                                            \
+      "auto: like origin=relative if float32 is too coarse for the coordinates of the input, "     \
+      "otherwise like origin=absolute")                                                            \
     X(ATTRIBUTES, attributes, CHOICE, OUTPUT, "", 0, 0, VOR_ATTRIBUTES_NEAREST, "nearest drop",    \
       "Attributes of the result. nearest: each point has the attributes of the nearest input "     \
       "point; drop: the result has only positions")                                                \
@@ -476,7 +477,7 @@ struct vor_artefact_info {
       "Positions do not change, except that the format may round them")                            \
     X(MESH, mesh, 1, VOR_SPREAD_GROUPS | VOR_IN(MESH), VOR_EVERY_METHOD, 0, 16, VOR_FRAME_IN,      \
       VOR_CLOUD_OUT, "Mesh a point cloud",                                                         \
-      "Spreads points as the process resample does, then joins them into a manifold triangle "     \
+      "Spreads points like the process resample, then joins them into a manifold triangle "        \
       "mesh that faces outward")                                                                   \
     X(RESTORE, restore, 1, VOR_IN(READ) | VOR_IN(FORMAT), 0, 0, 0, VOR_CLOUD_IN, VOR_CLOUD_OUT,    \
       "Restore a decoded point cloud",                                                             \

@@ -160,7 +160,7 @@ VT_TEST(texts_fit_into_a_request_or_are_refused)
     vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "title", text, &vt_err));
     ck_assert_str_eq(
         vt_err.message,
-        "title has 211 bytes, want at most 512 in all text values of a request together");
+        "title has 211 bytes, want at most 512 in all text values of the request together");
     ck_assert_str_eq(vt_err.parameter, "title");
     ck_assert_mem_eq(&spec, &before, sizeof spec);
     vt_assert_fails(VOR_E_PARAM, vor_spec_set(&spec, "weight", "attribute:a", &vt_err));
