@@ -226,7 +226,7 @@ VT_TEST(inputs_that_are_required_or_needed_must_come_along)
     vt_assert_fails(VOR_E_PARAM, vor_spec_check_inputs(&spec, 3, &vt_err));
     ck_assert_str_eq(
         vt_err.message,
-        "the parameter title is of the third, which needs a third, but the request has none");
+        "the parameter title is of the third, which needs a third cloud, but the request has none");
     vt_assert_ok(vor_spec_check_inputs(&spec, 7, &vt_err));
 }
 
