@@ -160,7 +160,7 @@ struct vor_stage_done {
       "have no warnings")                                                                          \
     X(STAGES, stages, "stages", "",                                                                \
       "Stages of the run, in order. The report's `seconds` include the times of all stages "       \
-      "except the stage baselines")                                                                \
+      "except the stage `baselines`")                                                              \
     X(REAL, seconds_read, "seconds.read", "s", "Time to decode the input")                         \
     X(REAL, seconds_index, "seconds.index", "s", "Time to sort and index the input")               \
     X(REAL, seconds_init, "seconds.init", "s",                                                     \
@@ -233,11 +233,11 @@ struct vor_stage_done {
       "ratio is computed for each cell as the square root of the ratio of its principal second "   \
       "moments")                                                                                   \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "Relative error of a cell's ratio of length to width: its difference from the ratio that "   \
-      "the metric prescribes, divided by this ratio: median over the cells")                       \
+      "Relative error of a cell's ratio of length to width: its difference from the prescribed "   \
+      "ratio, divided by the prescribed ratio: median over the cells")                             \
     X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
-      "Relative error of a cell's ratio of length to width: its difference from the ratio that "   \
-      "the metric prescribes, divided by this ratio: 90th percentile over the cells")              \
+      "Relative error of a cell's ratio of length to width: its difference from the prescribed "   \
+      "ratio, divided by the prescribed ratio: 90th percentile over the cells")                    \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; present only with metric=lp or cells=euclid")                 \
     X(U64, descent_steps, "descent.steps", "",                                                     \
@@ -527,7 +527,8 @@ struct vor_loop_told {
       "Number of points off the surface (0 with outliers=keep). Outliers are left out of all "     \
       "later figures")                                                                             \
     X(U64, components, "components.count", "",                                                     \
-      "Number of separate parts. Two parts are separate if none of their points are neighbours")   \
+      "Number of separate parts. Two parts are separate if no point of one is a neighbour of a "   \
+      "point of the other")                                                                        \
     X(U64, largest, "components.largest", "points", "Number of points of the largest part")        \
     X(U64, small, "components.small", "",                                                          \
       "Number of small parts: parts with fewer than 2 x neighbors points, where neighbors is "     \

@@ -97,7 +97,8 @@ enum vor_warning_kind {
       "The number that the warning is about: the value of a parameter or member, in its unit, "    \
       "or a count of points, places or parts; null for a parameter that had no effect")            \
     X(REAL, limit, "limit", "",                                                                    \
-      "Threshold of the warning, in the unit of value; null for a parameter that had no effect")   \
+      "Threshold of the warning, in the unit of the member `value`; null for a parameter that "    \
+      "had no effect")                                                                             \
     X(WARNING_SAYS, says, "says", "", "Text of the warning")
 
 struct vor_warning {
@@ -122,7 +123,8 @@ struct vor_corners {
 
 /** An attribute of a cloud. */
 #define VOR_COLUMN_TABLE(X)                                                                        \
-    X(TEXT, name, "name", "", "Name of the attribute; normal for normals, and color for colours")  \
+    X(TEXT, name, "name", "",                                                                      \
+      "Name of the attribute: `normal` for the normals, `color` for the colours")                  \
     X(TEXT, type, "type", "", "Type of the scalars: int8 to uint64, float32 or float64")           \
     X(U32, components, "components", "", "Number of scalars for each point")
 
@@ -259,9 +261,9 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Mismatch where the clouds overlap: the share of a cloud's overlapping surface that is "     \
-      "close to the other cloud, but not on it; the mean of the two clouds' shares (0 if all "     \
-      "overlapping parts agree)")                                                                  \
+      "Mismatch where the clouds overlap: for each cloud, the share of its overlapping surface "   \
+      "that is close to the other cloud, but not on it; the value is the mean of both shares (0 "  \
+      "if all overlapping parts agree)")                                                           \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \
@@ -276,9 +278,9 @@ struct vor_runner_up {
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
       "free-slide nor free-turn")                                                                  \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose (higher is better): the mean of two shares, of the cloud that lies on "   \
-      "the reference and of the reference that lies on the cloud; lower if the surfaces are "      \
-      "apart or in conflict")                                                                      \
+      "Score of the pose (higher is better): the mean of two shares: that of the cloud's "         \
+      "surface that lies on the reference, and that of the reference's surface that lies on the "  \
+      "cloud. It is reduced if the surfaces are apart or in conflict")                             \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "The second best pose that was found; all members are 0 if there is no such pose")
 

@@ -156,11 +156,11 @@ enum vor_method_choice {
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
       "Shape of the Voronoi cells around the points. isotropic: as long as wide; anisotropic: "    \
-      "longer in the direction in which the surface bends less; length divided by width is the "   \
-      "square root of the ratio of the principal curvatures; attribute:NAME: the shape of "        \
+      "longer in the direction in which the surface bends less (length divided by width is the "   \
+      "square root of the ratio of the principal curvatures); attribute:NAME: the shape of "       \
       "positive definite tensors in the input (six scalars NAME_xx, NAME_xy, NAME_xz, NAME_yy, "   \
-      "NAME_yz, NAME_zz); lp: squares along the directions of principal curvature; the run "       \
-      "minimises an L_p energy and has no polish")                                                 \
+      "NAME_yz, NAME_zz); lp: squares along the directions of principal curvature (the run "       \
+      "minimises an L_p energy and has no polish)")                                                \
     X(MAX_ASPECT, maxAspect, REAL, SPREAD, "", 1, 10, 6, "",                                       \
       "Largest ratio of length to width of a Voronoi cell. This parameter has no effect with "     \
       "metric=isotropic")                                                                          \

@@ -94,8 +94,8 @@ enum vor_setting_kind {
       "Time after which files in the folder lost/ of --blobs are deleted. Files of jobs that a "   \
       "damaged --store lacks are moved to this folder")                                            \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "Largest total size of the files in the folder lost/ of --blobs. If the total exceeds "      \
-      "this size, the oldest files are deleted first")                                             \
+      "Largest total size of the files in lost/, a subfolder of the folder in --blobs. If the "    \
+      "total exceeds this size, the oldest files are deleted first")                               \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Size of the reserve file, which keeps disk space free in the folder of the job store. "     \
       "When the disk is full, the daemon gives this space up, so that jobs can still be "          \
@@ -151,8 +151,8 @@ enum vor_setting_kind {
       "Time after SIGTERM during which /readyz fails but requests are still served, so that load " \
       "balancers can stop sending new ones")                                                       \
     X(DRAIN_TIMEOUT, "drain-timeout", TIME, "seconds", 0, 3600, "20",                              \
-      "Time that running jobs have to finish after SIGTERM and --drain-delay. Jobs that are not "  \
-      "finished by then run again after the next start")                                           \
+      "How long running jobs may continue after SIGTERM, counted from the end of --drain-delay. "  \
+      "Jobs that are not finished by then run again after the next start")                         \
     X(DRACO, "draco", CHOICE, "any strict", 0, 0, "any",                                           \
       "Draco files that the daemon accepts. any: all files that the Draco library can read; "      \
       "strict: only point clouds of bitstream 2.3 without metadata, which need less code of the "  \

@@ -87,9 +87,8 @@
       "Time of each try of a request to the storage of files on another machine (S3)")             \
     X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "", "Requests to S3 that were sent again")  \
     X(BLOB_ERRORS, "blob_errors_total", COUNTER, "", "reason",                                     \
-      "Requests to S3 that failed after all tries. The label reason is away if S3 did not "        \
-      "answer, refused if it refused the keys or did not have the bucket, and other in all "       \
-      "other cases")                                                                               \
+      "Requests to S3 that failed after all tries. Values of the label reason: away (S3 did not "  \
+      "answer), refused (S3 refused the keys or has no such bucket) and other (any other error)")  \
     X(STORAGE_UP, "storage_up", GAUGE, "", "part",                                                 \
       "1 while the job database (part store) and the storage of files (part blobs) can be "        \
       "reached, else 0")                                                                           \

@@ -148,7 +148,7 @@ static vor_status find_rest(struct vor_sql *from, struct vor_sql *into, int64_t 
                                "SELECT count(*) FROM job WHERE seq <= ?", "i", *after);
     if (status == VOR_OK && first != *were_there)
         return vor_fail(err, VOR_E_IO,
-                        "the database has %lld jobs that are not of this move: choose an empty "
+                        "the database has %lld jobs that this move did not write: choose an empty "
                         "schema or database",
                         (long long)*were_there);
     return status;
