@@ -141,7 +141,7 @@ export function makeForm(description) {
     const main = Object.entries(description.inputs).find(([, input]) => isFile(input.schema));
     const fields = Object.entries(description.inputs).filter(([name]) => name !== main?.[0]).map(([name, input]) => ({
         ...field(name, input), basic: input['x-level'] === 'basic' || isFile(input.schema), group: input['x-group'] || '' }));
-    const [first, ways] = [(one) => (ways.element.childElementCount ? one.group === ONE_OF || one.file : one.basic),
+    const [first, ways] = [(one) => (ways.element.childElementCount ? one.group === ONE_OF : one.basic),
         makeWays(fields.filter((one) => one.group === ONE_OF), description.id)];
     const groups = [first, (one) => one.basic && !first(one), (one) => !one.basic && !first(one)].map((which) => grouped(fields.filter(which)));
     const folds = groups.slice(1).map((all, k) => ({ all, title: ['Options', 'Advanced options'][k], element: folded(all) }));
