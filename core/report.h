@@ -75,7 +75,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(U32, step, "step", "", "Number of steps of the stage so far")                                \
     X(U32, of, "of", "",                                                                           \
       "Largest number of steps that the stage may have (0 if the number is not known)")            \
-    X(U32, ahead, "ahead", "", "Maximum of the total number of steps in all later stages")         \
+    X(U32, ahead, "ahead", "", "Largest possible total number of steps in all later stages")       \
     X(U32, best_iteration, "best.iteration", "",                                                   \
       "Number of the iteration that gave the most even result so far; if the run ends now, it "    \
       "returns the result of this iteration")                                                      \
@@ -191,8 +191,8 @@ struct vor_stage_done {
       "Number of outliers among the input points; they were ignored or moved onto the surface")    \
     X(U64, parts, "components", "", "Number of separate parts of the input")                       \
     X(U64, islands, "islands.components", "",                                                      \
-      "Number of islands: separate parts with fewer than 2 x neighbors points, where neighbors "   \
-      "is the number of points that a local surface is fitted to")                                 \
+      "Number of islands: separate parts with fewer than 2 x `neighbors` points, where "           \
+      "`neighbors` is the number of points that a local surface is fitted to")                     \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Number of points of the result on islands; each is at the position of an input point (0 "   \
@@ -233,11 +233,11 @@ struct vor_stage_done {
       "ratio is computed for each cell as the square root of the ratio of its principal second "   \
       "moments")                                                                                   \
     X(REAL, metric_off, "metric.off_median", "",                                                   \
-      "Relative error of a cell's ratio of length to width: its difference from the prescribed "   \
-      "ratio, divided by the prescribed ratio: median over the cells")                             \
+      "Median, over the cells, of the relative error of a cell's ratio of length to width: its "   \
+      "difference from the prescribed ratio, divided by the prescribed ratio")                     \
     X(REAL, metric_off_high, "metric.off_p90", "",                                                 \
-      "Relative error of a cell's ratio of length to width: its difference from the prescribed "   \
-      "ratio, divided by the prescribed ratio: 90th percentile over the cells")                    \
+      "90th percentile, over the cells, of the relative error of a cell's ratio of length to "     \
+      "width: its difference from the prescribed ratio, divided by the prescribed ratio")          \
     X(OPTIONAL, has_descent, "descent", "",                                                        \
       "How the energy was minimised; present only with metric=lp or cells=euclid")                 \
     X(U64, descent_steps, "descent.steps", "",                                                     \
@@ -358,9 +358,9 @@ struct vor_stage_done {
       "Number of triangles that possibly connect two layers of the surface (sheets) by mistake, "  \
       "because the sheets cross or are too close together. A triangle is counted if the surface "  \
       "fitted at one corner misses another corner by more than a fifth of the distance between "   \
-      "the two corners. If no sheets of the input are close together, the rule is another: a "     \
-      "triangle is counted if one of its edges is longer than the distance from an end of this "   \
-      "edge to another sheet")                                                                     \
+      "the two corners. If no sheets of the input are close together, a different rule applies: "  \
+      "a triangle is counted if one of its edges is longer than the distance from an end of "      \
+      "this edge to another sheet")                                                                \
     X(U64, mesh_left_out, "mesh.left_out", "",                                                     \
       "Number of triangles that were left out: triangles where two sheets meet, triangles that "   \
       "intersect other triangles, and triangles that are then no longer connected to the mesh. "   \
@@ -380,9 +380,9 @@ struct vor_stage_done {
       "Points of the input that were chosen by farthest-point sampling, which always adds the "    \
       "point that is farthest from its nearest chosen point")                                      \
     X(SPEC, parameters, "parameters", "",                                                          \
-      "Parameters of the request. If the request has ratio or spacing, the value of points is "    \
-      "the number computed from that parameter. A parameter that was auto has the value that "     \
-      "the run used instead; neighbors has the value that was used most often")
+      "Parameters of the request. If the request has `ratio` or `spacing`, the value of "          \
+      "`points` is the number computed from that parameter. A parameter that was auto has the "    \
+      "value that the run used instead; `neighbors` has the value that was used most often")
 
 struct vor_report {
     VOR_REPORT_TABLE(VOR_FIELD)
@@ -496,7 +496,7 @@ enum vor_loop_why { VOR_LOOP_AROUND, VOR_LOOP_ONE_SIDE, VOR_LOOP_WITHIN };
     X(LOOP_KIND, kind, "kind", "",                                                                 \
       "hole: a gap inside a surface; rim: an outer border of an open surface")                     \
     X(LOOP_WHY, why, "why", "",                                                                    \
-      "Why the loop is of this kind: where the surface lies, seen from the loop")                  \
+      "Reason for the kind of the loop: where the surface lies relative to the loop")              \
     X(REAL, turns, "turns", "",                                                                    \
       "How many full turns the direction of the loop makes, measured along the surface: 1 for a "  \
       "hole in a plane, 0 for the end of a tube, -1 for the outer border of a plane. A loop "      \
@@ -531,8 +531,8 @@ struct vor_loop_told {
       "point of the other")                                                                        \
     X(U64, largest, "components.largest", "points", "Number of points of the largest part")        \
     X(U64, small, "components.small", "",                                                          \
-      "Number of small parts: parts with fewer than 2 x neighbors points, where neighbors is "     \
-      "the number of points that a local surface is fitted to")                                    \
+      "Number of small parts: parts with fewer than 2 x `neighbors` points, where `neighbors` "    \
+      "is the number of points that a local surface is fitted to")                                 \
     X(U64, small_points, "components.small_points", "points",                                      \
       "Number of points in all small parts together")                                              \
     X(REAL, spacing, "spacing.mean", "unit of the cloud",                                          \
@@ -570,8 +570,8 @@ struct vor_loop_told {
     X(U64, border_holes, "border.holes", "", "Number of loops that are holes")                     \
     X(REAL, border_length, "border.length", "unit of the cloud", "Total length of all loops")      \
     X(U64, border_open, "border.open", "",                                                         \
-      "Number of open border lines: lines of three or more points where the surface ends, but "    \
-      "which do not close to a loop")                                                              \
+      "Number of open border lines: lines of three or more points where the surface ends, and "    \
+      "that do not close into a loop")                                                             \
     X(LOOPS, loops, "loops", "",                                                                   \
       "Border loops of the surface; if there are more than 100, only the 100 longest")
 

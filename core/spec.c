@@ -433,9 +433,9 @@ static vor_status check_previous(const struct vor_spec *spec, unsigned inputs,
     if (previous == NULL || (inputs >> (previous - of) & 1) == 0 ||
         (spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT && !vor_spec_only_filters(spec)))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, "previous",
-                          "previous works only with method=cvt, and not where filters alone make "
-                          "the result");
+    return vor_fail_param(
+        err, VOR_E_PARAM, "previous",
+        "previous works only with method=cvt, and not if the result is only the filtered input");
 }
 
 vor_status vor_spec_check_inputs(const struct vor_spec *spec, unsigned inputs,

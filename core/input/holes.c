@@ -15,12 +15,13 @@ static vor_status mark_named(unsigned char *chosen, const struct vor_loops *loop
 
     for (unsigned i = 0; vor_spec_count_at(spec, VOR_PARAM_HOLES, i, &id); i++) {
         if (loops->count == 0)
-            return vor_fail_param(err, VOR_E_HOLES, "holes",
-                                  "holes contains %.0f, but the input has no border loops", id);
+            return vor_fail_param(
+                err, VOR_E_HOLES, "holes",
+                "the parameter holes contains %.0f, but the input has no border loops", id);
         if (id > (double)loops->count)
             return vor_fail_param(
                 err, VOR_E_HOLES, "holes",
-                "holes contains %.0f, but the border loops are numbered from 1 to "
+                "the parameter holes contains %.0f, but the border loops are numbered from 1 to "
                 "%zu; run inspect to list them",
                 id, loops->count);
         chosen[(size_t)id - 1] = 1;

@@ -26,7 +26,8 @@ struct vor_apart {
 #define VOR_FITTED_TABLE(X)                                                                        \
     X(U32, neighbors, "neighbors", "points", "A number of input points")                           \
     X(U64, points, "points", "points",                                                             \
-      "Number of result points with a surface that was fitted to this number of input points")
+      "Number of points of the result with a local surface that was fitted to this number of "     \
+      "input points")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
@@ -95,10 +96,11 @@ enum vor_warning_kind {
       "Subject of the warning: the name of a parameter or of a member of the report")              \
     X(REAL, value, "value", "",                                                                    \
       "The number that the warning is about: the value of a parameter or member, in its unit, "    \
-      "or a count of points, places or parts; null for a parameter that had no effect")            \
+      "or a count of points, places or parts; null if the warning is about a parameter that had "  \
+      "no effect")                                                                                 \
     X(REAL, limit, "limit", "",                                                                    \
-      "Threshold of the warning, in the unit of the member `value`; null for a parameter that "    \
-      "had no effect")                                                                             \
+      "Threshold of the warning, in the unit of the member `value`; null if the warning is "       \
+      "about a parameter that had no effect")                                                      \
     X(WARNING_SAYS, says, "says", "", "Text of the warning")
 
 struct vor_warning {
@@ -269,26 +271,26 @@ struct vor_runner_up {
       "before you use it")                                                                         \
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
       "Why trust is below 0.5; none if it is not. free-slide: the cloud can slide along the "      \
-      "direction in axis and fits equally well; free-turn: it can turn about this axis; "          \
-      "free-scale: it fits equally well at another scale; another-pose: the pose in runner_up "    \
-      "fits nearly as well; conflict: overlapping parts differ; little-overlap: too little of "    \
-      "the clouds overlaps")                                                                       \
+      "direction in the member `axis` and fits equally well; free-turn: it can turn about this "   \
+      "axis; free-scale: it fits equally well at another scale; another-pose: the pose in "        \
+      "runner_up fits nearly as well; conflict: overlapping parts differ; little-overlap: too "    \
+      "little of the clouds overlaps")                                                             \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
       "free-slide nor free-turn")                                                                  \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose (higher is better): the mean of two shares: that of the cloud's "         \
-      "surface that lies on the reference, and that of the reference's surface that lies on the "  \
-      "cloud. It is reduced if the surfaces are apart or in conflict")                             \
+      "Score of the pose (higher is better): the mean of the share of the cloud's surface that "   \
+      "lies on the reference and the share of the reference's surface that lies on the cloud. "    \
+      "It is reduced if parts of the surfaces are far from each other or contradict each other")   \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "The second best pose that was found; all members are 0 if there is no such pose")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \
     X(U64, points, "points", "points",                                                             \
-      "Number of points: the number of points of the result, or of the input if the input has "    \
-      "fewer. A voxel grid gives only about this number of points")                                \
+      "Number of points: as many as the result has, or as many as the input has if that is "       \
+      "fewer. A voxel grid gives only approximately this number of points")                        \
     X(REAL, delta, "delta", "", "delta of the points of this method, computed as for the result")  \
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \

@@ -123,7 +123,7 @@ enum vor_method_choice {
     X(RATIO, ratio, REAL, TARGET, "", 1e-6, 16, VOR_UNSET, "",                                     \
       "Number of points of the result, divided by the number of points of the input. If a "        \
       "process has a default for this parameter, the default applies only to requests with "       \
-      "neither points nor spacing")                                                                \
+      "neither `points` nor `spacing`")                                                            \
     X(SPACING, spacing, REAL, TARGET, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",             \
       "Distance between neighbouring points of the result. The number of points is the area of "   \
       "the surface divided by (sqrt(3)/2 * spacing^2)")                                            \
@@ -271,8 +271,8 @@ enum vor_method_choice {
       "neighbours. If a request has the filter mls or outliers and none of the parameters "        \
       "`points`, `ratio` and `spacing`, its result is the filtered input: the points of the "      \
       "input in their order, with their attributes. upsample never returns the filtered input "    \
-      "itself, because its parameter `ratio` always has a value. The process denoise applies "     \
-      "outliers and mls by default with method=cvt and method=kmeans")                             \
+      "itself, because its parameter `ratio` always has a value. The process `denoise` applies "   \
+      "the filters `outliers` and `mls` by default with method=cvt and method=kmeans")             \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \
@@ -283,7 +283,7 @@ enum vor_method_choice {
       "Rule that decides whether two nearby points lie on the same layer of the surface "          \
       "(sheet), such as one side of a thin wall. local: if a short path over points in between "   \
       "connects them; satellites: if they have similar distances along the surface from three "    \
-      "reference points; none: always")                                                            \
+      "reference points; none: any two nearby points count as points of the same layer")           \
     X(INVALID, invalid, CHOICE, READ, "", 0, 0, VOR_INVALID_REFUSE, "refuse drop",                 \
       "Treatment of input points with a coordinate that is not finite. refuse: the input is "      \
       "refused; drop: these points are left out and counted")                                      \

@@ -74,8 +74,8 @@ enum vor_setting_kind {
     X(JOB_MEMORY, "job-memory", BYTES, "bytes", 0, 1e15, "0",                                      \
       "Largest amount of memory that one job may use. 0: --memory divided by --jobs")              \
     X(JOB_SECONDS, "job-seconds", TIME, "seconds", 0, 31536000, "1800",                            \
-      "Longest time that a job may run. A job that would take four times as long as this "         \
-      "setting is refused. 0: no limit")                                                           \
+      "Longest time that a job may run. A job is refused if it would take four times as long as "  \
+      "this setting. 0: no limit")                                                                 \
     X(BODY_LIMIT, "body-limit", BYTES, "bytes", 1, 1e15, "1G",                                     \
       "Largest size of an upload, before and after decompression")                                 \
     X(POINTS_LIMIT, "points-limit", COUNT_OF, "points", 1, 2147483646, "50000000",                 \
@@ -91,8 +91,8 @@ enum vor_setting_kind {
       "the jobs that ended first are deleted first. 0: half the size of the disk that holds the "  \
       "folder --blobs")                                                                            \
     X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "Time after which files in the folder lost/ of --blobs are deleted. Files of jobs that a "   \
-      "damaged --store lacks are moved to this folder")                                            \
+      "Time after which files in the folder lost/ of --blobs are deleted. If a damaged --store "   \
+      "has lost jobs, their files are moved to this folder")                                       \
     X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
       "Largest total size of the files in lost/, a subfolder of the folder in --blobs. If the "    \
       "total exceeds this size, the oldest files are deleted first")                               \

@@ -90,8 +90,8 @@
       "Requests to S3 that failed after all tries. Values of the label reason: away (S3 did not "  \
       "answer), refused (S3 refused the keys or has no such bucket) and other (any other error)")  \
     X(STORAGE_UP, "storage_up", GAUGE, "", "part",                                                 \
-      "1 while the job database (part store) and the storage of files (part blobs) can be "        \
-      "reached, else 0")                                                                           \
+      "1 while the job database (label part=store) and the storage of files (label part=blobs) "   \
+      "can be reached, else 0")                                                                    \
     X(LOG_DROPPED, "log_lines_dropped_total", COUNTER, "", "",                                     \
       "Log lines dropped because their reader was too slow")
 

@@ -141,7 +141,8 @@ static vor_status put_all(struct upload *upload, int fd, uint64_t size, const ch
     vor_digest_hex(upload->whole, read_sha256);
     return strcmp(read_sha256, sha256) == 0
                ? VOR_OK
-               : vor_fail(err, VOR_E_DAMAGED, "a temporary file is not what was written to it");
+               : vor_fail(err, VOR_E_DAMAGED,
+                          "a temporary file does not contain what was written to it");
 }
 
 /* The object is there with that size: whose answer was lost is asked for twice. */

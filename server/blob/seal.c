@@ -30,8 +30,8 @@ vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vor_error *err)
 static vor_status damaged(const char *name, struct vor_error *err)
 {
     return vor_fail(err, VOR_E_DAMAGED,
-                    "the stored file %s is damaged: its SHA-256 differs from that of the bytes "
-                    "when they were written",
+                    "the stored file %s is damaged: its SHA-256 is not the one that was recorded "
+                    "when it was written",
                     name);
 }
 

@@ -55,10 +55,11 @@ enum {
       "16); rate=N, at most N jobs started per second (default 10); bytes=N, at most N bytes of "  \
       "stored inputs and results; points=N, at most N points in an input")                         \
     X(STORE, "store", 0, "SCHEME:PLACE", "VORONOID_STORE", VOR_COMMAND_MOVES,                      \
-      "Database that gets the jobs, as --store of voronoid serve: "                                \
+      "Database that the jobs are moved to, written like the setting --store of voronoid serve: "  \
       "postgresql://USER@HOST/DATABASE")                                                           \
     X(BLOBS, "blobs", 0, "SCHEME:PLACE", "VORONOID_BLOBS", VOR_COMMAND_MOVES,                      \
-      "Place that gets the files, as --blobs of voronoid serve: s3:https://HOST/BUCKET/PREFIX")    \
+      "Destination of the files, written like the setting --blobs of voronoid serve: "             \
+      "s3:https://HOST/BUCKET/PREFIX")                                                             \
     X(NAME, "name", 0, "TEXT", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,                       \
       "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, "NAME", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,                     \

@@ -125,7 +125,7 @@ static vor_status copy_files(struct migration *move, struct vor_error *err)
         status = list(move->blobs, &copies, err);
     if (status == VOR_OK && copies.count != files.count)
         status = vor_fail(err, VOR_E_IO,
-                          "--blobs has %zu files, want the %zu of DATA and no others: choose "
+                          "--blobs has %zu files, want exactly the %zu files of DATA: choose "
                           "another prefix or folder",
                           copies.count, files.count);
     move->files = files.count;

@@ -240,7 +240,8 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
            (vor_error_storage_full(err) || vor_error_storage_absent(err))) {
         tell_wait(run, err);
         if (!vor_worker_wait_room(run->worker, run->job, pause)) {
-            (void)vor_fail(err, VOR_E_CANCELLED, "cancelled while its files could not be stored");
+            (void)vor_fail(err, VOR_E_CANCELLED,
+                           "cancelled while the daemon could not store its files");
             return VOR_RUN_FAILED;
         }
         pause = fmin(2 * pause, retry_seconds_max);

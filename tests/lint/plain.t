@@ -95,7 +95,7 @@ my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d
 for (
     ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points \(/, $in], ['README.md', qr/result\s+has\s+at\s+most\s+(\d+\s+million)/, $out],
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],
-    ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long as this/]], ["$help/choosing.txt", qr/at\s+most\s+(\d+)\s+times/, $most],
+    ["$help/limits.txt", qr/take\s(\w+) times/, [$config, qr/take (\w+) times as long as\b/]], ["$help/choosing.txt", qr/at\s+most\s+(\d+)\s+times/, $most],
     ["$help/choosing.txt", qr/1\s+to\s+(\d+)\s+times/, $most], ["$help/choosing.txt", qr/default (\w+) times as many/, $usual], ['README.md', qr/\| (\w+) times as many/, $usual],
     [$tables, qr/default, (\w+) times/, $usual], ["$help/choosing.txt", qr/up to (\d+) iterations/, [$tables, qr/up to (\d+); up to 100 without/]],
     ["$help/keys.txt", qr/at most (\d+) jobs/, $jobs], ["$help/keys.txt", qr/(\d+)\s+requests\s+per/, $rate], ['server/cli/command.h', qr/wait or run \(default\W+(\d+)\)/, $jobs],
