@@ -377,8 +377,8 @@ struct vor_stage_done {
     X(BASELINE, voxel, "baselines.voxel", "",                                                      \
       "The mean of the input's points in each cell of a grid")                                     \
     X(BASELINE, farthest, "baselines.farthest", "",                                                \
-      "Points of the input that were chosen by farthest-point sampling, which always adds the "    \
-      "point that is farthest from its nearest chosen point")                                      \
+      "Points of the input that were chosen by farthest-point sampling, where each step adds "     \
+      "the input point that is farthest from all points chosen so far")                            \
     X(SPEC, parameters, "parameters", "",                                                          \
       "Parameters of the request. If the request has `ratio` or `spacing`, the value of "          \
       "`points` is the number computed from that parameter. A parameter that was auto has the "    \
@@ -524,8 +524,8 @@ struct vor_loop_told {
       "not include them")                                                                          \
     X(U64, distinct, "points.distinct", "points", "Number of different positions")                 \
     X(U64, outliers, "points.outliers", "points",                                                  \
-      "Number of points off the surface (0 with outliers=keep). Outliers are left out of all "     \
-      "later figures")                                                                             \
+      "Number of points off the surface (0 with outliers=keep). The numbers that follow in this "  \
+      "report do not include outliers")                                                            \
     X(U64, components, "components.count", "",                                                     \
       "Number of separate parts. Two parts are separate if no point of one is a neighbour of a "   \
       "point of the other")                                                                        \
@@ -570,8 +570,8 @@ struct vor_loop_told {
     X(U64, border_holes, "border.holes", "", "Number of loops that are holes")                     \
     X(REAL, border_length, "border.length", "unit of the cloud", "Total length of all loops")      \
     X(U64, border_open, "border.open", "",                                                         \
-      "Number of open border lines: lines of three or more points where the surface ends, and "    \
-      "that do not close into a loop")                                                             \
+      "Number of open border lines: lines of three or more points along which the surface ends "   \
+      "and which do not close into a loop")                                                        \
     X(LOOPS, loops, "loops", "",                                                                   \
       "Border loops of the surface; if there are more than 100, only the 100 longest")
 

@@ -263,9 +263,9 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Mismatch where the clouds overlap: for each cloud, the share of its overlapping surface "   \
-      "that is close to the other cloud, but not on it; the value is the mean of both shares (0 "  \
-      "if all overlapping parts agree)")                                                           \
+      "Mismatch where the clouds overlap: the share of a cloud's overlapping surface that is "     \
+      "near the other cloud without lying on it, averaged over the two clouds (0 if all "          \
+      "overlapping parts agree)")                                                                  \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \

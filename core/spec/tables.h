@@ -242,7 +242,7 @@ enum vor_method_choice {
       "are placed evenly along the borders and stay there; fill: holes are filled first, then "    \
       "the other borders are treated as with keep")                                                \
     X(HOLES, holes, COUNTS_OR_AUTO, SPREAD, "", 1, 10000000, VOR_UNSET, "",                        \
-      "Which border loops boundary=fill closes, by their numbers. Run inspect to list the loops "  \
+      "Numbers of the border loops that boundary=fill closes. Run inspect to list the loops "      \
       "with their numbers. These loops may be holes or outer borders (rims). auto: all holes "     \
       "with a border that is shorter than the parameter holeMax")                                  \
     X(HOLE_MAX, holeMax, REAL_OR_AUTO, SPREAD, "unit of the cloud", 1e-30, 1e30, VOR_UNSET, "",    \
@@ -267,12 +267,12 @@ enum vor_method_choice {
       "Filters that are applied to the input, always in the order outliers, mls, thin. "           \
       "outliers: drops outliers or, with outliers=pull, moves them onto the surface; mls: moves "  \
       "each point onto a smooth surface fitted around it; thin: drops points until no two are "    \
-      "closer together than a limit: the mean distance from a point to its three nearest "         \
-      "neighbours. If a request has the filter mls or outliers and none of the parameters "        \
-      "`points`, `ratio` and `spacing`, its result is the filtered input: the points of the "      \
-      "input in their order, with their attributes. upsample never returns the filtered input "    \
-      "itself, because its parameter `ratio` always has a value. The process `denoise` applies "   \
-      "the filters `outliers` and `mls` by default with method=cvt and method=kmeans")             \
+      "closer together than the mean distance, over all points, from a point to its three "        \
+      "nearest neighbours. If a request has the filter mls or outliers and none of the "           \
+      "parameters `points`, `ratio` and `spacing`, its result is the filtered input: the points "  \
+      "of the input in their order, with their attributes. upsample never returns the filtered "   \
+      "input itself, because its parameter `ratio` always has a value. The process `denoise` "     \
+      "applies the filters `outliers` and `mls` by default with method=cvt and method=kmeans")     \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \

@@ -84,7 +84,7 @@
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
       "SQL statements that failed in the job database")                                            \
     X(BLOB_SECONDS, "blob_operation_duration_seconds", TIMES, "seconds", "driver op",              \
-      "Time of each try of a request to the storage of files on another machine (S3)")             \
+      "Duration of each attempt at a request to S3")                                               \
     X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "", "Requests to S3 that were sent again")  \
     X(BLOB_ERRORS, "blob_errors_total", COUNTER, "", "reason",                                     \
       "Requests to S3 that failed after all tries. Values of the label reason: away (S3 did not "  \

@@ -128,9 +128,9 @@ vor_status vor_s3_open(struct vor_s3 **out, const char *url, struct vor_error *e
                  ? read_keys(s3, err)
                  : vor_fail_param(err, VOR_E_PARAM, "blobs",
                                   "blobs is \"s3:%.80s\", want s3:https://HOST/BUCKET or "
-                                  "s3:https://HOST/BUCKET/PREFIX, with letters, digits, '.', '_' "
-                                  "and '-' in both, ?style=host or ?style=path behind them or "
-                                  "nothing, and no user or password",
+                                  "s3:https://HOST/BUCKET/PREFIX, optionally followed by "
+                                  "?style=host or ?style=path, without user or password; BUCKET "
+                                  "and PREFIX may contain letters, digits, '.', '_' and '-'",
                                   strchr(url, '@') == NULL ? url : "...");
     if (status == VOR_OK)
         status = vor_curl_load(&s3->curl, err);

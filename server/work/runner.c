@@ -241,7 +241,7 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
         tell_wait(run, err);
         if (!vor_worker_wait_room(run->worker, run->job, pause)) {
             (void)vor_fail(err, VOR_E_CANCELLED,
-                           "cancelled while the daemon could not store its files");
+                           "cancelled while the daemon could not store the files of the job");
             return VOR_RUN_FAILED;
         }
         pause = fmin(2 * pause, retry_seconds_max);
