@@ -139,7 +139,7 @@ for my $case (
     ['an unknown bucket', "http://127.0.0.1:$Scale::swift{proxy}/none", qr/status 404 NoSuchBucket/],
     ['no key', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr/need keys: set AWS_ACCESS_KEY_ID/, AWS_ACCESS_KEY_ID => undef],
     ['a file that is not there', "http://127.0.0.1:$Scale::swift{proxy}/bucket", qr{/nowhere: No such file}, AWS_SECRET_ACCESS_KEY => undef, AWS_SECRET_ACCESS_KEY_FILE => '/nowhere'],
-    ['a password in the URL', 'https://a:secret-word@host/bucket', qr/no user or password/],
+    ['a password in the URL', 'https://a:secret-word@host/bucket', qr/without user or password/],
     ['no bucket', 'https://host', qr{blobs is "s3:https://host", want s3:https://HOST/BUCKET}], ['another scheme', 'ftp://host/bucket', qr{blobs is "s3:ftp://host/bucket", want s3:https://HOST}],
     ['nobody there', 'http://127.0.0.1:1/bucket', qr/Failed to connect/]
 ) {
