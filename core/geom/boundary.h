@@ -113,12 +113,11 @@
 /* --- hole ------------------------------------------------------------------------------------ */
 
 /** Spacings of the input that a point may be from the foot, into a hole, where the input surrounds
- *  the point; else from the lines between the foot and the points of its first ring
- *  (VOR_RIM_RING). From the foot alone, points beyond a border end on circles around the input's
- *  points: delta of four times as many points as a saddle with a hole, a square one and folds have
- *  0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. At 0.125 / 0.25 / 0.5: rms on bunny
- *  3.0e-4 / 3.3e-4 / 3.9e-4; less draws points onto the rim: least distance over the mean, 20,000
- *  points, 0.49 / 0.74 / 0.80. */
+ *  the point, or if fewer points are made than it has; else from the lines between the foot and the
+ *  points of its first ring (VOR_RIM_RING). From the foot alone, points beyond a border end on
+ *  circles around the input's points: delta of four times as many points as a saddle with a hole, a
+ *  square one and folds have 0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. At 0.125 /
+ *  0.25 / 0.5: rms on bunny 2.6e-4 / 2.8e-4 / 3.4e-4; less draws points onto the rim. */
 #define VOR_HOLE_MARGIN 0.25
 /** Spacings from the input: a place that is farther may be in a hole. At 0.35 / 0.7 / 1.4: rms on
  *  bunny 2.9e-4 / 2.8e-4 / 3.6e-4, max 5.9e-3 / 5.4e-3 / 10.8e-3, searches on square 32 / 27 / 23

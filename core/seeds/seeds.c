@@ -413,6 +413,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     const struct vor_place *other = &scratch->foot;
     const float *near = scratch->here.near;
     unsigned k = scratch->here.k;
+    int lines;
     double foot[3], way[3], length = vor_boundary_foot(near, k, x, foot, way);
     double spacing = vor_boundary_spacing(near, k, x);
 
@@ -425,8 +426,8 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
-    return vor_boundary_pull(other->near, vor_seeds_surrounded(scratch, x) ? 0 : other->k, foot,
-                             spacing, x);
+    lines = seeds->n >= seeds->domain->n && !vor_seeds_surrounded(scratch, x);
+    return vor_boundary_pull(other->near, lines ? other->k : 0, foot, spacing, x);
 }
 
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2])
