@@ -113,11 +113,13 @@
 /* --- hole ------------------------------------------------------------------------------------ */
 
 /** Spacings of the input that a point may be from the foot, into a hole, where the input surrounds
- *  the point, or if fewer points are made than it has; else from the lines between the foot and the
- *  points of its first ring (VOR_RIM_RING). From the foot alone, points beyond a border end on
+ *  the point, or unless more points are made than it has; else from the lines between the foot and
+ *  the points of its first ring (VOR_RIM_RING). From the foot alone, points beyond a border end on
  *  circles around the input's points: delta of four times as many points as a saddle with a hole, a
- *  square one and folds have 0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. At 0.125 /
- *  0.25 / 0.5: rms on bunny 2.6e-4 / 2.8e-4 / 3.4e-4; less draws points onto the rim. */
+ *  square one and folds have 0.131, 0.121, 0.135, from the lines 0.088, 0.083, 0.099. Of fewer
+ *  points none shows the circles, and beside thin ridges of closed shapes the lines lead off: a
+ *  screw's mesh has 9 open edges with them. At 0.125 / 0.25 / 0.5: rms on bunny 2.6e-4 / 2.8e-4 /
+ *  3.4e-4; less draws points onto the rim. */
 #define VOR_HOLE_MARGIN 0.25
 /** Spacings from the input: a place that is farther may be in a hole. At 0.35 / 0.7 / 1.4: rms on
  *  bunny 2.9e-4 / 2.8e-4 / 3.6e-4, max 5.9e-3 / 5.4e-3 / 10.8e-3, searches on square 32 / 27 / 23
@@ -130,13 +132,12 @@
 /** Fewer neighbours do not show a hole. At 6 / 12 / 24: rms on bunny 3.1e-4 / 2.8e-4 / 5.3e-4; 24
  *  is more than an exact input's fits have, and turns the rule off. */
 #define VOR_HOLE_NEIGHBORS_MIN 12
-/** Share of the points in holes above which these are gaps of the sampling. Points that the input
- *  does not surround do not count: a small open sheet has many near its border (6 % of 6,400 on a
- *  grid of 40 x 40). Shares measured on 5,000 points without polish: fandisk 0.001, bunny 0.003,
- *  cow 0.007 (regular, with or without holes), four times as many points on regular points of open
- *  sheets 0 to 0.006; scannet 0.016, autzen and kitti 0.047, office1 0.059 (scans). At 0.0055 /
- * 0.011 / 0.022 cow and scannet change sides. */
-#define VOR_GAPS_SHARE 0.011
+/** Share of the points in holes above which these are gaps of the sampling. Points beyond the end
+ * of the input do not count: a small open sheet has many (6 % of 6,400 on a grid of 40 x 40).
+ * Shares measured on 5,000 points without polish: the grid 0.002, fandisk 0.004, bunny 0.006, cow
+ * 0.013 (regular, with or without holes); scannet 0.031, autzen 0.075, kitti 0.14, office1 0.15
+ * (scans). At 0.01 / 0.02 / 0.04 cow and scannet change sides. */
+#define VOR_GAPS_SHARE 0.02
 /** Largest number of points looked at for that share; with more, every second or third one is. Its
  *  standard error at the threshold is then 0.0007. */
 #define VOR_GAPS_COUNTED 60000

@@ -24,20 +24,22 @@ static void attach_hurried(const struct vor_seeds *seeds, size_t i)
                                VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse);
 }
 
-/* Counts the seeds in holes, which vor_seeds_hold would move although the input surrounds them,
- * without moving them: of those whose number is a multiple of `every`. */
+/* Counts the seeds in holes, which vor_seeds_hold would move and are not beyond the end of the
+ * input, without moving them: of those whose number is a multiple of `every`. */
 static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
+    const struct vor_place *here = &scratch->here;
     size_t beyond = 0, first = (begin + attach->every - 1) / attach->every * attach->every;
     double x[3];
 
     for (size_t i = first; i < end && !vor_run_is_late(&seeds->run); i += attach->every) {
         vor_seeds_position(seeds, i, x);
         beyond += vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE &&
-                  vor_seeds_surrounded(scratch, x) && vor_seeds_hold(seeds, scratch, i, x);
+                  !vor_boundary_beyond(&here->surface, here->near, here->k, x) &&
+                  vor_seeds_hold(seeds, scratch, i, x);
     }
     atomic_fetch_add(&attach->beyond, beyond);
 }

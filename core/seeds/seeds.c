@@ -274,7 +274,8 @@ uint32_t vor_seeds_nearest(const struct vor_seeds *seeds, size_t i)
     return index;
 }
 
-int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3])
+/* Whether the input surrounds x, which is near the place that scratch->here was gathered around. */
+static int surrounds(const struct vor_scratch *scratch, const double x[3])
 {
     const struct vor_place *here = &scratch->here;
     const struct vor_surface *surface = &here->surface;
@@ -294,7 +295,7 @@ static int far_from_border(const struct vor_seeds *seeds, const struct vor_scrat
     return !seeds->policy.keep_border ||
            (vor_boundary_within(here->near, here->k, x,
                                 inside * vor_boundary_spacing(here->near, here->k, x)) &&
-            vor_seeds_surrounded(scratch, x));
+            surrounds(scratch, x));
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
@@ -426,7 +427,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
-    lines = seeds->n >= seeds->domain->n && !vor_seeds_surrounded(scratch, x);
+    lines = seeds->n > seeds->domain->n && !surrounds(scratch, x);
     return vor_boundary_pull(other->near, lines ? other->k : 0, foot, spacing, x);
 }
 

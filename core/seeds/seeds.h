@@ -205,10 +205,6 @@ struct vor_counts vor_seeds_counts(const struct vor_seeds *seeds);
 void vor_seeds_border(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                       const struct vor_place *place, struct vor_border *border, const double x[3]);
 
-/** Whether the input surrounds x, which is near the place that scratch->here was gathered around.
- */
-int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3]);
-
 /** HOLE in geom/boundary.h. If x lies too far into a hole of a regular input, or beyond its edge,
  *  moves it towards the nearest input points (vor_boundary_pull). scratch->here was gathered around
  *  seed i, and x is near it. Returns whether x was moved. */

@@ -65,6 +65,7 @@ VT_TEST(a_neighbour_is_within_a_distance_or_none_is)
 
     gather(&place, K, -0.3, 0.2, 0);
     ck_assert_double_eq_tol(place.surface.spacing, 1, 0.1);
+    ck_assert(vor_boundary_within(place.near, K, (double[3]){-1.4, 0.5, 0}, 1));
     ck_assert(vor_boundary_within(place.near, K, (double[3]){0.85, 0, 0}, 1));
     ck_assert(!vor_boundary_within(place.near, K, (double[3]){1.15, 0, 0}, 1));
     ck_assert(!vor_boundary_within(place.near, K, (double[3]){-1, 0, 1.15}, 1));
@@ -86,6 +87,7 @@ VT_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
 /* In the middle of a hole the neighbours are all around: the whole of the spacings is allowed. */
 VT_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 {
+    /* the nearest points of the holes are 2, 3 and 4 away */
     for (double hole = 2; hole <= 4; hole++) {
         ck_assert(!outside(0, 0, hole, hole + 0.01));
         ck_assert(outside(0, 0, hole, hole - 0.01));

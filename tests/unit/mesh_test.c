@@ -339,7 +339,7 @@ VT_TEST_FIGURES(a_ball_two_spacings_within_another_is_apart_from_it, VT_SOAK_LOO
     struct vor_cloud in;
     struct vt_meshed meshed;
 
-    vt_cloud_sphere(&in, 4 + (uint64_t)_i, 3000);
+    vt_cloud_sphere(&in, 3 + (uint64_t)_i, 3000);
     for (size_t i = 0; i < in.n; i++)
         for (size_t c = 0; c < 3 && i % 5 == 0; c++)
             in.xyz[3 * i + c] = in.xyz[3 * i + c] / 2 + (c == 2 ? .35f : 0);
