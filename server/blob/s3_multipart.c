@@ -78,10 +78,12 @@ static vor_status digest_part(struct upload *upload, const struct vor_s3_call *p
         size_t want = part->size - at < BUFFER_SIZE ? (size_t)(part->size - at) : BUFFER_SIZE;
         ssize_t got = pread(part->fd, buffer, want, (off_t)(part->from + at));
 
-        if (got <= 0 && errno != EINTR)
-            status = vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
-        if (got <= 0)
+        if (got < 0 && errno == EINTR)
             continue;
+        if (got <= 0) {
+            status = vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
+            break;
+        }
         vor_digest_update(digest, buffer, (size_t)got);
         vor_digest_update(upload->whole, buffer, (size_t)got);
         at += (uint64_t)got;

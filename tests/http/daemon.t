@@ -133,7 +133,10 @@ $stream->next_event;
 kill 'TERM', $daemon->{pid};
 my $unready = wait_until(sub { my $a = $daemon->get('/readyz'); $a->{status} == 503 ? $a : undef });
 is_problem($unready, 503, 'draining', 'SIGTERM makes the daemon un-ready');
-is_problem($daemon->post('/v1/resample?points=5', $cloud), 503, 'draining', 'new jobs are refused');
+# The daemon says so before it drains (--drain-delay): what comes in between is accepted, and waits for the next start.
+my $refused = wait_until(sub { my $a = $daemon->post('/v1/resample?points=5', $cloud, Prefer => 'respond-async');
+    $a->{status} == 201 ? undef : $a });
+is_problem($refused, 503, 'draining', 'new jobs are refused');
 is $daemon->get('/livez')->{status}, 200, 'it still lives';
 is $daemon->request('POST', "/v1/jobs/$_/stop")->{status}, 202, 'a running job can be stopped' for @both;
 my $last;
