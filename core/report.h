@@ -195,8 +195,8 @@ struct vor_stage_done {
       "`neighbors` is the number of points that a local surface is fitted to")                     \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
-      "Number of points of the result on islands; each is at the position of an input point (0 "   \
-      "if the run only filtered the input)")                                                       \
+      "Number of result points that lie on islands; each of them has the position of an input "    \
+      "point (0 if the run only filtered the input)")                                              \
     X(REAL, delta_beside, "islands.delta_beside", "",                                              \
       "delta of the points that are not on islands, so that the gaps around islands do not "       \
       "count")                                                                                     \
@@ -223,8 +223,8 @@ struct vor_stage_done {
       "How well the result follows the requested metric; present only if the request has a "       \
       "metric")                                                                                    \
     X(REAL, metric_median, "metric.aspect_median", "",                                             \
-      "Ratio of length to width that the metric prescribes for the cells: its median over the "    \
-      "surface")                                                                                   \
+      "Ratio of length to width that the metric prescribes for the cells (median over the "        \
+      "surface)")                                                                                  \
     X(REAL, metric_high, "metric.aspect_p95", "",                                                  \
       "Ratio of length to width that cells should have according to the metric: 95th percentile "  \
       "over the surface")                                                                          \
@@ -301,9 +301,11 @@ struct vor_stage_done {
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
       "Mean distance to the nearest neighbour in the result")                                      \
     X(REAL, min_over_mean, "min_over_mean", "",                                                    \
-      "Smallest distance to a nearest neighbour, divided by the mean of these distances")          \
+      "Smallest of the distances from points to their nearest neighbours, divided by the mean "    \
+      "of these distances")                                                                        \
     X(REAL, max_over_mean, "max_over_mean", "",                                                    \
-      "Largest distance to a nearest neighbour, divided by the mean of these distances")           \
+      "Largest of the distances from points to their nearest neighbours, divided by the mean of "  \
+      "these distances")                                                                           \
     X(REAL, six_share, "six_share", "",                                                            \
       "Share of the points of the result that have six Voronoi neighbours. Points at borders "     \
       "are left out")                                                                              \
@@ -314,8 +316,8 @@ struct vor_stage_done {
     X(REAL, bisectors_per_cell, "bisectors_per_cell", "",                                          \
       "Mean number of planes by which a Voronoi cell was clipped, over all computed cells")        \
     X(REAL, triangles_per_cell, "triangles_per_cell", "",                                          \
-      "Mean number of triangles in the local surface from which a Voronoi cell is cut, over all "  \
-      "computed cells")                                                                            \
+      "Number of triangles in the local surface from which a Voronoi cell is cut (mean over all "  \
+      "computed cells)")                                                                           \
     X(U64, queries, "queries", "",                                                                 \
       "Number of searches for nearest neighbours among the points of the input or result")         \
     X(U64, list_rebuilds, "list_rebuilds", "",                                                     \
@@ -424,9 +426,11 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, mean_nn, "mean_nn", "unit of the cloud",                                               \
       "Mean distance from a point to its nearest neighbour")                                       \
     X(REAL, min_over_mean, "min_over_mean", "",                                                    \
-      "Smallest distance to a nearest neighbour, divided by the mean of these distances")          \
+      "Smallest of the distances from points to their nearest neighbours, divided by the mean "    \
+      "of these distances")                                                                        \
     X(REAL, max_over_mean, "max_over_mean", "",                                                    \
-      "Largest distance to a nearest neighbour, divided by the mean of these distances")           \
+      "Largest of the distances from points to their nearest neighbours, divided by the mean of "  \
+      "these distances")                                                                           \
     X(U64, invalid, "invalid", "points",                                                           \
       "Number of points that were left out because a coordinate was not finite")                   \
     X(U64, coincident, "coincident", "points",                                                     \
@@ -558,8 +562,8 @@ struct vor_loop_told {
       "True if layers of the surface (sheets) are so close together, in much of the surface, "     \
       "that a local fit could mix their points")                                                   \
     X(REAL, own, "sheets.own", "",                                                                 \
-      "Share of the points that are fitted only to points of their own sheet; the other points "   \
-      "are fitted to the nearest points of any sheet")                                             \
+      "Share of the result points with a surface fitted only to input points of their own "        \
+      "sheet; the surfaces of the others are fitted to the nearest input points of any sheet")     \
     X(U64, edge_points, "edges.points", "points", "Number of points that lie on a sharp edge")     \
     X(REAL, edge_length, "edges.length", "unit of the cloud",                                      \
       "Estimated total length of all sharp edges")                                                 \
@@ -570,8 +574,8 @@ struct vor_loop_told {
     X(U64, border_holes, "border.holes", "", "Number of loops that are holes")                     \
     X(REAL, border_length, "border.length", "unit of the cloud", "Total length of all loops")      \
     X(U64, border_open, "border.open", "",                                                         \
-      "Number of open border lines: lines of three or more points along which the surface ends "   \
-      "and which do not close into a loop")                                                        \
+      "Number of open border lines: rows of three or more border points that do not close into "   \
+      "a loop")                                                                                    \
     X(LOOPS, loops, "loops", "",                                                                   \
       "Border loops of the surface; if there are more than 100, only the 100 longest")
 

@@ -26,8 +26,7 @@ struct vor_apart {
 #define VOR_FITTED_TABLE(X)                                                                        \
     X(U32, neighbors, "neighbors", "points", "A number of input points")                           \
     X(U64, points, "points", "points",                                                             \
-      "Number of points of the result with a local surface that was fitted to this number of "     \
-      "input points")
+      "Number of result points with a local surface that was fitted to `neighbors` input points")
 
 struct vor_fitted {
     VOR_FITTED_TABLE(VOR_FIELD)
@@ -202,7 +201,7 @@ struct vor_hole_told {
       "Energy of the Voronoi tessellation divided by the energy of the same number of regular "    \
       "hexagons, minus 1; lower is better")                                                        \
     X(REAL, gap, object "gap", "",                                                                 \
-      "Largest distance from a place of the surface to the nearest point, divided by the "         \
+      "Largest distance from any place on the surface to the nearest point, divided by the "       \
       "spacing of a hexagonal lattice with the same number of points (0.577 is the lowest "        \
       "possible value)")                                                                           \
     X(U64, wide, object "wide", "places",                                                          \
@@ -263,18 +262,17 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Mismatch where the clouds overlap: the share of a cloud's overlapping surface that is "     \
-      "near the other cloud without lying on it, averaged over the two clouds (0 if all "          \
-      "overlapping parts agree)")                                                                  \
+      "Mismatch where the clouds overlap: share of the surface near the other cloud that does "    \
+      "not lie on it; mean of the two clouds (0 if all overlapping parts agree)")                  \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
-      "Why trust is below 0.5; none if it is not. free-slide: the cloud can slide along the "      \
-      "direction in the member `axis` and fits equally well; free-turn: it can turn about this "   \
-      "axis; free-scale: it fits equally well at another scale; another-pose: the pose in "        \
-      "runner_up fits nearly as well; conflict: overlapping parts differ; little-overlap: too "    \
-      "little of the clouds overlaps")                                                             \
+      "Why trust is below 0.5, or none if trust is 0.5 or more. free-slide: the cloud can slide "  \
+      "along the direction in the member `axis` and fits equally well; free-turn: it can turn "    \
+      "about this axis; free-scale: it fits equally well at another scale; another-pose: the "     \
+      "pose in runner_up fits nearly as well; conflict: overlapping parts differ; "                \
+      "little-overlap: too little of the clouds overlaps")                                         \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
@@ -295,7 +293,7 @@ struct vor_runner_up {
     X(REAL, sigma, "sigma", "unit of the cloud",                                                   \
       "sigma of the points of this method, computed as for the result")                            \
     X(REAL, epsilon, "epsilon", "",                                                                \
-      "epsilon of the points of this method, computed as for the result")                          \
+      "epsilon of the points that this method made, computed as for the result")                   \
     X(REAL, spacing, "spacing", "unit of the cloud", "Mean distance to the nearest neighbour")     \
     X(REAL, six_share, "six_share", "", "Share of the points that have six Voronoi neighbours")    \
     X(APART, ref_to_out, "ref_to_out", "",                                                         \

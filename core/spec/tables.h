@@ -181,7 +181,7 @@ enum vor_method_choice {
       "distances to the nearest neighbour, divided by their mean")                                 \
     X(ETA, eta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                               \
       "The run ends as soon as eta is this low. eta = E / H - 1, where E is the energy of the "    \
-      "Voronoi tessellation and H is the energy of the same number of regular hexagons")           \
+      "Voronoi tessellation and H is the energy of as many regular hexagons as there are cells")   \
     X(MOVE_STOP, moveStop, REAL, CVT, "spacings", 0, 1, VOR_UNSET, "",                             \
       "The iterations of method=cvt end as soon as no point moves farther than this distance. 1 "  \
       "is the distance between neighbours in a perfectly even result")                             \
@@ -409,7 +409,7 @@ struct vor_artefact_info {
       "The point cloud. Its format is detected from the data. Over HTTP, the cloud is the body "   \
       "of the request or a part of a form"},                                                       \
      {"previous", VOR_ARTEFACT_CLOUD, 0,                                                           \
-      "Result for the frame before, in a sequence of clouds: points start where they were and "    \
+      "Result for the previous frame, in a sequence of clouds: points start where they were and "  \
       "keep their number, in the attribute track. Over HTTP, it is a part of a form"})
 #define VOR_CLOUD_AND_REFERENCE_IN                                                                 \
     ({"cloud", VOR_ARTEFACT_CLOUD, 1,                                                              \

@@ -124,10 +124,11 @@ static vor_status copy_files(struct migration *move, struct vor_error *err)
     if (status == VOR_OK)
         status = list(move->blobs, &copies, err);
     if (status == VOR_OK && copies.count != files.count)
-        status = vor_fail(err, VOR_E_IO,
-                          "--blobs has %zu files, want exactly the %zu files of DATA: choose "
-                          "another prefix or folder",
-                          copies.count, files.count);
+        status = vor_fail(
+            err, VOR_E_IO,
+            "--blobs has %zu files, want exactly the %zu files that DATA refers to: choose "
+            "another prefix or folder",
+            copies.count, files.count);
     move->files = files.count;
     free(files.item);
     free(copies.item);

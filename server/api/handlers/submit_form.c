@@ -160,9 +160,7 @@ static vor_status on_end(void *ctx, struct vor_error *err)
         form->text[form->size] = '\0';
         if (strlen(form->text) != form->size)
             return vor_fail_param(err, VOR_E_PARAM, form->name,
-                                  "%s has a NUL byte, want a "
-                                  "text without it",
-                                  form->name);
+                                  "%s has a NUL byte, want a text without one", form->name);
         status = vor_submit_options_take(&form->head->options, form->head->spec.process, form->name,
                                          form->text, &taken, err);
         if (status != VOR_OK || taken)
