@@ -2,6 +2,7 @@
 #include "core/knn/knn.h"
 
 #include "core/base/linalg.h"
+#include "core/base/morton.h"
 #include "core/knn/knn_boxes.h"
 #include "core/knn/knn_flann.h"
 #include "core/knn/knn_join.h"
@@ -25,6 +26,7 @@ struct vor_knn {
     size_t n;
     struct vor_flann *flann; /* one of the two is not NULL */
     struct vor_boxes *boxes;
+    uint32_t *order; /* of the points in boxes; NULL: they are in order */
 };
 
 /* The first of coordinates begin .. end - 1 that is not finite or too large; end when none is. */
@@ -116,10 +118,50 @@ vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n
     return finish(out, knn, status);
 }
 
+/* Sorts the points into `sorted`, and indexes them. */
+static vor_status build_along(struct vor_knn *knn, float *sorted, const float *xyz,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = check(xyz, knn->n, first_bad(xyz, 0, 3 * knn->n), err);
+
+    if (status == VOR_OK)
+        status = vor_morton_order(knn->order, xyz, knn->n, run, err);
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < knn->n; i++)
+        memcpy(&sorted[3 * i], &xyz[3 * (size_t)knn->order[i]], 3 * sizeof *sorted);
+    return vor_boxes_build(&knn->boxes, sorted, knn->n, run, err);
+}
+
+vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
+                               const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_knn *knn = NULL;
+    vor_status status = start(&knn, n, run->memory, err);
+    float *sorted;
+
+    if (status != VOR_OK || knn == NULL)
+        return status;
+    knn->order = vor_malloc(run->memory, n, sizeof *knn->order);
+    sorted = vor_malloc(run->memory, n, 3 * sizeof *sorted);
+    if (knn->order == NULL || sorted == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    else
+        status = build_along(knn, sorted, xyz, run, err);
+    vor_free(run->memory, sorted);
+    return finish(out, knn, status);
+}
+
+const uint32_t *vor_knn_order(const struct vor_knn *knn)
+{
+    return knn->order;
+}
+
 void vor_knn_free(struct vor_knn *knn)
 {
     if (knn == NULL)
         return;
+    vor_free(knn->memory, knn->order);
     vor_boxes_free(knn->boxes);
     vor_flann_free(knn->flann);
     vor_free(knn->memory, knn);
@@ -139,6 +181,13 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
         vor_knn_search_next(knn, &last, &queries[3 * i], k, &index[i * k], &distance2[i * k]);
 }
 
+/* Puts the names of points in the place of their numbers in the tree. */
+static void name(const struct vor_knn *knn, uint32_t *index, size_t count)
+{
+    for (size_t i = 0; knn->order != NULL && i < count; i++)
+        index[i] = knn->order[index[i]];
+}
+
 void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
                            float within, uint32_t *index, float *distance2)
 {
@@ -150,6 +199,18 @@ void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsi
     for (int c = 0; c < 3; c++)
         assert(fabsf(query[c]) <= QUERY_MAX);
     vor_boxes_search(knn->boxes, query, k, within, index, distance2);
+    name(knn, index, k);
+}
+
+void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
+                         uint32_t *index, float *distance2)
+{
+    assert(knn->boxes != NULL && near->k >= 1 && near->k <= knn->n);
+    assert(near->count >= 1 && near->count <= VOR_KNN_NEAR_MAX);
+    for (size_t i = 0; i < 3 * near->count; i++)
+        assert(fabsf(near->queries[i]) <= QUERY_MAX);
+    vor_boxes_search_near(knn->boxes, near, index, distance2);
+    name(knn, index, near->count * near->k);
 }
 
 void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, const float query[3],

@@ -3,6 +3,7 @@
 #define VOR_KNN_KNN_H
 
 #include "core/base/run.h"
+#include "core/knn/knn_near.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -30,7 +31,7 @@ VOR_NODISCARD vor_status vor_knn_build(struct vor_knn **out, const float *xyz, s
  *  one seed at a time. Measured over 5 million such points on one core (medians of three): built in
  *  0.42 s, FLANN 1.14 s; one query 0.69 us against 1.62 (k = 1), 2.1 against 3.9 (k = 20), 3.1
  *  against 4.9 (k = 32), 16 against 20 (k = 150); in calls of 250 queries 2.2 against 2.6 (k = 20).
- *  Points in any order (seeds, the clouds of `measure`) stay with FLANN, which needs no sorting.
+ *  Points in any order that are searched for once stay with FLANN, which needs no sorting.
  *
  *  @retval VOR_E_NOMEM the index (about 20 n bytes, and 8 n while it is built) does not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED, and those of vor_knn_build
@@ -38,6 +39,18 @@ VOR_NODISCARD vor_status vor_knn_build(struct vor_knn **out, const float *xyz, s
  *  O(n), on the run's pool. The same answers for any number of threads. */
 VOR_NODISCARD vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n,
                                               const struct vor_run *run, struct vor_error *err);
+
+/** The same for points in any order, which are sorted first. vor_knn_order then tells how: searches
+ *  for the points themselves go along it.
+ *
+ *  @retval VOR_E_NOMEM what vor_morton_order and vor_knn_build_sorted take, and 16 n bytes, do not
+ *                      fit; 24 n stay
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED, and those of vor_knn_build */
+VOR_NODISCARD vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
+                                             const struct vor_run *run, struct vor_error *err);
+
+/** The points in Morton order, n of them, of an index made by vor_knn_build_along. */
+const uint32_t *vor_knn_order(const struct vor_knn *knn);
 
 /** Frees an index; knn may be NULL. */
 void vor_knn_free(struct vor_knn *knn);
@@ -80,6 +93,12 @@ struct vor_knn_last {
  *  long as alone. vor_knn_search of several queries does the same. */
 void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, const float query[3],
                          unsigned k, uint32_t *index, float *distance2);
+
+/** vor_knn_search for queries that are all near each other, as successive points in Morton order
+ *  are: one walk finds the points around all of them. Where they are not, each is searched for
+ * alone. Only for an index by boxes. */
+void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
+                         uint32_t *index, float *distance2);
 
 /** Finds the parts of a cloud that are clear of each other. Points within `distance` of each other
  *  are in one part. So are the points of a box of the tree at most four distances wide, and those

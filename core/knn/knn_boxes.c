@@ -429,11 +429,6 @@ VOR_INLINE unsigned open_node(struct visit *stack, const struct vor_boxes_node *
     return count;
 }
 
-/* Factor that a distance is widened by before it bounds a search, more than rounding in float32
- * takes; and a squared distance that is added, so that coincident points are within 0. */
-#define WIDER 1.0001F
-#define COINCIDENT 1e-37F
-
 /* Finds the k nearest of those within a squared distance. Returns how many there are. */
 VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float query[3],
                                   struct found found)
@@ -458,8 +453,7 @@ VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float que
 void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k, float within,
                       uint32_t *index, float *distance2)
 {
-    float wide = WIDER * within;
-    struct found found = {index, distance2, 0, k, wide * wide + COINCIDENT};
+    struct found found = {index, distance2, 0, k, vor_boxes_wider(within)};
 
     if (search(boxes, query, found) == k)
         return;

@@ -22,6 +22,15 @@ VOR_NODISCARD vor_status vor_boxes_build(struct vor_boxes **out, const float *xy
 /** Frees a tree; boxes may be NULL. */
 void vor_boxes_free(struct vor_boxes *boxes);
 
+/** The squared distance that bounds a search within a distance: wider by more than rounding in
+ * float32 takes, and above 0, so that coincident points are within 0. */
+static inline float vor_boxes_wider(float within)
+{
+    float wide = 1.0001F * within;
+
+    return wide * wide + 1e-37F;
+}
+
 /** vor_knn_search_within. */
 void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k, float within,
                       uint32_t *index, float *distance2);

@@ -9,9 +9,8 @@
  * noise to 3,000, and autzen to 3,000, default request. */
 
 enum {
-    BLOCK = 256,   /* points of one task */
-    SEARCHED = 32, /* points of one call of the index */
-    SHARE = 256    /* one point in so many may be a jumper (VOR_POINT_LISTS_JUMPERS_MIN and _MAX) */
+    BLOCK = 256, /* points of one task */
+    SHARE = 256  /* one point in so many may be a jumper (VOR_POINT_LISTS_JUMPERS_MIN and _MAX) */
 };
 
 /* Factor by which a distance in float32 may be off, and more: it has six roundings of 6e-8. */
@@ -68,18 +67,53 @@ static void make_list(struct vor_point_lists *lists, size_t i, const uint32_t *i
     lists->reach[i] = lists->listed + 1 < lists->n ? sqrtf(distance2[lists->listed]) : INFINITY;
 }
 
+/* Distances that hold as many anchors as a list and its point, from where their last lists were
+ * made. */
+static void bounds(float within[VOR_KNN_NEAR_MAX], const struct vor_point_lists *lists,
+                   const uint32_t *of, size_t count)
+{
+    for (size_t q = 0; q < count; q++) {
+        const float *at = &lists->anchor[3 * (size_t)of[q]];
+        const uint32_t *list = &lists->list[(size_t)of[q] * lists->listed];
+        float far2 = 0;
+
+        for (unsigned j = 0; j < lists->listed; j++) {
+            const float *b = &lists->anchor[3 * (size_t)list[j]];
+            float x = at[0] - b[0], y = at[1] - b[1], z = at[2] - b[2];
+            float d2 = x * x + y * y + z * z;
+
+            far2 = d2 > far2 ? d2 : far2;
+        }
+        within[q] = sqrtf(far2);
+    }
+}
+
+struct indexing {
+    struct vor_point_lists *lists;
+    int again; /* there are lists already */
+};
+
+/* Points are taken along the index, so that those of one search are near each other. */
 static void index_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    struct vor_point_lists *lists = ctx;
+    const struct indexing *indexing = ctx;
+    struct vor_point_lists *lists = indexing->lists;
+    const uint32_t *order = vor_knn_order(lists->knn);
     unsigned width = lists->listed + 1;
-    uint32_t index[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
-    float distance2[SEARCHED * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    uint32_t index[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    float distance2[VOR_KNN_NEAR_MAX * (VOR_POINT_LISTS_LISTED_MAX + 1)];
+    float query[3 * VOR_KNN_NEAR_MAX], within[VOR_KNN_NEAR_MAX];
+    struct vor_knn_near near = {query, 0, width, indexing->again ? within : NULL};
 
-    for (size_t from = begin, to; from < end; from = to) {
-        to = from + SEARCHED < end ? from + SEARCHED : end;
-        vor_knn_search(lists->knn, &lists->anchor[3 * from], to - from, width, index, distance2);
-        for (size_t i = from; i < to; i++)
-            make_list(lists, i, &index[(i - from) * width], &distance2[(i - from) * width]);
+    for (size_t from = begin; from < end; from += near.count) {
+        near.count = end - from < VOR_KNN_NEAR_MAX ? end - from : VOR_KNN_NEAR_MAX;
+        for (size_t i = 0; i < near.count; i++)
+            memcpy(&query[3 * i], &lists->anchor[3 * (size_t)order[from + i]], 3 * sizeof *query);
+        if (indexing->again)
+            bounds(within, lists, &order[from], near.count);
+        vor_knn_search_near(lists->knn, &near, index, distance2);
+        for (size_t i = 0; i < near.count; i++)
+            make_list(lists, order[from + i], &index[i * width], &distance2[i * width]);
     }
 }
 
@@ -98,15 +132,16 @@ static double mean_spacing(const struct vor_point_lists *lists)
 vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz,
                                  const struct vor_run *run, struct vor_error *err)
 {
+    struct indexing indexing = {lists, lists->knn != NULL};
     vor_status status;
 
     vor_knn_free(lists->knn);
     lists->knn = NULL;
     memcpy(lists->anchor, xyz, 3 * lists->n * sizeof *xyz);
     memcpy(lists->place, xyz, 3 * lists->n * sizeof *xyz);
-    status = vor_knn_build(&lists->knn, lists->anchor, lists->n, lists->memory, err);
+    status = vor_knn_build_along(&lists->knn, lists->anchor, lists->n, run, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, lists->n, BLOCK, index_block, lists, err);
+        status = vor_run_for(run, lists->n, BLOCK, index_block, &indexing, err);
     if (status != VOR_OK) {
         vor_knn_free(lists->knn); /* the lists are not whole */
         lists->knn = NULL;

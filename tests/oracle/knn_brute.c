@@ -1,4 +1,4 @@
-/* Oracle: both indexes against a look at every point. Distances are compared, not indices: points
+/* Oracle: the indexes against a look at every point. Distances are compared, not indices: points
  * at equal distance come in any order. Those of the tree of boxes are the same to the bit, and the
  * same points come of it whatever the number of threads that built it. */
 #include "core/base/morton.h"
@@ -132,6 +132,37 @@ static void compare_boxes(const float *xyz, size_t n, const float *query, unsign
     vor_free(&vt_memory, index);
 }
 
+/* Points searched for together, along their order, and a few that are far from each other, with and
+ * without a bound. */
+static void compare_near(const float *xyz, size_t n, unsigned k)
+{
+    size_t count = n < VOR_KNN_NEAR_MAX ? n : VOR_KNN_NEAR_MAX;
+    float query[3 * VOR_KNN_NEAR_MAX], within[VOR_KNN_NEAR_MAX];
+    struct vor_knn_near near = {query, count, k, NULL};
+    float *d2 = vor_malloc(&vt_memory, 2 * count, k * sizeof *d2);
+    uint32_t *index = vor_malloc(&vt_memory, count, k * sizeof *index);
+    struct vor_knn *knn;
+
+    vt_assert_ok(vor_knn_build_along(&knn, xyz, n, &engine[1].run, &vt_err));
+    for (int round = 0; round < 4; round++) {
+        for (size_t i = 0; i < count; i++) {
+            size_t at = round < 2 ? n / 2 - count / 2 + i : i * 37 % n;
+
+            memcpy(&query[3 * i], &xyz[3 * (size_t)vor_knn_order(knn)[at]], 3 * sizeof *query);
+        }
+        vt_knn_brute(xyz, n, query, count, k, index, d2 + count * k);
+        for (size_t i = 0; i < count; i++)
+            within[i] = sqrtf(d2[(count + i + 1) * k - 1]);
+        near.within = round % 2 ? within : NULL;
+        vor_knn_search_near(knn, &near, index, d2);
+        for (size_t i = 0; i < count; i++)
+            check_row(xyz, n, &query[3 * i], &index[i * k], &d2[i * k], &d2[(count + i) * k], k);
+    }
+    vor_knn_free(knn);
+    vor_free(&vt_memory, index);
+    vor_free(&vt_memory, d2);
+}
+
 static void compare(int shape, uint64_t seed, size_t n, unsigned k)
 {
     float *xyz = vor_malloc(&vt_memory, n, 3 * sizeof *xyz), query[3 * QUERIES];
@@ -152,6 +183,7 @@ static void compare(int shape, uint64_t seed, size_t n, unsigned k)
         check_row(xyz, n, &query[3 * q], &index[q * k], &distance2[q * k],
                   &distance2[(QUERIES + q) * k], k);
     vor_knn_free(knn);
+    compare_near(xyz, n, k);
     compare_boxes(xyz, n, query, k, &distance2[QUERIES * k]);
     sort_points(xyz, n);
     compare_boxes(xyz, n, query, k, &distance2[QUERIES * k]);
