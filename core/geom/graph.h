@@ -37,6 +37,14 @@ static inline int vor_graph_is(const struct vor_graph *graph)
     return graph->list != NULL;
 }
 
+/** True when its lists came with normals, as those of input/adjacency.h do. */
+static inline int vor_graph_has_normals(const struct vor_graph *graph)
+{
+    const float *first = graph->normal;
+
+    return vor_graph_is(graph) && (first[0] != 0 || first[1] != 0 || first[2] != 0);
+}
+
 /** Makes the list of each point of the points nearest to it, at most k; own and normal stay as they
  *  are.
  *

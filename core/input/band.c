@@ -100,6 +100,7 @@ static int find_frame(struct vor_band *band, double axis[3][3], const struct vor
     for (int c = 0; c < 3; c++)
         axis[2][c] = area[c] / length;
     vor_metric_axes(axis, axis[2]);
+    memcpy(band->up, axis[2], sizeof band->up);
     return 1;
 }
 

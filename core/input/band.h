@@ -34,6 +34,7 @@ struct vor_band {
     struct vor_polygon polygon; /**< of the outline */
     double *at;                 /**< count x 2: the points there */
     double middle[3];           /**< of the loop */
+    double up[3];               /**< unit normal of the plane of the loop */
     int unrolled;               /**< the loop is a circle */
 };
 

@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/geom/patch.h"
 #include "core/geom/spline.h"
+#include "core/input/hole_sides.h"
 #include "core/knn/cells.h"
 
 #include <math.h>
@@ -18,16 +19,14 @@ enum {
     AT_A_TIME = 1 << 16 /* places that are computed before any is taken */
 };
 
-/* Spacings between points of the spline, at least, and what that grows by until they are few. */
+/* Spacings between points of the spline, at least; twice that, three times, until they are few. */
 #define CENTRE_GAP 0.5
-#define GAP_GROWTH 1.25
 
 /* Spacings between the places that are tried, in the plane. */
 #define STEP 0.2
 
-/* Spacings: an input point that near to a new one, and not of the band, is in the way. */
-#define IN_THE_WAY 0.8
-/* Share of the new points with such a one above which another part of the input is there. */
+/* Share of the new points above which another part of the input is there, if that many have a point
+ * within a spacing that is not of the band. */
 #define COVERED 0.25
 
 /* A hole being filled. */
@@ -37,10 +36,13 @@ struct fill {
     const struct vor_loop *loop;
     struct vor_memory *memory;
     struct vor_band band;
-    struct vor_spline spline;
+    unsigned sides;      /* of the surface, which meet at creases */
+    unsigned char *side; /* of each point of the band */
+    struct vor_spline spline[VOR_HOLE_SIDES];
+    double ahead;           /* 1: the surface is where the highest side is; -1: the lowest */
     double scale;           /* places of the spline are those of the plane times this */
     double low[2];          /* least corner of the outline */
-    size_t side[2], row;    /* places along u and v; first row of those that are computed */
+    size_t grid[2], row;    /* places along u and v; first row of those that are computed */
     double *place;          /* those rows, in space; NAN outside the outline */
     struct vor_cells cells; /* points of the band and new ones */
     size_t before;          /* points of the filling when this hole began */
@@ -67,17 +69,18 @@ void vor_filling_free(struct vor_filling *filling)
     memset(filling, 0, sizeof *filling);
 }
 
-/* Chooses points of the band that lie `gap` apart in the plane, those of the loop first. *count is
+/* Chooses points of a side that lie `gap` apart in the plane, those of the loop first. *count is
  * how many, or CENTRES + 1 if there are more than CENTRES. */
-static vor_status choose(size_t *count, uint32_t *chosen, const struct vor_band *band, double gap,
-                         const struct vor_run *run, struct vor_error *err)
+static vor_status choose(size_t *count, uint32_t *chosen, const struct fill *fill, unsigned side,
+                         double gap, const struct vor_run *run, struct vor_error *err)
 {
+    const struct vor_band *band = &fill->band;
     vor_status status = VOR_OK;
 
     *count = 0;
     for (size_t i = 0; i < band->count && *count <= CENTRES && status == VOR_OK; i++) {
         const double *u = &band->at[2 * i];
-        int is_far = 1;
+        int is_far = fill->sides == 1 || fill->side[i] == side;
 
         for (size_t j = 0; j < *count && is_far; j++) {
             const double *v = &band->at[2 * (size_t)chosen[j]];
@@ -112,7 +115,7 @@ static int frame(struct fill *fill)
         return 0;
     fill->scale = 1 / most;
     for (int c = 0; c < 2; c++)
-        fill->side[c] = (size_t)((high[c] - fill->low[c]) / step) + 1;
+        fill->grid[c] = (size_t)((high[c] - fill->low[c]) / step) + 1;
     return 1;
 }
 
@@ -127,9 +130,9 @@ static double smoothing(const struct fill *fill, double gap)
     return more * more * sqrt(more) * wide * wide * wide;
 }
 
-/* Fits the spline to chosen points. */
-static vor_status fit_to(struct fill *fill, const uint32_t *chosen, size_t count, double gap,
-                         struct vor_error *err)
+/* Fits the spline of a side to chosen points. */
+static vor_status fit_to(struct fill *fill, unsigned side, const uint32_t *chosen, size_t count,
+                         double gap, struct vor_error *err)
 {
     double at[2 * CENTRES], value[3 * CENTRES];
     vor_status status;
@@ -142,26 +145,88 @@ static vor_status fit_to(struct fill *fill, const uint32_t *chosen, size_t count
         for (size_t c = 0; c < 3; c++)
             value[3 * i + c] = (double)x[c] - fill->band.middle[c];
     }
-    status =
-        vor_spline_fit(&fill->spline, at, value, count, smoothing(fill, gap), fill->memory, NULL);
+    status = vor_spline_fit(&fill->spline[side], at, value, count, smoothing(fill, gap),
+                            fill->memory, NULL);
     return status == VOR_E_NOMEM ? vor_fail(err, status, "the surface of a hole") : status;
 }
 
-/* Fits the spline to points of the band, as many as it can take.
+/* Fits the spline of a side to its points of the band, as many as it can take.
  *
  * @retval VOR_E_DEGENERATE they determine none; without a message */
-static vor_status fit(struct fill *fill, const struct vor_run *run, struct vor_error *err)
+static vor_status fit_side(struct fill *fill, unsigned side, const struct vor_run *run,
+                           struct vor_error *err)
 {
     uint32_t chosen[CENTRES + 1];
     double gap = CENTRE_GAP * fill->loop->spacing;
     size_t count;
-    vor_status status = choose(&count, chosen, &fill->band, gap, run, err);
+    vor_status status = choose(&count, chosen, fill, side, gap, run, err);
 
     while (status == VOR_OK && count > CENTRES) {
-        gap *= GAP_GROWTH;
-        status = choose(&count, chosen, &fill->band, gap, run, err);
+        gap += CENTRE_GAP * fill->loop->spacing;
+        status = choose(&count, chosen, fill, side, gap, run, err);
     }
-    return status == VOR_OK ? fit_to(fill, chosen, count, gap, err) : status;
+    return status == VOR_OK ? fit_to(fill, side, chosen, count, gap, err) : status;
+}
+
+static void free_splines(struct fill *fill)
+{
+    for (unsigned s = 0; s < VOR_HOLE_SIDES; s++) {
+        vor_spline_free(&fill->spline[s]);
+        memset(&fill->spline[s], 0, sizeof fill->spline[s]);
+    }
+}
+
+/* Where a side is at u, and how high over the plane of the loop. */
+static double side_at(const struct fill *fill, unsigned side, const double u[2], double x[3])
+{
+    double at[2] = {fill->scale * u[0], fill->scale * u[1]};
+
+    vor_spline_at(&fill->spline[side], at, x);
+    return vor_dot(x, fill->band.up);
+}
+
+/* Whether the surface is everywhere the highest side, as in a valley, or everywhere the lowest, as
+ * on a roof: the points of the band say which. At a saddle of creases it is neither. */
+static int meet(struct fill *fill)
+{
+    size_t highest = 0, lowest = 0;
+
+    for (size_t i = 0; i < fill->band.count; i++) {
+        const double *u = fill->band.at + 2 * i;
+        double x[3], own = side_at(fill, fill->side[i], u, x);
+        int high = 1, low = 1;
+
+        for (unsigned s = 0; s < fill->sides; s++) {
+            double other = s == fill->side[i] ? own : side_at(fill, s, u, x);
+
+            high &= own >= other;
+            low &= own <= other;
+        }
+        highest += (size_t)high;
+        lowest += (size_t)low;
+    }
+    fill->ahead = highest > lowest ? 1 : -1;
+    return (double)(highest > lowest ? highest : lowest) >=
+           (1 - COVERED) * (double)fill->band.count;
+}
+
+/* Fits the sides, or one spline to all points where there are no sides that meet. */
+static vor_status fit(struct fill *fill, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    fill->side = vor_malloc(fill->memory, fill->band.count, sizeof *fill->side);
+    if (fill->side == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "filling a hole");
+    fill->sides = vor_hole_sides_find(fill->side, &fill->band, fill->domain);
+    for (unsigned s = 0; s < fill->sides && status == VOR_OK; s++)
+        status = fit_side(fill, s, run, err);
+    if (fill->sides > 1 && (status == VOR_E_DEGENERATE || (status == VOR_OK && !meet(fill)))) {
+        free_splines(fill);
+        fill->sides = 1;
+        status = fit_side(fill, 0, run, err);
+    }
+    return status;
 }
 
 /* Computes places of the rows, one after another. */
@@ -171,16 +236,21 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     double step = STEP * fill->loop->spacing;
 
     for (size_t k = begin; k < end; k++) {
-        size_t column = k % fill->side[0], row = fill->row + k / fill->side[0];
+        size_t column = k % fill->grid[0], row = fill->row + k / fill->grid[0];
         double u[2] = {fill->low[0] + (double)column * step, fill->low[1] + (double)row * step};
-        double *x = &fill->place[3 * k];
+        double *x = &fill->place[3 * k], most = 0;
 
         x[0] = NAN;
         if (!vor_polygon_within(&fill->band.polygon, u))
             continue;
-        u[0] *= fill->scale;
-        u[1] *= fill->scale;
-        vor_spline_at(&fill->spline, u, x);
+        for (unsigned s = 0; s < fill->sides; s++) {
+            double other[3], height = side_at(fill, s, u, other) * fill->ahead;
+
+            if (s == 0 || height > most) {
+                most = height;
+                memcpy(x, other, sizeof other);
+            }
+        }
     }
 }
 
@@ -188,7 +258,7 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 static vor_status make_cells(struct fill *fill, struct vor_error *err)
 {
     struct vor_cells *cells = &fill->cells;
-    double many = STEP * STEP * (double)fill->side[0] * (double)fill->side[1];
+    double many = STEP * STEP * (double)fill->grid[0] * (double)fill->grid[1];
     vor_status status;
 
     *cells =
@@ -245,18 +315,18 @@ static vor_status try_place(struct fill *fill, const double place[3], int *insid
 static vor_status put_points(struct fill *fill, int *inside, const struct vor_run *run,
                              struct vor_error *err)
 {
-    size_t rows = AT_A_TIME / fill->side[0] + 1;
+    size_t rows = AT_A_TIME / fill->grid[0] + 1;
     vor_status status = make_cells(fill, err);
 
-    fill->place = vor_malloc(fill->memory, rows * fill->side[0], 3 * sizeof *fill->place);
+    fill->place = vor_malloc(fill->memory, rows * fill->grid[0], 3 * sizeof *fill->place);
     if (status == VOR_OK && fill->place == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "filling a hole");
-    for (; status == VOR_OK && *inside && fill->row < fill->side[1]; fill->row += rows) {
-        if (rows > fill->side[1] - fill->row)
-            rows = fill->side[1] - fill->row;
-        status = vor_run_for(run, rows * fill->side[0], BLOCK, place_block, fill, err);
+    for (; status == VOR_OK && *inside && fill->row < fill->grid[1]; fill->row += rows) {
+        if (rows > fill->grid[1] - fill->row)
+            rows = fill->grid[1] - fill->row;
+        status = vor_run_for(run, rows * fill->grid[0], BLOCK, place_block, fill, err);
         *inside &= !vor_run_is_late(run);
-        for (size_t i = 0; status == VOR_OK && i < rows * fill->side[0]; i++)
+        for (size_t i = 0; status == VOR_OK && i < rows * fill->grid[0]; i++)
             status = try_place(fill, &fill->place[3 * i], inside, err);
     }
     return status;
@@ -267,7 +337,7 @@ static void source_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 {
     struct fill *fill = ctx;
     const struct vor_band_search *search = &fill->filling->search;
-    double near = IN_THE_WAY * fill->loop->spacing;
+    double near = fill->loop->spacing;
     size_t in_the_way = 0;
 
     for (size_t i = fill->before + begin; i < fill->before + end; i++) {
@@ -327,7 +397,8 @@ vor_status vor_fill_hole(struct vor_filling *filling, int *closed, size_t loop,
         filling->n = fill.before;
     vor_free(fill.memory, fill.place);
     vor_cells_free(&fill.cells);
-    vor_spline_free(&fill.spline);
+    free_splines(&fill);
+    vor_free(fill.memory, fill.side);
     vor_band_free(&fill.band);
     return status;
 }

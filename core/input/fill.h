@@ -5,7 +5,9 @@
  *  higher order as what curved ones need.
  *  Departure: a spline (geom/spline.h) through the points around the loop, laid out in a plane
  *  (input/band.h). It is known before any seed moves, so that seeds need not find their way into
- *  the hole, and is as smooth as what surrounds it. Points as far apart as those of the input are
+ *  the hole, and is as smooth as what surrounds it. Where creases run into the hole
+ *  (input/hole_sides.h), each smooth side has its own spline, and the surface is the highest or the
+ *  lowest of them, so that it has the creases too. Points as far apart as those of the input are
  *  put on it, which are input points from then on. */
 #ifndef VOR_INPUT_FILL_H
 #define VOR_INPUT_FILL_H

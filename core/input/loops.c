@@ -16,7 +16,6 @@ enum {
     BLOCK = 256,             /* points of one task */
     NEAR = 30,               /* neighbours of a spacing, beside the point itself */
     FLAT = VOR_EDGES_NORMAL, /* points of a plane, where no list has one */
-    FEWEST = 4,              /* points with a border */
     SHEETS = 3, /* times as many neighbours are looked at where the domain has sheets */
     /* Points of a loop, and of a row that does not close, from which on it counts. */
     LEAST = 3
@@ -58,6 +57,7 @@ struct around {
     uint32_t index[SHEETS * VOR_OPENING_NEAR];
     float distance2[SHEETS * VOR_OPENING_NEAR];
     float near[3 * VOR_OPENING_NEAR];
+    double own[3]; /* middle of those this side of all creases, from the point */
 };
 
 static const float *point(const struct vor_domain *domain, size_t i)
@@ -102,6 +102,106 @@ static void keep_level(struct around *around, const struct vor_domain *domain, s
     around->k = left;
 }
 
+/* Sine of the angle between the normals of two points. */
+static double sine_of(double along[3], const struct vor_domain *domain, size_t i, size_t j)
+{
+    double n[3] = {0}, m[3] = {0};
+
+    vor_to_doubles(n, domain->graph.normal + 3 * i);
+    vor_to_doubles(m, domain->graph.normal + 3 * j);
+    vor_cross(along, n, m);
+    return sqrt(vor_dot(along, along));
+}
+
+static void find_own(struct around *around, const struct vor_domain *domain, size_t i)
+{
+    unsigned count = 0;
+
+    memset(around->own, 0, sizeof around->own);
+    for (unsigned j = 0; j < around->k; j++) {
+        double along[3];
+
+        if (sine_of(along, domain, i, around->index[j]) > VOR_LOOPS_CREASE)
+            continue;
+        count++;
+        for (int c = 0; c < 3; c++)
+            around->own[c] +=
+                (double)point(domain, around->index[j])[c] - (double)point(domain, i)[c];
+    }
+    for (int c = 0; c < 3 && count > 0; c++)
+        around->own[c] /= count;
+}
+
+/* The crease between point i and a neighbour: the line in which their tangent planes meet. */
+struct crease {
+    double along[3];      /* unit vector */
+    double across[3];     /* in the plane of i, from its side to the crease */
+    double beyond[3];     /* in the plane of the neighbour, from the crease to it */
+    double before, after; /* how far the crease is from i, and the neighbour from the crease */
+    double shift;         /* of the neighbour along the crease */
+};
+
+/* Finds the crease between i and j. False where the surface hardly bends. */
+static int find_crease(struct crease *out, const struct vor_domain *domain,
+                       const struct around *around, size_t i, size_t j)
+{
+    double n[3] = {0}, m[3] = {0}, d[3] = {0}, sine = sine_of(out->along, domain, i, j);
+
+    if (!(sine > VOR_LOOPS_CREASE))
+        return 0;
+    vor_to_doubles(n, domain->graph.normal + 3 * i);
+    vor_to_doubles(m, domain->graph.normal + 3 * j);
+    for (int c = 0; c < 3; c++) {
+        out->along[c] /= sine;
+        d[c] = (double)point(domain, j)[c] - (double)point(domain, i)[c];
+    }
+    vor_cross(out->across, out->along, n);
+    out->before = vor_dot(d, m) / vor_dot(out->across, m);
+    out->shift = vor_dot(d, out->along);
+    for (int c = 0; c < 3; c++)
+        out->beyond[c] = d[c] - out->shift * out->along[c] - out->before * out->across[c];
+    out->after = sqrt(vor_dot(out->beyond, out->beyond));
+    if (!(out->after > 0))
+        return 0;
+    /* A point on the crease is on neither side of it; the points around it are. */
+    if (out->before < vor_dot(around->own, out->across)) {
+        out->before = -out->before;
+        for (int c = 0; c < 3; c++)
+            out->across[c] = -out->across[c];
+    }
+    for (int c = 0; c < 3; c++)
+        out->beyond[c] /= out->after;
+    return 1;
+}
+
+/* Lays a neighbour beyond a crease out in the plane of point i, as if the surface were unfolded. */
+static void unfold(float out[3], const struct vor_domain *domain, const struct around *around,
+                   size_t i, size_t j)
+{
+    struct crease crease;
+
+    memcpy(out, point(domain, j), 3 * sizeof *out);
+    if (find_crease(&crease, domain, around, i, j))
+        for (int c = 0; c < 3; c++)
+            out[c] = (float)((double)point(domain, i)[c] + crease.shift * crease.along[c] +
+                             (crease.before + crease.after) * crease.across[c]);
+}
+
+/* Lays a place in the plane of i beyond the crease towards j back onto the plane of j. */
+static void fold(float out[3], const double place[3], const struct vor_domain *domain,
+                 const struct around *around, size_t i, size_t j)
+{
+    struct crease crease;
+    double d[3], far = 0;
+
+    for (int c = 0; c < 3; c++)
+        d[c] = place[c] - (double)point(domain, i)[c];
+    if (find_crease(&crease, domain, around, i, j))
+        far = fmax(vor_dot(d, crease.across) - crease.before, 0);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float)(place[c] + (far > 0 ? far * (crease.beyond[c] - crease.across[c]) : 0));
+}
+
 static void search(struct around *out, const struct find *find, size_t i, unsigned k)
 {
     const struct vor_domain *domain = find->domain;
@@ -109,10 +209,15 @@ static void search(struct around *out, const struct find *find, size_t i, unsign
 
     out->k = all < domain->n ? all : (unsigned)domain->n;
     vor_knn_search(domain->knn, point(domain, i), 1, out->k, out->index, out->distance2);
-    if (find->normals)
+    if (find->normals) {
         keep_level(out, domain, i, k);
+        find_own(out, domain, i);
+    }
     for (unsigned j = 0; j < out->k; j++)
-        memcpy(&out->near[3 * j], point(domain, out->index[j]), 3 * sizeof *out->near);
+        if (find->normals)
+            unfold(&out->near[3 * j], domain, out, i, out->index[j]);
+        else
+            memcpy(&out->near[3 * j], point(domain, out->index[j]), 3 * sizeof *out->near);
 }
 
 /* The normal of the lists if there is one, else that of a plane. */
@@ -189,13 +294,17 @@ static void corner_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 
             corner->point = at;
             corner->spacing = (float)spacing;
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; c++)
                 corner->outward[c] = (float)opening[o].outward[c];
-                corner->middle[0][c] = (float)opening[o].middle[0][c];
-                corner->middle[1][c] = (float)opening[o].middle[1][c];
+            for (int e = 0; e < 2; e++) {
+                const double *middle = opening[o].middle[e];
+
+                corner->end[e] = around.index[opening[o].end[e]];
+                for (int c = 0; c < 3; c++)
+                    corner->middle[e][c] = (float)middle[c];
+                if (find->normals)
+                    fold(corner->middle[e], middle, find->domain, &around, at, corner->end[e]);
             }
-            corner->end[0] = around.index[opening[o].end[0]];
-            corner->end[1] = around.index[opening[o].end[1]];
         }
     }
 }
@@ -346,21 +455,13 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
     return status;
 }
 
-/* Whether the lists came with normals, as those of input/adjacency.h do. */
-static int has_normals(const struct vor_graph *graph)
-{
-    const float *first = graph->normal;
-
-    return vor_graph_is(graph) && (first[0] != 0 || first[1] != 0 || first[2] != 0);
-}
-
 vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain,
                           const struct vor_run *run, struct vor_error *err)
 {
     /* Planes through the nearest few follow noise, where fits take more points than that. */
     int noisy = domain->known.neighbors.usual > VOR_NEIGHBORS_FEWEST && !domain->known.sheets;
     struct find find = {.domain = domain,
-                        .normals = !noisy && has_normals(&domain->graph),
+                        .normals = !noisy && vor_graph_has_normals(&domain->graph),
                         .flat = noisy ? NEAR + 1 : FLAT};
     struct vor_loops loops = {.memory = run->memory};
     vor_status status = VOR_OK;
@@ -370,7 +471,7 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
     find.flag = vor_malloc(run->memory, domain->n, sizeof *find.flag);
     if (find.spacing == NULL || find.flag == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    else if (domain->n >= FEWEST)
+    else if (domain->n >= LEAST)
         status = find_corners(&find, &corners, run, err);
     if (status == VOR_OK)
         status = make_loops(&loops, &find, corners, run, err);

@@ -13,6 +13,9 @@
  * where tangent planes differ, are joined if their discs lie near each other. Rows that close are
  * loops.
  *
+ *  Neighbours beyond a crease are unfolded about it into the tangent plane of the point: seen from
+ * a sharp edge, the other side would lie over the hole in this one. Discs are folded back.
+ *
  *  Neighbours that lie over the sheet of a point are left out, so that a sheet near to a border
  * does not hide it: those off its tangent plane where the normals say that the surface does not
  * bend there. Lists of neighbours (input/adjacency.h) lend their normals where the input is not
@@ -39,6 +42,9 @@
  * border that was meant: the cuts of half an armadillo have -0.2 to 0.2, the holes in bunny's base
  * 0.36 to 0.83. The length says nothing: small tubes have short ends. */
 #define VOR_LOOPS_HOLE_TURNS 0.3
+
+/** Sine of the angle between two normals from which on a crease lies between their points. */
+#define VOR_LOOPS_CREASE 0.5
 
 /** A loop. Lengths and positions are in normalised units (struct vor_domain). */
 struct vor_loop {

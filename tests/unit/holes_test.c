@@ -2,6 +2,7 @@
 #include "core/geom/spline.h"
 #include "core/input/holes.h"
 #include "core/input/loops.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -304,4 +305,49 @@ VT_TEST_FIGURES(a_spline_has_the_quadrics, 0)
     vor_spline_free(&spline);
     vt_assert_fails(VOR_E_DEGENERATE,
                     vor_spline_fit(&spline, at, value, 5, 0, &vt_memory, &vt_err));
+}
+
+/* Two or three squares that meet at an edge or a corner, and the hole around the middle of it: the
+ * sides go on to where they meet. */
+VT_TEST_LOOP(a_hole_across_creases_carries_them_on, 2)
+{
+    enum { SIDE = 40 };
+    int squares = _i + 2;
+    double along = squares == 2 ? 0.5 : 0, sum = 0;
+    size_t missing = (size_t)squares * SIDE * SIDE, inside = 0;
+    struct vor_report report;
+    struct vor_cloud in, out;
+
+    vt_cloud_make(&in, missing);
+    for (size_t i = 0; i < in.n; i++) {
+        size_t square = i / (SIDE * SIDE), at = i % (SIDE * SIDE);
+        double u = ((double)(at % SIDE) + vt_unit(5, 2 * i)) / SIDE;
+        double v = ((double)(at / SIDE) + vt_unit(5, 2 * i + 1)) / SIDE;
+
+        in.xyz[3 * i + square] = 0;
+        in.xyz[3 * i + (square + 1) % 3] = (float)(square == 0 ? u : v);
+        in.xyz[3 * i + (square + 2) % 3] = (float)(square == 0 ? v : u);
+    }
+    punch(&in, squares == 2 ? 0 : along, squares == 2 ? 0 : along, along, 6.0 / SIDE);
+    missing -= in.n;
+    vt_resample(&out, &report, &in, "points=%zu boundary=fill iterations=4 polish=10",
+                in.n + missing);
+    ck_assert_uint_eq(report.holes_filled, 1);
+    for (size_t i = 0; i < out.n; i++) {
+        double x[3], off;
+
+        vor_cloud_position(&out, i, x);
+        off = squares == 2 ? fmin(fabs(x[0]), fabs(x[1]))
+                           : fmin(fmin(fabs(x[0]), fabs(x[1])), fabs(x[2]));
+        if (x[0] * x[0] + x[1] * x[1] + (x[2] - along) * (x[2] - along) < 36.0 / (SIDE * SIDE)) {
+            inside++;
+            sum += off * off;
+        }
+    }
+    ck_assert_msg(sqrt(sum / (double)inside) * SIDE < 0.2, "%f spacings off",
+                  sqrt(sum / (double)inside) * SIDE);
+    ck_assert_msg(inside > 0.85 * (double)missing && inside < 1.15 * (double)missing,
+                  "%zu points for %zu", inside, missing);
+    vor_cloud_free(&out);
+    vor_cloud_free(&in);
 }
