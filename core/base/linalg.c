@@ -1,5 +1,7 @@
 #include "core/base/linalg.h"
 
+#include "core/base/vector.h"
+
 #include <string.h>
 
 /* Most sweeps of the Jacobi method, which converges quadratically: on 4,000 random 3 x 3
@@ -10,7 +12,7 @@ enum { SWEEPS_MAX = 12 };
 #define OFF_DIAGONAL 1e-16
 
 /* Rotates so that a[p][q] becomes 0; t is the tangent of the angle, the numerically stable root. */
-static void rotate(double a[3][3], double v[3][3], int p, int q)
+VOR_INLINE void rotate(double a[3][3], double v[3][3], int p, int q)
 {
     double theta, t, c, s;
 

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static void find_radius(struct vor_polygon *polygon)
+VOR_INLINE void find_radius(struct vor_polygon *polygon)
 {
     double far = 0;
 
@@ -73,8 +73,8 @@ void vor_cell_begin(struct vor_cell *cell, const struct vor_disc *disc,
 }
 
 /* The point where the edge from a to b meets the plane, from their signed distances to it. */
-static void cut_edge(double cut[4], const double a[3], const double b[3], double side_a,
-                     double side_b)
+VOR_INLINE void cut_edge(double cut[4], const double a[3], const double b[3], double side_a,
+                         double side_b)
 {
     double t = side_a / (side_a - side_b);
     double x = a[0] + t * (b[0] - a[0]), y = a[1] + t * (b[1] - a[1]), z = a[2] + t * (b[2] - a[2]);
@@ -87,7 +87,8 @@ static void cut_edge(double cut[4], const double a[3], const double b[3], double
 
 /* Clips by one plane (Sutherland and Hodgman 1974): corners with side[i] <= 0 stay. from and to are
  * different polygons. */
-static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from, const double *side)
+VOR_INLINE void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from,
+                             const double *side)
 {
     unsigned n = from->count, count = 0;
 
@@ -105,7 +106,7 @@ static void clip_polygon(struct vor_polygon *to, const struct vor_polygon *from,
 
 /* The same in place. Some corners are outside, not all, and they follow one another, as they do in
  * a convex polygon unless rounding interferes. */
-static void clip_in_place(struct vor_polygon *polygon, const double *side)
+VOR_INLINE void clip_in_place(struct vor_polygon *polygon, const double *side)
 {
     double(*vertex)[4] = polygon->vertex, leave[4], enter[4];
     unsigned n = polygon->count, begin = 0, end;
@@ -137,7 +138,7 @@ static void clip_in_place(struct vor_polygon *polygon, const double *side)
     find_radius(polygon);
 }
 
-static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
+VOR_INLINE void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
 {
     to->count = from->count;
     to->radius2 = from->radius2;
@@ -145,7 +146,7 @@ static void copy_polygon(struct vor_polygon *to, const struct vor_polygon *from)
 }
 
 /* Clips a polygon with some corners outside, whose boundary crosses the plane at `turns` edges. */
-static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned turns)
+VOR_INLINE void clip_piece(struct vor_polygon *polygon, const double *side, unsigned turns)
 {
     struct vor_polygon clipped;
 
@@ -159,7 +160,7 @@ static void clip_piece(struct vor_polygon *polygon, const double *side, unsigned
     copy_polygon(polygon, &clipped);
 }
 
-void vor_cell_clip(struct vor_cell *cell, const double offset[3])
+VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
     double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
     double side[VOR_POLYGON_MAX] = {

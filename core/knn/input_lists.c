@@ -160,7 +160,11 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
     /* The points of the list that is given up are still as many, so far from here at most. */
     if (lists->reach[i] >= 0 && wide <= lists->has[i])
         within = lists->reach[i] + sqrtf(squared(&lists->anchor[3 * i], x));
-    vor_knn_search_within(lists->knn, x, wide, within, &lists->list[i * lists->wide], distance2);
+    if (within < INFINITY)
+        vor_knn_search_near(lists->knn, &(struct vor_knn_near){x, 1, wide, &within},
+                            &lists->list[i * lists->wide], distance2);
+    else
+        vor_knn_search(lists->knn, x, 1, wide, &lists->list[i * lists->wide], distance2);
     memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
     lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
     lists->k[i] = (uint16_t)k;

@@ -205,7 +205,11 @@ void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsi
 void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
                          uint32_t *index, float *distance2)
 {
-    assert(knn->boxes != NULL && near->k >= 1 && near->k <= knn->n);
+    if (knn->boxes == NULL) {
+        vor_knn_search(knn, near->queries, near->count, near->k, index, distance2);
+        return;
+    }
+    assert(near->k >= 1 && near->k <= knn->n);
     assert(near->count >= 1 && near->count <= VOR_KNN_NEAR_MAX);
     for (size_t i = 0; i < 3 * near->count; i++)
         assert(fabsf(near->queries[i]) <= QUERY_MAX);

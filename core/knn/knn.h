@@ -95,8 +95,8 @@ void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, c
                          unsigned k, uint32_t *index, float *distance2);
 
 /** vor_knn_search for queries that are all near each other, as successive points in Morton order
- *  are: one walk finds the points around all of them. Where they are not, each is searched for
- * alone. Only for an index by boxes. */
+ *  are: one walk of the boxes finds the points around all of them. Where there are too many of
+ * these, or FLANN is asked, each is searched for alone. */
 void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *near,
                          uint32_t *index, float *distance2);
 

@@ -12,7 +12,6 @@
 #include "core/knn/knn_boxes.h"
 
 #include "core/base/morton.h"
-#include "core/base/vector.h"
 #include "core/knn/knn_tree.h"
 
 #include <assert.h>
@@ -400,13 +399,7 @@ VOR_INLINE void box_distances(float distance2[LANES], const struct vor_boxes_nod
     for (size_t j = 0; j < LANES; j++)
         distance2[j] = 0;
     for (size_t c = 0; c < 3; c++)
-        for (size_t j = 0; j < LANES; j++) {
-            float below = node->low[c][j] - q[c], above = q[c] - node->high[c][j];
-            float outside = below > above ? below : above;
-
-            outside = outside > 0 ? outside : 0;
-            distance2[j] += outside * outside;
-        }
+        vor_boxes_add_gaps(distance2, node->low[c], node->high[c], q[c], q[c]);
 }
 
 /* Pushes the boxes of a node that may hold a nearer point on the stack, the nearest on top. Returns

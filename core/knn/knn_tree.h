@@ -5,7 +5,9 @@
 #define VOR_KNN_TREE_H
 
 #include "core/base/memory.h"
+#include "core/base/vector.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +20,20 @@ struct vor_boxes_node {
     uint32_t child[VOR_BOXES_LANES]; /* a node, or the first point of a leaf */
     uint32_t count[VOR_BOXES_LANES]; /* points of a leaf; 0: a node */
 };
+
+/** Adds, along one axis, to squared distances what lies between each of what goes from low[j] to
+ *  high[j] and what goes from box_low to box_high. As the sum of two halves, one of which is 0: a
+ *  maximum would be a branch, which keeps the loop from becoming vectors. */
+VOR_INLINE void vor_boxes_add_gaps(float distance2[VOR_BOXES_LANES], const float *low,
+                                   const float *high, float box_low, float box_high)
+{
+    for (size_t j = 0; j < VOR_BOXES_LANES; j++) {
+        float below = low[j] - box_high, above = box_low - high[j];
+        float gap = 0.5f * (below + fabsf(below)) + 0.5f * (above + fabsf(above));
+
+        distance2[j] += gap * gap;
+    }
+}
 
 struct vor_boxes {
     struct vor_memory *memory;

@@ -9,7 +9,6 @@
 
 enum {
     BLOCK = 1024, /* points of one task */
-    BATCH = 128,  /* points of one call of the index */
     AROUND = 32 /* most points of a first ring: an even result has six, a draw hardly ever more than
                    20 */
 };
@@ -41,15 +40,16 @@ static void in_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned wo
 {
     const struct compare *compare = ctx;
     struct vor_sums sums = {0};
-    uint32_t index[BATCH];
-    float query[3 * BATCH], distance2[BATCH];
+    uint32_t index[VOR_KNN_NEAR_MAX];
+    float query[3 * VOR_KNN_NEAR_MAX], distance2[VOR_KNN_NEAR_MAX];
+    struct vor_knn_near near = {query, 0, 1, NULL};
 
-    for (size_t i = begin, count; i < end; i += count) {
-        count = end - i < BATCH ? end - i : BATCH;
-        for (size_t j = 0; j < count; j++)
+    for (size_t i = begin; i < end; i += near.count) {
+        near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        for (size_t j = 0; j < near.count; j++)
             memcpy(&query[3 * j], looked_at(compare, i + j), 3 * sizeof *query);
-        vor_knn_search(compare->knn, query, count, 1, index, distance2);
-        for (size_t j = 0; j < count; j++)
+        vor_knn_search_near(compare->knn, &near, index, distance2);
+        for (size_t j = 0; j < near.count; j++)
             add(&sums, vor_distance2f(&query[3 * j], &compare->seeds->xyz[3 * (size_t)index[j]]));
     }
     compare->block[begin / BLOCK] = sums;
@@ -221,7 +221,7 @@ vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_seed
 {
     struct compare compare = {.seeds = seeds, .points = seeds->domain->n};
     struct vor_knn *knn = NULL;
-    vor_status status = vor_knn_build(&knn, seeds->xyz, seeds->n, seeds->run.memory, err);
+    vor_status status = vor_knn_build_along(&knn, seeds->xyz, seeds->n, &seeds->run, err);
 
     if (compare.points > VOR_COMPARE_POINTS)
         compare.points = VOR_COMPARE_POINTS;
