@@ -3,7 +3,7 @@
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
-enum { SCHEMA_VERSION = 2 };
+enum { SCHEMA_VERSION = 3 };
 
 /* clang-format off */
 
@@ -70,22 +70,46 @@ enum { SCHEMA_VERSION = 2 };
     " decoded = round.decoded + excluded.decoded;"                                                 \
     " DELETE FROM round WHERE number IN (" row ".turn, -1 - (" row ".turn >> 8)) AND jobs = 0;"
 #define FUNCTION(name, body)                                                                       \
-    "CREATE FUNCTION " name "() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN" body                 \
-    " RETURN NULL; END $$;"
+    "CREATE OR REPLACE FUNCTION " name "() RETURNS trigger LANGUAGE plpgsql"                       \
+    " SET enable_seqscan = off AS $$ BEGIN" body " RETURN NULL; END $$;"
 
-#define TRIGGERS                                                                                   \
+/* While an old transaction looks on, no version of a row that it might see can go, and an index
+ * leads to all of them. So what is asked for at each change is where no dead version is met: a
+ * change of the ledger is a new row of a higher number, and the highest of a principal, or of all,
+ * is read; no waiting job has a turn below the head, from which the queue is read. A plan that was
+ * made while tables were short must not last: it would read them whole. */
+#define FROM_2                                                                                     \
+    "ALTER TABLE ledger DROP CONSTRAINT ledger_pkey,"                                              \
+    " ADD COLUMN version bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,"                         \
+    " ADD COLUMN head bigint NOT NULL DEFAULT 0, ADD COLUMN served bigint NOT NULL DEFAULT 0;"     \
+    "DROP INDEX ledger_turn; UPDATE ledger SET served = (SELECT max(turn) FROM ledger);"           \
+    "CREATE INDEX ledger_newest ON ledger (principal, version);"                                   \
+    "CREATE VIEW queue AS SELECT head, served FROM ledger ORDER BY version DESC LIMIT 1;"          \
+    "CREATE FUNCTION ledger_add(who text, job_more bigint, kept_more bigint, held_more bigint,"    \
+    " started bigint, waits bigint, left_queue bigint) RETURNS void LANGUAGE plpgsql"               \
+    " AS $$ DECLARE had ledger; first bigint; last bigint; BEGIN"                                        \
+    " SELECT * INTO had FROM ledger WHERE principal = who ORDER BY version DESC LIMIT 1;"          \
+    " SELECT head, served INTO first, last FROM queue;"                                            \
+    " IF left_queue > first AND NOT EXISTS (SELECT 1 FROM job WHERE status = 'accepted'"           \
+    "  AND turn >= first AND turn < left_queue) THEN first := left_queue; END IF;"                 \
+    " INSERT INTO ledger (principal, jobs, kept, held, turn, head, served) VALUES (who,"           \
+    "  coalesce(had.jobs, 0) + job_more, coalesce(had.kept, 0) + kept_more,"                       \
+    "  coalesce(had.held, 0) + held_more, greatest(had.turn, started, -1),"                        \
+    "  least(coalesce(first, 0), waits), greatest(last, started, 0));"                             \
+    " DELETE FROM ledger WHERE principal = who AND version = had.version; END $$;"                 \
+    "DROP TRIGGER IF EXISTS job_added ON job; DROP TRIGGER IF EXISTS job_changed ON job;"          \
+    "DROP TRIGGER IF EXISTS job_expired ON job; DROP TRIGGER IF EXISTS job_removed ON job;"        \
     FUNCTION("job_added",                                                                          \
-             " INSERT INTO ledger AS had (principal, jobs, kept, held)"                            \
-             " VALUES (new.principal, " LIVES("new") ", new.kept, new.held)"                       \
-             " ON CONFLICT (principal) DO UPDATE SET jobs = had.jobs + excluded.jobs,"             \
-             " kept = had.kept + excluded.kept, held = had.held + excluded.held;"                  \
+             " PERFORM ledger_add(new.principal, " LIVES("new") ", new.kept, new.held, NULL,"      \
+             " CASE new.status WHEN 'accepted' THEN new.turn END, NULL);"                          \
              COUNT("new", WAITS("new")))                                                           \
     "CREATE TRIGGER job_added AFTER INSERT ON job FOR EACH ROW EXECUTE FUNCTION job_added();"      \
     FUNCTION("job_changed",                                                                        \
-             " UPDATE ledger SET jobs = jobs + " LIVES("new") " - " LIVES("old") ","               \
-             " kept = kept + new.kept - old.kept, held = held + new.held - old.held,"              \
-             " turn = CASE new.status WHEN 'running' THEN greatest(turn, new.turn) ELSE turn END"  \
-             " WHERE principal = new.principal;"                                                   \
+             " PERFORM ledger_add(new.principal, " LIVES("new") " - " LIVES("old") ","             \
+             " new.kept - old.kept, new.held - old.held,"                                          \
+             " CASE new.status WHEN 'running' THEN new.turn END,"                                  \
+             " CASE new.status WHEN 'accepted' THEN new.turn END,"                                 \
+             " CASE old.status WHEN 'accepted' THEN new.turn END);"                                \
              COUNT("new", WAITS("new") " - " WAITS("old")))                                        \
     "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job FOR EACH ROW"            \
     " WHEN (new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status)"             \
@@ -95,13 +119,26 @@ enum { SCHEMA_VERSION = 2 };
     "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job FOR EACH ROW"                       \
     " WHEN (new.expired <> 0) EXECUTE FUNCTION job_expired();"                                     \
     FUNCTION("job_removed",                                                                        \
-             " UPDATE ledger SET jobs = jobs - " LIVES("old") ", kept = kept - old.kept,"          \
-             " held = held - old.held WHERE principal = old.principal;"                            \
+             " PERFORM ledger_add(old.principal, -" LIVES("old") ", -old.kept, -old.held, NULL,"   \
+             " NULL, NULL);"                                                                       \
              " DELETE FROM job_blob WHERE seq = old.seq;"                                          \
              " DELETE FROM event WHERE seq = old.seq;")                                            \
-    "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"
+    "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"  \
+    "ALTER TABLE job SET (autovacuum_vacuum_scale_factor = 0.02);"                                 \
+    "UPDATE voronoid_schema SET version = 3;"
 
 /* clang-format on */
+
+static const struct {
+    int64_t from;
+    const char *sql;
+} steps[] = {{1, FROM_1}, {2, FROM_2}};
+
+static vor_status read_version(struct vor_sql *sql, int64_t *version, struct vor_error *err)
+{
+    return vor_sql_query(sql, vor_sql_take_number, version, err,
+                         "SELECT version FROM voronoid_schema", "");
+}
 
 vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error *err)
 {
@@ -122,19 +159,20 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
         made = vor_postgres_run(
-            db, FUNCTIONS TABLES INDEXES TRIGGERS "INSERT INTO voronoid_schema VALUES (1);" FROM_1,
+            db, FUNCTIONS TABLES INDEXES "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2,
             &failure);
     if (status == VOR_OK)
-        status = vor_sql_query(sql, vor_sql_take_number, &version, err,
-                               "SELECT version FROM voronoid_schema", "");
-    if (status == VOR_OK && version == 1) { /* all the same if another daemon does it meanwhile */
-        made = vor_postgres_run(db, FROM_1, &failure);
-        status = vor_sql_query(sql, vor_sql_take_number, &version, err,
-                               "SELECT version FROM voronoid_schema", "");
-        if (status == VOR_OK && version == 1 && made != VOR_OK && err != NULL)
-            *err = failure;
-        if (version == 1)
+        status = read_version(sql, &version, err);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
+        if (version != steps[i].from)
+            continue;
+        made = vor_postgres_run(db, steps[i].sql, &failure); /* or another daemon, meanwhile */
+        status = read_version(sql, &version, err);
+        if (status == VOR_OK && version == steps[i].from) {
+            if (err != NULL)
+                *err = failure;
             return made;
+        }
     }
     if (status != VOR_OK && made != VOR_OK && err != NULL)
         *err = failure; /* nor has another daemon made them meanwhile */

@@ -134,8 +134,9 @@ vor_status vor_sql_waiting(struct vor_store *store, struct vor_waiting *out, str
     return vor_sql_query(
         vor_sql_of(store), take_waiting, out, err,
         "SELECT coalesce(sum(jobs), 0), coalesce(sum(decoded), 0), coalesce((SELECT created FROM"
-        " job INDEXED BY job_ready WHERE status = 'accepted' ORDER BY turn, seq LIMIT 1), 0)"
-        " FROM round WHERE number < 0",
+        " job INDEXED BY job_ready WHERE status = 'accepted' AND turn >= (SELECT head FROM queue)"
+        " ORDER BY turn, seq LIMIT 1), 0)"
+        " FROM round WHERE number <= -1 - ((SELECT head FROM queue) >> 8)",
         "");
 }
 

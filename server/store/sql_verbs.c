@@ -22,7 +22,11 @@ static void take_ledger(void *ctx, struct vor_sql_row *row)
     ledger->bytes = (uint64_t)vor_sql_number(row);
 }
 
-#define SELECT_LEDGER "SELECT jobs, kept + held FROM ledger WHERE principal = ?"
+/* In the row of a principal, the one that is left of several; and of what a job that waits has. */
+#define NEWEST " ORDER BY version DESC LIMIT 1"
+#define WAITS "status = 'accepted' AND turn >= (SELECT head FROM queue)"
+
+#define SELECT_LEDGER "SELECT jobs, kept + held FROM ledger WHERE principal = ?" NEWEST
 
 static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
                              const struct vor_row_text *text, struct vor_error *err)
@@ -37,11 +41,11 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, engine, release,"
         " turn)"
         " VALUES (?1, ?2, 'accepted', ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?11, ?12, ?13, ?14,"
-        " ?15, ?16, ?17, ?18, ?19, ?20, ?21, max((SELECT coalesce(max(turn), 0) FROM ledger),"
-        " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE status = 'accepted'),"
-        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE status = 'accepted'"
-        "  AND principal = ?14),"
-        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14), 0))) RETURNING seq",
+        " ?15, ?16, ?17, ?18, ?19, ?20, ?21, max(coalesce((SELECT served FROM queue), 0),"
+        " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE " WAITS "),"
+        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE " WAITS " AND principal = ?14),"
+        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14" NEWEST "), 0)))"
+        " RETURNING seq",
         "tttttiiitritttttiiiti", row->id.text, row->process, row->message, text->request.data,
         text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
         input->sha256, input->seconds, row->created, row->name,
@@ -229,7 +233,7 @@ vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, in
 #define SUM_OF_ROUNDS " coalesce((SELECT sum(jobs) FROM round WHERE number "
 #define POSITION                                                                                   \
     ", CASE status WHEN 'accepted' THEN" SUM_OF_ROUNDS                                             \
-    "BETWEEN -(job.turn >> 8) AND -1), 0) +" SUM_OF_ROUNDS                                         \
+    "BETWEEN -(job.turn >> 8) AND -1 - ((SELECT head FROM queue) >> 8)), 0) +" SUM_OF_ROUNDS       \
     ">= job.turn >> 8 << 8 AND number < job.turn), 0) +"                                           \
     " (SELECT count(*) FROM job AS other INDEXED BY job_ready WHERE other.status = 'accepted'"     \
     " AND other.turn = job.turn AND other.seq < job.seq) ELSE -1 END"
@@ -466,7 +470,7 @@ vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *c
         vor_sql_of(store), take_claimed, &taken, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
         " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
-        " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE status = 'accepted'"
+        " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE " WAITS
         " AND release <= ?6 AND (engine = ?5 OR engine NOT IN"
         " (SELECT engine FROM daemon WHERE lease > clock_ms()))"
         " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS

@@ -32,7 +32,7 @@ if ($want{churn}) {
     close $idle;
     ask('churn', 'VACUUM');
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
-    print '  free in job: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
+    print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
 }
 exit unless grep { $want{$_} } qw(finish workers large events);
 
