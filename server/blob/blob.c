@@ -391,6 +391,17 @@ vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, cons
     return blobs->driver->get(blobs, id, name, fd, size, found, err);
 }
 
+vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                          const struct vor_blob_watch *watch, int *found, struct vor_error *err)
+{
+    uint64_t size;
+
+    *found = 0;
+    return blobs->driver->bring != NULL
+               ? blobs->driver->bring(blobs, id, name, watch, found, err)
+               : blobs->driver->get(blobs, id, name, NULL, &size, found, err);
+}
+
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
     return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name);

@@ -224,6 +224,15 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
  *  here lately: then it is not for HTTP threads. */
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
 
+/** Makes a blob near, and tells of its bytes meanwhile.
+ *
+ *  @param[out] found  0 when there is none
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id,
+                                        const char *name, const struct vor_blob_watch *watch,
+                                        int *found, struct vor_error *err);
+
 /** Removes a blob; it is no error when there is none.
  *
  *  @retval VOR_E_IO */

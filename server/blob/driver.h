@@ -62,6 +62,13 @@ struct vor_blob_cache {
     uint64_t bytes;   /**< that copies may take */
 };
 
+/** Who is told of the bytes of a blob as they come from another machine: `have` of them stand in
+ * fd, which is the caller's. Less than before: they come again from the first on. */
+struct vor_blob_watch {
+    void (*came)(void *ctx, int fd, uint64_t have);
+    void *ctx;
+};
+
 /** The functions of a driver. Each does what the function of blob.h with its name promises. */
 struct vor_blob_driver {
     const char *scheme; /**< "dir": what stands before the colon of --blobs */
@@ -84,6 +91,9 @@ struct vor_blob_driver {
     void (*discard)(struct vor_blob_writer *writer);
     vor_status (*get)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
                       uint64_t *size, int *found, struct vor_error *err);
+    /** NULL where a get never waits for another machine. */
+    vor_status (*bring)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                        const struct vor_blob_watch *watch, int *found, struct vor_error *err);
     /** False when a get would wait for another machine; NULL: it never does. */
     int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
     /** NULL: blobs are never away. */

@@ -146,8 +146,9 @@ static vor_status name_copy(struct vor_blob_writer *writer, const struct vor_uui
 }
 
 /* Reads an object into a file, which *fd then reads. */
-static vor_status fetch(struct bucket *bucket, const struct vor_uuid *id, const char *name, int *fd,
-                        uint64_t *size, int *found, struct vor_error *err)
+static vor_status fetch(struct bucket *bucket, const struct vor_uuid *id, const char *name,
+                        const struct vor_blob_watch *watch, int *fd, int *found,
+                        struct vor_error *err)
 {
     char key[VOR_S3_KEY_MAX + 1];
     struct vor_blob_writer *writer = NULL;
@@ -156,10 +157,9 @@ static vor_status fetch(struct bucket *bucket, const struct vor_uuid *id, const 
     if (status != VOR_OK)
         return status;
     writer->blobs = &bucket->copies.base;
-    status =
-        vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), writer->fd, &writer->size, found, err);
+    status = vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), writer->fd, watch, &writer->size,
+                        found, err);
     if (status == VOR_OK && *found) {
-        *size = writer->size;
         *fd = fcntl(writer->fd, F_DUPFD_CLOEXEC, 0);
         status = *fd >= 0 ? name_copy(writer, id, name, err)
                           : vor_fail_errno(err, errno, "a temporary file");
@@ -198,12 +198,33 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
 {
     struct bucket *bucket = (struct bucket *)blobs;
     char key[VOR_S3_KEY_MAX + 1];
+    struct stat info;
     vor_status status = vor_blob_dir.get(blobs, id, name, fd, size, found, err);
 
     if (status != VOR_OK || *found)
         return status;
-    return fd != NULL ? fetch(bucket, id, name, fd, size, found, err)
-                      : vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), -1, size, found, err);
+    if (fd == NULL)
+        return vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), -1, NULL, size, found, err);
+    status = fetch(bucket, id, name, NULL, fd, found, err);
+    if (status == VOR_OK && *found && fstat(*fd, &info) != 0) {
+        status = vor_fail_errno(err, errno, "a temporary file");
+        close(*fd);
+        *fd = -1;
+    } else if (status == VOR_OK && *found) {
+        *size = (uint64_t)info.st_size;
+    }
+    return status;
+}
+
+static vor_status bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                        const struct vor_blob_watch *watch, int *found, struct vor_error *err)
+{
+    int fd = -1;
+    vor_status status = fetch((struct bucket *)blobs, id, name, watch, &fd, found, err);
+
+    if (fd >= 0)
+        close(fd);
+    return status;
 }
 
 static int is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
@@ -340,6 +361,7 @@ const struct vor_blob_driver vor_blob_s3 = {
     .commit = commit,
     .discard = discard,
     .get = get,
+    .bring = bring,
     .is_near = is_near,
     .reach = reach,
     .drop = drop,

@@ -233,13 +233,15 @@ vor_status vor_s3_copy(struct vor_s3 *s3, const char *from, const char *to, stru
     return ask(&call, to, NULL, err);
 }
 
-vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd, uint64_t *size, int *found,
+vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd,
+                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
                       struct vor_error *err)
 {
     struct vor_s3_call call = {.s3 = s3,
                                .verb = fd >= 0 ? "get" : "head",
                                .method = fd >= 0 ? "GET" : "HEAD",
                                .fd = fd,
+                               .watch = watch,
                                .header = {UNSIGNED}};
     int is_there = 0;
     vor_status status = ask(&call, key, &is_there, err);

@@ -16,6 +16,7 @@
 #include <stdint.h>
 
 struct vor_s3;
+struct vor_blob_watch; /* driver.h */
 
 enum { VOR_S3_KEY_MAX = 128 }; /**< bytes of a key behind the prefix */
 
@@ -48,9 +49,11 @@ VOR_NODISCARD vor_status vor_s3_copy(struct vor_s3 *s3, const char *from, const 
 /** Writes the bytes of an object to an empty file.
  *
  *  @param[in]  fd     -1: the object is only looked for
+ *  @param[in]  watch  may be NULL
  *  @param[out] found  0 when there is none */
-VOR_NODISCARD vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd, uint64_t *size,
-                                    int *found, struct vor_error *err);
+VOR_NODISCARD vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd,
+                                    const struct vor_blob_watch *watch, uint64_t *size, int *found,
+                                    struct vor_error *err);
 
 /** Removes an object; it is no error when there is none. */
 VOR_NODISCARD vor_status vor_s3_delete(struct vor_s3 *s3, const char *key, struct vor_error *err);

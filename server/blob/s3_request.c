@@ -92,6 +92,8 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
         done += (size_t)wrote;
     }
     call->at += size;
+    if (call->watch != NULL)
+        call->watch->came(call->watch->ctx, call->fd, call->at);
     return size;
 }
 

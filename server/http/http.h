@@ -252,10 +252,13 @@ void vor_reply_bytes(struct vor_request *request, int http, const char *media_ty
 void vor_reply_file(struct vor_request *request, int http, const char *media_type, int fd,
                     uint64_t offset, uint64_t length);
 
-/** A stream of unknown length. read fills up to size bytes and returns how many; 0: nothing yet
- *  (it is asked again once a waker wakes the request), -1: the end. It runs on an HTTP thread and
- *  must not block; the request's state is alive throughout. */
+/** A stream of so many bytes, or of VOR_LENGTH_UNKNOWN. read fills up to size bytes and returns how
+ *  many; 0: nothing yet (it is asked again once a waker wakes the request), -1: the end, which cuts
+ *  a reply whose length is known. It runs on an HTTP thread and must not block; the request's state
+ *  is alive throughout. */
+#define VOR_LENGTH_UNKNOWN UINT64_MAX
 void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
+                      uint64_t length,
                       long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
                       void *ctx);
 

@@ -41,6 +41,9 @@ static bool request_sleep(struct vor_request *request, bool stays)
 
 static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
 {
+    ssize_t end = request->reply.size == VOR_LENGTH_UNKNOWN ? MHD_CONTENT_READER_END_OF_STREAM
+                                                            : MHD_CONTENT_READER_END_WITH_ERROR;
+
     vor_conn_wait(request->conn, false);
     for (;;) {
         long got = request->reply.read(request->reply.ctx, request, out, size);
@@ -50,7 +53,7 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
             return got;
         }
         if (got < 0)
-            return MHD_CONTENT_READER_END_OF_STREAM;
+            return end;
         if (vor_request_gone(request))
             return MHD_CONTENT_READER_END_WITH_ERROR;
         /* Gives back what the library has cleared of the connection's memory. It reads a head into
@@ -63,7 +66,7 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
         if (request_sleep(request, false))
             return 0;
         if (vor_request_closing(request))
-            return MHD_CONTENT_READER_END_OF_STREAM;
+            return end;
     }
 }
 
@@ -103,8 +106,8 @@ static struct MHD_Response *make_response(struct vor_request *request)
             reply->fd = -1;
         break;
     case VOR_REPLY_STREAM:
-        response = MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, STREAM_BLOCK, on_read,
-                                                     request, NULL);
+        response =
+            MHD_create_response_from_callback(reply->size, STREAM_BLOCK, on_read, request, NULL);
         break;
     case VOR_REPLY_NONE:
         break;
@@ -161,8 +164,10 @@ static enum MHD_Result queue_reply(struct vor_request *request)
         vor_conn_linger(request->conn);
     }
     add_fields(request, response);
-    vor_conn_phase(request->conn,
-                   request->reply.kind == VOR_REPLY_STREAM ? VOR_PHASE_STREAM : VOR_PHASE_SEND);
+    vor_conn_phase(request->conn, request->reply.kind == VOR_REPLY_STREAM &&
+                                          request->reply.size == VOR_LENGTH_UNKNOWN
+                                      ? VOR_PHASE_STREAM
+                                      : VOR_PHASE_SEND);
     result = MHD_queue_response(request->connection, (unsigned)request->reply.http, response);
     MHD_destroy_response(response);
     return result;

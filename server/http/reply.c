@@ -94,6 +94,7 @@ void vor_reply_file(struct vor_request *request, int http, const char *media_typ
 }
 
 void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
+                      uint64_t length,
                       long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
                       void *ctx)
 {
@@ -101,6 +102,7 @@ void vor_reply_stream(struct vor_request *request, int http, const char *media_t
 
     assert(reply->kind == VOR_REPLY_NONE);
     reply->kind = VOR_REPLY_STREAM;
+    reply->size = length;
     reply->http = http;
     reply->media_type = media_type;
     reply->read = read;

@@ -3,17 +3,31 @@
 #include "server/base/clock.h"
 #include "server/work/crew.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-enum { THREADS = 4, WAITING_MAX = 256 };
+enum {
+    THREADS = 4,
+    WAITING_MAX = 256,
+    WAKE_BYTES = 1 << 18 /* who reads a flow is woken so often */
+};
 static const double outcome_seconds = 5;
 
 struct waiting {
     struct waiting *next;
     struct vor_asker asker;
+};
+
+struct vor_flow {
+    pthread_mutex_t mutex;
+    unsigned holds;
+    int fd;                   /* -1 before the first bytes */
+    uint64_t have, told;      /* bytes; those of which the readers were told */
+    enum vor_fetched outcome; /* VOR_FETCH_WAIT while they come, VOR_FETCH_NEAR of all */
+    struct waiting *waiting;
 };
 
 /* One blob. It is on the list while it is fetched, and for some seconds after it could not be. */
@@ -23,7 +37,8 @@ struct fetch {
     struct vor_uuid id;
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_task task;
-    struct waiting *waiting;
+    struct waiting *waiting; /* for the end */
+    struct vor_flow *flow;
     enum vor_fetched outcome;
     struct vor_error error;
     double since;
@@ -35,6 +50,117 @@ struct vor_fetcher {
     pthread_mutex_t mutex;
     struct fetch *list;
 };
+
+/* --- flows ------------------------------------------------------------------------------------ */
+
+static struct vor_flow *flow_create(void)
+{
+    struct vor_flow *flow = calloc(1, sizeof *flow);
+
+    if (flow == NULL)
+        return NULL;
+    pthread_mutex_init(&flow->mutex, NULL);
+    flow->holds = 1;
+    flow->fd = -1;
+    flow->outcome = VOR_FETCH_WAIT;
+    return flow;
+}
+
+void vor_flow_drop(struct vor_flow *flow)
+{
+    unsigned left = 1;
+
+    if (flow != NULL) {
+        pthread_mutex_lock(&flow->mutex);
+        left = --flow->holds;
+        pthread_mutex_unlock(&flow->mutex);
+    }
+    if (left > 0)
+        return;
+    if (flow->fd >= 0)
+        close(flow->fd);
+    pthread_mutex_destroy(&flow->mutex);
+    free(flow);
+}
+
+static void wake_all(struct waiting *waiting)
+{
+    while (waiting != NULL) {
+        struct waiting *next = waiting->next;
+
+        waiting->asker.wake(waiting->asker.ctx);
+        free(waiting);
+        waiting = next;
+    }
+}
+
+static int add_waiting(struct waiting **list, const struct vor_asker *asker)
+{
+    struct waiting *waiting = calloc(1, sizeof *waiting);
+
+    if (waiting == NULL)
+        return 0;
+    *waiting = (struct waiting){*list, *asker};
+    *list = waiting;
+    return 1;
+}
+
+static void on_came(void *ctx, int fd, uint64_t have)
+{
+    struct vor_flow *flow = ctx;
+    struct waiting *woken = NULL;
+
+    pthread_mutex_lock(&flow->mutex);
+    if (flow->fd < 0)
+        flow->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    if (flow->fd >= 0)
+        flow->have = have;
+    if (have < flow->told || flow->told == 0 || have - flow->told >= WAKE_BYTES) {
+        flow->told = have;
+        woken = flow->waiting;
+        flow->waiting = NULL;
+    }
+    pthread_mutex_unlock(&flow->mutex);
+    wake_all(woken);
+}
+
+static void end_flow(struct vor_flow *flow, enum vor_fetched outcome)
+{
+    struct waiting *woken;
+
+    pthread_mutex_lock(&flow->mutex);
+    flow->outcome = outcome;
+    woken = flow->waiting;
+    flow->waiting = NULL;
+    pthread_mutex_unlock(&flow->mutex);
+    wake_all(woken);
+}
+
+long vor_flow_read(struct vor_flow *flow, uint64_t at, void *out, size_t size,
+                   const struct vor_asker *asker, int *whole)
+{
+    uint64_t left;
+    long got = -1;
+
+    pthread_mutex_lock(&flow->mutex);
+    left = flow->have > at ? flow->have - at : 0;
+    *whole = flow->outcome == VOR_FETCH_NEAR;
+    if (flow->outcome == VOR_FETCH_WAIT || *whole)
+        got =
+            flow->fd >= 0 ? pread(flow->fd, out, size < left ? size : (size_t)left, (off_t)at) : 0;
+    if (got == 0 && !*whole && !add_waiting(&flow->waiting, asker))
+        got = -1;
+    pthread_mutex_unlock(&flow->mutex);
+    return got;
+}
+
+/* --- fetches ---------------------------------------------------------------------------------- */
+
+static void free_fetch(struct fetch *fetch)
+{
+    vor_flow_drop(fetch->flow);
+    free(fetch);
+}
 
 vor_status vor_fetcher_create(struct vor_fetcher **out, struct vor_blobs *blobs,
                               struct vor_error *err)
@@ -60,7 +186,7 @@ void vor_fetcher_destroy(struct vor_fetcher *fetcher)
     while (fetcher->list != NULL) {
         struct fetch *next = fetcher->list->next;
 
-        free(fetcher->list);
+        free_fetch(fetcher->list);
         fetcher->list = next;
     }
     pthread_mutex_destroy(&fetcher->mutex);
@@ -81,19 +207,18 @@ static void run(void *ctx)
 {
     struct fetch *fetch = ctx;
     struct vor_fetcher *fetcher = fetch->fetcher;
+    const struct vor_blob_watch watch = {on_came, fetch->flow};
     struct waiting *waiting;
     struct vor_error error;
-    uint64_t size;
-    int fd = -1, found = 0, is_near;
+    int found = 0, is_near;
     vor_status status =
         vor_crew_closing(fetcher->crew)
             ? vor_fail(&error, VOR_E_IO, "the daemon is stopping")
-            : vor_blob_get(fetcher->blobs, &fetch->id, fetch->name, &fd, &size, &found, &error);
+            : vor_blob_bring(fetcher->blobs, &fetch->id, fetch->name, &watch, &found, &error);
 
-    if (fd >= 0)
-        close(fd);
-    pthread_mutex_lock(&fetcher->mutex);
     is_near = status == VOR_OK && found;
+    end_flow(fetch->flow, is_near ? VOR_FETCH_NEAR : VOR_FETCH_FAILED);
+    pthread_mutex_lock(&fetcher->mutex);
     fetch->outcome = status != VOR_OK ? VOR_FETCH_FAILED : VOR_FETCH_NONE;
     if (status != VOR_OK)
         fetch->error = error;
@@ -104,14 +229,8 @@ static void run(void *ctx)
         unlink_fetch(fetcher, fetch);
     pthread_mutex_unlock(&fetcher->mutex);
     if (is_near)
-        free(fetch);
-    while (waiting != NULL) {
-        struct waiting *next = waiting->next;
-
-        waiting->asker.wake(waiting->asker.ctx);
-        free(waiting);
-        waiting = next;
-    }
+        free_fetch(fetch);
+    wake_all(waiting);
 }
 
 /* The fetch of a blob, NULL for none; removes those whose outcome is old. The mutex is held. */
@@ -125,7 +244,7 @@ static struct fetch *find(struct vor_fetcher *fetcher, const struct vor_uuid *id
 
         if (fetch->outcome != VOR_FETCH_WAIT && now - fetch->since > outcome_seconds) {
             *at = fetch->next;
-            free(fetch);
+            free_fetch(fetch);
             continue;
         }
         if (strcmp(fetch->id.text, id->text) == 0 && strcmp(fetch->name, name) == 0)
@@ -141,7 +260,8 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
 {
     struct fetch *fetch = calloc(1, sizeof *fetch);
 
-    if (fetch == NULL) {
+    if (fetch == NULL || (fetch->flow = flow_create()) == NULL) {
+        free(fetch);
         (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
         return NULL;
     }
@@ -151,7 +271,7 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     fetch->outcome = VOR_FETCH_WAIT;
     fetch->task = (struct vor_task){.run = run, .ctx = fetch, .caller = asker->caller, .weight = 1};
     if (vor_crew_take(fetcher->crew, &fetch->task, NULL) != VOR_DONE) {
-        free(fetch);
+        free_fetch(fetch);
         (void)vor_fail(err, VOR_E_IO, "too many stored files are being fetched; try again later");
         return NULL;
     }
@@ -160,21 +280,32 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     return fetch;
 }
 
+/* The state of a flow for one who would read it: the first bytes are here, or he waits for them. */
+static enum vor_fetched take_flow(struct vor_flow *flow, const struct vor_asker *asker,
+                                  struct vor_flow **out)
+{
+    enum vor_fetched state = VOR_FETCH_FLOWS;
+
+    pthread_mutex_lock(&flow->mutex);
+    if (flow->have == 0 && flow->outcome == VOR_FETCH_WAIT) {
+        state = add_waiting(&flow->waiting, asker) ? VOR_FETCH_WAIT : VOR_FETCH_FAILED;
+    } else {
+        flow->holds++;
+        *out = flow;
+    }
+    pthread_mutex_unlock(&flow->mutex);
+    return state;
+}
+
 enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
-                           const struct vor_asker *asker, struct vor_error *err)
+                           const struct vor_asker *asker, struct vor_flow **flow,
+                           struct vor_error *err)
 {
     enum vor_fetched outcome = VOR_FETCH_FAILED;
-    struct waiting *waiting;
     struct fetch *fetch;
 
     if (vor_blob_is_near(fetcher->blobs, id, name))
         return VOR_FETCH_NEAR;
-    waiting = calloc(1, sizeof *waiting);
-    if (waiting == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
-        return VOR_FETCH_FAILED;
-    }
-    waiting->asker = *asker;
     pthread_mutex_lock(&fetcher->mutex);
     fetch = find(fetcher, id, name);
     if (fetch == NULL)
@@ -182,13 +313,15 @@ enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *i
     if (fetch != NULL)
         outcome = fetch->outcome;
     if (outcome == VOR_FETCH_WAIT) {
-        waiting->next = fetch->waiting;
-        fetch->waiting = waiting;
+        if (flow != NULL)
+            outcome = take_flow(fetch->flow, asker, flow);
+        else if (!add_waiting(&fetch->waiting, asker))
+            outcome = VOR_FETCH_FAILED;
+        if (outcome == VOR_FETCH_FAILED)
+            (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
     } else if (fetch != NULL) {
         *err = fetch->error;
     }
     pthread_mutex_unlock(&fetcher->mutex);
-    if (outcome != VOR_FETCH_WAIT)
-        free(waiting);
     return outcome;
 }

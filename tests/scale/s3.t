@@ -124,6 +124,12 @@ $large->stop;
 $large = Vt->start(dir => $large->{dir}, blobs => $host);
 same($large->get("/v1/jobs/$id/input"), $padded, 'and comes back');
 $large->stop;
+Scale::put_object("large/keep/$id.upload", $padded =~ s/.\z/!/sr);
+$large = Vt->start(dir => $large->{dir}, blobs => $host);
+my $cut = $large->get("/v1/jobs/$id/input");
+ok $cut->{status} == 599 || length $cut->{content} < length $padded, 'one that is damaged, and sent while it comes, is cut';
+is_problem($large->get("/v1/jobs/$id/input"), 500, 'damaged-bytes', 'and then not sent');
+$large->stop;
 
 Scale::start_proxy('another-word');
 ok wait_until(sub { $next->get("/v1/jobs/$ids[7]/results/cloud")->{status} == 500 }), 'the secret is changed';

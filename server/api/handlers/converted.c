@@ -66,17 +66,17 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
     bool has_waited = vor_request_state(request) != NULL;
     const char *name = view->spec.process->outputs[index].name;
     char blob[VOR_BLOB_NAME_MAX + 1];
-    bool exists;
+    struct vor_here here = {.may_flow = false};
     enum vor_next next;
     struct vor_error err;
 
     out->fd = -1;
     if ((has_waited && !is_made(app, request, view, &next)) ||
         !vor_blob_is_here(app, request, &view->id,
-                          vor_blob_of_converted(name, vor_format(format)->name, blob), &exists,
+                          vor_blob_of_converted(name, vor_format(format)->name, blob), &here,
                           &next))
         return next;
-    if (exists && vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
+    if (here.exists && vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
         return vor_problem_error(app, request, &err, view->id.text);
     if (out->fd >= 0)
         return VOR_NEXT_REPLY;
@@ -102,6 +102,7 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
         return VOR_NEXT_WAIT;
     }
     vor_reply_header(request, "Cache-Control", "private, no-cache");
-    vor_reply_stream(request, 200, vor_format(format)->media_type, no_bytes, NULL);
+    vor_reply_stream(request, 200, vor_format(format)->media_type, VOR_LENGTH_UNKNOWN, no_bytes,
+                     NULL);
     return VOR_NEXT_REPLY;
 }

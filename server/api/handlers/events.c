@@ -525,7 +525,7 @@ static enum vor_next reply_stream(struct vor_app *app, struct vor_request *reque
 
     if (stream->wait >= 0)
         return answer_poll(app, request);
-    vor_reply_stream(request, 200, media_type(stream), read_stream, stream);
+    vor_reply_stream(request, 200, media_type(stream), VOR_LENGTH_UNKNOWN, read_stream, stream);
     return VOR_NEXT_REPLY;
 }
 

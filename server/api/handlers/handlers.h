@@ -111,10 +111,22 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
                                  const struct vor_job_view *view);
 
 /** here.c: whether a blob can be read without waiting for another machine, or there is none
- * (*exists). Else *next is what the handler returns; once woken, it is called again and asks again.
- */
+ *  (here->exists). Else *next is what the handler returns; once woken, it is called again and asks
+ *  again. */
+struct vor_flow;
+struct vor_here {
+    bool may_flow; /**< set by the caller: it may still be on its way */
+    bool exists;
+    struct vor_flow *flow; /**< then; the caller ends it with vor_flow_drop or vor_reply_flow */
+};
 bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                      const char *name, bool *exists, enum vor_next *next);
+                      const char *name, struct vor_here *here, enum vor_next *next);
+
+/** Replies 200 with `size` bytes as they come. The last of them are sent once all have the SHA-256
+ *  that they must have; else the reply is cut. */
+enum vor_next vor_reply_flow(struct vor_app *app, struct vor_request *request,
+                             struct vor_flow *flow, const char *media_type, uint64_t size,
+                             const char *sha256);
 
 /** Replies 200 with the whole main output of a successful job (a synchronous call).
  *

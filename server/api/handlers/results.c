@@ -10,6 +10,7 @@
 #include "server/base/digest.h"
 #include "server/base/result_name.h"
 #include "server/blob/blob.h"
+#include "server/work/fetch.h"
 #include "server/work/verify.h"
 
 #include <inttypes.h>
@@ -18,6 +19,8 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { FLOWS = 1 << 20 }; /* bytes of a file from which on it is sent while it comes */
+
 /* One output, ready to be sent whole or in part: bytes in memory, or a file. */
 struct output {
     const char *media_type;
@@ -25,8 +28,9 @@ struct output {
     char etag[VOR_ETAG_SIZE];
     char origin[VOR_ORIGIN_TEXT_SIZE]; /* of a cloud that has one; else "" */
     uint64_t size;
-    char *bytes; /* owned; NULL for a file */
-    int fd;      /* owned until sent; -1 for none */
+    char *bytes;           /* owned; NULL for a file */
+    int fd;                /* owned until sent; -1 for none */
+    struct vor_flow *flow; /* of a file that is not here yet; owned until sent; NULL for none */
 };
 
 static enum vor_next say_with_job(struct vor_app *app, struct vor_request *request,
@@ -70,9 +74,11 @@ static bool open_blob(struct vor_app *app, struct vor_request *request,
 {
     const char *name = view->spec.process->outputs[index].name;
     struct vor_error err;
-    int found = 0;
+    int found = out->flow != NULL;
 
-    if (vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
+    out->size = view->output[index].bytes;
+    if (!found &&
+        vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
@@ -159,11 +165,16 @@ static void add_headers(struct vor_request *request, const struct output *out)
         vor_reply_header(request, "Voronoid-Origin", out->origin);
 }
 
-static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,
-                      uint64_t length)
+static void send_part(struct vor_app *app, struct vor_request *request, int http,
+                      struct output *out, uint64_t offset, uint64_t length)
 {
     if (out->bytes != NULL) {
         vor_reply_bytes(request, http, out->media_type, out->bytes + offset, (size_t)length);
+        return;
+    }
+    if (out->flow != NULL) {
+        (void)vor_reply_flow(app, request, out->flow, out->media_type, out->size, out->etag + 1);
+        out->flow = NULL;
         return;
     }
     vor_reply_file(request, http, out->media_type, out->fd, offset, length);
@@ -195,11 +206,11 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
                        offset + length - 1, out->size);
         vor_reply_header(request, "Content-Range", span);
         add_headers(request, out);
-        send_part(request, 206, out, offset, length);
+        send_part(app, request, 206, out, offset, length);
         break;
     case VOR_RANGE_WHOLE:
         add_headers(request, out);
-        send_part(request, 200, out, 0, out->size);
+        send_part(app, request, 200, out, 0, out->size);
         break;
     }
     return VOR_NEXT_REPLY;
@@ -210,6 +221,19 @@ static void output_close(struct output *out)
     free(out->bytes);
     if (out->fd >= 0)
         (void)close(out->fd);
+    vor_flow_drop(out->flow);
+}
+
+/* A file may flow where all of its bytes are to be sent, and are so many that waiting for the last
+ * ones is felt. */
+static bool may_flow(struct vor_request *request, const char *sha256, uint64_t size)
+{
+    char etag[VOR_ETAG_SIZE];
+
+    (void)snprintf(etag, sizeof etag, "\"%s\"", sha256);
+    return size >= FLOWS && vor_request_method(request) == VOR_GET &&
+           vor_request_header(request, "Range") == NULL &&
+           vor_request_condition(request, etag) == 200;
 }
 
 static void wake(void *ctx)
@@ -262,7 +286,7 @@ enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
     if (open_output(app, request, view, 0, &out) &&
         (is_new || is_sound(app, request, view, &out, &next))) {
         add_headers(request, &out);
-        send_part(request, 200, &out, 0, out.size);
+        send_part(app, request, 200, &out, 0, out.size);
     }
     output_close(&out);
     return next;
@@ -304,7 +328,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
     char name[64];
-    bool exists = true;
+    struct vor_here here = {.exists = true};
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
@@ -334,11 +358,13 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
         return vor_result_missing(app, request, &view);
     if (ask.has_format && ask.format != view.output[output - outputs].format)
         return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
-    if (!vor_output_in_row(output) &&
-        !vor_blob_is_here(app, request, &view.id, name, &exists, &next))
+    here.may_flow = may_flow(request, view.output[output - outputs].sha256,
+                             view.output[output - outputs].bytes);
+    if (!vor_output_in_row(output) && !vor_blob_is_here(app, request, &view.id, name, &here, &next))
         return next;
-    if (!exists)
+    if (!here.exists)
         return vor_result_missing(app, request, &view);
+    out.flow = here.flow;
     if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
         vor_result_accepts(app, request, out.media_type) &&
         is_sound(app, request, &view, &out, &next))
@@ -397,9 +423,11 @@ static bool open_upload(struct vor_app *app, struct vor_request *request,
 {
     const struct vor_format *format = vor_format(view->input[0].format);
     struct vor_error err;
-    int found = 0;
+    int found = out->flow != NULL;
 
-    if (vor_blob_get(app->blobs, &view->id, blob, &out->fd, &out->size, &found, &err) != VOR_OK) {
+    out->size = view->input[0].bytes;
+    if (!found &&
+        vor_blob_get(app->blobs, &view->id, blob, &out->fd, &out->size, &found, &err) != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
@@ -421,7 +449,7 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     enum vor_next next = VOR_NEXT_REPLY;
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_job_view view;
-    bool exists;
+    struct vor_here here = {.exists = false};
 
     (void)step;
     if (!vor_job_look_up(app, request, &view))
@@ -429,10 +457,12 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     if (view.expired)
         return vor_result_missing(app, request, &view);
     (void)vor_blob_of_upload(view.spec.process->inputs[0].name, blob);
-    if (!vor_blob_is_here(app, request, &view.id, blob, &exists, &next))
+    here.may_flow = may_flow(request, view.input[0].sha256, view.input[0].bytes);
+    if (!vor_blob_is_here(app, request, &view.id, blob, &here, &next))
         return next;
-    if (!exists)
+    if (!here.exists)
         return missing_input(app, request, &view);
+    out.flow = here.flow;
     if (open_upload(app, request, &view, blob, &out) && is_sound(app, request, &view, &out, &next))
         next = reply_output(app, request, &out);
     output_close(&out);
