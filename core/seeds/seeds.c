@@ -258,7 +258,7 @@ enum vor_surface_kind vor_seeds_fit(struct vor_seeds *seeds, struct vor_scratch 
     } else if (last->layered && last->root != VOR_LISTS_NO_ROOT)
         vor_lists_points(here->near, seeds->domain, last->root, last->k);
     last->refined = 0;
-    last->interior = 0;
+    last->interior = last->inside = 0;
     memcpy(last->place, x, sizeof last->place);
     here->surface = last->surface;
     return here->surface.kind;
@@ -285,17 +285,12 @@ static int surrounds(const struct vor_scratch *scratch, const double x[3])
     return isinf(vor_boundary_room(surface, here->near, here->k, local, surface->reach, side));
 }
 
-/* Whether the input surrounds the seed, at x, with no border near it. */
-static int far_from_border(const struct vor_seeds *seeds, const struct vor_scratch *scratch,
-                           const double x[3], const struct vor_recall *how)
+/* Whether an input point is near the seed, at x. */
+static int near_input(const struct vor_place *here, const double x[3], int keep_holes)
 {
-    const struct vor_place *here = &scratch->here;
-    double inside = how->keep_holes ? VOR_HOLE_INSIDE : 1;
+    double most = (keep_holes ? VOR_HOLE_INSIDE : 1) * vor_boundary_spacing(here->near, here->k, x);
 
-    return !seeds->policy.keep_border ||
-           (vor_boundary_within(here->near, here->k, x,
-                                inside * vor_boundary_spacing(here->near, here->k, x)) &&
-            surrounds(scratch, x));
+    return vor_boundary_within(here->near, here->k, x, most);
 }
 
 int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
@@ -313,22 +308,27 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
     struct vor_last_fit *last = &seeds->last_fit[i];
     double most = how->slack * last->surface.spacing, x[3];
 
-    if (last->interior && (last->refined || !how->refine) &&
+    if ((last->interior || (last->inside && how->lazy)) && (last->refined || !how->refine) &&
         vor_distance2f(&seeds->xyz[3 * i], last->place) <= most * most) {
         scratch->here.surface = scratch->onto = last->surface;
-    } else {
-        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
-            return VOR_SURFACE_NONE;
-        vor_seeds_position(seeds, i, x);
-        last->interior = (unsigned char)far_from_border(seeds, scratch, x, how);
-        scratch->onto = scratch->here.surface;
-        if (how->refine)
-            (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
-        if (last->interior) { /* nobody asks for the wider fit */
-            scratch->here.surface = last->surface = scratch->onto;
-            last->refined = (unsigned char)how->refine;
-        }
+        scratch->interior = 1;
+        return scratch->here.surface.kind;
     }
+    if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+        return VOR_SURFACE_NONE;
+    vor_seeds_position(seeds, i, x);
+    last->inside = !seeds->policy.keep_border || surrounds(scratch, x);
+    last->interior = last->inside &&
+                     (!seeds->policy.keep_border || near_input(&scratch->here, x, how->keep_holes));
+    scratch->onto = scratch->here.surface;
+    if (how->refine)
+        (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
+    if (last->inside) {
+        last->surface = scratch->onto;
+        last->refined = (unsigned char)how->refine;
+    }
+    if (last->interior) /* nobody asks for the wider fit */
+        scratch->here.surface = scratch->onto;
     scratch->interior = last->interior;
     return scratch->here.surface.kind;
 }

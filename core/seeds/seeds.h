@@ -46,6 +46,7 @@ struct vor_last_fit {
     uint16_t k;                 /**< points that it was or will be fitted to; 0: not known yet */
     uint32_t root;              /**< input point whose list it is to, or VOR_LISTS_NO_ROOT */
     unsigned char interior : 1; /**< no border of the input is near that place */
+    unsigned char inside : 1;   /**< the input surrounds that place, if not by near points */
     unsigned char layered : 1;  /**< fitted to one of several sheets */
     unsigned char narrow : 1;   /**< its list of input points has only those of its sheet */
     unsigned char refined : 1;  /**< a finer fit was tried */
@@ -149,12 +150,13 @@ struct vor_recall {
     double slack;   /**< input spacings that a seed may move from its last fit */
     int keep_holes; /**< holes are kept open (vor_attach) */
     int refine;     /**< vor_seeds_refine is tried */
+    int lazy;       /**< it also is where the input surrounded the seed, if not by near points */
 };
 
 /** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it
- *  and the seed has moved by at most how->slack since. Sets scratch->interior: then only
- *  scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to move
- *  along, refined if how->refine asks for it. */
+ *  (or how->lazy) and the seed has moved by at most how->slack since. Sets scratch->interior: then
+ * only scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to
+ * move along, refined if how->refine asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        size_t i, const struct vor_recall *how);
 
