@@ -399,6 +399,11 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
 
     if (status == VOR_OK)
         status = check_projection(spec, err);
+    if (status == VOR_OK && spec->value[VOR_PARAM_LATTICE] == VOR_LATTICE_KEEP &&
+        (vor_process_takes(spec->process, VOR_PARAM_SOUP) || vor_spec_only_filters(spec)))
+        status = vor_fail_param(err, VOR_E_PARAM, "lattice",
+                                "lattice=keep works neither with the process mesh nor if the "
+                                "result is only the filtered input");
     if (status != VOR_OK)
         return status;
     if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))

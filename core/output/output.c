@@ -4,6 +4,7 @@
 #include "core/output/compare.h"
 #include "core/output/order.h"
 #include "core/output/sides.h"
+#include "core/output/snap.h"
 #include "core/output/transfer.h"
 #include "core/seeds/aspects.h"
 #include "core/seeds/uniformity.h"
@@ -188,8 +189,9 @@ static vor_status measure(struct vor_uniformity *even, struct vor_seeds *seeds,
     return status;
 }
 
-vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
-                           const struct vor_placed *placed, struct vor_error *err)
+/* Makes the cloud and the report, of seeds that stay where they are. */
+static vor_status make(struct vor_cloud *out, struct vor_report *report,
+                       const struct vor_placed *placed, struct vor_error *err)
 {
     struct vor_seeds *seeds = placed->seeds;
     const struct vor_field *field = &seeds->whole->field;
@@ -244,4 +246,22 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
     }
     report->list_rebuilds = seeds->indexed_before + seeds->point_lists.indexed;
     return VOR_OK;
+}
+
+vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
+                           const struct vor_placed *placed, struct vor_error *err)
+{
+    int keeps = placed->spec->value[VOR_PARAM_LATTICE] == VOR_LATTICE_KEEP;
+    struct vor_levels levels;
+    vor_status status = VOR_OK;
+
+    if (keeps)
+        status = vor_levels_find(&levels, placed->in, placed->seeds->whole, err);
+    if (keeps && status == VOR_OK)
+        status = vor_snap_seeds(placed->seeds, &levels, err);
+    if (status == VOR_OK)
+        status = make(out, report, placed, err);
+    if (keeps && status == VOR_OK)
+        vor_snap_cloud(out, &levels, placed->in);
+    return status;
 }

@@ -64,6 +64,7 @@ enum vor_level {
     X(INVALID, ADVANCED, "Points that are not finite")                                             \
     X(SEED, ADVANCED, "Seed")                                                                      \
     X(ORDER, ADVANCED, "Order of points")                                                          \
+    X(LATTICE, ADVANCED, "Grid of the input")                                                      \
     X(FORMAT, BASIC, "Format")                                                                     \
     X(QUANTIZATION, ADVANCED, "Quantization")                                                      \
     X(COMPRESSION, ADVANCED, "Compression")                                                        \

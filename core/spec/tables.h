@@ -291,6 +291,13 @@ enum vor_method_choice {
     X(ORDER, order, CHOICE, OUTPUT, "", 0, 0, VOR_ORDER_SPATIAL, "spatial progressive",            \
       "Order of the points in the result. spatial: most points come directly before or after "     \
       "one of their neighbours; progressive: for every N, the first N points are spread evenly")   \
+    X(LATTICE, lattice, CHOICE, OUTPUT, "", 0, 0, VOR_LATTICE_FREE, "free keep",                   \
+      "Whether the points of the result lie on the grid that the coordinates of the input were "   \
+      "rounded to, such as the centres of voxels. free: they lie anywhere on the surface; keep: "  \
+      "they lie on that grid, no two at the same place; whole numbers stay whole numbers. It is "  \
+      "an error if the input has no grid, or if the surface passes through too few grid cells. "   \
+      "lattice=keep does not work with the process mesh. A Draco file keeps the grid exactly "     \
+      "with quantization=0")                                                                       \
     X(FORMAT, format, CHOICE, FORMAT, "", 0, 0, VOR_UNSET, "ply drc",                              \
       "Format of the result. Default: the format given by the suffix of the output file or by "    \
       "the Accept header, otherwise the format of the input")                                      \
@@ -347,6 +354,7 @@ enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_EDGES, VOR_DENSIT
 enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE, VOR_METRIC_LP };
 enum { VOR_CELLS_METRIC, VOR_CELLS_EUCLID };
 enum { VOR_EVENNESS_SPACING, VOR_EVENNESS_COVER };
+enum { VOR_LATTICE_FREE, VOR_LATTICE_KEEP };
 enum { VOR_BOUNDARY_KEEP, VOR_BOUNDARY_FREE, VOR_BOUNDARY_SITES, VOR_BOUNDARY_FILL };
 enum { VOR_EDGES_IGNORE, VOR_EDGES_SITES };
 enum { VOR_OUTLIERS_KEEP, VOR_OUTLIERS_DROP, VOR_OUTLIERS_PULL };

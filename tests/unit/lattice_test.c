@@ -321,3 +321,54 @@ VT_TEST_FIGURES(restore_leaves_alone_what_it_cannot_tell, 1)
         vor_cloud_free(&cloud);
     }
 }
+
+/* Whole numbers; cells that a codec has; more points than cells that a plane has; no lattice. */
+VT_TEST_FIGURES(a_result_on_the_lattice_of_its_input_has_each_place_once, VT_FEWER(SEEDS))
+{
+    static const struct {
+        double cell, shift;
+        const char *points;
+        vor_status status;
+    } rows[] = {{1, 0, "9000", VOR_OK},
+                {0.7, 1e5, "9000", VOR_OK},
+                {1, 0, "2500", VOR_E_TARGET},
+                {0, 0, "900", VOR_E_PARAM}};
+    uint64_t hash = 0;
+
+    for (size_t k = 0; k < 2 * sizeof rows / sizeof rows[0]; k++) {
+        double cell = rows[k / 2].cell, shift = rows[k / 2].shift;
+        int is_flat = rows[k / 2].status == VOR_E_TARGET;
+        struct vor_cloud in, out;
+        struct vor_report report;
+        struct vt_engine engine;
+
+        vt_cloud_sphere(&in, (uint64_t)_i, 6000);
+        for (size_t j = 0; j < 3 * in.n; j++) {
+            double x = is_flat ? (double)(j % 3 == 0   ? j / 3 % 40
+                                          : j % 3 == 1 ? j / 120 % 40
+                                                       : 5)
+                               : 40 * (double)in.xyz[j];
+
+            in.xyz[j] = (float)(cell > 0 ? rint(x) * cell + shift : x);
+        }
+        vt_engine_open(&engine, 1 + 2 * (k % 2));
+        vt_engine_set(&engine, "points", rows[k / 2].points);
+        vt_engine_set(&engine, "lattice", "keep");
+        ck_assert_int_eq(vt_engine_try(&engine, &out, &report, &in), rows[k / 2].status);
+        if (rows[k / 2].status == VOR_OK) {
+            ck_assert_uint_eq(out.n, 9000);
+            ck_assert_uint_eq(vt_coincident(&out), 0);
+            ck_assert(k % 2 == 0 || hash == vt_cloud_hash(&out));
+            hash = vt_cloud_hash(&out);
+        }
+        for (size_t j = 0; j < 3 * out.n; j++) {
+            double i = (out.origin[j % 3] + (double)out.xyz[j] - shift) / cell;
+
+            ck_assert(fabs(i - rint(i)) <= (shift > 0 ? 0.03 : 0));
+        }
+        vor_cloud_free(&out);
+        vt_engine_close(&engine);
+        vor_cloud_free(&in);
+    }
+    vt_assert_no_leak();
+}
