@@ -5,6 +5,7 @@
 #include "core/seeds/hurried.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 #define PI 3.14159265358979
 
@@ -139,8 +140,10 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (lies_near(seeds, i, near2))
             continue;
         vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE) {
+            attach_hurried(seeds, i);
             continue;
+        }
         border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
         if (!vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x))
             continue;
@@ -155,6 +158,75 @@ vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
     if (!seeds->policy.keep_border)
         return VOR_OK;
     return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, end_block, &attach,
+                       err);
+}
+
+/* Moves seed i, if it hangs steeply above the points nearest to it, which are at hand, back to
+ * them.
+ */
+static void hold_steep(struct vor_seeds *seeds, const struct vor_place *here, size_t i, double most)
+{
+    double x[3], foot[3], way[3], up[3] = {0}, distance;
+
+    vor_seeds_position(seeds, i, x);
+    distance = vor_boundary_foot(here->near, here->k, x, foot, way);
+    most = fmax(most, here->surface.spacing);
+    for (int a = 0; a < 3; a++)
+        up[a] = vor_dot(here->surface.axis[a], way);
+    if (distance <= VOR_HOLE_INSIDE * most || fabs(up[2]) <= VOR_RIM_SAME_WAY ||
+        vor_boundary_goes_on(here->near, here->k, foot, way, INFINITY))
+        return;
+    for (int c = 0; c < 3; c++)
+        x[c] = foot[c] + VOR_HOLE_MARGIN * most * way[c];
+    vor_to_floats(&seeds->xyz[3 * i], x);
+}
+
+/* Gathers the points nearest to seed i, where the input has sheets those of its own. Those of its
+ * list may be of one side of a crease alone. Returns NULL if they lie on a line. */
+static const struct vor_place *nearest_of(struct vor_seeds *seeds, struct vor_scratch *scratch,
+                                          size_t i)
+{
+    const struct vor_domain *domain = seeds->domain;
+    struct vor_place *there = &scratch->there;
+    uint32_t index[VOR_NEIGHBORS_FEWEST];
+    float distance2[VOR_NEIGHBORS_FEWEST];
+
+    if (seeds->sheets)
+        return vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE ? &scratch->here : NULL;
+    there->k = domain->n < VOR_NEIGHBORS_FEWEST ? (unsigned)domain->n : VOR_NEIGHBORS_FEWEST;
+    vor_knn_search(domain->knn, &seeds->xyz[3 * i], 1, there->k, index, distance2);
+    for (unsigned j = 0; j < there->k; j++)
+        memcpy(&there->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *there->near);
+    vor_surface_fit_as(&there->surface, there->near, there->k, VOR_SURFACE_PLANE);
+    return there->surface.kind != VOR_SURFACE_NONE ? there : NULL;
+}
+
+/* Moves the seeds of a block that hang steeply above the input. */
+static void steep_block(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct attach *attach = ctx;
+    struct vor_seeds *seeds = attach->seeds;
+    double spacing = sqrt(seeds->area / (double)seeds->n);
+
+    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
+        double near = VOR_HOLE_INSIDE * fmax(spacing, seeds->last_fit[i].surface.spacing);
+        const struct vor_place *here;
+
+        if (lies_near(seeds, i, near * near))
+            continue;
+        here = nearest_of(seeds, &seeds->scratch[worker], i);
+        if (here != NULL)
+            hold_steep(seeds, here, i, spacing);
+    }
+}
+
+vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_error *err)
+{
+    struct attach attach = {.seeds = seeds};
+
+    if (!seeds->policy.keep_border)
+        return VOR_OK;
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, steep_block, &attach,
                        err);
 }
 

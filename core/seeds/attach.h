@@ -37,6 +37,21 @@ VOR_NODISCARD vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_h
  *  O(n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err);
 
+/** Moves seeds that hang in the air beside the input, as fits at a tip or a sharp edge leave them,
+ *  back to it: those farther from it than VOR_HOLE_INSIDE spacings (of input and result, the
+ *  larger), where the way from the nearest input point is at most 60 degrees (VOR_RIM_SAME_WAY)
+ *  from the normal of the nearest ones, and the input does not go on that way. They end
+ *  VOR_HOLE_MARGIN spacings from that point. Where the input has sheets, only points of the seed's
+ *  own count. Of eight solids and sheets from a modeller's vertices 365 points lay so, of which 299
+ *  were more than .5 spacings off the surface and 25 within .15; of the 6,059 others as far from
+ *  the input 298 and 5,037. Of nine shapes sampled evenly, unevenly and by scanning 18 of 40,000
+ *  points lay so. Does nothing where seeds->policy.keep_border is not set.
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for
+ *
+ *  O(n), on the run's pool. The same positions for any number of threads. */
+VOR_NODISCARD vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_error *err);
+
 /** Before triangles are made: moves seeds that hang in the air beside the input, as fits at a tip
  * or a sharp edge leave them, back to it. They are VOR_HOLE_INSIDE spacings (of input and result,
  * the larger) away, and see all of it on one side; they end VOR_HOLE_MARGIN spacings from the

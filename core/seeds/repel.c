@@ -497,6 +497,8 @@ vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
     if (status == VOR_OK)
+        status = vor_attach_steep(seeds, err);
+    if (status == VOR_OK)
         vor_attach_to_box(seeds);
     told->seconds[VOR_RUN_STAGE_POLISH] = vor_run_clock(run) - before;
     return status;
