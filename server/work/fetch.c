@@ -94,17 +94,6 @@ static void wake_all(struct waiting *waiting)
     }
 }
 
-static int add_waiting(struct waiting **list, const struct vor_asker *asker)
-{
-    struct waiting *waiting = calloc(1, sizeof *waiting);
-
-    if (waiting == NULL)
-        return 0;
-    *waiting = (struct waiting){*list, *asker};
-    *list = waiting;
-    return 1;
-}
-
 static void on_came(void *ctx, int fd, uint64_t have)
 {
     struct vor_flow *flow = ctx;
@@ -139,18 +128,26 @@ static void end_flow(struct vor_flow *flow, enum vor_fetched outcome)
 long vor_flow_read(struct vor_flow *flow, uint64_t at, void *out, size_t size,
                    const struct vor_asker *asker, int *whole)
 {
+    struct waiting *waiting = calloc(1, sizeof *waiting);
     uint64_t left;
     long got = -1;
 
+    if (waiting == NULL)
+        return -1;
+    waiting->asker = *asker;
     pthread_mutex_lock(&flow->mutex);
     left = flow->have > at ? flow->have - at : 0;
     *whole = flow->outcome == VOR_FETCH_NEAR;
     if (flow->outcome == VOR_FETCH_WAIT || *whole)
         got =
             flow->fd >= 0 ? pread(flow->fd, out, size < left ? size : (size_t)left, (off_t)at) : 0;
-    if (got == 0 && !*whole && !add_waiting(&flow->waiting, asker))
-        got = -1;
+    if (got == 0 && !*whole) {
+        waiting->next = flow->waiting;
+        flow->waiting = waiting;
+        waiting = NULL;
+    }
     pthread_mutex_unlock(&flow->mutex);
+    free(waiting);
     return got;
 }
 
@@ -280,21 +277,22 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     return fetch;
 }
 
-/* The state of a flow for one who would read it: the first bytes are here, or he waits for them. */
-static enum vor_fetched take_flow(struct vor_flow *flow, const struct vor_asker *asker,
-                                  struct vor_flow **out)
+/* The flow, if its first bytes are here; else NULL, and the one who would read it waits for them.
+ */
+static struct vor_flow *take_flow(struct vor_flow *flow, struct waiting *waiting)
 {
-    enum vor_fetched state = VOR_FETCH_FLOWS;
+    struct vor_flow *taken = NULL;
 
     pthread_mutex_lock(&flow->mutex);
     if (flow->have == 0 && flow->outcome == VOR_FETCH_WAIT) {
-        state = add_waiting(&flow->waiting, asker) ? VOR_FETCH_WAIT : VOR_FETCH_FAILED;
+        waiting->next = flow->waiting;
+        flow->waiting = waiting;
     } else {
         flow->holds++;
-        *out = flow;
+        taken = flow;
     }
     pthread_mutex_unlock(&flow->mutex);
-    return state;
+    return taken;
 }
 
 enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
@@ -302,26 +300,34 @@ enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *i
                            struct vor_error *err)
 {
     enum vor_fetched outcome = VOR_FETCH_FAILED;
+    struct waiting *waiting;
     struct fetch *fetch;
 
     if (vor_blob_is_near(fetcher->blobs, id, name))
         return VOR_FETCH_NEAR;
+    waiting = calloc(1, sizeof *waiting);
+    if (waiting == NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
+        return VOR_FETCH_FAILED;
+    }
+    waiting->asker = *asker;
     pthread_mutex_lock(&fetcher->mutex);
     fetch = find(fetcher, id, name);
     if (fetch == NULL)
         fetch = begin(fetcher, id, name, asker, err);
     if (fetch != NULL)
         outcome = fetch->outcome;
-    if (outcome == VOR_FETCH_WAIT) {
-        if (flow != NULL)
-            outcome = take_flow(fetch->flow, asker, flow);
-        else if (!add_waiting(&fetch->waiting, asker))
-            outcome = VOR_FETCH_FAILED;
-        if (outcome == VOR_FETCH_FAILED)
-            (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
+    if (outcome == VOR_FETCH_WAIT && flow == NULL) {
+        waiting->next = fetch->waiting;
+        fetch->waiting = waiting;
+    } else if (outcome == VOR_FETCH_WAIT) {
+        *flow = take_flow(fetch->flow, waiting);
+        outcome = *flow != NULL ? VOR_FETCH_FLOWS : VOR_FETCH_WAIT;
     } else if (fetch != NULL) {
         *err = fetch->error;
     }
     pthread_mutex_unlock(&fetcher->mutex);
+    if (outcome != VOR_FETCH_WAIT)
+        free(waiting);
     return outcome;
 }
