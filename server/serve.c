@@ -111,7 +111,6 @@ static void fail(void *ctx, const struct vor_error *why)
     _exit(VOR_EXIT_FAILED);
 }
 
-/* Who may call, what tickets are signed with, how often keys ask. */
 static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
 {
     const char *path = daemon->config.text[VOR_SET_API_KEYS];
@@ -139,6 +138,7 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
                                 &daemon->holder, err);
     if (status != VOR_OK)
         return status;
+    vor_tickets_share(daemon->app.tickets, vor_store_secret(daemon->app.store));
     vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
     vor_blobs_set_reserve(daemon->app.blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
     return VOR_OK;

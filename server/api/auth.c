@@ -83,7 +83,8 @@ static bool has_ticket(const struct vor_app *app, const struct vor_request *requ
 
     return results_length == strlen("results") && memcmp(results, "results", results_length) == 0 &&
            vor_uuid_parse(&id, job, job_length) &&
-           vor_ticket_check(app->tickets, ticket, &id, output, output_length, vor_clock_seconds());
+           vor_ticket_check(app->tickets, ticket, &id, output, output_length,
+                            vor_tickets_now(app->tickets));
 }
 
 bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope)

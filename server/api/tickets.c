@@ -1,5 +1,6 @@
 #include "server/api/tickets.h"
 
+#include "server/base/clock.h"
 #include "server/base/digest.h"
 
 #include <math.h>
@@ -7,10 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SECRET_BYTES = 32 };
+enum { SECRET_BYTES = VOR_DIGEST_BYTES };
 
 struct vor_tickets {
     uint8_t secret[SECRET_BYTES];
+    int is_shared;
 };
 
 vor_status vor_tickets_create(struct vor_tickets **out, struct vor_error *err)
@@ -25,6 +27,19 @@ vor_status vor_tickets_create(struct vor_tickets **out, struct vor_error *err)
     }
     *out = tickets;
     return VOR_OK;
+}
+
+void vor_tickets_share(struct vor_tickets *tickets, const char *secret)
+{
+    if (secret[0] == '\0')
+        return;
+    vor_digest_of(secret, strlen(secret), tickets->secret);
+    tickets->is_shared = 1;
+}
+
+double vor_tickets_now(const struct vor_tickets *tickets)
+{
+    return tickets->is_shared ? (double)vor_clock_wall_ms() / 1000 : vor_clock_seconds();
 }
 
 void vor_tickets_destroy(struct vor_tickets *tickets)

@@ -24,6 +24,7 @@ struct vor_store {
     struct vor_reserve *opening; /**< a small one, spent by an opening alone; NULL for none */
     int is_damaged;              /**< the driver's: changes that were durable are gone */
     int is_shared;               /**< other daemons may use it at the same time */
+    char secret[96];             /**< the driver's: of a shared store, with its NUL */
 };
 
 /** Whose attempt a change belongs to. */
@@ -118,6 +119,7 @@ struct vor_renewal {
     struct vor_leased {
         struct vor_uuid id;
         uint32_t attempt;
+        int stops;     /**< a caller asked for that (vor_store_stop) */
     } * job;           /**< the caller's room for so many: those that are still the owner's */
     size_t max, count; /**< count may be more than max */
 };
@@ -166,6 +168,8 @@ struct vor_store_driver {
     vor_status (*hand_back)(struct vor_store *store, const struct vor_uuid *id,
                             struct vor_hand_back *run, struct vor_error *err);
     /** ending is not NULL here. */
+    vor_status (*stop)(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                       struct vor_error *err);
     vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row,
                          const struct vor_lease *lease, const struct vor_store_ending *ending,
                          int *changed, struct vor_error *err);

@@ -20,6 +20,12 @@ static void close_store(struct vor_store *store)
     free(store);
 }
 
+static int take_secret(void *ctx, struct vor_sql_row *row)
+{
+    vor_sql_copy(row, ctx, sizeof((struct vor_store *)0)->secret);
+    return 1;
+}
+
 static vor_status open_server(struct postgres_store *store, const char *where, int may_share,
                               long *holder, struct vor_error *err)
 {
@@ -36,7 +42,11 @@ static vor_status open_server(struct postgres_store *store, const char *where, i
         *holder = -1;
         return vor_fail(err, VOR_E_IO, "another daemon is already using the job store");
     }
-    return status == VOR_OK ? vor_postgres_prepare_schema(store->server, err) : status;
+    if (status == VOR_OK)
+        status = vor_postgres_prepare_schema(store->server, err);
+    return status == VOR_OK ? vor_sql_query(store->base.db, take_secret, store->base.base.secret,
+                                            err, "SELECT secret FROM voronoid_schema", "")
+                            : status;
 }
 
 /* The connection string of a place: //HOST/DATABASE is the rest of a URI. */

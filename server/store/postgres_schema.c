@@ -3,7 +3,7 @@
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
-enum { SCHEMA_VERSION = 3 };
+enum { SCHEMA_VERSION = 4 };
 
 /* clang-format off */
 
@@ -127,12 +127,18 @@ enum { SCHEMA_VERSION = 3 };
     "ALTER TABLE job SET (autovacuum_vacuum_scale_factor = 0.02);"                                 \
     "UPDATE voronoid_schema SET version = 3;"
 
+#define FROM_3                                                                                     \
+    "ALTER TABLE voronoid_schema ADD COLUMN secret text NOT NULL DEFAULT"                          \
+    " gen_random_uuid()::text || gen_random_uuid()::text;"                                         \
+    "ALTER TABLE job ADD COLUMN stop bigint NOT NULL DEFAULT 0;"                                   \
+    "UPDATE voronoid_schema SET version = 4;"
+
 /* clang-format on */
 
 static const struct {
     int64_t from;
     const char *sql;
-} steps[] = {{1, FROM_1}, {2, FROM_2}};
+} steps[] = {{1, FROM_1}, {2, FROM_2}, {3, FROM_3}};
 
 static vor_status read_version(struct vor_sql *sql, int64_t *version, struct vor_error *err)
 {
@@ -158,9 +164,10 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "the job store: the table \"job\" of this database belongs to another program; "
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
-        made = vor_postgres_run(
-            db, FUNCTIONS TABLES INDEXES "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2,
-            &failure);
+        made = vor_postgres_run(db,
+                                FUNCTIONS TABLES INDEXES
+                                "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2 FROM_3,
+                                &failure);
     if (status == VOR_OK)
         status = read_version(sql, &version, err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {

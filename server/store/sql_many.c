@@ -149,6 +149,7 @@ static int take_leased(void *ctx, struct vor_sql_row *row)
 
         vor_sql_copy(row, job->id.text, sizeof job->id.text);
         job->attempt = (uint32_t)vor_sql_number(row);
+        job->stops = (int)vor_sql_number(row);
     }
     renewal->count++;
     return 1;
@@ -171,11 +172,13 @@ vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
                                             "tit", renewal->owner, renewal->lease_ms,
                                             renewal->build.engine),
                              err);
-    return status == VOR_OK ? vor_sql_query(db, take_leased, renewal, err,
-                                            "SELECT id, attempt FROM job WHERE status = 'running'"
-                                            " AND expired = 0 AND owner = ?1",
-                                            "t", renewal->owner)
-                            : status;
+    return status == VOR_OK
+               ? vor_sql_query(
+                     db, take_leased, renewal, err,
+                     "SELECT id, attempt, stop = attempt FROM job WHERE status = 'running'"
+                     " AND expired = 0 AND owner = ?1",
+                     "t", renewal->owner)
+               : status;
 }
 
 /* The row of an owner stays for an hour, should it come back. */

@@ -121,6 +121,14 @@ vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_v
     return status;
 }
 
+vor_status vor_sql_stop(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                        struct vor_error *err)
+{
+    return vor_sql_change(vor_sql_of(store), changed, err,
+                          "UPDATE job SET stop = attempt WHERE id = ? AND status = 'running'", "t",
+                          id->text);
+}
+
 static void take_crashes(void *ctx, struct vor_sql_row *row)
 {
     struct vor_hand_back *run = ctx;

@@ -23,6 +23,8 @@ vor_status vor_sql_insert(struct vor_store *store, struct vor_job_view *row,
 vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_view *row,
                                  const struct vor_lease *lease, const struct vor_event_piece *piece,
                                  int *changed, struct vor_error *err);
+vor_status vor_sql_stop(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                        struct vor_error *err);
 vor_status vor_sql_hand_back(struct vor_store *store, const struct vor_uuid *id,
                              struct vor_hand_back *run, struct vor_error *err);
 vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *row,
@@ -77,7 +79,7 @@ vor_status vor_sql_copy_all(struct vor_store *into, struct vor_store *from,
 /** These rows of a driver's table. */
 #define VOR_SQL_VERBS                                                                              \
     .insert = vor_sql_insert, .claim_next = vor_sql_claim_next, .renew = vor_sql_renew,            \
-    .append_events = vor_sql_append_events, .hand_back = vor_sql_hand_back,                        \
+    .append_events = vor_sql_append_events, .stop = vor_sql_stop, .hand_back = vor_sql_hand_back,  \
     .finish = vor_sql_finish, .remove = vor_sql_remove, .get = vor_sql_get,                        \
     .ledger = vor_sql_ledger, .find_key = vor_sql_find_key, .report = vor_sql_report,              \
     .events = vor_sql_events, .list = vor_sql_list, .waiting = vor_sql_waiting,                    \

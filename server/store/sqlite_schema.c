@@ -4,7 +4,7 @@
 
 /* Version 8 is the first that is kept: what comes later goes on from it. A store of version 6 is
  * brought up to it; versions 1 to 5 and 7 were never released. */
-enum { SCHEMA_VERSION = 12 };
+enum { SCHEMA_VERSION = 13 };
 
 /* A row of job is short and is written when the state changes. What is long and is asked for by
  * itself stands in job_blob, which job's triggers empty. ledger is what each principal has, and the
@@ -154,13 +154,17 @@ static const char from_11[] =
     "BEGIN; ALTER TABLE ledger ADD COLUMN version INTEGER NOT NULL DEFAULT 0;"
     "CREATE VIEW queue AS SELECT 0 AS head, coalesce(max(turn), 0) AS served FROM ledger;"
     "PRAGMA user_version=12; COMMIT;";
+
+/* stop is the attempt that is to end. */
+static const char from_12[] = "BEGIN; ALTER TABLE job ADD COLUMN stop INTEGER NOT NULL DEFAULT 0;"
+                              "PRAGMA user_version=13; COMMIT;";
 /* clang-format on */
 
 static const struct {
     int64_t from, to;
     const char *sql;
-} steps[] = {{0, 8, first},   {6, 8, from_6},    {8, 9, from_8},
-             {9, 10, from_9}, {10, 11, from_10}, {11, 12, from_11}};
+} steps[] = {{0, 8, first},     {6, 8, from_6},    {8, 9, from_8},   {9, 10, from_9},
+             {10, 11, from_10}, {11, 12, from_11}, {12, 13, from_12}};
 
 vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
 {
@@ -178,7 +182,7 @@ vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *er
         return vor_fail(
             err, VOR_E_IO,
             "the job database has schema %lld, but this version reads only 6, 8, "
-            "9, 10, 11 and %d: start the version that wrote the database, or choose another "
+            "9, 10, 11, 12 and %d: start the version that wrote the database, or choose another "
             "--data",
             (long long)version, SCHEMA_VERSION);
     return status;

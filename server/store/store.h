@@ -35,6 +35,12 @@ static inline int vor_store_is_shared(const struct vor_store *store)
     return store->is_shared;
 }
 
+/** A random text that all daemons of the store know, and nobody else; "" where it has but one. */
+static inline const char *vor_store_secret(const struct vor_store *store)
+{
+    return store->secret;
+}
+
 /** Keeps so many bytes of the store's disk (server/base/reserve.h), and some that are left to the
  *  next opening however full it gets, if it has a disk here, from now
  *  on: on a full one they are given up for vor_store_finish, _hand_back, _remove, _evict and
@@ -123,6 +129,16 @@ VOR_NODISCARD static inline vor_status vor_store_append_events(struct vor_store 
                                                                int *changed, struct vor_error *err)
 {
     return store->driver->append_events(store, row, lease, piece, changed, err);
+}
+
+/** Asks the owner of a running attempt to end it now, with what it has: vor_store_renew tells him.
+ *
+ *  @param[out] changed  0 when the job does not run */
+VOR_NODISCARD static inline vor_status vor_store_stop(struct vor_store *store,
+                                                      const struct vor_uuid *id, int *changed,
+                                                      struct vor_error *err)
+{
+    return store->driver->stop(store, id, changed, err);
 }
 
 /** running -> accepted, in its place: the daemon goes down in good order, or the run's process has

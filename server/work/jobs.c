@@ -340,13 +340,24 @@ enum vor_job_outcome vor_worker_cancel(struct vor_worker *worker, const struct v
     return dismiss(worker, id, why, &view, err);
 }
 
+static enum vor_job_outcome stop_elsewhere(struct vor_worker *worker, const struct vor_uuid *id,
+                                           struct vor_error *err)
+{
+    int changed = 0;
+
+    if (vor_store_stop(worker->config.store, id, &changed, err) != VOR_OK)
+        return VOR_FAILED;
+    return changed ? VOR_DONE : VOR_CONFLICT;
+}
+
 static void run_dismissal(void *ctx)
 {
     struct vor_dismissal *dismissal = ctx;
     struct vor_worker *worker = dismissal->worker;
 
     dismissal->outcome =
-        dismissal->is_cancel
+        dismissal->is_stop ? stop_elsewhere(worker, &dismissal->id, &dismissal->error)
+        : dismissal->is_cancel
             ? vor_worker_cancel(worker, &dismissal->id, dismissal->why, &dismissal->error)
             : vor_worker_dismiss(worker, &dismissal->id, dismissal->why, &dismissal->view,
                                  &dismissal->error);

@@ -43,7 +43,8 @@ static void return_unheard(struct vor_worker *worker, const struct vor_leased *l
     }
 }
 
-static int is_leased(const struct vor_renewal *renewal, const struct vor_runner *runner)
+/* What another daemon has done to the job of a runner. */
+static void ask_as_told(const struct vor_renewal *renewal, const struct vor_runner *runner)
 {
     size_t i = 0;
 
@@ -51,7 +52,10 @@ static int is_leased(const struct vor_renewal *renewal, const struct vor_runner 
            (renewal->job[i].attempt != runner->attempt ||
             strcmp(renewal->job[i].id.text, vor_job_id(runner->job)->text) != 0))
         i++;
-    return i < renewal->count;
+    if (i == renewal->count)
+        vor_job_ask(runner->job, VOR_CANCEL);
+    else if (renewal->job[i].stops)
+        vor_job_ask(runner->job, VOR_STOP);
 }
 
 void vor_worker_renew(struct vor_worker *worker)
@@ -79,8 +83,8 @@ void vor_worker_renew(struct vor_worker *worker)
     pthread_mutex_lock(&worker->mutex);
     for (unsigned i = 0;
          status == VOR_OK && renewal.count <= renewal.max && i < worker->runner_count; i++)
-        if (worker->runners[i].job != NULL && !is_leased(&renewal, &worker->runners[i]))
-            vor_job_ask(worker->runners[i].job, VOR_CANCEL);
+        if (worker->runners[i].job != NULL)
+            ask_as_told(&renewal, &worker->runners[i]);
     for (size_t i = 0; status == VOR_OK && i < renewal.count && i < renewal.max; i++)
         if (!is_run(worker, &jobs[i]))
             *unheard++ = jobs[i];

@@ -214,6 +214,7 @@ struct vor_dismissal {
     struct vor_fairness_key caller;                /**< who shares the threads with others */
     const char *why;                               /**< borrowed */
     int is_cancel;                                 /**< cancel; view is not set then */
+    int is_stop;                                   /**< a job that another daemon runs; likewise */
     void (*done)(struct vor_dismissal *dismissal); /**< on that thread; may free the struct */
     void *ctx;
     enum vor_job_outcome outcome; /**< from here: the answer */
@@ -239,7 +240,7 @@ void vor_worker_settle(struct vor_worker *worker, double seconds);
 /** Ends a running job with the best cloud so far; it becomes successful. Does not wait.
  *
  *  @retval VOR_DONE, VOR_UNKNOWN, VOR_FAILED
- *  @retval VOR_CONFLICT the job does not run */
+ *  @retval VOR_CONFLICT the job does not run here: elsewhere a vor_dismissal with is_stop asks */
 VOR_NODISCARD enum vor_job_outcome
 vor_worker_stop(struct vor_worker *worker, const struct vor_uuid *id, struct vor_error *err);
 

@@ -39,7 +39,8 @@ my $long = $daemon->submit('points=2000&iterations=200', $cloud);
 ok wait_until(sub { $daemon->status($long) eq 'running' }), 'a job runs';
 $daemon->stop('KILL');
 ask('daemons', 'DROP VIEW queue; DROP FUNCTION ledger_add; ALTER TABLE ledger DROP COLUMN version, DROP COLUMN head, DROP COLUMN served,'
-    . ' ADD PRIMARY KEY (principal); CREATE INDEX ledger_turn ON ledger (turn); UPDATE voronoid_schema SET version = 2');
+    . ' ADD PRIMARY KEY (principal); CREATE INDEX ledger_turn ON ledger (turn); ALTER TABLE job DROP COLUMN stop;'
+    . ' ALTER TABLE voronoid_schema DROP COLUMN secret; UPDATE voronoid_schema SET version = 2');
 my $next = Vt->start(dir => $daemon->{dir}, store => "postgres:host=127.0.0.1 port=$port user=voronoid dbname=daemons", jobs => 1);
 is $next->finish($long)->{status}, 'successful', 'the next daemon runs what the killed one ran, from tables of the version before';
 is $next->finish($report->{jobID})->{status}, 'successful', 'and has its results';

@@ -68,8 +68,8 @@ VT_TEST(what_is_no_store_is_refused)
 /* The version of a SQLite file's schema is the big-endian number at byte 60. */
 VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
 {
-    static const int versions[] = {7, 13};
-    char wanted[64];
+    static const int versions[] = {7, 14};
+    char wanted[80];
     const char *dir = vt_dir_make();
     struct vor_store *store = vt_dir_store(dir);
     char where[512];
@@ -81,13 +81,14 @@ VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
     file = fopen(where + 7, "r+");
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
-    ck_assert_int_eq(fgetc(file), 12);
+    ck_assert_int_eq(fgetc(file), 13);
     ck_assert_int_eq(fseek(file, 63, SEEK_SET), 0);
     ck_assert_int_eq(fputc(versions[_i], file), versions[_i]);
     fclose(file);
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, 0, &holder, &vt_err));
-    (void)snprintf(wanted, sizeof wanted,
-                   "schema %d, but this version reads only 6, 8, 9, 10, 11 and 12: ", versions[_i]);
+    (void)snprintf(
+        wanted, sizeof wanted,
+        "schema %d, but this version reads only 6, 8, 9, 10, 11, 12 and 13: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
 }
@@ -128,7 +129,8 @@ static const char store_of_version_6[] =
 static const char back_to_version_8[] =
     "DELETE FROM round WHERE number >= 0; UPDATE round SET number = -1 - number;"
     "DROP TRIGGER events_expired; DROP TRIGGER events_removed; DROP VIEW queue;"
-    "ALTER TABLE ledger DROP COLUMN version; ALTER TABLE job DROP COLUMN engine; ALTER TABLE job "
+    "ALTER TABLE ledger DROP COLUMN version; ALTER TABLE job DROP COLUMN stop;"
+    "ALTER TABLE job DROP COLUMN engine; ALTER TABLE job "
     "DROP COLUMN release;"
     "DROP TABLE daemon; ALTER TABLE job_blob ADD COLUMN trace BLOB;"
     "UPDATE job_blob SET trace = (SELECT data FROM event WHERE event.seq = job_blob.seq);"

@@ -220,7 +220,7 @@ VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
     ck_assert(vt_append(store, rows[0], 10, &late, 2));
     vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
     vt_assert_ok(vor_store_reap(store, "other", 0, 150, &reaped, &vt_err));
-    ck_assert_uint_eq(reaped, 0); /* the lease has not ended */
+    ck_assert(reaped == 0 && !left[0].stops); /* the lease has not ended */
     renewal.lease_ms = -1;
     vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
     vt_assert_ok(vor_store_reap(store, "late", 1, 150, &reaped, &vt_err));
@@ -246,8 +246,9 @@ VT_TEST(an_owner_whose_lease_was_reaped_changes_nothing_and_is_told)
     row = vt_stored(store, &rows[0].id);
     ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2 && row.progress == 10);
     renewal.lease_ms = hour_ms;
+    vt_assert_ok(vor_store_stop(store, &rows[1].id, &changed, &vt_err));
     vt_assert_ok(vor_store_renew(store, &renewal, &vt_err));
-    ck_assert(renewal.count == 1 && left[0].attempt == 1);
+    ck_assert(changed && renewal.count == 1 && left[0].attempt == 1 && left[0].stops);
     ck_assert_str_eq(left[0].id.text, rows[1].id.text);
     vt_assert_ok(vor_store_reap(store, "other", 0, 250, &reaped, &vt_err));
     ck_assert_uint_eq(reaped, 0); /* renewed */

@@ -35,7 +35,7 @@ static enum vor_next reply_job(struct vor_app *app, struct vor_request *request,
     return vor_app_reply(app, request, http, "application/json", &text);
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+static enum vor_next begin(struct vor_app *app, struct vor_request *request, int is_stop)
 {
     struct dismissal *dismissal;
     struct vor_uuid id;
@@ -50,6 +50,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     dismissal->work = (struct vor_dismissal){.id = id,
                                              .caller = vor_auth_fairness_key(request),
                                              .why = "dismissed by the caller",
+                                             .is_stop = is_stop,
                                              .done = on_dismissed,
                                              .ctx = &dismissal->deferred};
     vor_deferred_begin(&dismissal->deferred, request, free_dismissal);
@@ -58,20 +59,26 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     return VOR_NEXT_STAY;
 }
 
+/* Until a thread of the worker has done it. */
+static enum vor_next wait_for(struct vor_app *app, struct vor_request *request, const char *ended)
+{
+    if (!vor_request_closing(request))
+        return VOR_NEXT_STAY;
+    return vor_problem_say(app, request, "draining",
+                           "the daemon is shutting down; after the next start of the daemon, the "
+                           "status of the job shows whether it is %s",
+                           ended);
+}
+
 enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
     const struct dismissal *dismissal = vor_request_state(request);
 
     if (step == VOR_STEP_HEAD)
-        return begin(app, request);
-    if (!vor_deferred_is_done(&dismissal->deferred)) {
-        if (!vor_request_closing(request))
-            return VOR_NEXT_STAY;
-        return vor_problem_say(app, request, "draining",
-                               "the daemon is shutting down; after the next start of the "
-                               "daemon, the status of the job shows whether it is dismissed");
-    }
+        return begin(app, request, 0);
+    if (!vor_deferred_is_done(&dismissal->deferred))
+        return wait_for(app, request, "dismissed");
     if (dismissal->work.outcome != VOR_DONE)
         return vor_outcome_reply(app, request, dismissal->work.outcome, &dismissal->work.error,
                                  &dismissal->work.id);
@@ -80,15 +87,25 @@ enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vo
 
 enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
 {
+    const struct dismissal *asked = vor_request_state(request);
     struct vor_app *app = ctx;
     struct vor_job_view view;
     struct vor_error err;
     enum vor_job_outcome outcome;
 
-    (void)step;
+    if (step != VOR_STEP_HEAD && !vor_deferred_is_done(&asked->deferred))
+        return wait_for(app, request, "stopped");
     if (!vor_job_look_up(app, request, &view))
         return VOR_NEXT_REPLY;
-    outcome = vor_worker_stop(app->worker, &view.id, &err);
+    if (step == VOR_STEP_HEAD) {
+        outcome = vor_worker_stop(app->worker, &view.id, &err);
+        if (outcome == VOR_CONFLICT && view.status == VOR_JOB_RUNNING &&
+            vor_store_is_shared(app->store))
+            return begin(app, request, 1);
+    } else {
+        outcome = asked->work.outcome;
+        err = asked->work.error;
+    }
     if (outcome == VOR_CONFLICT) {
         struct vor_problem problem = VOR_PROBLEM_INIT("not-running");
 

@@ -58,7 +58,7 @@ enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(app, request, &view);
     vor_app_result_url(app, request, &view.id, output->name, url);
-    vor_ticket_write(app->tickets, &view.id, output->name, vor_clock_seconds(), ticket);
+    vor_ticket_write(app->tickets, &view.id, output->name, vor_tickets_now(app->tickets), ticket);
     (void)snprintf(whole, sizeof whole, "%s?ticket=%s", url, ticket);
     vor_clock_text(vor_clock_wall_ms() + (int64_t)VOR_TICKET_SECONDS * MS, expires);
     vor_text_init(&text, 0);
