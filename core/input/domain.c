@@ -9,10 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    BLOCK = 1 << 16, /* points of one task */
-    SIXTH = 6
-};
+enum { BLOCK = 1 << 16 }; /* points of one task */
 
 /* Share of the sample that is not sparser than vor_domain.sparse: a spacing beyond it is believed
  * nowhere, so that a lone point does not gather a ring of results around it. At 0.99 / 0.999 / 1
@@ -251,19 +248,20 @@ vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run
     if (status == VOR_OK) {
         /* Sets sparse from a sample of points at equal steps along the order. */
         size_t n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
-        unsigned k = domain->n > SIXTH ? SIXTH + 1 : (unsigned)domain->n;
+        unsigned k = domain->n > VOR_DOMAIN_SIXTH ? VOR_DOMAIN_SIXTH + 1 : (unsigned)domain->n;
         float far2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
 
         for (size_t i = 0; i < n; i++) {
             size_t at = (size_t)((double)i / (double)n * (double)domain->n);
-            uint32_t index[SIXTH + 1];
-            float distance2[SIXTH + 1];
+            uint32_t index[VOR_DOMAIN_SIXTH + 1];
+            float distance2[VOR_DOMAIN_SIXTH + 1];
 
             vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
             far2[i] = distance2[k - 1];
         }
         vor_sort_floats(far2, n);
         domain->sparse = sqrt((double)far2[rank_below_gap(far2, n)]);
+        domain->usual6 = sqrt((double)far2[n / 2]);
     }
     return status;
 }

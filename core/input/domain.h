@@ -19,6 +19,9 @@ struct vor_islands {
     uint32_t *member;     /**< points */
 };
 
+/** The neighbour at which the spacing of an input is told: it is around a place of a lattice. */
+enum { VOR_DOMAIN_SIXTH = 6 };
+
 /** Point i of the domain is point source[i] of the input (the first of those that coincide); the
  *  input's relative position is xyz * unit + shift. unit is a power of two, so that scaling loses
  *  nothing; every |xyz| <= 1. */
@@ -32,6 +35,7 @@ struct vor_domain {
     double sparse;       /**< largest spacing that is believed: a quantile of the distances to the
                               sixth neighbour, lone points left out (SPARSE_SHARE and LONE_GAP in
                               domain.c) */
+    double usual6;       /**< median of the distances to the sixth neighbour */
     struct vor_knn *knn; /**< over xyz */
     struct vor_graph graph;        /**< neighbours on the same sheet, where they were asked for
                                         (input/adjacency.h) */
@@ -61,7 +65,7 @@ struct vor_domain {
 VOR_NODISCARD vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
                                          const struct vor_run *run, struct vor_error *err);
 
-/** Indexes the n >= 1 points in xyz, and sets sparse.
+/** Indexes the n >= 1 points in xyz, and sets sparse and usual6.
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED, VOR_E_STOPPED
  *

@@ -237,7 +237,8 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
     if (status == VOR_OK)
         status = filter(domain, spec, run, err);
     if (status == VOR_OK)
-        status = spread ? vor_islands_take(domain, run, err) : vor_islands_count(domain, run, err);
+        status = spread ? vor_islands_take(domain, vor_spec_target(spec, domain->n), run, err)
+                        : vor_islands_count(domain, run, err);
     return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
 }
 

@@ -5,6 +5,7 @@
 #include "core/input/remote.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 /* Times vor_domain.sparse that parts are clear of each other. By all pairs of points,
@@ -23,7 +24,8 @@ enum {
      * spacings outside; at 4, parts of 60 and 80 points would be held to their own, which get 77 to
      * 88 results of 80, at most half a spacing outside. */
     FITS = 2,
-    BLOCK = 64 /* islands of one task */
+    BLOCK = 64,       /* islands of one task */
+    LOOK_BLOCK = 4096 /* points that one task looks at */
 };
 
 #define LARGE UINT32_MAX
@@ -41,35 +43,115 @@ static void free_parts(struct parts *parts, struct vor_memory *memory)
     VOR_FREE_ALL(memory, parts->size, parts->root);
 }
 
-/* Finds the parts; root and size are set only if there are several. */
-static vor_status find_parts(struct parts *parts, const struct vor_domain *domain,
+/* Looking for lone points. */
+struct lone {
+    const struct vor_domain *domain;
+    double least2;     /* square of the gap around it, at least */
+    unsigned char *is; /* n */
+    atomic_size_t count;
+};
+
+/* Whether the next points of the order on both sides lie farther away than is usual: so they do
+ * around every lone point, and around few others. */
+static int may_be_lone(const struct lone *lone, size_t i)
+{
+    const struct vor_domain *domain = lone->domain;
+    const float *x = &domain->xyz[3 * i];
+    double near2 = fmax(domain->usual6 * domain->usual6, lone->least2);
+
+    return (i == 0 || vor_distance2f(x, x - 3) > near2) &&
+           (i + 1 == domain->n || vor_distance2f(x, x + 3) > near2);
+}
+
+static void lone_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct lone *lone = ctx;
+    const struct vor_domain *domain = lone->domain;
+    unsigned k = domain->n > VOR_DOMAIN_SIXTH ? VOR_DOMAIN_SIXTH + 1 : (unsigned)domain->n;
+    size_t count = 0;
+
+    for (size_t i = begin; i < end; i++) {
+        uint32_t index[VOR_DOMAIN_SIXTH + 1];
+        float distance2[VOR_DOMAIN_SIXTH + 1] = {0};
+        double gap2;
+
+        if (!may_be_lone(lone, i))
+            continue;
+        vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, 2, index, distance2);
+        gap2 = (double)distance2[1];
+        if (!(gap2 > lone->least2))
+            continue;
+        vor_knn_search(domain->knn, &domain->xyz[3 * (size_t)index[1]], 1, k, index, distance2);
+        lone->is[i] = gap2 > CLEAR * CLEAR * (double)distance2[k - 1];
+        count += lone->is[i];
+    }
+    atomic_fetch_add(&lone->count, count);
+}
+
+/* Makes each lone point a part of its own. */
+static void part_lone(struct parts *parts, const struct lone *lone, size_t n)
+{
+    uint32_t *first = parts->size; /* of those that stay with a root */
+
+    for (size_t i = n; i-- > 0;)
+        if (!lone->is[i])
+            first[parts->root[i]] = (uint32_t)i;
+    for (size_t i = 0; i < n; i++)
+        parts->root[i] = lone->is[i] ? (uint32_t)i : first[parts->root[i]];
+    memset(first, 0, n * sizeof *first);
+}
+
+/* Sets size, and counts the small parts. */
+static vor_status measure_parts(struct parts *parts, const struct lone *lone, size_t n,
+                                struct vor_memory *memory, struct vor_error *err)
+{
+    size_t count = 0;
+
+    parts->size = vor_calloc(memory, n, sizeof *parts->size);
+    if (parts->size == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    if (parts->count == 1)
+        memset(parts->root, 0, n * sizeof *parts->root);
+    part_lone(parts, lone, n);
+    for (size_t i = 0; i < n; i++)
+        parts->size[parts->root[i]]++;
+    for (size_t i = 0; i < n; i++) {
+        count += parts->size[i] > 0;
+        if (parts->size[i] > 0 && parts->size[i] < parts->least) {
+            parts->small++;
+            parts->points += parts->size[i];
+        }
+    }
+    parts->count = count;
+    return VOR_OK;
+}
+
+/* Finds the parts, lone points with a gap around them among them; root and size are set only if
+ * there are several. */
+static vor_status find_parts(struct parts *parts, const struct vor_domain *domain, double gap,
                              const struct vor_run *run, struct vor_error *err)
 {
     double clear = CLEAR * domain->sparse;
+    struct lone lone = {.domain = domain, .least2 = gap * gap};
     vor_status status;
 
     parts->count = 1;
     if (!(clear >= CLEAR_MIN))
         return VOR_OK;
     parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
-    if (parts->root == NULL)
+    lone.is = vor_calloc(run->memory, domain->n, sizeof *lone.is);
+    if (parts->root == NULL || lone.is == NULL) {
+        vor_free(run->memory, lone.is);
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    }
     status = vor_knn_join(parts->root, &parts->count, domain->knn, clear, run, err);
-    if (status != VOR_OK || parts->count == 1)
-        return status;
-    parts->size = vor_calloc(run->memory, domain->n, sizeof *parts->size);
-    if (parts->size == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    for (size_t i = 0; i < domain->n; i++)
-        parts->size[parts->root[i]]++;
-    for (size_t i = 0; i < domain->n; i++)
-        if (parts->size[i] > 0 && parts->size[i] < parts->least) {
-            parts->small++;
-            parts->points += parts->size[i];
-        }
-    return VOR_OK;
+    if (status == VOR_OK && gap < INFINITY)
+        status = vor_run_for(run, domain->n, LOOK_BLOCK, lone_block, &lone, err);
+    if (status == VOR_OK && (parts->count > 1 || atomic_load(&lone.count) > 0))
+        status = measure_parts(parts, &lone, domain->n, run->memory, err);
+    vor_free(run->memory, lone.is);
+    return status;
 }
-
 /* Lists the points of the small parts, part by part. Afterwards size is LARGE where a large part
  * begins. */
 static vor_status list_members(struct vor_islands *islands, struct parts *parts, size_t n,
@@ -169,11 +251,12 @@ static vor_status take_out(struct vor_domain *domain, struct parts *parts,
     return index_again(domain, run, err);
 }
 
-vor_status vor_islands_take(struct vor_domain *domain, const struct vor_run *run,
+vor_status vor_islands_take(struct vor_domain *domain, double target, const struct vor_run *run,
                             struct vor_error *err)
 {
     struct parts parts = {.least = (size_t)FITS * domain->known.neighbors.usual};
-    vor_status status = find_parts(&parts, domain, run, err);
+    double n = (double)domain->n, coarser = target > 0 && target < n ? sqrt(n / target) : 1;
+    vor_status status = find_parts(&parts, domain, CLEAR * coarser * domain->usual6, run, err);
 
     domain->known.parts = parts.count;
     if (status == VOR_OK && parts.points > 0)
@@ -188,7 +271,7 @@ vor_status vor_islands_count(struct vor_domain *domain, const struct vor_run *ru
                              struct vor_error *err)
 {
     struct parts parts = {.least = (size_t)FITS * domain->known.neighbors.usual};
-    vor_status status = find_parts(&parts, domain, run, err);
+    vor_status status = find_parts(&parts, domain, INFINITY, run, err);
 
     domain->known.parts = parts.count;
     domain->known.islands = parts.small;
@@ -201,7 +284,7 @@ vor_status vor_islands_drop(struct vor_domain *domain, const struct vor_run *run
                             struct vor_error *err)
 {
     struct parts parts = {.least = VOR_NEIGHBORS_FEWEST};
-    vor_status status = find_parts(&parts, domain, run, err);
+    vor_status status = find_parts(&parts, domain, INFINITY, run, err);
 
     if (status == VOR_OK && parts.points > 0 && parts.points <= domain->n / VOR_REMOTE_FEW)
         status = take_out(domain, &parts, run, err);

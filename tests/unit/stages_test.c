@@ -163,7 +163,7 @@ ON_DOMAIN(outliers)
 
 ON_DOMAIN(islands)
 {
-    vor_status status = vor_islands_take(domain, call->run, &vt_err);
+    vor_status status = vor_islands_take(domain, 0, call->run, &vt_err);
 
     ck_assert(status != VOR_OK || domain->n < call->in->n);
     hash_domain(call, domain);
