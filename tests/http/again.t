@@ -221,9 +221,16 @@ is $daemon->post('/v1/resample', form(@quick, $_, ['file', $cloud, 'x']), @form)
     for ['previous', "job:$from"], ['previous', $third->{content}, 'p.ply'];
 is_problem($daemon->post("/v1/resample?previous=job:$from", form(@quick, ['previous', $cloud, 'p'], ['file', $cloud, 'x']), @form), 400,
     'invalid-parameter', 'not both');
-my $unended = id_of($daemon->post($endless, $cloud, @async));
-is_problem($daemon->post("$quick&previous=job:$unended", $cloud), 404, 'result-not-ready', 'a job that has not ended has no result');
-$daemon->request('DELETE', "/v1/jobs/$unended");
+for my $ends (['POST', '/stop', qr/\AHTTP\S+ 200 .*^property uint track$/ms], ['DELETE', '', qr/\AHTTP\S+ 404 .*result-not-available/s]) {
+    my $unended = id_of($daemon->post($endless, $cloud, @async));
+    my $socket = $daemon->connect; # the next frame
+    print $socket "POST $quick&previous=job:$unended HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: "
+        . length($cloud) . "\r\n\r\n$cloud";
+    $socket->flush;
+    ok wait_until(sub { json($daemon->get("/v1/jobs/$unended"))->{status} eq 'running' }), 'a job runs';
+    $daemon->request($ends->[0], "/v1/jobs/$unended$ends->[1]");
+    like do { local $/; <$socket> }, $ends->[2], 'the request that goes on from it is answered once it has ended';
+}
 is_problem($daemon->post("$quick&previous=job:" . id_of($measured), $cloud), 404, 'no-such-output', 'nor has one that measures');
 require IO::Compress::Gzip;
 IO::Compress::Gzip::gzip(\$cloud, \my $gzipped);

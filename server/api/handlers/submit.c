@@ -1,5 +1,6 @@
 /* A job from its upload to the answer. The head is read and refused before the body comes; the body
- * goes to a file, or to one for each file of a form, or is JSON and refused; a thread of admission
+ * goes to a file, or to one for each file of a form, or is JSON and refused; the request waits for
+ * the end of the job that it goes on from (previous=job:ID), if it has one; a thread of admission
  * decodes it and accepts the job; then the caller gets 201, a stream, or waits for the result.
  *
  * The request may be over while admission still works for it, so both hold the same struct.
@@ -40,13 +41,15 @@ struct submission {
     bool replayed;       /* the job is that of an earlier request with this key */
     bool packed;         /* an upload came as gzip: its key's job is found once it is inflated */
     bool headed;         /* the reply has its headers already */
+    bool follows;        /* waits for the end of the job that it goes on from */
     bool waits;          /* for the end of the job */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
     struct vor_error error;
     struct vor_job_view view;
     struct vor_dismissal cancel; /* once the caller has left */
-    struct vor_job *job;         /* of whose end the request is told; NULL: it is over */
+    struct vor_job *job;         /* of whose end the request is told, its own or before that the one
+                                    it goes on from; NULL: it is over */
     struct vor_subscriber subscriber;
 };
 
@@ -254,10 +257,30 @@ static bool end_body(struct vor_app *app, struct vor_request *request,
     }
     if (submission->form != NULL && !vor_submit_form_end(submission->form))
         return false;
-    if (!vor_submit_options_open(app, request, &head->options, head->spec.process,
-                                 &submission->uploads))
-        return false;
     return submission->form == NULL || vor_submit_complete(app, request, head);
+}
+
+static void on_event(void *ctx, enum vor_event_kind kind)
+{
+    if (kind == VOR_EVENT_END)
+        vor_waker_wake(ctx);
+}
+
+/* Has the request told of the end of a job. One that is over has no live job. */
+static enum vor_job_outcome subscribe(struct vor_app *app, const char *tenant,
+                                      struct submission *submission, const struct vor_uuid *id)
+{
+    struct vor_followed followed;
+    enum vor_job_outcome outcome =
+        vor_worker_follow(app->worker, id, tenant, &followed, &submission->error);
+
+    if (outcome != VOR_DONE)
+        return outcome;
+    submission->subscriber =
+        (struct vor_subscriber){.wake = on_event, .ctx = submission->deferred.waker};
+    submission->job = followed.job;
+    vor_job_subscribe(submission->job, &submission->subscriber);
+    return outcome;
 }
 
 /* Whether nobody waits for admission any more; who has a key can come back. */
@@ -395,12 +418,6 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
     return vor_app_reply(app, request, 201, "application/json", &text);
 }
 
-static void on_event(void *ctx, enum vor_event_kind kind)
-{
-    if (kind == VOR_EVENT_END)
-        vor_waker_wake(ctx);
-}
-
 static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *request,
                                   struct submission *submission)
 {
@@ -443,17 +460,11 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
 static enum vor_next start_wait(struct vor_app *app, struct vor_request *request,
                                 struct submission *submission)
 {
-    struct vor_followed followed;
-    enum vor_job_outcome outcome =
-        vor_worker_follow(app->worker, &submission->view.id, NULL, &followed, &submission->error);
+    enum vor_job_outcome outcome = subscribe(app, NULL, submission, &submission->view.id);
 
     if (outcome != VOR_DONE)
         return vor_outcome_reply(app, request, outcome, &submission->error, &submission->view.id);
-    submission->subscriber =
-        (struct vor_subscriber){.wake = on_event, .ctx = submission->deferred.waker};
     submission->waits = true;
-    submission->job = followed.job;
-    vor_job_subscribe(submission->job, &submission->subscriber);
     if (submission->head.wait_seconds >= 0)
         submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
     return wait_for_end(app, request, submission);
@@ -486,6 +497,45 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     return start_wait(app, request, submission);
 }
 
+/* Answers a request whose key is that of a job, and admits any other. */
+static enum vor_next take_in(struct vor_app *app, struct vor_request *request,
+                             struct submission *submission)
+{
+    enum vor_job_outcome outcome = VOR_UNKNOWN;
+    struct vor_submit_inputs inputs;
+
+    if (!vor_submit_options_open(app, request, &submission->head.options,
+                                 submission->head.spec.process, &submission->uploads))
+        return VOR_NEXT_REPLY;
+    for (unsigned i = 0; i < submission->uploads.count; i++)
+        submission->packed |= submission->uploads.item[i].is_gzip;
+    if (has_key(submission) && !submission->packed) {
+        vor_submit_inputs_of_uploads(&inputs, &submission->uploads);
+        outcome = vor_submit_options_find(&submission->head.options, app, &submission->head.spec,
+                                          &inputs, &submission->view, &submission->error);
+    }
+    if (outcome == VOR_UNKNOWN)
+        return admit(app, request, submission);
+    end_flight(submission);
+    submission->replayed = outcome == VOR_DONE;
+    submission->outcome = outcome;
+    return accepted(app, request, submission);
+}
+
+/* Waits until the job is over that the request goes on from, so that frames of a sequence may be
+ * sent before the one before them is done. */
+static enum vor_next wait_for_previous(struct vor_app *app, struct vor_request *request,
+                                       struct submission *submission)
+{
+    submission->follows = submission->job != NULL && !vor_job_is_over(submission->job);
+    if (submission->follows)
+        return vor_problem_or_wait(app, request);
+    vor_job_unsubscribe(submission->job, &submission->subscriber);
+    vor_job_release(submission->job);
+    submission->job = NULL;
+    return take_in(app, request, submission);
+}
+
 enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
@@ -494,27 +544,17 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     if (step == VOR_STEP_HEAD)
         return begin(app, request);
     if (step == VOR_STEP_BODY) {
-        enum vor_job_outcome outcome = VOR_UNKNOWN;
-        struct vor_submit_inputs inputs;
+        const struct vor_uuid *previous = &submission->head.options.previous;
 
         if (!end_body(app, request, submission))
             return VOR_NEXT_REPLY;
-        /* Answers a request whose key is that of a job, and admits any other. */
-        for (unsigned i = 0; i < submission->uploads.count; i++)
-            submission->packed |= submission->uploads.item[i].is_gzip;
-        if (has_key(submission) && !submission->packed) {
-            vor_submit_inputs_of_uploads(&inputs, &submission->uploads);
-            outcome =
-                vor_submit_options_find(&submission->head.options, app, &submission->head.spec,
-                                        &inputs, &submission->view, &submission->error);
-        }
-        if (outcome == VOR_UNKNOWN)
-            return admit(app, request, submission);
-        end_flight(submission);
-        submission->replayed = outcome == VOR_DONE;
-        submission->outcome = outcome;
-        return accepted(app, request, submission);
+        if (previous->text[0] != '\0' &&
+            subscribe(app, vor_auth_tenant(request), submission, previous) != VOR_DONE)
+            submission->job = NULL; /* which is answered when its result is asked for */
+        return wait_for_previous(app, request, submission);
     }
+    if (submission->follows)
+        return wait_for_previous(app, request, submission);
     if (submission->waits)
         return wait_for_end(app, request, submission);
     if (vor_deferred_is_done(&submission->deferred))
