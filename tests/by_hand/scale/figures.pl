@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # usage: figures.pl [PART...]: what several daemons on one PostgreSQL and one S3 reach, with real servers that are started here; parts:
-# churn, finish, workers, large, events. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
+# churn, finish, standby, workers, large, events. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
 use strict;
 use warnings;
 use FindBin;
@@ -10,7 +10,7 @@ use Scale;
 use Time::HiRes qw(time sleep);
 use Vt;
 
-my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish workers large events);
+my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events);
 my $cloud = sphere_ply(4000);
 $| = 1;
 start_postgres() or die Vt::slurp("$Scale::dir/postgres.out");
@@ -34,7 +34,7 @@ if ($want{churn}) {
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
     print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
 }
-exit unless grep { $want{$_} } qw(finish workers large events);
+exit unless grep { $want{$_} } qw(finish standby workers large events);
 
 start_swift() or die Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
@@ -56,14 +56,42 @@ for my $away ($want{finish} ? (20, 45) : ()) {
     $_->stop for @workers;
 }
 
+# A standby takes the place of the server while jobs come and run. It has each change before that is acknowledged.
+if ($want{standby}) {
+    my $second = free_port();
+    copy_server($second);
+    my $both = "postgresql://voronoid\@127.0.0.1:$Scale::postgres,127.0.0.1:$second/daemons?target_session_attrs=read-write";
+    my @daemons = map { Vt->start(%place, store => $both, jobs => 1) } 1 .. 2;
+    my (@ids, $refused);
+    for my $number (1 .. 60) {
+        my $answer = $daemons[$number % 2]->post('/v1/resample?points=1000&iterations=40&delta=0', $cloud, Prefer => 'respond-async');
+        $answer->{status} == 201 ? push @ids, json($answer)->{jobID} : $refused++;
+        stop_postgres('immediate') if $number == 20;
+        promote() if $number == 40;
+        sleep .2;
+    }
+    my %ends;
+    for my $id (@ids) {
+        my $status = wait_until(sub { my $s = eval { $daemons[0]->status($id) } // ''; $s =~ /^(?:successful|failed)$/ ? $s : undef });
+        $ends{ $status // 'stuck' }++;
+    }
+    printf "standby: %d accepted, %d refused meanwhile; ended: %s\n", scalar @ids, $refused // 0, join ', ', map { "$ends{$_} $_" } sort keys %ends;
+    $_->stop for @daemons;
+    Scale::as_user(programs() . '/pg_ctl', '-w', '-D', "$Scale::dir/standby", '-m', 'immediate', 'stop');
+    start_postgres();
+}
+
 # The same jobs by one worker and by two, of one thread each.
 if ($want{workers}) {
     my @rates;
     for my $count (1, 2) {
         my @workers = map { Vt->start(%place, role => 'worker', jobs => 1, threads => 1) } 1 .. $count;
-        my $began = time;
-        my @ids = map { $api[$_ % 2]->submit('points=2000&iterations=60&delta=0', $cloud) } 1 .. 24;
-        wait_until(sub { ask('daemons', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") eq '0' });
+        my @groups = ([map { $_->{pid} } @workers], [map { $_->{pid} } @api], [(Vt::slurp("$Scale::dir/data/postmaster.pid") =~ /^(\d+)/)], [values %Scale::pid]);
+        my ($began, @before) = (time, map { cpu(@$_) } @groups);
+        my @ids = map { $api[$_ % 2]->submit('points=2000&iterations=300&delta=0', $cloud) } 1 .. 12;
+        sleep 1 until ask('daemons', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") eq '0'; # each costs a process there
+        printf "  CPU s of %d workers, of the api daemons, of PostgreSQL, of Swift and pgbouncer: %s; %.1f s\n", $count,
+            join(', ', map { sprintf '%.2f', cpu(@{ $groups[$_] }) - $before[$_] } 0 .. $#groups), time - $began;
         push @rates, @ids / (time - $began);
         $_->stop for @workers;
     }
@@ -109,4 +137,32 @@ if ($want{events}) {
     my $failed = 0;
     for my $pid (@children) { waitpid $pid, 0; $failed += $? != 0 }
     print "events: $failed of 20 readers saw one twice or out of order; stored: ", ask('daemons', 'SELECT count(*), sum(length(data)) FROM event'), "\n";
+}
+
+sub programs { return (sort { $b cmp $a } glob '/usr/lib/postgresql/*/bin')[0] }
+
+# Starts a standby of the server, for which each commit waits from now on.
+sub copy_server {
+    my ($port) = @_;
+    my $standby = "$Scale::dir/standby";
+    Scale::as_user(programs() . '/pg_basebackup', '-R', '-U', 'voronoid', '-h', '127.0.0.1', '-p', $Scale::postgres, '-D', $standby) == 0
+        && Scale::as_user(programs() . '/pg_ctl', '-w', '-D', $standby, '-l', "$standby.log", '-o', "-p $port -k $Scale::dir", 'start') == 0
+        or die Vt::slurp("$Scale::dir/postgres.out");
+    ask('postgres', $_) for "ALTER SYSTEM SET synchronous_standby_names = '*'", 'SELECT pg_reload_conf()';
+}
+
+sub promote { return Scale::as_user(programs() . '/pg_ctl', '-w', '-D', "$Scale::dir/standby", 'promote') }
+
+# Seconds of CPU of these processes and all that they began.
+sub cpu {
+    my (%of, %children, $ticks);
+    for my $file (glob '/proc/[0-9]*/stat') {
+        my ($pid, undef, $parent, @all) = (eval { Vt::slurp($file) } // '') =~ /^(\d+) \(.*\) (\S) (\d+) (.*)/ or next;
+        my @field = split ' ', $all[0];
+        $of{$pid} = $field[9] + $field[10] + $field[11] + $field[12];
+        push @{ $children{$parent} }, $pid;
+    }
+    my @left = @_;
+    while (defined(my $pid = shift @left)) { $ticks += $of{$pid} // 0; push @left, @{ $children{$pid} // [] } }
+    return ($ticks // 0) / 100;
 }
