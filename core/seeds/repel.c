@@ -22,12 +22,14 @@ enum {
     /* Steps from one look for holes to the next, for even distances. At 1 / 3 / 6: CPU of autzen
      * 2.0 / 1.7 / 1.3 s, searches 245 / 198 / 185 thousand, delta the same. */
     CELLS_EVEN = 3,
-    /* The same around a point with no hole near. At 6 / 12: CPU of igea to 20,000 1.97 / 1.90 s;
-     * gap of the sphere 0.705 / 0.720 (spread 0.02), of igea the same, delta and six too. */
-    QUIET_EVERY = 4 * CELLS_EVEN,
-    /* Steps from one look for holes to the next, for triangles. At 3 / 6 / 12: on autzen 9.8 / 10.6
-     * / 10.9 a cell. */
-    CELLS_TRIANGLES = 2 * CELLS_EVEN,
+    /* The same around a point with no hole near, where steps are short, and for triangles. At 3 / 6
+     * / 12 only triangles change: on autzen 9.8 / 10.6 / 10.9 a cell. A multiple of those of an
+     * aim. */
+    QUIET_SHORT = 2 * CELLS_EVEN,
+    /* The same around a point with no hole near, for even distances. At 6 / 12: CPU of igea to
+     * 20,000 1.97 / 1.90 s; gap of the sphere 0.705 / 0.720 (spread 0.02), of igea the same, delta
+     * and six too. */
+    QUIET_EVEN = 2 * QUIET_SHORT,
     /* Last steps, on the whole of a thinned input. At 20 / 40 / 80, armadillo, 300,000 to 4,000:
      * rms distance to the true surface 0.56e-4 / 0.58e-4 / 0.59e-4, six 0.753 / 0.735 / 0.712, CPU
      * 0.9 / 1.1 / 1.2 s. */
@@ -76,15 +78,14 @@ struct aim {
 /* Even distances to the nearest point. soft_reach at 1.5 / 2 / 2.5: only the largest distance on
  * fandisk changes, 5.1e-3 / 4.5e-3 / 4.5e-3. */
 #define REACH_EVEN 2.0
-static const struct aim even_distances = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_EVERY, 0, 0,
-                                          REACH_EVEN};
+static const struct aim even_distances = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_EVEN, 0, 0, REACH_EVEN};
 
 /* The same by short steps, where long ones do harm. Where nothing holds points at the border they
  * carry them out: a saddle with a hole to 400 points, rms distance to it over its
  * diagonal 4.4e-4 by
  * short and 1.4e-2 by long steps. Where the input has sheets they carry some from one to another:
  * of two wavy sheets (tests/property/shapes) 0 and 1 points lie between them. */
-static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_EVERY,
+static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_SHORT,
                                        VOR_REPEL_GAIN, 0.7,        REACH_EVEN};
 
 /* Six neighbours around each point, for triangles; meshes move the points once more, so that even
@@ -97,8 +98,8 @@ static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_EVERY,
  * Not where the input has sheets: longer steps lead more points onto the other one (two wavy
  * sheets, triangles that join them: 10 / 23). Nor with a metric: mean distance of fandisk from its
  * anisotropic mesh of 5,000 points 1.70e-4 / 1.95e-4 of the diagonal. */
-static const struct aim six_around = {8,   CELLS_TRIANGLES,          CELLS_TRIANGLES,
-                                      0.4, VOR_REPEL_MOMENTUM_FIRST, 1.5};
+static const struct aim six_around = {8,  QUIET_SHORT, QUIET_SHORT, 0.4, VOR_REPEL_MOMENTUM_FIRST,
+                                      1.5};
 
 struct polish {
     struct vor_seeds *seeds;
@@ -414,7 +415,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         memset(polish->quiet, 0, seeds->n);
     }
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
-    polish->recall.lazy = aim != &six_around && done % CELLS_EVEN > 0 && done + FRESH < steps;
+    polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0 && done + FRESH < steps;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     if (status == VOR_OK)
         status = vor_seeds_index(seeds, stage->run, err);
