@@ -122,7 +122,7 @@ for my $case (
     ["another process's file", '', [[@points], ['name="reference"; filename="x"', 'y'], [@cloud]], 400, qr/^unknown parameter "reference" of /],
     ['a parameter as a file', '', [['name="points"; filename="points.txt"', 100], [@cloud]], 400, qr/^points is a file, want a text$/],
     ['a value out of range', '', [['name="points"', 0], [@cloud]], 400, qr/^points is 0, want a whole number from 1 to 10000000$/],
-    ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL byte, want a text without it$/],
+    ['a text with a NUL', '', [['name="points"', "100\0"], [@cloud]], 400, qr/^points has a NUL byte, want a text without one$/],
     ['a text of 4097 bytes', '', [['name="points"', '1' x 4097], [@cloud]], 400, qr/^points has more than the allowed 4096 bytes/],
     ['a text of 4096 bytes', '', [['name="points"', '1' x 4096], [@cloud]], 400, qr/^points is 1+/],
     ['no points', '', [[@cloud]], 400, qr/^give exactly one of the parameters points, ratio and spacing: none/],

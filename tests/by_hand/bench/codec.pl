@@ -1,6 +1,7 @@
 #!/usr/bin/perl
 # usage: codec.pl VORONOID OUTDIR: what a cloud gains after a codec, in D1 and D2 beside bytes: through Draco at 7 to 10 bits a
-# coordinate, decoded alone, and then restored, filtered or denoised; and the bytes that restoring saves. Writes OUTDIR/codec.md.
+# coordinate, decoded alone, and then restored, filtered or denoised; and the bytes that restoring saves, and that a quarter of the points
+# saves that is upsampled. Writes OUTDIR/codec.md.
 use strict;
 use warnings;
 use utf8;
@@ -40,15 +41,23 @@ sub cloud_of {
     return $cloud;
 }
 
-# The share of bytes saved at equal dB, the one figure of decoding alone against that of restoring.
+# Codes a cloud with that many bits: the bytes. The decoded file is there then.
+sub code {
+    my ($cloud, $bits, $drc, $decoded) = @_;
+    must('draco_encoder', '-point_cloud', '-i', $cloud, '-o', $drc, '-qp', $bits, '-cl', 10);
+    must('draco_decoder', '-i', $drc, '-o', $decoded);
+    return -s $drc;
+}
+
+# The share of bytes saved at equal dB, of decoding all points alone against another way: members with its bytes and its dB.
 sub saved {
-    my ($figure, @rows) = @_;
+    my ($figure, $bytes, $db, @rows) = @_;
     open my $to, '>', "$out/codec.saved" or die "$out: $!\n";
-    print $to "$_->{bytes} $_->{decoded}[$figure] $_->{bytes} $_->{restore}[$figure]\n" for @rows;
+    print $to "$_->{bytes} $_->{decoded}[$figure] $_->{$bytes} $_->{$db}[$figure]\n" for @rows;
     close $to or die "$out: $!\n";
     my ($saved) = must('sh', '-c', "/usr/bin/python3 tests/by_hand/bench/codec.py $folder saved <$out/codec.saved");
     unlink "$out/codec.saved";
-    return $saved;
+    return $saved =~ /none/ ? 'none' : sprintf '%.1f %%', $saved;
 }
 
 sub pair { return sprintf '%.1f / %.1f', @{ $_[0] } }
@@ -57,38 +66,45 @@ my (@table, @rates);
 for my $name (@meshes, @scans) {
     next unless wanted("codec_$name");
     my $cloud = cloud_of($name);
+    my ($n) = map { /^element vertex (\d+)/ ? $1 : () } must('head', '-n', 20, $cloud);
+    my $quarter = "$out/codec.quarter.ply";
     my (@rows, @files);
+    python('quarter', $cloud, $quarter);
     for my $bits (@bits) {
         my ($drc, $decoded) = ("$out/codec.$bits.drc", "$out/codec.$bits.ply");
-        must('draco_encoder', '-point_cloud', '-i', $cloud, '-o', $drc, '-qp', $bits, '-cl', 10);
-        must('draco_decoder', '-i', $drc, '-o', $decoded);
-        my %row = (bits => $bits, bytes => -s $drc, files => [$decoded]);
+        my $upsampled = "$out/codec.$bits.up.ply";
+        my %row = (bits => $bits, few_bytes => code($quarter, $bits, $drc, $decoded));
+        must($voronoid, 'upsample', $decoded, '-n', $n, '-f', '-q', '-o', $upsampled);
+        @row{qw(bytes files)} = (code($cloud, $bits, $drc, $decoded), [$decoded]);
         for my $after (@after[0 .. $#after - ($bits != $slow)]) {
             my ($how, $result) = ("@$after", "$out/codec.$bits." . scalar(@{ $row{files} }) . '.ply');
             my $run = timed($voronoid, @$after, $decoded, '--threads', 1, '-f', '-o', $result);
             $row{us}{$how} = $run->{cpu};
             push @{ $row{files} }, $result;
         }
+        push @{ $row{files} }, $upsampled;
         push @files, @{ $row{files} };
         push @rows, \%row;
     }
     my @db = map { [split] } python('psnr', $cloud, @files);
-    my ($n) = map { /^element vertex (\d+)/ ? $1 : () } must('head', '-n', 20, $cloud);
     for my $row (@rows) {
-        ($row->{decoded}, @$row{ map { "@$_" } @after }) = splice @db, 0, scalar @{ $row->{files} };
+        my @here = splice @db, 0, scalar @{ $row->{files} };
+        $row->{few} = pop @here;
+        ($row->{decoded}, @$row{ map { "@$_" } @after }) = @here;
         push @table, [
             $name, $row->{bits}, $row->{bytes}, pair($row->{decoded}),
             map { $row->{$_} ? sprintf('%s, %.1f us', pair($row->{$_}), 1e6 * $row->{us}{$_} / $n) : '-' } map { "@$_" } @after,
         ];
     }
-    push @rates, [$name, $n, map { sprintf '%.1f %%', saved($_, @rows) } 0, 1];
-    unlink $cloud, @files, map { "$out/codec.$_.drc" } @bits;
+    push @rates, [$name, $n, map({ saved($_, 'bytes', 'restore', @rows) } 0, 1), saved(1, 'few_bytes', 'few', @rows)];
+    unlink $cloud, $quarter, @files, map { "$out/codec.$_.drc" } @bits;
 }
 exit 0 if !@table;
 table(['cloud', 'bits', 'bytes', 'decoded', map { "@$_" } @after], \@table,
     "D1 / D2 in dB, peak as mpeg-pcc-dmetric's, and CPU time a point of the whole command, one thread. igea, armadillo, cow and fandisk: "
     . "$points points of the mesh, white noise by area; the others are scans. Coded by Debian's draco_encoder (-cl 10).");
-table(['cloud', 'points', 'saved at equal D1', 'at equal D2'], \@rates,
-    "Bytes that restore saves over decoding alone, between $bits[0] and $bits[-1] bits (BD-rate). igea, hippo1 and b9_training had no part in the "
-    . 'choice of its limits.');
+table(['cloud', 'points', 'saved by restore at equal D1', 'at equal D2', 'by upsample at equal D2'], \@rates,
+    "Bytes that restore saves over decoding alone, between $bits[0] and $bits[-1] bits (BD-rate); and that a quarter of the points saves, decoded "
+    . "and upsampled to as many, over decoding all: none where that D2 stays below. igea, hippo1 and b9_training had no part in the "
+    . "choice of restore's limits.");
 finish('codec');

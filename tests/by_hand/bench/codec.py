@@ -3,9 +3,11 @@
 
 usage: codec.py YARDSTICK sample MESH N OUT.ply   N points of the mesh, white noise by area
        codec.py YARDSTICK plain CLOUD OUT.ply   its positions about their mean, as float32
+       codec.py YARDSTICK quarter CLOUD OUT.ply   every fourth of its points, drawn at random
        codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1 and D2 in dB against the cloud
        codec.py YARDSTICK saved   of lines "bytes dB bytes dB" on standard input, of two ways to code: the share of bytes, in
-                                  percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes)
+                                  percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes);
+                                  "none" where no dB is reached by both
 YARDSTICK: the folder with cloudio.py. D1 and D2: those of mpeg-pcc-dmetric, with normals of the quadric through 20 points."""
 import sys
 import numpy as np
@@ -57,9 +59,15 @@ if sys.argv[2] == "sample":
 elif sys.argv[2] == "plain":
     points = xyz(read_ply(sys.argv[3])[0])
     write_ply(sys.argv[4], points - points.mean(0))
+elif sys.argv[2] == "quarter":
+    points = xyz(read_ply(sys.argv[3])[0])
+    write_ply(sys.argv[4], points[np.random.default_rng(SEED).permutation(len(points))[:len(points) // 4]])
 elif sys.argv[2] == "saved":
     a = np.array([line.split() for line in sys.stdin], float)
     low, high = max(a[:, 1].min(), a[:, 3].min()), min(a[:, 1].max(), a[:, 3].max())
+    if not high > low:
+        print("none")
+        sys.exit()
     one, two = (np.polyint(np.polyfit(a[:, i + 1] - low, np.log(a[:, i]), 3)) for i in (0, 2))
     areas = [np.polyval(p, high - low) - np.polyval(p, 0) for p in (one, two)]
     print(100 * (1 - np.exp((areas[1] - areas[0]) / (high - low))))
