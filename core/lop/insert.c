@@ -403,6 +403,9 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
         told->seconds[VOR_RUN_STAGE_INSERT] = vor_run_clock(run) - before;
     if (status == VOR_OK)
         status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
+    if (status == VOR_OK && (how->rho > 0 || how->polish > 0)) /* else all are polished later */
+        status = vor_lop_beside_put(samples, how->polish > 0 ? 0 : insertion.begun, &how->beside,
+                                    &whole, err);
     vor_lop_latent_free(&insertion.latent);
     return status;
 }

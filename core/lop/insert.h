@@ -23,6 +23,7 @@
 #define VOR_LOP_INSERT_H
 
 #include "core/input/domain.h"
+#include "core/lop/beside.h"
 #include "core/lop/samples.h"
 #include "core/seeds/outcome.h"
 
@@ -57,7 +58,9 @@ struct vor_lop_insert_how {
     double sigma_p;  /**< > 0: radius within which samples say where the surface is */
     int fill;        /**< gaps of a few spacings are filled; else only what the spacing spans */
     uint32_t polish; /**< steps that even the points out in the end (lop/even.h) */
-    const struct vor_spec *spec; /**< read: seed; delta and seconds, by the polish */
+    const struct vor_spec *spec;  /**< read: seed; delta and seconds, by the polish */
+    struct vor_lop_beside beside; /**< where points that hang in the air are put in the end, with
+                                     rho or polish */
 };
 
 /** Inserts points until there are n, or none if there are as many. The points before stay as they

@@ -8,6 +8,7 @@
 #include "core/input/neighbors.h"
 #include "core/input/thin.h"
 #include "core/lop/bends.h"
+#include "core/lop/beside.h"
 #include "core/lop/even.h"
 #include "core/lop/insert.h"
 #include "core/lop/normals.h"
@@ -26,12 +27,6 @@
  * 1.5 / 2, bunny to 5,000 after 36 steps. */
 #define REACH_WLOP 1.5
 #define REACH_EAR 2.0
-
-/* Data whose distance says how far from one a sample may start, and the share of it: half of their
- * spacing. Else samples that start between two sheets, where a datum's normal is wrong, stay there.
- */
-enum { BESIDE = 7 };
-#define BESIDE_REACH 0.4
 
 /* Fewest points that others can be inserted between. */
 #define FEWEST 4
@@ -172,20 +167,11 @@ static void warn_of_reach(const struct lop *lop)
                  lop->reach * lop->domain->unit, lop->spacing * lop->domain->unit);
 }
 
-/* Puts a place onto the plane of a point whose neighbours end at a squared distance. */
-static void face(float *x, const float *point, const float *normal, double distance2)
+/* What points of the result lie beside. */
+static struct vor_lop_beside beside_of(const struct lop *lop)
 {
-    double height = 0, away2 = 0, part;
-
-    for (size_t c = 0; c < 3; c++)
-        height += ((double)x[c] - (double)point[c]) * (double)normal[c];
-    for (size_t c = 0; c < 3; c++) {
-        x[c] = (float)((double)x[c] - height * (double)normal[c]);
-        away2 += ((double)x[c] - (double)point[c]) * ((double)x[c] - (double)point[c]);
-    }
-    part = fmin(1, BESIDE_REACH * sqrt(distance2 / fmax(away2, 1e-30)));
-    for (size_t c = 0; c < 3; c++)
-        x[c] = (float)((double)point[c] + part * ((double)x[c] - (double)point[c]));
+    return (struct vor_lop_beside){&lop->data, lop->domain,
+                                   lop->spec->value[VOR_PARAM_SIGMA_N] * RADIANS};
 }
 
 /* Gives the samples the normals of the data next to them and puts them onto the planes of these, no
@@ -193,20 +179,18 @@ static void face(float *x, const float *point, const float *normal, double dista
 static void face_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct lop *lop = ctx;
-    unsigned k = lop->domain->n < BESIDE ? (unsigned)lop->domain->n : BESIDE;
-    uint32_t index[BESIDE];
-    float distance2[BESIDE];
+    const struct vor_lop_beside beside = beside_of(lop);
     struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
-        float *x = lop->samples.xyz + 3 * i;
-        const float *normal;
+        float *x = &lop->samples.xyz[3 * i], at[3];
+        size_t datum;
 
-        vor_knn_search_next(lop->domain->knn, &last, x, k, index, distance2);
-        normal = lop->data.normal + 3 * (size_t)index[0];
+        memcpy(at, x, sizeof at);
+        datum = vor_lop_beside_face(at, &beside, &last);
         if (!only_inserts(lop))
-            face(x, lop->data.xyz + 3 * (size_t)index[0], normal, (double)distance2[k - 1]);
-        memcpy(lop->samples.normal + 3 * i, normal, 3 * sizeof *normal);
+            memcpy(x, at, sizeof at);
+        memcpy(&lop->samples.normal[3 * i], &lop->data.normal[3 * datum], 3 * sizeof(float));
     }
 }
 
@@ -418,7 +402,8 @@ static vor_status insert(struct lop *lop, size_t n, struct vor_error *err)
                                      .sigma_p = lop->reach,
                                      .fill = value[VOR_PARAM_GAPS] == VOR_GAPS_FILL,
                                      .polish = lop->smooth ? 0 : polish,
-                                     .spec = lop->spec};
+                                     .spec = lop->spec,
+                                     .beside = beside_of(lop)};
 
     if (n < FEWEST || (n == lop->samples.n && how.polish == 0))
         return VOR_OK;
