@@ -1,4 +1,4 @@
-/** The store in a database of PostgreSQL, from version 12 on: its tables stand in the first schema
+/** The store in a database of PostgreSQL, from version 13 on: its tables stand in the first schema
  *  of the search path, and one daemon at a time has them. So jobs outlive the machine, and a daemon
  *  that starts elsewhere goes on with them.
  *
