@@ -1,5 +1,6 @@
 #include "core/cvt/cvt.h"
 
+#include "core/cvt/coarse.h"
 #include "core/cvt/descend.h"
 #include "core/cvt/lloyd.h"
 #include "core/input/thin.h"
@@ -33,15 +34,30 @@ static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_dom
     return status;
 }
 
-/* After a warm start: fewer iterations, none at a coherence of 1, and a polish of down to half as
- * many steps. Without a polish all iterations are made. */
-static struct vor_spec shorten(const struct vor_spec *spec, double coherence)
+/* Starts from coarse to fine where that holds, else at first positions of their own. */
+static vor_status start(struct vor_seeds *seeds, const struct vor_domain *domain, size_t n,
+                        const struct vor_spec *spec, const struct vor_run *run,
+                        struct vor_error *err)
 {
+    vor_status status = vor_coarse_start(seeds, domain, n, spec, run, err);
+
+    if (status == VOR_OK && seeds->n == 0)
+        status = vor_start_seeds(seeds, domain, n, spec, run, err);
+    return status;
+}
+
+/* After a warm start: fewer iterations, none at a coherence of 1, and a polish of down to half as
+ * many steps. After a coarse start as at a coherence of one half: at 0.5 / 0.83, bunny to 20,000,
+ * least distance to the nearest point over the mean 0.73 / 0.51, delta 0.0192 / 0.0205. Without a
+ * polish all iterations are made. */
+static struct vor_spec shorten(const struct vor_spec *spec, const struct vor_seeds *seeds)
+{
+    double less = seeds->track != NULL ? seeds->coherence : seeds->coherence > 0 ? 0.5 : 0;
     struct vor_spec out = *spec;
 
-    if (coherence > 0 && vor_spec_polish(spec) > 0) {
-        out.value[VOR_PARAM_ITERATIONS] = rint((1 - coherence) * vor_spec_iterations(spec));
-        out.value[VOR_PARAM_POLISH] = rint((1 - coherence / 2) * vor_spec_polish(spec));
+    if (less > 0 && vor_spec_polish(spec) > 0) {
+        out.value[VOR_PARAM_ITERATIONS] = rint((1 - less) * vor_spec_iterations(spec));
+        out.value[VOR_PARAM_POLISH] = rint((1 - less / 2) * vor_spec_polish(spec));
     }
     return out;
 }
@@ -56,15 +72,14 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
     struct vor_spec shorter;
-    vor_status status =
-        (sites ? start_with_sites : vor_start_seeds)(&seeds, domain, n, spec, run, err);
+    vor_status status = (sites ? start_with_sites : start)(&seeds, domain, n, spec, run, err);
 
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
-    shorter = shorten(spec, seeds.coherence);
+    shorter = shorten(spec, &seeds);
     if (status == VOR_OK)
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
                                          : vor_lloyd_run(&seeds, told, &shorter, run, err);

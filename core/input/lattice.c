@@ -18,7 +18,7 @@ enum {
     FEW = 6,
     /* One point in so many may be off the lattice, by whatever, and of the sample: a codec leaves
      * stray points. 100 and 800 change nothing. */
-    STRAY = 200,
+    STRAY = VOR_DOMAIN_FEW,
     /* Points whose spacing is taken: its mean is then within 3 %, by the 0.52 that white noise has.
      */
     PLACES = VOR_NEIGHBORS_PLACES,

@@ -81,7 +81,7 @@ struct vor_seeds {
                         else NULL */
     uint32_t unused; /**< then the next number for a point that is born */
     double coherence; /**< coherence of the request times the share of the seeds that live on from
-                           there; 0 if there is none */
+                           there; that of a start from coarse to fine (cvt/coarse.h); 0 else */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     _Atomic double *foot; /**< of each point of the domain, room for those of the whole: spacing of
