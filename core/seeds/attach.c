@@ -13,6 +13,7 @@ struct attach {
     struct vor_seeds *seeds;
     int onto_whole;       /* the seeds change to the surface of the whole input */
     int keep_holes;       /* seeds in holes go back to the rim */
+    int fast;             /* the run has no time, or other means, for vor_attach_near */
     size_t every;         /* every so many seeds, one is counted */
     atomic_size_t beyond; /* seeds counted so far that are in a hole */
 };
@@ -45,6 +46,72 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
     atomic_fetch_add(&attach->beyond, beyond);
 }
 
+/* Whether seeds are kept near the input (vor_attach_near). With sheets, layers part them better. */
+static int stay_near(const struct vor_seeds *seeds)
+{
+    return seeds->policy.near_input && !seeds->sheets && seeds->n < seeds->domain->n;
+}
+
+/* How far from the input seeds may lie whatever it is like, if they are fewer than its points: half
+ * their spacing. At .5 / .6 input spacings off the surface, scans of a saddle and a prism: .098,
+ * .085 / .100, .095. */
+static double least_allowed(const struct vor_seeds *seeds)
+{
+    return sqrt(seeds->area / (double)seeds->n) / 2;
+}
+
+/* Moves x, `length` from its nearest input point, onto the plane through the points nearest to
+ * that, if it is then half as far from the input or nearer: a surface fitted to the points of two
+ * sheets, or of both sides of an edge, lies in the air between them. `around` was gathered around
+ * that input point. Returns whether x was moved. */
+static int land(const struct vor_place *around, double length, double x[3])
+{
+    unsigned few = around->k < VOR_NEIGHBORS_FEWEST / 2 ? around->k : VOR_NEIGHBORS_FEWEST / 2;
+    double y[3] = {x[0], x[1], x[2]};
+    struct vor_surface plane;
+
+    vor_surface_fit_as(&plane, around->near, few, VOR_SURFACE_PLANE);
+    if (plane.kind == VOR_SURFACE_NONE)
+        return 0;
+    vor_surface_put(&plane, y);
+    if (!vor_boundary_within(around->near, around->k, y, length / 2))
+        return 0;
+    memcpy(x, y, sizeof y);
+    return 1;
+}
+
+/* Moves x, if it is too far beyond the end of the input, straight towards its nearest input point.
+ * Where the points around that fill little of the disc that they span, they lie on scan lines,
+ * whose gaps are no end. Returns whether x was moved. */
+static int draw_in(const struct vor_place *around, double least, double x[3])
+{
+    const struct vor_surface *surface = &around->surface;
+    double foot[3], way[3], length = vor_boundary_foot(around->near, around->k, x, foot, way);
+    double disc = sqrt(PI / around->k) * surface->reach; /* spacing if they filled it */
+    double most = fmax(least, VOR_OUTSIDE_BEYOND * disc);
+
+    if (length <= most || surface->spacing < disc / 2 ||
+        vor_boundary_goes_on(around->near, around->k, foot, way, INFINITY))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        x[c] = foot[c] + most * way[c];
+    return 1;
+}
+
+int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
+{
+    const struct vor_place *here = &scratch->here, *around = &scratch->foot;
+    double foot[3], way[3], length = vor_boundary_foot(here->near, here->k, x, foot, way);
+    double least = least_allowed(seeds);
+    int moved;
+
+    if (!stay_near(seeds) || length <= least ||
+        vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE)
+        return 0;
+    moved = land(around, length, x);
+    return draw_in(around, least, x) || moved;
+}
+
 /* Moves the seeds of a block to where a result may be. */
 static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -67,6 +134,7 @@ static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
         if (attach->onto_whole)
             vor_surface_put(&scratch->here.surface, x);
         if (seeds->policy.keep_border) {
+            moved |= !attach->fast && vor_attach_near(seeds, scratch, x);
             vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
             moved |= attach->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
             moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
@@ -99,7 +167,7 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
 
 vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct attach attach = {.seeds = seeds};
+    struct attach attach = {.seeds = seeds, .fast = 1};
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
@@ -126,12 +194,17 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
-    double near2 = near * near;
+    double near2;
+
+    if (stay_near(seeds))
+        near = fmin(near, least_allowed(seeds));
+    near2 = near * near;
 
     for (size_t i = begin; i < end; i++) {
         struct vor_place *here = &scratch->here;
         struct vor_border border;
         double x[3];
+        int moved;
 
         if (vor_run_is_late(&seeds->run)) {
             attach_hurried(seeds, i);
@@ -144,10 +217,10 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
             attach_hurried(seeds, i);
             continue;
         }
+        moved = vor_attach_near(seeds, scratch, x);
         border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
-        if (!vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x))
-            continue;
-        vor_to_floats(&seeds->xyz[3 * i], x);
+        if (vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x) || moved)
+            vor_to_floats(&seeds->xyz[3 * i], x);
     }
 }
 

@@ -64,11 +64,25 @@ VOR_NODISCARD vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_er
  *  O(n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err);
 
-/** vor_attach that lets seeds lie in holes, which takes most of its time to tell: for a run whose
- * time is over.
+/** vor_attach that lets seeds lie in holes, which takes most of its time to tell, and does without
+ *  vor_attach_near: for a run whose time is over, and for methods that project points on their own.
  *
  *  @retval VOR_E_CANCELLED  as vor_run_for */
 VOR_NODISCARD vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err);
+
+/** Of fewer seeds than the input has points, on an input without sheets, where
+ *  seeds->policy.near_input is set: if x is farther from the input than half a spacing of
+ *  the result, moves it onto the plane around its nearest input point where that halves the
+ *  distance, and from beyond the end of the input back to half a spacing of the result from it or
+ *  VOR_OUTSIDE_BEYOND of the input's, the larger. scratch->here was gathered around x, or near it;
+ *  uses scratch->foot. Returns whether x was moved.
+ *
+ *  Why: in scans a fit takes in points of two sheets, or a few points of a face that was seen at a
+ *  grazing angle, and what is beyond their end is a guess. vor_attach, each step of the polish and
+ *  vor_attach_last ask for it: asked at the end alone, it leaves crowds at borders.
+ *
+ *  One search where x is that far, else O(k). */
+int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3]);
 
 /** Moves seeds on an input of very few points back to near its box, if the border is kept. No lists
  *  are made anew: call it last. O(n). */

@@ -299,6 +299,8 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
     }
     if (!scratch->interior && polish->recall.keep_holes && vor_seeds_hold(seeds, scratch, i, y))
         vor_surface_put(&scratch->onto, y);
+    if (!scratch->interior && seeds->policy.keep_border)
+        (void)vor_attach_near(seeds, scratch, y);
     if (vor_seeds_fenced(seeds, scratch, i, x, y))
         memcpy(y, x, sizeof y);
     for (size_t c = 0; c < 3; c++) {

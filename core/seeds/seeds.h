@@ -60,6 +60,7 @@ struct vor_seeds_policy {
     double widen;    /**< patches are this many times as wide as usual */
     int planes;      /**< fits are planes, and patches octagons; else quadrics and hexagons */
     int still;       /**< the seeds are where they stay, but for a few (knn/input_lists.h) */
+    int near_input;  /**< points do not stray from the input (vor_attach_near) */
 };
 
 /** n points on the domain, in its normalised coordinates. */
@@ -111,10 +112,11 @@ VOR_NODISCARD vor_status vor_seeds_init(struct vor_seeds *out, const struct vor_
  * of the usual width. */
 static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec *spec)
 {
-    return (struct vor_seeds_policy){.keep_border =
-                                         spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
-                                     .widen = 1,
-                                     .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE};
+    return (struct vor_seeds_policy){
+        .keep_border = spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
+        .widen = 1,
+        .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE,
+        .near_input = !vor_process_takes(spec->process, VOR_PARAM_SOUP)};
 }
 
 /** seeds may be all zero. */
