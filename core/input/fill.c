@@ -19,7 +19,8 @@ enum {
     AT_A_TIME = 1 << 16 /* places that are computed before any is taken */
 };
 
-/* Spacings between points of the spline, at least; twice that, three times, until they are few. */
+/* Spacings between points of the spline, at least, and times the root of two, until they are few.
+ */
 #define CENTRE_GAP 0.5
 
 /* Spacings between the places that are tried, in the plane. */
@@ -162,7 +163,7 @@ static vor_status fit_side(struct fill *fill, unsigned side, const struct vor_ru
     vor_status status = choose(&count, chosen, fill, side, gap, run, err);
 
     while (status == VOR_OK && count > CENTRES) {
-        gap += CENTRE_GAP * fill->loop->spacing;
+        gap *= M_SQRT2;
         status = choose(&count, chosen, fill, side, gap, run, err);
     }
     return status == VOR_OK ? fit_to(fill, side, chosen, count, gap, err) : status;
@@ -186,12 +187,12 @@ static double side_at(const struct fill *fill, unsigned side, const double u[2],
 }
 
 /* Whether the surface is everywhere the highest side, as in a valley, or everywhere the lowest, as
- * on a roof: the points of the band say which. At a saddle of creases it is neither. */
+ * on a roof: the points of the loop say which. At a saddle of creases it is neither. */
 static int meet(struct fill *fill)
 {
     size_t highest = 0, lowest = 0;
 
-    for (size_t i = 0; i < fill->band.count; i++) {
+    for (size_t i = 0; i < fill->band.rim; i++) {
         const double *u = fill->band.at + 2 * i;
         double x[3], own = side_at(fill, fill->side[i], u, x);
         int high = 1, low = 1;
@@ -206,8 +207,7 @@ static int meet(struct fill *fill)
         lowest += (size_t)low;
     }
     fill->ahead = highest > lowest ? 1 : -1;
-    return (double)(highest > lowest ? highest : lowest) >=
-           (1 - COVERED) * (double)fill->band.count;
+    return (double)(highest > lowest ? highest : lowest) >= (1 - COVERED) * (double)fill->band.rim;
 }
 
 /* Fits the sides, or one spline to all points where there are no sides that meet. */
