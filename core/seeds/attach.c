@@ -98,6 +98,16 @@ static int draw_in(const struct vor_place *around, double least, double x[3])
     return 1;
 }
 
+/* Whether the input surrounds x, in a gap of white noise. */
+static int is_surrounded(const struct vor_place *here, const double x[3])
+{
+    const struct vor_surface *surface = &here->surface;
+    double local[3], side[2];
+
+    vor_surface_to_local(surface, x, local);
+    return isinf(vor_boundary_room(surface, here->near, here->k, local, surface->reach, side));
+}
+
 int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
 {
     const struct vor_place *here = &scratch->here, *around = &scratch->foot;
@@ -109,7 +119,7 @@ int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE)
         return 0;
     moved = land(around, length, x);
-    return draw_in(around, least, x) || moved;
+    return (!is_surrounded(here, x) && draw_in(around, least, x)) || moved;
 }
 
 /* Moves the seeds of a block to where a result may be. */

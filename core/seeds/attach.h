@@ -74,8 +74,9 @@ VOR_NODISCARD vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_err
  *  seeds->policy.near_input is set: if x is farther from the input than half a spacing of
  *  the result, moves it onto the plane around its nearest input point where that halves the
  *  distance, and from beyond the end of the input back to half a spacing of the result from it or
- *  VOR_OUTSIDE_BEYOND of the input's, the larger. scratch->here was gathered around x, or near it;
- *  uses scratch->foot. Returns whether x was moved.
+ *  VOR_OUTSIDE_BEYOND of the input's, the larger: not where the input surrounds x, as it does in
+ *  gaps of white noise. scratch->here was gathered around x, or near it; uses scratch->foot.
+ *  Returns whether x was moved.
  *
  *  Why: in scans a fit takes in points of two sheets, or a few points of a face that was seen at a
  *  grazing angle, and what is beyond their end is a guess. vor_attach, each step of the polish and
