@@ -250,6 +250,7 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     vor_status status;
 
     policy.still = lop->ear && !lop->smooth;
+    policy.near_input = 0; /* samples were projected onto it */
     status = vor_seeds_init(&seeds, lop->input, n, policy, lop->run, err);
     if (status != VOR_OK)
         return status;

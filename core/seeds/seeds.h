@@ -116,8 +116,7 @@ static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec 
         .keep_border = spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
         .widen = 1,
         .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE,
-        .near_input = spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT &&
-                      !vor_process_takes(spec->process, VOR_PARAM_SOUP)};
+        .near_input = !vor_process_takes(spec->process, VOR_PARAM_SOUP)};
 }
 
 /** seeds may be all zero. */
