@@ -122,8 +122,8 @@ VOR_CLONES static int pick(const struct around *around, const float q[3], float 
         return 0;
     wide = (count + WIDTH - 1) / WIDTH * WIDTH;
     memset(less, 0, wide * sizeof *less);
-    for (unsigned i = count; i < wide; i++)
-        picked2[i] = INFINITY;
+    for (unsigned i = 0; i < WIDTH; i++)
+        picked2[count + i] = INFINITY;
     for (unsigned j = 0; j < count; j++)
         for (unsigned from = 0; from < wide; from += WIDTH)
             for (unsigned i = from; i < from + WIDTH; i++)
