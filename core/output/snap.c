@@ -65,8 +65,10 @@ vor_status vor_levels_find(struct vor_levels *out, const struct vor_cloud *in,
         double least = INFINITY, most = -INFINITY, count;
 
         for (size_t i = 0; i < in->n; i++) {
-            least = fmin(least, (double)in->xyz[3 * i + (size_t)c]);
-            most = fmax(most, (double)in->xyz[3 * i + (size_t)c]);
+            double x = (double)in->xyz[3 * i + (size_t)c];
+
+            least = x < least ? x : least;
+            most = x > most ? x : most;
         }
         out->first[c] = least;
         out->cell[c] = cell[c] > 0 ? cell[c] * domain->unit : other;
