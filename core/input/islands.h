@@ -35,7 +35,7 @@
  *
  *  @param[in] target  number of points of the result; NaN or 0: as many as the input has
  *
- *  @retval VOR_E_NOMEM 8 bytes a point, and 24 more for each point of an island, do not fit
+ *  @retval VOR_E_NOMEM 9 bytes a point, and 24 more for each point of an island, do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED; the domain must be freed after any failure
  *
  *  O(n), 7 ns of CPU a point, on the run's pool; as vor_domain_index if there are islands. The same

@@ -8,7 +8,8 @@
 
 enum {
     STRAY = 200, /* one point in so many may be off the levels, as of a lattice that is found */
-    FAR = 4,     /* cells along an axis, from a seed's own to the one that it gets, at most */
+    POLL_EVERY = 256, /* seeds without a cell between two looks at whether to go on */
+    FAR = 4,          /* cells along an axis, from a seed's own to the one that it gets, at most */
     LEVELS_MAX = 1 << 30
 };
 
@@ -194,16 +195,19 @@ static size_t take_own(struct snap *snap, uint32_t *without)
 static vor_status give_cells(struct snap *snap, uint32_t *without, struct vor_error *err)
 {
     size_t count = take_own(snap, without), left = 0;
+    vor_status status = VOR_OK;
 
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; k < count && status == VOR_OK; k++) {
         int far = 1;
 
+        if (k % POLL_EVERY == 0)
+            status = vor_run_answered(vor_run_poll(&snap->seeds->run), err);
         while (far <= FAR && !move_to_free(snap, without[k], far))
             far++;
         left += far > FAR;
     }
-    if (left == 0)
-        return VOR_OK;
+    if (status != VOR_OK || left == 0)
+        return status;
     return vor_fail(err, VOR_E_TARGET,
                     "lattice is keep, but the surface passes through too few cells of the grid: "
                     "%zu of %zu points have no cell of their own",

@@ -98,28 +98,20 @@ static int draw_in(const struct vor_place *around, double least, double x[3])
     return 1;
 }
 
-/* Whether the input surrounds x, in a gap of white noise. */
-static int is_surrounded(const struct vor_place *here, const double x[3])
-{
-    const struct vor_surface *surface = &here->surface;
-    double local[3], side[2];
-
-    vor_surface_to_local(surface, x, local);
-    return isinf(vor_boundary_room(surface, here->near, here->k, local, surface->reach, side));
-}
-
 int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, double x[3])
 {
     const struct vor_place *here = &scratch->here, *around = &scratch->foot;
-    double foot[3], way[3], length = vor_boundary_foot(here->near, here->k, x, foot, way);
-    double least = least_allowed(seeds);
+    double foot[3], way[3], length, least = least_allowed(seeds);
     int moved;
 
-    if (!stay_near(seeds) || length <= least ||
+    if (!stay_near(seeds))
+        return 0;
+    length = vor_boundary_foot(here->near, here->k, x, foot, way);
+    if (length <= least ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE)
         return 0;
     moved = land(around, length, x);
-    return (!is_surrounded(here, x) && draw_in(around, least, x)) || moved;
+    return (!vor_seeds_surrounded(scratch, x) && draw_in(around, least, x)) || moved;
 }
 
 /* Moves the seeds of a block to where a result may be. */
@@ -234,14 +226,19 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
+/* Runs a task over all seeds that move, if the border is kept. */
+static vor_status attach_all(struct vor_seeds *seeds, vor_task task, struct vor_error *err)
 {
     struct attach attach = {.seeds = seeds};
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, end_block, &attach,
-                       err);
+    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, task, &attach, err);
+}
+
+vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
+{
+    return attach_all(seeds, end_block, err);
 }
 
 /* Moves seed i, if it hangs steeply above the points nearest to it, which are at hand, back to
@@ -305,12 +302,7 @@ static void steep_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct attach attach = {.seeds = seeds};
-
-    if (!seeds->policy.keep_border)
-        return VOR_OK;
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, steep_block, &attach,
-                       err);
+    return attach_all(seeds, steep_block, err);
 }
 
 /* Whether points within VOR_RIM_RING times the distance from x to the nearest lie more to one side
@@ -363,12 +355,7 @@ static void hanging_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
 vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err)
 {
-    struct attach attach = {.seeds = seeds};
-
-    if (!seeds->policy.keep_border)
-        return VOR_OK;
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, hanging_block,
-                       &attach, err);
+    return attach_all(seeds, hanging_block, err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)

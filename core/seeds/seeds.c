@@ -274,8 +274,7 @@ uint32_t vor_seeds_nearest(const struct vor_seeds *seeds, size_t i)
     return index;
 }
 
-/* Whether the input surrounds x, which is near the place that scratch->here was gathered around. */
-static int surrounds(const struct vor_scratch *scratch, const double x[3])
+int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3])
 {
     const struct vor_place *here = &scratch->here;
     const struct vor_surface *surface = &here->surface;
@@ -317,7 +316,7 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
     if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
         return VOR_SURFACE_NONE;
     vor_seeds_position(seeds, i, x);
-    last->inside = !seeds->policy.keep_border || surrounds(scratch, x);
+    last->inside = !seeds->policy.keep_border || vor_seeds_surrounded(scratch, x);
     last->interior = last->inside &&
                      (!seeds->policy.keep_border || near_input(&scratch->here, x, how->keep_holes));
     scratch->onto = scratch->here.surface;
@@ -427,7 +426,7 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
         vor_boundary_goes_on(other->near, other->k, foot, way, INFINITY))
         return 0;
-    lines = seeds->n > seeds->domain->n && !surrounds(scratch, x);
+    lines = seeds->n > seeds->domain->n && !vor_seeds_surrounded(scratch, x);
     return vor_boundary_pull(other->near, lines ? other->k : 0, foot, spacing, x);
 }
 

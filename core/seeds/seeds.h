@@ -197,6 +197,10 @@ const struct vor_disc *vor_seeds_disc(const struct vor_seeds *seeds,
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        struct vor_place *place, const double x[3]);
 
+/** Whether the input surrounds x, which is near the place that scratch->here was gathered around.
+ *  O(k). */
+int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3]);
+
 /** A tangential offset of about `length` by which seed i sees a coincident seed j, so that the two
  *  move apart: opposite for (j, i). Depends on i and j alone. */
 void vor_seeds_part(size_t i, size_t j, double length, double offset[2]);
