@@ -46,9 +46,9 @@ PKG_FLAGS := $(if $(filter-out arm64,$(config)),$(shell pkg-config --cflags $(PK
 COMMON := $(flags) $(MAPPED) -ffp-contract=off -fno-math-errno -pthread -I. -isystem build/headers -MMD -MP -DVOR_VERSION='"$(VERSION)"' $(PKG_FLAGS)
 ALL_CFLAGS := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE $(CWARN) $(COMMON) $(CFLAGS)
 ALL_CXXFLAGS := -std=c++17 $(WARN) $(COMMON) $(CXXFLAGS)
-# FLANN and libmicrohttpd by the libraries that run: the -dev packages, whose headers may stand in build/headers alone
+# FLANN and libmicrohttpd are loaded at run time, too. Their -dev packages, whose headers may stand in build/headers alone
 # (docker/install.sh), bring HDF5, MPI, boost and GnuTLS, which we do not call.
-LIBS := $(shell pkg-config --libs $(filter-out libcurl,$(PKGS)) 2>/dev/null) -l:libmicrohttpd.so.12 -l:libflann.so.1.9 -lm -lstdc++
+LIBS := $(shell pkg-config --libs $(filter-out libcurl,$(PKGS)) 2>/dev/null) -lm -lstdc++
 TEST_LIBS := $(shell pkg-config --libs check 2>/dev/null)
 LINK := $(CXX) $(flags) $(if $(filter release debug arm64,$(config)),$(LDHARDEN)) -pthread $(LDFLAGS)
 LINK_TEST := $(LINK) $(if $(filter-out arm64,$(config)),$(LDFAST))

@@ -8,8 +8,9 @@ binary=$1
 root=$2
 rm -rf "$root" "$root.debug"
 mkdir -p "$root/usr/bin" "$root/etc" "$root/tmp" "$root/var/lib/voronoid" "$root.debug"
-# Loaded at run time: libcurl by `voronoid health`, --server and --blobs s3:, libpq by --store postgresql:.
-loaded=libcurl-gnutls.so.4
+# Loaded at run time: libmicrohttpd and FLANN by the daemon, libcurl by `voronoid health`, --server and --blobs s3:, libpq by
+# --store postgresql:.
+loaded="libmicrohttpd.so.12 libflann.so.1.9 libcurl-gnutls.so.4"
 if [ "${3:-}" = scale ]; then
     loaded="$loaded libpq.so.5"
     mkdir -p "$root/etc/ssl/certs"

@@ -8,6 +8,7 @@
 #include "server/api/tickets.h"
 #include "server/base/clock.h"
 #include "server/base/descriptors.h"
+#include "server/base/flann_library.h"
 #include "server/base/keys.h"
 #include "server/base/log.h"
 #include "server/base/log_sink.h"
@@ -46,8 +47,7 @@ enum { ADMIN_CONNECTIONS = 16, ADMIN_SECONDS = 5, ADMIN_KEEP_SECONDS = 60 };
 
 /* How long the last lines of the log may wait for their reader. */
 static const double log_seconds = 1;
-static const double farewell_seconds =
-    0.2; /* so long kept connections are told Connection: close */
+static const double farewell_seconds = 0.2; /* kept connections are told Connection: close */
 
 /* Before children, when the kernel is out of memory, and after what can wait for it. */
 enum { OOM_SCORE = -100 };
@@ -518,7 +518,7 @@ static int failed_start(const struct daemon *daemon, const struct vor_error *err
     return err->status == VOR_E_PARAM ? VOR_EXIT_USAGE : VOR_EXIT_FAILED;
 }
 
-/* Everything else comes after: children have nothing of what is opened later. */
+/* Everything but FLANN comes after: children have nothing of what is opened later. */
 static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_error why = {.message = ""};
@@ -545,7 +545,7 @@ static int serve(struct daemon *daemon)
     struct vor_error err;
     int result;
 
-    if (start_zygote(daemon, &err) != VOR_OK)
+    if (vor_flann_load(&err) != VOR_OK || start_zygote(daemon, &err) != VOR_OK)
         return failed_start(daemon, &err);
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);

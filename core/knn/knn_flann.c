@@ -62,14 +62,14 @@ vor_status vor_flann_build(struct vor_flann **out, const float *xyz, size_t n,
         goto failed;
     }
     flann->charged = flann->n * BYTES_PER_POINT;
-    flann->parameters = DEFAULT_FLANN_PARAMETERS;
-    flann->parameters.algorithm = FLANN_INDEX_KDTREE_SINGLE;
-    flann->parameters.checks = FLANN_CHECKS_UNLIMITED;
-    flann->parameters.sorted = 1;
-    flann->parameters.cores = 1; /* 0 would start an OpenMP team inside every call */
-    flann->parameters.leaf_max_size = 16;
-    flann->parameters.random_seed = 0;
-    flann->parameters.log_level = FLANN_LOG_NONE;
+    flann->parameters = (struct FLANNParameters){
+        .algorithm = FLANN_INDEX_KDTREE_SINGLE,
+        .checks = FLANN_CHECKS_UNLIMITED,
+        .sorted = 1,
+        .cores = 1, /* 0 would start an OpenMP team inside every call */
+        .leaf_max_size = 16,
+        .log_level = FLANN_LOG_NONE,
+    };
     flann->index = flann_build_index_float(unconst(flann->xyz), (int)flann->n, 3, &speedup,
                                            &flann->parameters);
     if (flann->index == NULL) {

@@ -1,44 +1,34 @@
 #include "server/base/curl_library.h"
 
-#include <dlfcn.h>
-#include <pthread.h>
-#include <stdio.h>
-#include <string.h>
+#include "server/base/library.h"
 
-#define LIBRARY "libcurl-gnutls.so.4"
+#include <pthread.h>
 
 static struct vor_curl functions;
-static char missing[256]; /* "": it is loaded */
+static const char *const names[] = {
+#define VOR_CURL_NAME(name) "curl_" #name,
+    VOR_CURL_TABLE(VOR_CURL_NAME)
+#undef VOR_CURL_NAME
+};
+static struct vor_library library = {"libcurl-gnutls.so.4",          "libcurl3-gnutls", names,
+                                     sizeof names / sizeof names[0], &functions,        false};
+static CURLcode started;
 
-static void load(void)
+static void start(void)
 {
-    void *library = dlopen(LIBRARY, RTLD_NOW | RTLD_LOCAL), *function;
-
-    if (library == NULL) {
-        (void)snprintf(missing, sizeof missing, "%.160s; it is in Debian's package libcurl3-gnutls",
-                       dlerror());
-        return;
-    }
-    /* A function cannot be had from a pointer to an object but by copying its bytes. */
-#define VOR_CURL_FIND(name)                                                                        \
-    function = dlsym(library, "curl_" #name);                                                      \
-    if (function == NULL)                                                                          \
-        (void)snprintf(missing, sizeof missing, "the library %s has no function curl_%s", LIBRARY, \
-                       #name);                                                                     \
-    memcpy(&functions.name, &function, sizeof function);
-    VOR_CURL_TABLE(VOR_CURL_FIND)
-#undef VOR_CURL_FIND
-    if (missing[0] == '\0' && functions.global_init(CURL_GLOBAL_DEFAULT) != CURLE_OK)
-        (void)snprintf(missing, sizeof missing, "%s cannot be started", LIBRARY);
+    started = functions.global_init(CURL_GLOBAL_DEFAULT);
 }
 
 vor_status vor_curl_load(const struct vor_curl **out, struct vor_error *err)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
+    vor_status status = vor_library_load(&library, err);
 
-    (void)pthread_once(&once, load);
-    if (missing[0] != '\0')
-        return vor_fail(err, VOR_E_IO, "%s", missing);
+    if (status != VOR_OK)
+        return status;
+    (void)pthread_once(&once, start);
+    if (started != CURLE_OK)
+        return vor_fail(err, VOR_E_IO, "%s cannot be started", library.file);
     *out = &functions;
     return VOR_OK;
 }

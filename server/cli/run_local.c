@@ -2,6 +2,7 @@
 
 #include "proto/json/json.h"
 #include "server/base/clock.h"
+#include "server/base/flann_library.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
@@ -74,6 +75,8 @@ static vor_status run(struct local_run *r, struct vor_error *err)
     if (r->spec.process->methods != 0)
         vor_interrupt_keep_best();
     status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
+    if (status == VOR_E_INTERNAL && vor_flann_load(err) != VOR_OK)
+        return err->status;
     if (status != VOR_OK)
         return status;
     r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);

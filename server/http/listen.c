@@ -2,12 +2,12 @@
 #include "server/http/conn_guard.h"
 #include "server/http/http.h"
 #include "server/http/mhd_callbacks.h"
+#include "server/http/mhd_library.h"
 #include "server/http/state.h"
 #include "server/http/unix_socket.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <microhttpd.h>
 #include <netdb.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -101,10 +101,10 @@ static void on_connection(void *cls, struct MHD_Connection *connection, void **s
         *socket_context = NULL;
         return;
     }
-    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    info = vor_mhd->get_connection_info(connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
     known = info != NULL && info->client_addr != NULL &&
             vor_address_of_socket(&from, info->client_addr);
-    info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    info = vor_mhd->get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     if (info != NULL)
         *socket_context = vor_conn_enter(http->guard, info->connect_fd, known ? &from : NULL);
 }
@@ -130,7 +130,7 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
      * that is met is ours. */
     unsigned most = options->connections + options->streams + SPARE;
 
-    return MHD_start_daemon(
+    return vor_mhd->start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
         vor_mhd_step, http, MHD_OPTION_EXTERNAL_LOGGER, on_log, http, MHD_OPTION_LISTEN_SOCKET, fd,
         MHD_OPTION_THREAD_POOL_SIZE, options->threads > 1 ? options->threads : 0u,
@@ -170,7 +170,9 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
         return vor_fail(err, VOR_E_NOMEM, "the HTTP threads");
     http->options = *options;
     http->fd = -1;
-    status = open_socket(&http->fd, options, err);
+    status = vor_mhd_load(err);
+    if (status == VOR_OK)
+        status = open_socket(&http->fd, options, err);
     if (status == VOR_OK)
         status = vor_conn_guard_start(&http->guard, &limits, err);
     if (status != VOR_OK) {
@@ -210,7 +212,7 @@ static void take_last(const struct vor_http *http)
     while ((fd = accept(http->fd, (struct sockaddr *)&from, &size)) >= 0) {
         (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
         (void)fcntl(fd, F_SETFL, O_NONBLOCK);
-        (void)MHD_add_connection(http->daemon, fd, (struct sockaddr *)&from, size);
+        (void)vor_mhd->add_connection(http->daemon, fd, (struct sockaddr *)&from, size);
         size = sizeof from;
     }
     (void)shutdown(http->fd, SHUT_RD);
@@ -219,7 +221,7 @@ static void take_last(const struct vor_http *http)
 void vor_http_quiesce(struct vor_http *http)
 {
     atomic_store(&http->quiesced, true);
-    http->fd = MHD_quiesce_daemon(http->daemon);
+    http->fd = vor_mhd->quiesce_daemon(http->daemon);
     if (http->fd >= 0)
         take_last(http);
 }
@@ -261,7 +263,7 @@ void vor_http_stop(struct vor_http *http)
         return;
     if (http->daemon != NULL) {
         vor_http_close_waiting(http);
-        MHD_stop_daemon(http->daemon);
+        vor_mhd->stop_daemon(http->daemon);
     }
     if (http->fd >= 0)
         (void)close(http->fd);

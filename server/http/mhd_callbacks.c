@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/http/conn_guard.h"
 #include "server/http/forwarded.h"
+#include "server/http/mhd_library.h"
 #include "server/http/release_zero_pages.h"
 #include "server/http/reply.h"
 #include "server/http/request.h"
@@ -92,22 +93,24 @@ static struct MHD_Response *make_response(struct vor_request *request)
 
     /* The library would end a chunked reply to HEAD with a chunk that nobody expects. */
     if (reply->kind == VOR_REPLY_STREAM && request->method == VOR_HEAD)
-        return MHD_create_response_from_buffer(0, (void *)(uintptr_t) "", MHD_RESPMEM_PERSISTENT);
+        return vor_mhd->create_response_from_buffer(0, (void *)(uintptr_t) "",
+                                                    MHD_RESPMEM_PERSISTENT);
     switch (reply->kind) {
     case VOR_REPLY_BYTES:
-        response = MHD_create_response_from_buffer((size_t)reply->size, reply->bytes,
-                                                   MHD_RESPMEM_MUST_FREE);
+        response = vor_mhd->create_response_from_buffer((size_t)reply->size, reply->bytes,
+                                                        MHD_RESPMEM_MUST_FREE);
         if (response != NULL)
             reply->bytes = NULL;
         break;
     case VOR_REPLY_FILE:
-        response = MHD_create_response_from_fd_at_offset64(reply->size, reply->fd, reply->offset);
+        response =
+            vor_mhd->create_response_from_fd_at_offset64(reply->size, reply->fd, reply->offset);
         if (response != NULL)
             reply->fd = -1;
         break;
     case VOR_REPLY_STREAM:
-        response =
-            MHD_create_response_from_callback(reply->size, STREAM_BLOCK, on_read, request, NULL);
+        response = vor_mhd->create_response_from_callback(reply->size, STREAM_BLOCK, on_read,
+                                                          request, NULL);
         break;
     case VOR_REPLY_NONE:
         break;
@@ -120,13 +123,13 @@ static void add_fields(struct vor_request *request, struct MHD_Response *respons
     const struct vor_reply *reply = &request->reply;
 
     for (unsigned i = 0; i < reply->field_count; i++)
-        (void)MHD_add_response_header(response, reply->fields[i].name, reply->fields[i].value);
+        (void)vor_mhd->add_response_header(response, reply->fields[i].name, reply->fields[i].value);
     if (reply->media_type != NULL)
-        (void)MHD_add_response_header(response, "Content-Type", reply->media_type);
-    (void)MHD_add_response_header(response, "X-Request-Id", request->id);
-    (void)MHD_add_response_header(response, "X-Content-Type-Options", "nosniff");
+        (void)vor_mhd->add_response_header(response, "Content-Type", reply->media_type);
+    (void)vor_mhd->add_response_header(response, "X-Request-Id", request->id);
+    (void)vor_mhd->add_response_header(response, "X-Content-Type-Options", "nosniff");
     if (reply->close || atomic_load(&request->http->quiesced))
-        (void)MHD_add_response_header(response, "Connection", "close");
+        (void)vor_mhd->add_response_header(response, "Connection", "close");
 }
 
 /* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
@@ -168,8 +171,8 @@ static enum MHD_Result queue_reply(struct vor_request *request)
                                           request->reply.size == VOR_LENGTH_UNKNOWN
                                       ? VOR_PHASE_STREAM
                                       : VOR_PHASE_SEND);
-    result = MHD_queue_response(request->connection, (unsigned)request->reply.http, response);
-    MHD_destroy_response(response);
+    result = vor_mhd->queue_response(request->connection, (unsigned)request->reply.http, response);
+    vor_mhd->destroy_response(response);
     return result;
 }
 
@@ -184,7 +187,7 @@ static void refuse(struct vor_request *request, const struct vor_refusal *refusa
 static enum MHD_Result abort_body(struct vor_request *request)
 {
     const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+        vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
     char *raw = vor_reply_raw(request);
 
     if (raw != NULL && info != NULL)
@@ -275,7 +278,8 @@ static const char *check_head(struct vor_request *request, const char **detail)
 {
     const char *slug;
 
-    (void)MHD_get_connection_values(request->connection, MHD_HEADER_KIND, on_field, &request->head);
+    (void)vor_mhd->get_connection_values(request->connection, MHD_HEADER_KIND, on_field,
+                                         &request->head);
     vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
     vor_request_trace(request);
     slug = vor_head_check(&request->head, detail);
@@ -381,7 +385,7 @@ static void request_free(struct vor_request *request)
 static void note_peer(struct vor_request *request)
 {
     const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+        vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
 
     if (info != NULL && info->client_addr != NULL &&
         vor_address_of_socket(&request->from, info->client_addr))
@@ -409,7 +413,7 @@ void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connec
 {
     struct vor_http *http = cls;
     const union MHD_ConnectionInfo *info =
-        MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+        vor_mhd->get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
     struct vor_request *request = calloc(1, sizeof *request);
 
     if (request == NULL)

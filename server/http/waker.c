@@ -1,6 +1,7 @@
 #include "server/http/waker.h"
 
-#include <microhttpd.h>
+#include "server/http/mhd_library.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -45,7 +46,7 @@ void vor_waker_wake(struct vor_waker *waker)
     (void)pthread_mutex_lock(&waker->lock);
     if (!waker->over && waker->suspended) {
         waker->suspended = false;
-        MHD_resume_connection(waker->connection);
+        vor_mhd->resume_connection(waker->connection);
     } else {
         waker->pending = true;
     }
@@ -61,7 +62,7 @@ bool vor_waker_sleep(struct vor_waker *waker, bool stays)
     waker->pending = false;
     if (sleeps) {
         waker->suspended = true;
-        MHD_suspend_connection(waker->connection);
+        vor_mhd->suspend_connection(waker->connection);
     }
     (void)pthread_mutex_unlock(&waker->lock);
     return sleeps;

@@ -32,15 +32,18 @@ sub running {
     };
 }
 
-subtest 'the HTTP client is loaded by commands that ask a server' => sub {
-    my %env = (LD_LIBRARY_PATH => $folder);
-    my $library = spew("$folder/libcurl-gnutls.so.4", '');
-    my ($code, undef, $stderr) = run(['resample', $in, '-n', 50, '--iterations', 1, '-q', '-fo', $out], env => \%env);
-    is "$code|$stderr", '0|', 'others need none';
-    ($code, undef, $stderr) = run(['health', '--server', $url], env => \%env);
-    like "$code|$stderr", qr/\A1\|voronoid: .*libcurl-gnutls\.so\.4: file too short; it is in Debian's package libcurl3-gnutls\n\z/,
-        'these say what is missing';
-    unlink $library, $out;
+subtest 'libraries are loaded by the commands that need them' => sub {
+    for (['libcurl-gnutls.so.4', 'libcurl3-gnutls', 'health', '--server', $url], ['libflann.so.1.9', 'libflann1.9', 'measure', $in],
+        ['libmicrohttpd.so.12', 'libmicrohttpd12', 'serve', '--listen', '127.0.0.1:0', '--data', "$folder/none"]) {
+        my ($library, $package, @command) = @$_;
+        my %env = (LD_LIBRARY_PATH => $folder);
+        spew("$folder/$library", '');
+        my ($code, undef, $stderr) = run(['convert', $in, '-q', '-fo', $out], env => \%env);
+        is "$code|$stderr", '0|', 'others do not';
+        ($code, undef, $stderr) = run(\@command, env => \%env);
+        like "$code|$stderr", qr/\A1\|voronoid: .*\Q$library\E: file too short; it is in Debian's package \Q$package\E\n\z/, 'what is missing is said';
+        unlink "$folder/$library", $out;
+    }
 };
 
 subtest 'health' => sub {
@@ -139,7 +142,7 @@ subtest 'refusals' => sub {
     is $code, 1, 'a path that is not there is a failure';
     like $stderr, qr/\Avoronoid: \Q$in\E: There is nothing at this path[^\n]*\n\z/, 'one line says so';
     ok !-e $out, 'nothing is written';
-    is leftovers($folder, qw(data in.ply here.ply here.drc there.drc bad.ply empty.ply)), '', 'nothing is left behind';
+    is leftovers($folder, qw(data none in.ply here.ply here.drc there.drc bad.ply empty.ply)), '', 'nothing is left behind';
 };
 
 subtest 'a signal' => sub {

@@ -19,8 +19,7 @@ my %known = map { $_ => 1 } qw(
     pthread_cond_init pthread_cond_wait pthread_cond_broadcast pthread_cond_destroy);
 # One door each: FLANN, and two figures of a report that no result hangs on.
 my %door = (
-    (map { $_ => 'knn/knn_flann' } qw(flann_build_index_float flann_find_nearest_neighbors_index_float flann_free_index_float
-        DEFAULT_FLANN_PARAMETERS)),
+    (map { $_ => 'knn/knn_flann' } qw(flann_build_index_float flann_find_nearest_neighbors_index_float flann_free_index_float)),
     acos  => 'mesh/describe',
     log10 => 'metrics/distortion',
 );

@@ -42,7 +42,7 @@ sub crowded {
     return @found;
 }
 my @crowded;
-for my $file (grep { !m{^server/http/mhd_callbacks\.} } @sources) { # whose one is as libmicrohttpd has it
+for my $file (grep { !m{^server/(?:http/mhd_callbacks|base/flann_library)\.} } @sources) { # as libmicrohttpd and FLANN have it
     open my $in, '<', $file or next;
     local $/;
     push @crowded, map { "$file: $_" } crowded(scalar <$in>);
