@@ -18,6 +18,7 @@
 #include "core/output/last_record.h"
 #include "core/output/notes.h"
 #include "core/output/output.h"
+#include "core/output/transfer.h"
 #include "core/output/triangles.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
@@ -115,6 +116,11 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     struct vor_triangles_of joined = {engine->in,     out,           &engine->domain,
                                       &engine->seeds, engine->order, &engine->spec};
 
+    if (status == VOR_OK && engine->previous == NULL &&
+        vor_spec_given(&engine->spec, VOR_PARAM_COHERENCE))
+        status = vor_transfer_number(out, err);
+    if (status == VOR_OK && engine->previous != NULL)
+        vor_transfer_keep_common(out, engine->previous);
     if (status == VOR_OK)
         status = vor_output_notes(out, report, engine->given, err);
     if (status == VOR_OK && engine->meshes)

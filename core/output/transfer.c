@@ -137,6 +137,38 @@ vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud
     return status;
 }
 
+vor_status vor_transfer_number(struct vor_cloud *cloud, struct vor_error *err)
+{
+    struct vor_attribute *track, first;
+    vor_status status =
+        vor_cloud_add_attribute(cloud, VOR_TRACK, VOR_GENERIC, VOR_UINT32, 1, &track, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < cloud->n; i++)
+        ((uint32_t *)track->data)[i] = (uint32_t)i;
+    first = *track;
+    memmove(&cloud->attributes[1], cloud->attributes,
+            (cloud->attribute_count - 1) * sizeof *cloud->attributes);
+    cloud->attributes[0] = first;
+    return VOR_OK;
+}
+
+void vor_transfer_keep_common(struct vor_cloud *cloud, const struct vor_cloud *previous)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        const char *name = cloud->attributes[i].name;
+
+        if (strcmp(name, VOR_TRACK) != 0 && vor_cloud_find_name(previous, name) == NULL)
+            vor_free(cloud->memory, cloud->attributes[i].data);
+        else
+            cloud->attributes[kept++] = cloud->attributes[i];
+    }
+    cloud->attribute_count = kept;
+}
+
 /* Adds the tracks, before an attribute of that name that the input may have. */
 static vor_status add_track(struct vor_cloud *out, const struct vor_seeds *seeds,
                             struct vor_error *err)

@@ -35,6 +35,15 @@ VOR_NODISCARD vor_status vor_transfer(struct vor_cloud *out, const struct vor_cl
                                       struct vor_seeds *seeds, const struct vor_transfer_how *how,
                                       struct vor_error *err);
 
+/** Numbers the points of the first result of a sequence from 0, in the attribute "track", its first
+ *  one.
+ *
+ *  @retval VOR_E_LIMIT, VOR_E_NOMEM as vor_cloud_add_attribute */
+VOR_NODISCARD vor_status vor_transfer_number(struct vor_cloud *cloud, struct vor_error *err);
+
+/** Frees the attributes of a result that the one before, in a sequence, does not have. */
+void vor_transfer_keep_common(struct vor_cloud *cloud, const struct vor_cloud *previous);
+
 /** Gives a cloud the attributes that the request asks for.
  *
  *  @param[in,out] out  with positions and no attributes; may have some of them on failure

@@ -400,7 +400,9 @@ vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domai
     if (status == VOR_OK && !done)
         status = start_in_cells(&areas, err);
     if (status == VOR_OK && domain->previous.n > 0)
-        status = vor_warm_start(&to, spec->value[VOR_PARAM_COHERENCE], err);
+        status = vor_warm_start(
+            &to, vor_spec_given(spec, VOR_PARAM_COHERENCE) ? spec->value[VOR_PARAM_COHERENCE] : 1,
+            err);
     if (status != VOR_OK) {
         vor_seeds_free(&to);
         return status;

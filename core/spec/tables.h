@@ -253,9 +253,11 @@ enum vor_method_choice {
     X(EDGES, edges, CHOICE, SPREAD, "", 0, 0, VOR_EDGES_IGNORE, "ignore sites",                    \
       "Treatment of the sharp edges of the input. ignore: no special treatment; sites: the "       \
       "first points are placed evenly along the edges and stay there")                             \
-    X(COHERENCE, coherence, REAL, SPREAD, "", 0, 1, 1, "",                                         \
+    X(COHERENCE, coherence, REAL, SPREAD, "", 0, 1, VOR_UNSET, "",                                 \
       "How much of the previous result is kept. 1: points move only as far as an even spread "     \
-      "needs; less: they move more, and the run makes more iterations; 0: all points are new")     \
+      "needs; less: they move more, and the run makes more iterations; 0: all points are new. "    \
+      "Default: 1. If it is given without a previous result, the cloud is the first one of a "     \
+      "sequence: the points of the result are numbered in the attribute track")                    \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
       "are used like all other points; drop: they are ignored; pull: they are moved onto the "     \
@@ -515,7 +517,6 @@ struct vor_artefact_info {
 /** Parameters that mean nothing without an optional input: parameter, name of the input. */
 #define VOR_NEED_TABLE(X)                                                                          \
     X(PEAK, "reference")                                                                           \
-    X(COHERENCE, "previous")                                                                       \
     VOR_EXTRA_NEEDS(X)
 
 /** One row of the table of processes. */

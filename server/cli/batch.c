@@ -248,7 +248,8 @@ static int run_all(struct batch *batch)
         status = check_overwrites(batch, &err);
     if (status == VOR_OK)
         status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
-    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0)
+    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&
+        cli->option[VOR_OPTION_SERVER] == NULL)
         status = vor_sequence_common(&batch->common, cli, &err);
     return status == VOR_OK ? each(cli, run_one, batch) : vor_cli_fail(cli->command->name, &err);
 }

@@ -80,12 +80,7 @@ static vor_status run(struct local_run *r, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
-    if (r->cli->keep == NULL || vor_artefacts_cloud(&r->in, "previous") != NULL)
-        return VOR_OK;
-    for (unsigned i = 0; i < r->out.count && status == VOR_OK; i++)
-        if (r->out.item[i].kind == VOR_ARTEFACT_CLOUD)
-            status = vor_sequence_number(&r->out.item[i].cloud, err);
-    return status;
+    return VOR_OK;
 }
 
 static vor_status save_cloud(struct local_run *r, const struct vor_artefact *result,

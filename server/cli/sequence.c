@@ -94,20 +94,3 @@ void vor_sequence_keep(struct vor_cloud *cloud, const struct vor_attribute_names
     }
     cloud->attribute_count = kept;
 }
-
-vor_status vor_sequence_number(struct vor_cloud *cloud, struct vor_error *err)
-{
-    struct vor_attribute *track, first;
-    vor_status status =
-        vor_cloud_add_attribute(cloud, VOR_TRACK, VOR_GENERIC, VOR_UINT32, 1, &track, err);
-
-    if (status != VOR_OK)
-        return status;
-    for (size_t i = 0; i < cloud->n; i++)
-        ((uint32_t *)track->data)[i] = (uint32_t)i;
-    first = *track;
-    memmove(&cloud->attributes[1], cloud->attributes,
-            (cloud->attribute_count - 1) * sizeof *cloud->attributes);
-    cloud->attributes[0] = first;
-    return VOR_OK;
-}

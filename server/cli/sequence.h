@@ -21,11 +21,6 @@ struct vor_attribute_names {
 VOR_NODISCARD vor_status vor_sequence_common(struct vor_attribute_names *out,
                                              const struct vor_cli *cli, struct vor_error *err);
 
-/** Numbers the points of the first result, in its attribute track, as those of the others are.
- *
- *  @retval VOR_E_LIMIT, VOR_E_NOMEM as vor_cloud_add_attribute */
-VOR_NODISCARD vor_status vor_sequence_number(struct vor_cloud *cloud, struct vor_error *err);
-
 /** Frees the attributes of a cloud that are not among the names. */
 void vor_sequence_keep(struct vor_cloud *cloud, const struct vor_attribute_names *names);
 

@@ -120,8 +120,7 @@ is files(), 'f1.ply f2.ply f3.ply', 'the others are there';
 is_deeply [map { [slurp("$out/$_.ply") =~ /^property \w+ (\w+)$/mg] } qw(f1 f2 f3)], [([qw(x y z track class)]) x 3], 'each with what all have';
 run(['resample', $f3, '-n', 40, '--previous', "$out/f2.ply", '-q', '-fo', "$folder/x.ply"]);
 my @bytes = map { slurp($_) =~ s/\A.*?end_header\n//sr } "$folder/x.ply", "$out/f3.ply";
-is length $bytes[0], 40 * (3 + 3) * 4, 'alone a frame has all its attributes';
-is_deeply [map { substr $bytes[0], 24 * $_, 16 } 0 .. 39], [map { substr $bytes[1], 20 * $_, 16 } 0 .. 39], 'and the same points';
+is $bytes[0], $bytes[1], 'a frame that is sent alone has those of the result before';
 clear();
 
 my $daemon = daemon("$folder/data", '127.0.0.1:0', '--threads', 2);

@@ -76,6 +76,18 @@ subtest 'the same job far away' => sub {
     is((stat $out)[7], length $wanted, 'and writes as much');
 };
 
+subtest 'the frames of a sequence' => sub {
+    my @frames = ($in, spew("$folder/bad.ply", 'no cloud'), spew("$folder/in2.ply", sphere(3000, 7)));
+    for (['here'], ['there', '--server', $url]) {
+        my ($name, @server) = @$_;
+        my ($code, undef, $stderr) = run(['sequence', @frames, @request, '-q', '-fo', "$folder/$name/", @server]);
+        like "$code$stderr", qr{^3voronoid: \Q$frames[1]\E: .*\nvoronoid: sequence: 1 of 3 failed\n\z}, "$name: a damaged frame fails alone";
+    }
+    ok slurp("$folder/here/$_.ply") eq slurp("$folder/there/$_.ply"), "$_: the bytes are those of a run here" for qw(in in2);
+    unlink @frames[1, 2], glob "$folder/{here,there}/*";
+    rmdir "$folder/$_" for qw(here there);
+};
+
 subtest 'the same lines of JSON' => sub {
     my (undef, $here) = run(['resample', $in, @request, '--json', '-fo', "$folder/here.drc"]);
     my ($code, $there, $stderr) = run(['resample', $in, @request, '--json', '-fo', "$folder/there.drc", '--server', $url]);

@@ -142,7 +142,7 @@ vor_status vt_call_request(struct vt_call *call)
         (struct vor_artefact){.name = "cloud", .kind = VOR_ARTEFACT_CLOUD, .cloud = *call->in};
     if (engine.spec.process->inputs[1].name != NULL &&
         (!vor_process_takes(engine.spec.process, VOR_PARAM_COHERENCE) ||
-         engine.spec.value[VOR_PARAM_COHERENCE] < 1)) /* the first half of itself */
+         vor_spec_given(&engine.spec, VOR_PARAM_COHERENCE))) /* the first half of itself */
         inputs.item[inputs.count++] =
             (struct vor_artefact){.name = engine.spec.process->inputs[1].name,
                                   .kind = VOR_ARTEFACT_CLOUD,
