@@ -5,6 +5,8 @@
 
 #include <math.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <string.h>
 
 /** Scalar product. */
 static inline double vor_dot(const double a[3], const double b[3])
@@ -66,6 +68,13 @@ static inline void vor_to_doubles(double out[3], const float x[3])
 {
     for (int c = 0; c < 3; c++)
         out[c] = (double)x[c];
+}
+
+/** Copies the points index[0 .. k - 1] of xyz to out, k x 3 floats. */
+static inline void vor_gather(float *out, const float *xyz, const uint32_t *index, size_t k)
+{
+    for (size_t j = 0; j < k; j++)
+        memcpy(&out[3 * j], &xyz[3 * (size_t)index[j]], 3 * sizeof *out);
 }
 
 /** Squared distance of two points, in double precision. */

@@ -17,9 +17,9 @@
 
 #include <stddef.h>
 
-/** Most corners of a piece. A triangle, hexagon or octagon gains at most one corner a cut, and
- * cells have about six sides. A piece that reaches the limit is not cut any further: its area is
- * then too large. */
+/** Most corners of a piece, or of a flat cell (geom/flat.h). A triangle, hexagon or octagon gains
+ * at most one corner a cut, and cells have about six sides. A piece that reaches the limit is not
+ * cut any further: its area is then too large. */
 #define VOR_POLYGON_MAX 24
 
 /** A convex piece of the cell, coordinates relative to the seed in the surface's axes. */

@@ -148,7 +148,7 @@ void vor_energy_of(struct vor_energy *out, const struct vor_flat *cell,
                    const struct vor_energy_plane *plane, const double at[2],
                    const double (*other)[3])
 {
-    double by[VOR_FLAT_MOST][2] = {{0}};
+    double by[VOR_POLYGON_MAX][2] = {{0}};
 
     out->value = out->own[0] = out->own[1] = out->bend[0] = out->bend[1] = 0;
     out->count = 0;

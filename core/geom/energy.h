@@ -42,8 +42,8 @@ struct vor_energy {
     double own[2];  /**< gradient in the place of its seed, in the plane */
     double bend[2]; /**< second derivative in that place, were the cell to stand still */
     unsigned count; /**< other seeds that it depends on */
-    uint32_t id[VOR_FLAT_MOST];  /**< their numbers in the list */
-    double by[VOR_FLAT_MOST][3]; /**< gradient in their places, in the axes of the plane */
+    uint32_t id[VOR_POLYGON_MAX];  /**< their numbers in the list */
+    double by[VOR_POLYGON_MAX][3]; /**< gradient in their places, in the axes of the plane */
 };
 
 /** Area and second moments of a cell about its centroid, and Xiao's energy: about its seed, p 2. */

@@ -24,7 +24,8 @@ static void put(struct vor_flat *cell, double x, double y, uint32_t id)
 void vor_flat_clip(struct vor_flat *cell, const double d[2], double limit, uint32_t id)
 {
     struct vor_flat from;
-    double side[VOR_FLAT_MOST] = {0}; /* clang-analyzer cannot see that the loop sets those used */
+    double side[VOR_POLYGON_MAX] = {
+        0}; /* clang-analyzer cannot see that the loop sets those used */
     unsigned outside = 0;
 
     for (unsigned e = 0; e < cell->count; e++) {
@@ -33,7 +34,7 @@ void vor_flat_clip(struct vor_flat *cell, const double d[2], double limit, uint3
         side[e] = cell->x[e] * d[0] + cell->y[e] * d[1] - limit;
         outside += side[e] > 0;
     }
-    if (outside == 0 || cell->count + 2 > VOR_FLAT_MOST)
+    if (outside == 0 || cell->count + 2 > VOR_POLYGON_MAX)
         return;
     from = *cell;
     cell->count = 0;

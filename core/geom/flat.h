@@ -6,10 +6,9 @@
 #ifndef VOR_GEOM_FLAT_H
 #define VOR_GEOM_FLAT_H
 
-#include <stdint.h>
+#include "core/geom/cell.h"
 
-/** Most corners of a cell. One that has so many is not cut any further; cells have about six. */
-#define VOR_FLAT_MOST 24
+#include <stdint.h>
 
 /** Number of the first side of the patch; the others follow. Greater than that of any seed. */
 #define VOR_FLAT_SIDE (UINT32_MAX - 15)
@@ -17,9 +16,9 @@
 /** The cell; edge e leads from corner e to the next one, counter-clockwise. */
 struct vor_flat {
     unsigned count;
-    double x[VOR_FLAT_MOST], y[VOR_FLAT_MOST];
-    double far2;                /**< squared distance from the origin to the farthest corner */
-    uint32_t id[VOR_FLAT_MOST]; /**< who cut each edge, or VOR_FLAT_SIDE and following */
+    double x[VOR_POLYGON_MAX], y[VOR_POLYGON_MAX];
+    double far2;                  /**< squared distance from the origin to the farthest corner */
+    uint32_t id[VOR_POLYGON_MAX]; /**< who cut each edge, or VOR_FLAT_SIDE and following */
 };
 
 /** Begins a cell as the patch of these corners, `radius` times as large. O(sides). */

@@ -5,6 +5,7 @@
 #define VOR_GEOM_GRAPH_H
 
 #include "core/base/run.h"
+#include "core/geom/surface.h"
 #include "core/knn/knn.h"
 
 #include <stdint.h>
@@ -86,7 +87,7 @@ unsigned vor_graph_around(const struct vor_graph *graph, uint32_t i, uint32_t *o
                           unsigned wanted);
 
 /** Most points that vor_graph_around finds. */
-#define VOR_GRAPH_AROUND 512
+#define VOR_GRAPH_AROUND VOR_NEIGHBORS_MAX
 
 /** Connected components: two points are in one component if a chain of edges, taken in either
  *  direction, joins them.

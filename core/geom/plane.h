@@ -4,6 +4,12 @@
 
 #include <stdint.h>
 
+/** Points that show the surface around one, itself among them: the first ring and a little of the
+ *  second. At 5 / 9 / 18 normals of a sphere with noise of a fifth of the spacing are off by 30 /
+ * 10 / 4 degrees (rms), and 3.8 / 5.4 / 7.6 % of those of a cube of 20,000 points by more than 15,
+ * at its edges. */
+enum { VOR_PLANE_POINTS = 9 };
+
 struct vor_plane {
     float middle[3], normal[3]; /**< a point of it, and a unit vector of either sign */
     float flatness;             /**< variance across it over that in all: 0 .. 1 */

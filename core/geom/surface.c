@@ -193,6 +193,15 @@ void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
     fit(out, near, NULL, k, VOR_SURFACE_QUADRIC);
 }
 
+void vor_surface_fit_to(struct vor_surface *out, const float *xyz, const uint32_t *index,
+                        unsigned k)
+{
+    float near[3 * VOR_NEIGHBORS_MAX];
+
+    vor_gather(near, xyz, index, k);
+    vor_surface_fit(out, near, k);
+}
+
 void vor_surface_fit_as(struct vor_surface *out, const float *near, unsigned k,
                         enum vor_surface_kind highest)
 {
@@ -288,20 +297,29 @@ void vor_surface_normal(const struct vor_surface *surface, const double local[3]
             length;
 }
 
-/* Variance of the neighbours about the quadric that was fitted to them. */
-static double residual2(const struct vor_surface *surface, const float *near, unsigned k)
+double vor_surface_above(const struct vor_surface *surface, const double x[3])
+{
+    double local[3];
+
+    vor_surface_to_local(surface, x, local);
+    return local[2] - vor_surface_height(surface, local[0], local[1], NULL);
+}
+
+double vor_surface_abovef(const struct vor_surface *surface, const float x[3])
+{
+    return vor_surface_above(surface, (double[3]){(double)x[0], (double)x[1], (double)x[2]});
+}
+
+double vor_surface_variance(const struct vor_surface *surface, const float *near, unsigned k)
 {
     double sum = 0;
 
-    for (unsigned j = 0; j < k; j++) {
-        double x[3] = {(double)near[3 * j], (double)near[3 * j + 1], (double)near[3 * j + 2]};
-        double local[3], off;
+    for (unsigned j = 0; surface->kind != VOR_SURFACE_NONE && j < k; j++) {
+        double off = vor_surface_abovef(surface, &near[3 * j]);
 
-        vor_surface_to_local(surface, x, local);
-        off = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
         sum += off * off;
     }
-    return sum / (k - 6);
+    return sum / (k - VOR_QUADRIC_TERMS);
 }
 
 /* Copies the `few` neighbours nearest to x to out, nearest first. */
@@ -323,7 +341,7 @@ static void take_nearest(float *out, const float *near, unsigned k, unsigned few
 
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k, const float x[3])
 {
-    double coarse2 = residual2(surface, near, k), thick = THICK * surface->reach;
+    double coarse2 = vor_surface_variance(surface, near, k), thick = THICK * surface->reach;
     double a[3] = {(double)x[0], (double)x[1], (double)x[2]}, b[3] = {a[0], a[1], a[2]};
     float few[3 * VOR_REFINED_TO];
     struct vor_surface fine;
@@ -334,7 +352,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
     take_nearest(few, near, k, VOR_REFINED_TO, x);
     vor_surface_fit(&fine, few, VOR_REFINED_TO);
     if (fine.kind != VOR_SURFACE_QUADRIC ||
-        VOR_FINER * residual2(&fine, few, VOR_REFINED_TO) > coarse2)
+        VOR_FINER * vor_surface_variance(&fine, few, VOR_REFINED_TO) > coarse2)
         return 0;
     vor_surface_put(surface, a);
     vor_surface_put(&fine, b);

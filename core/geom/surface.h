@@ -27,6 +27,9 @@
  *  seeds, which differ by 3 %). */
 #define VOR_NEIGHBORS_FEWEST 20
 
+/** Coefficients of a quadric: a fit takes up so many of the points' deviations. */
+enum { VOR_QUADRIC_TERMS = 6 };
+
 enum vor_surface_kind {
     VOR_SURFACE_NONE,   /**< no tangent plane: too few distinct points, or all on a line */
     VOR_SURFACE_PLANE,  /**< a plane: the points do not determine a quadric */
@@ -71,8 +74,12 @@ struct vor_surface {
  */
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
-/** The same, where the surface may be of no higher kind than `highest`: as VOR_SURFACE_PLANE it
- * never bends, c[3] .. c[5] are 0. highest is not VOR_SURFACE_NONE.
+/** vor_surface_fit to the points index[0 .. k - 1] of xyz. */
+void vor_surface_fit_to(struct vor_surface *out, const float *xyz, const uint32_t *index,
+                        unsigned k);
+
+/** vor_surface_fit, where the surface may be of no higher kind than `highest`: as VOR_SURFACE_PLANE
+ * it never bends, c[3] .. c[5] are 0. highest is not VOR_SURFACE_NONE.
  *
  *  Source of fits of planes: Chen et al. 2018, "Point cloud resampling using centroidal Voronoi
  *  tessellation methods", Sec. 3. */
@@ -94,6 +101,12 @@ double vor_surface_height(const struct vor_surface *surface, double u, double v,
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3]);
 void vor_surface_to_world(const struct vor_surface *surface, const double local[3], double x[3]);
 
+/** Height of x, in world coordinates, over the surface. kind is not NONE. O(1). */
+double vor_surface_above(const struct vor_surface *surface, const double x[3]);
+
+/** The same of a point in floats. */
+double vor_surface_abovef(const struct vor_surface *surface, const float x[3]);
+
 /** Moves a local point to the nearest point of the surface, by three Gauss-Newton steps along the
  *  normal. kind is not NONE. O(1).
  *
@@ -107,6 +120,10 @@ void vor_surface_put(const struct vor_surface *surface, double x[3]);
 
 /** Unit normal, in world axes, over local (u, v); which of the two sides is arbitrary. O(1). */
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3]);
+
+/** Variance about a surface of the k points, more than 6, that it was fitted to; 0 where kind is
+ *  NONE. O(k). */
+double vor_surface_variance(const struct vor_surface *surface, const float *near, unsigned k);
 
 /** Replaces the surface by one fitted to the VOR_REFINED_TO neighbours nearest to x, where their
  *  variance about it is at most half of that of all k neighbours about the wide fit: at an edge or
@@ -132,7 +149,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
  *  5.0e-4 / 5.5e-4, delta of fandisk 0.022 / 0.020 / 0.018. */
 #define VOR_REFINED_TO 12
 /** Fewest and most neighbours of a wide fit that may be refined: more than 20 are for noise. */
-#define VOR_REFINED_MIN 13
-#define VOR_REFINED_MAX 20
+#define VOR_REFINED_MIN (VOR_REFINED_TO + 1)
+#define VOR_REFINED_MAX VOR_NEIGHBORS_FEWEST
 
 #endif

@@ -5,10 +5,10 @@
 #ifndef VOR_GEOM_WALK_H
 #define VOR_GEOM_WALK_H
 
-/** Most points of a walk: three times those of a list, so that one of three sheets has enough. */
-enum { VOR_WALK_MOST = 60 };
+#include "core/geom/surface.h"
 
-#include <stdint.h>
+/** Most points of a walk: three times those of a list, so that one of three sheets has enough. */
+enum { VOR_WALK_MOST = 3 * VOR_NEIGHBORS_FEWEST };
 
 /** A walk from the first of `most` points, the others its nearest in order. */
 struct vor_walk {

@@ -20,15 +20,9 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Points of a plane, the point itself among them: the least that tell a plane from chance. */
-    FLAT = 9,
-    /* Fewest points of a list. At 8 / 10 / 13: cow 0.062 / 0.063 / 0.064, room 0.0446 / 0.0459 /
-     * 0.0489. */
-    FEWEST = 8,
     /* Points of a short list. At 10 / 12: cow 0.059, 3.86 / 0.056, 3.93; without, 0.061, 4.12. Fits
      * to fewer than 10 would follow noise. */
-    SHORT = 12,
-    QUADRIC = 6, /* coefficients of a quadric: a fit takes up so many of the deviations */
+    SHORT = VOR_REFINED_TO,
     /* Times that planes and lists are made, each time from the lists before. At 1 / 2 / 3: cow
      * 0.068 / 0.063 / 0.063, room 0.0474 / 0.0459 / 0.0459; at 1 / 2 arma2 0.134, 3.8 / 0.117, 3.4.
      */
@@ -44,9 +38,9 @@ enum {
  * with both: cow 0.062, 4.08, arma2 0.118, 3.5. */
 static const double arcs[] = {0.5, 0.35};
 enum { ARCS = sizeof arcs / sizeof *arcs };
-/* A list must lower the variance about the surface to this share. At 0.35 / 0.5 / 0.7: cow 0.066,
- * 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
-#define BETTER 0.5
+/* A list must lower the variance about the surface VOR_FINER times. At 2.9 / 2 / 1.4: cow
+ * 0.066, 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
+
 /* VOR_FINER is the times less variance that a surface must have about the points of a short list.
  * At 1 / 2 / 4: cow 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
 
@@ -132,7 +126,8 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
                 graph->list[i * graph->most + taken++] = index[j];
         graph->count[i] = (unsigned char)taken;
         make->known[i].layer = 0;
-        vor_plane_fit(&make->known[i].plane, make->domain->xyz, index, at_most(make->domain, FLAT));
+        vor_plane_fit(&make->known[i].plane, make->domain->xyz, index,
+                      at_most(make->domain, VOR_PLANE_POINTS));
     }
 }
 
@@ -144,7 +139,8 @@ static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     for (size_t i = begin; i < end; i++) {
         const uint32_t *list = &graph->list[i * graph->most];
         const float *x = point(make->domain, (uint32_t)i);
-        unsigned last = graph->count[i] < FLAT - 1 ? graph->count[i] : FLAT - 1;
+        unsigned last =
+            graph->count[i] < VOR_PLANE_POINTS - 1 ? graph->count[i] : VOR_PLANE_POINTS - 1;
         double r2 = vor_distance2f(x, point(make->domain, list[last - 1]));
         const struct vor_plane *take = &make->known[i].plane;
         double best = KEEP * vor_plane_cost(take, x, r2);
@@ -207,11 +203,7 @@ static void set_own(struct make *make, size_t i, const uint32_t *index, unsigned
 static int fit_to(struct vor_surface *out, const struct vor_domain *domain, const uint32_t *index,
                   unsigned n)
 {
-    float near[3 * (VOR_ADJACENT + 1)];
-
-    for (unsigned j = 0; j < n; j++)
-        memcpy(&near[3 * j], point(domain, index[j]), 3 * sizeof *near);
-    vor_surface_fit(out, near, n);
+    vor_surface_fit_to(out, domain->xyz, index, n);
     return out->kind != VOR_SURFACE_NONE;
 }
 
@@ -251,8 +243,8 @@ static unsigned walk_to_sheet(struct vor_walk *walk, struct vor_surface *own,
         walk->enough = at_most(domain, VOR_ADJACENT);
         vor_walk_go(walk);
         n = take_reached(walk, at_most(domain, VOR_ADJACENT), index);
-        if (n >= FEWEST && fit_to(own, domain, index, n) &&
-            own->spacing >= SPARSER * plain->spacing && own->off2 < BETTER * plain->off2)
+        if (n >= VOR_ADJACENT_FEWEST && fit_to(own, domain, index, n) &&
+            own->spacing >= SPARSER * plain->spacing && VOR_FINER * own->off2 < plain->off2)
             return n;
     }
     return 0;
@@ -311,7 +303,8 @@ static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain
     struct vor_surface few;
 
     if (n < SHORT + 3 || !fit_to(&few, domain, index, SHORT) ||
-        VOR_FINER * few.off2 * SHORT / (SHORT - QUADRIC) > own->off2 * n / (n - QUADRIC))
+        VOR_FINER * few.off2 * SHORT / (SHORT - VOR_QUADRIC_TERMS) >
+            own->off2 * n / (n - VOR_QUADRIC_TERMS))
         return n;
     *own = few;
     return SHORT;
@@ -334,7 +327,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
 
         n = vor_sheets_list(index, domain, (double[3]){(double)p[0], (double)p[1], (double)p[2]},
                             at_most(domain, VOR_ADJACENT), recent);
-        if (n >= FEWEST && fit_to(&own, domain, index, n)) {
+        if (n >= VOR_ADJACENT_FEWEST && fit_to(&own, domain, index, n)) {
             set_own(make, i, index, n, &own);
             make->known[i].layer = 1;
         }
@@ -393,13 +386,13 @@ static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             (!begin_walk(&walk, &plain, domain, (uint32_t)i) && !has_steep(make, i)))
             continue;
         give_normals(&walk, make);
-        for (unsigned a = 0; a < ARCS && n < FEWEST; a++) {
+        for (unsigned a = 0; a < ARCS && n < VOR_ADJACENT_FEWEST; a++) {
             walk.arc = arcs[a];
             walk.enough = at_most(domain, VOR_ADJACENT + 1);
             vor_walk_go(&walk);
             n = take_reached(&walk, at_most(domain, VOR_ADJACENT + 1), index);
         }
-        if (n >= FEWEST)
+        if (n >= VOR_ADJACENT_FEWEST)
             set_list(make->graph, i, index, n);
     }
 }
@@ -432,7 +425,7 @@ static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         for (unsigned j = 0; j < graph->count[i]; j++)
             if (make->noisy[i] || !lies_steep(make, i, list[j]))
                 stay[left++] = list[j];
-        if (left >= FEWEST) {
+        if (left >= VOR_ADJACENT_FEWEST) {
             memcpy(list, stay, left * sizeof *list);
             graph->count[i] = (unsigned char)left;
         }
@@ -498,11 +491,11 @@ struct probe {
 static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain)
 {
     struct vor_plane plane[VOR_WALK_MOST];
-    uint32_t index[VOR_WALK_MOST][FLAT];
-    unsigned k = at_most(domain, FLAT);
+    uint32_t index[VOR_WALK_MOST][VOR_PLANE_POINTS];
+    unsigned k = at_most(domain, VOR_PLANE_POINTS);
 
     for (unsigned j = 0; j < walk->most; j++) {
-        float distance2[FLAT];
+        float distance2[VOR_PLANE_POINTS];
         const float *x = point(domain, walk->index[j]);
 
         for (int c = 0; c < 3; c++)

@@ -8,9 +8,10 @@
 
 #include "core/geom/surface.h"
 #include "core/input/domain.h"
+#include "core/input/field.h"
 
 /** Neighbours of a place: their disc gives its area, values are averaged with theirs. */
-enum { VOR_CURVED_LISTED = 12 };
+enum { VOR_CURVED_LISTED = VOR_FIELD_AROUND };
 
 /** The places; owns what it made. */
 struct vor_curved {

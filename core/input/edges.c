@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
 #include "core/geom/crease.h"
+#include "core/geom/plane.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
 
@@ -14,7 +15,6 @@
  * double (edges.h). */
 enum {
     BLOCK = 256, /* points of one task */
-    QUADRIC_TERMS = 6,
 
     /* Points of a normal where fits take VOR_NEIGHBORS_FEWEST; more in proportion.
      * .996 .969 .912 .974 .08; .993 .974 .920 .964 .10; .992 .961 .921 .962 .06, and half as much
@@ -25,7 +25,7 @@ enum {
     AROUND = 24
 };
 
-/* Variance across over variance along of the points of a normal, from which it is looked for an
+/* Variance across over that in all of the points of a normal, from which it is looked for an
  * edge: what costs least to ask. At (0.025)^2 / (0.05)^2 / (0.1)^2: recall on a wedge of 30 degrees
  * .99 / .99 / .61; CPU on igea30k 5.8 / 4.9 / 2.9 us. */
 #define BENT 0.0025
@@ -113,43 +113,24 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
     if (k > domain->n)
         k = (unsigned)domain->n;
     vor_knn_search_next(domain->knn, &out->last, x, k, out->index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)out->index[j]], 3 * sizeof *out->near);
+    vor_gather(out->near, domain->xyz, out->index, k);
     out->k = k;
     out->spacing = sqrt(M_PI * (double)distance2[k - 1] / (k - 1));
-}
-
-/* Normal of the plane through the points, and whether they are bent. */
-static int plane_of(float normal[3], const struct around *around)
-{
-    double mean[3] = {0}, m[6] = {0}, values[3], vectors[3][3];
-
-    for (unsigned j = 0; j < around->k; j++)
-        for (unsigned c = 0; c < 3; c++)
-            mean[c] += ((double)around->near[3 * j + c] - (double)around->near[c]) / around->k;
-    for (unsigned j = 0; j < around->k; j++) {
-        double d[3];
-
-        for (unsigned c = 0; c < 3; c++)
-            d[c] = (double)around->near[3 * j + c] - (double)around->near[c] - mean[c];
-        vor_add_square(m, d);
-    }
-    vor_eigen3(values, vectors, m);
-    for (int c = 0; c < 3; c++)
-        normal[c] = (float)vectors[0][c];
-    return values[0] > BENT * (values[1] + values[2]);
 }
 
 /* Leaves in flag which points are bent. */
 static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
+    struct vor_plane plane;
     struct around around;
 
     around.last.k = 0;
     for (size_t i = begin; i < end; i++) {
         search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
-        find->edges->flag[i] = (unsigned char)plane_of(&find->normal[3 * i], &around);
+        vor_plane_fit(&plane, find->domain->xyz, around.index, around.k);
+        memcpy(&find->normal[3 * i], plane.normal, sizeof plane.normal);
+        find->edges->flag[i] = (double)plane.flatness > BENT;
     }
 }
 
@@ -168,7 +149,7 @@ static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         search(&around, domain, &domain->xyz[3 * at],
                domain->known.sheets ? VOR_NEIGHBORS_EXACT : AROUND);
         vor_surface_fit(&surface, around.near, around.k);
-        unit2 = around.spacing * around.spacing * (around.k - QUADRIC_TERMS) / around.k;
+        unit2 = around.spacing * around.spacing * (around.k - VOR_QUADRIC_TERMS) / around.k;
         find->off2[i] = unit2 > 0 ? (float)(surface.off2 / unit2) : -1;
     }
 }

@@ -26,8 +26,6 @@ enum {
 /* What a leader's distance counts beside how far its surface is off the place, both in spacings.
  * At 0.05 the same within 3 %. */
 #define FAR 0.02
-/* A list must lower the variance about the surface to this share, as in input/adjacency.c. */
-#define BETTER 0.5
 
 /* The surface fitted to the list of a point, which is its origin. */
 struct leaf {
@@ -57,11 +55,7 @@ static const float *point(const struct growing *growing, uint32_t i)
 static int fit_to(struct vor_surface *out, const struct growing *growing, const uint32_t *index,
                   unsigned n)
 {
-    float near[3 * (VOR_ADJACENT + 1)];
-
-    for (unsigned j = 0; j < n; j++)
-        memcpy(&near[3 * j], point(growing, index[j]), 3 * sizeof *near);
-    vor_surface_fit(out, near, n);
+    vor_surface_fit_to(out, growing->domain->xyz, index, n);
     return out->kind != VOR_SURFACE_NONE;
 }
 
@@ -112,11 +106,7 @@ static void recall(struct vor_surface *out, const struct growing *growing, uint3
 /* Distance of a point from a surface along its normal, in spacings. */
 static double off(const struct vor_surface *surface, const float *p)
 {
-    double x[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3];
-
-    vor_surface_to_local(surface, x, local);
-    return fabs(local[2] - vor_surface_height(surface, local[0], local[1], NULL)) /
-           surface->spacing;
+    return fabs(vor_surface_abovef(surface, p)) / surface->spacing;
 }
 
 static void rate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -209,10 +199,11 @@ static void grow_point(struct growing *growing, uint32_t i)
         return;
     for (int pass = 0; pass < PASSES; pass++) {
         n = take_along(index, growing, &around, &surface);
-        if (n < VOR_GROW_FEWEST || !fit_to(&surface, growing, index, n) || !(surface.spacing > 0))
+        if (n < VOR_ADJACENT_FEWEST || !fit_to(&surface, growing, index, n) ||
+            !(surface.spacing > 0))
             return;
     }
-    if (!vor_layers_possible(&surface) && surface.off2 <= BETTER * before.off2)
+    if (!vor_layers_possible(&surface) && VOR_FINER * surface.off2 <= before.off2)
         take_list(growing, i, index, n, &surface);
 }
 
@@ -245,7 +236,7 @@ static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             }
             stay[left++] = list[j];
         }
-        if (left >= VOR_GROW_FEWEST) {
+        if (left >= VOR_ADJACENT_FEWEST) {
             memcpy(list, stay, left * sizeof *list);
             graph->count[i] = (unsigned char)left;
         }

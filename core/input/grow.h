@@ -15,9 +15,7 @@
 
 enum {
     /** Nearest points that are looked at for those of one sheet: twice 20 of two, and a few. */
-    VOR_GROW_AROUND = 60,
-    /** Points of a list, and those that a surface goes through, at least. */
-    VOR_GROW_FEWEST = 8
+    VOR_GROW_AROUND = 3 * VOR_NEIGHBORS_FEWEST
 };
 /** Most that a surface may be off a point that it leads to, in spacings, and what the distance
  *  between both adds. Half of it: the same within 3 %. */

@@ -196,8 +196,8 @@ static vor_status cut_off(struct vor_domain *domain, const struct parts *parts,
         VOR_FREE_ALL(memory, source, xyz);
         return vor_fail(err, VOR_E_NOMEM, "%zu islands", parts->small);
     }
+    vor_gather(xyz, domain->xyz, islands->member, parts->points);
     for (size_t i = 0; i < parts->points; i++) {
-        memcpy(&xyz[3 * i], &domain->xyz[3 * (size_t)islands->member[i]], 3 * sizeof *xyz);
         source[i] = domain->source[islands->member[i]];
         islands->member[i] = (uint32_t)(rest + i);
     }

@@ -1,5 +1,6 @@
 #include "core/input/lattice.h"
 
+#include "core/base/linalg.h"
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
@@ -46,7 +47,7 @@ enum {
 /* Share of the neighbours that weights leave: the squared mean of (1 - d^2)^3 over the mean of its
  * square on a uniform disc, (1 / 4)^2 / (1 / 7). At half and double it 26.0 / 23.7 / 24.0 and 13.6
  * / 13.5 / 13.5. */
-#define COUNTED 0.4375
+#define COUNTED (7.0 / 16)
 /* Times the variance that cells explain: residuals vary. At 0.7 / 1.4 / 2.8: 26.8 / 23.7 / 24.4
  * and 14.2 / 13.5 / 13.6. */
 #define EXCUSED 1.4
@@ -296,11 +297,8 @@ static double fit(struct hood *hood, unsigned k)
     }
     vor_surface_fit_weighted(&hood->surface, hood->near, hood->weight, k);
     for (unsigned j = 0; hood->surface.kind != VOR_SURFACE_NONE && j < k; j++) {
-        const float *near = &hood->near[3 * j];
-        double x[3] = {(double)near[0], (double)near[1], (double)near[2]}, local[3], off;
+        double off = vor_surface_abovef(&hood->surface, &hood->near[3 * j]);
 
-        vor_surface_to_local(&hood->surface, x, local);
-        off = local[2] - vor_surface_height(&hood->surface, local[0], local[1], NULL);
         sum += (double)hood->weight[j] * off * off;
         total += (double)hood->weight[j];
     }
@@ -330,9 +328,7 @@ static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
 
     vor_knn_search(smooth->domain->knn, &smooth->domain->xyz[3 * i], 1, smooth->k, index,
                    hood.distance2);
-    for (unsigned j = 0; j < smooth->k; j++)
-        memcpy(&hood.near[3 * j], &smooth->domain->xyz[3 * (size_t)index[j]],
-               3 * sizeof *hood.near);
+    vor_gather(hood.near, smooth->domain->xyz, index, smooth->k);
     while (k >= NEAREST && fit(&hood, k) > excused(smooth, &hood.surface, k))
         k /= 2;
     if (k < NEAREST || hood.surface.kind == VOR_SURFACE_NONE)

@@ -64,8 +64,7 @@ static unsigned copy_list(float *near, const struct vor_domain *domain, uint32_t
     unsigned count = graph->count[root] + 1u < k ? graph->count[root] + 1u : k;
 
     memcpy(near, &domain->xyz[3 * (size_t)root], 3 * sizeof *near);
-    for (unsigned j = 1; j < count; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)list[j - 1]], 3 * sizeof *near);
+    vor_gather(&near[3], domain->xyz, list, count - 1);
     return count;
 }
 
@@ -93,12 +92,7 @@ static uint32_t other_sheet(const struct vor_domain *domain, const uint32_t *ind
 /* Distance of x from a surface, along its normal. */
 static double off(const struct vor_surface *s, const double x[3])
 {
-    double local[3];
-
-    if (s->kind == VOR_SURFACE_NONE)
-        return INFINITY;
-    vor_surface_to_local(s, x, local);
-    return fabs(local[2] - vor_surface_height(s, local[0], local[1], NULL));
+    return s->kind == VOR_SURFACE_NONE ? INFINITY : fabs(vor_surface_above(s, x));
 }
 
 void vor_lists_points(float *near, const struct vor_domain *domain, uint32_t root, unsigned k)
@@ -165,8 +159,7 @@ unsigned vor_lists_fit_at(struct vor_surface *out, float *near, const struct vor
 
     k = k < domain->n ? k : (unsigned)domain->n;
     vor_knn_search(domain->knn, at, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    vor_gather(near, domain->xyz, index, k);
     (void)vor_lists_fit(out, near, domain, x, k, index);
     return k;
 }

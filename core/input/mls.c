@@ -23,7 +23,7 @@ enum {
     PASSES = 2,
     /* Fewest neighbours of a finer fit: twice the coefficients of a quadric. At 6 / 12 / 24:
      * 0.344, 0.342, 0.031 / the same / 0.342, 0.340, 0.041. */
-    LEAST = 12
+    LEAST = VOR_REFINED_TO
 };
 
 /* What a quadric's six coefficients take of the sum of weights (1 - d^2)^3: six times the mean of
@@ -47,13 +47,6 @@ struct hood {
     struct vor_surface surface;
 };
 
-/* Copies the points of a list. */
-static void copy(struct hood *out, const struct vor_domain *domain, const uint32_t *index)
-{
-    for (unsigned j = 0; j < out->k; j++)
-        memcpy(&out->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *out->near);
-}
-
 /* The nearest points of x; if they may lie on several sheets, those on its own. */
 static void gather_nearest(struct hood *out, const struct vor_domain *domain, const float *x)
 {
@@ -61,7 +54,7 @@ static void gather_nearest(struct hood *out, const struct vor_domain *domain, co
     uint32_t index[VOR_NEIGHBORS_MAX];
 
     vor_knn_search(domain->knn, x, 1, out->k, index, distance2);
-    copy(out, domain, index);
+    vor_gather(out->near, domain->xyz, index, out->k);
     if (!domain->known.sheets)
         return;
     vor_surface_fit(&out->surface, out->near, out->k);
@@ -81,7 +74,7 @@ static void gather(struct hood *out, const struct pass *pass, size_t i)
     out->k = k < domain->n ? k : (unsigned)domain->n;
     if (vor_graph_is(&domain->graph)) {
         out->k = vor_graph_around(&domain->graph, (uint32_t)i, index, out->k);
-        copy(out, domain, index);
+        vor_gather(out->near, domain->xyz, index, out->k);
     } else
         gather_nearest(out, domain, x);
     for (unsigned j = 0; j < out->k; j++)

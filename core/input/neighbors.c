@@ -85,19 +85,10 @@ static double variance_of(struct vor_surface *surface, const struct vor_domain *
                           const float *near, const double x[3], unsigned k)
 {
     float own[3 * MOST];
-    double sum = 0;
 
     memcpy(own, near, 3 * k * sizeof *own);
     (void)vor_sheets_fit(surface, own, domain, x, k, NULL);
-    for (unsigned j = 0; surface->kind != VOR_SURFACE_NONE && j < k; j++) {
-        double y[3] = {(double)own[3 * j], (double)own[3 * j + 1], (double)own[3 * j + 2]};
-        double local[3], off;
-
-        vor_surface_to_local(surface, y, local);
-        off = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
-        sum += off * off;
-    }
-    return sum / (k - 6);
+    return vor_surface_variance(surface, own, k);
 }
 
 static void fit_place(struct survey *survey, size_t place)
@@ -110,8 +101,7 @@ static void fit_place(struct survey *survey, size_t place)
     struct vor_surface surface;
 
     vor_knn_search(domain->knn, from, 1, survey->most, index, distance2);
-    for (unsigned j = 0; j < survey->most; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    vor_gather(near, domain->xyz, index, survey->most);
     least = variance_of(&surface, domain, near, x, EXACT);
     for (unsigned s = 0; s < survey->steps; s++) {
         double residual = variance_of(&surface, domain, near, x, ladder[s]);
@@ -240,27 +230,31 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
     return worth_it(survey, pool, from, best, usual) ? best : usual;
 }
 
-/* A place and those nearest to it, POOL in all, the nearest first; of two as near, the first. */
-static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
+void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, size_t place)
 {
     double distance2[POOL];
 
-    pool->count = POOL;
     for (size_t i = 0; i < POOL; i++)
         distance2[i] = INFINITY;
     for (size_t i = 0; i < PLACES; i++) {
-        double to = vor_distance2f(&neighbors->xyz[3 * i], &neighbors->xyz[3 * place]);
+        double to = vor_distance2f(&xyz[3 * i], &xyz[3 * place]);
         size_t at = POOL - 1;
 
         if (!(to < distance2[at]))
             continue;
         for (; at > 0 && to < distance2[at - 1]; at--) {
             distance2[at] = distance2[at - 1];
-            pool->place[at] = pool->place[at - 1];
+            pool[at] = pool[at - 1];
         }
         distance2[at] = to;
-        pool->place[at] = (uint16_t)i;
+        pool[at] = (uint16_t)i;
     }
+}
+
+static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
+{
+    pool->count = POOL;
+    vor_neighbors_pool(pool->place, neighbors->xyz, place);
 }
 
 static void pool_all(struct pool *pool)

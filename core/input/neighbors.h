@@ -47,6 +47,12 @@ enum {
     VOR_NEIGHBORS_POOL = 32
 };
 
+/** A place and those nearest to it, VOR_NEIGHBORS_POOL in all, the nearest first; of two as near,
+ * the first.
+ *
+ *  @param[in] xyz  VOR_NEIGHBORS_PLACES x 3 */
+void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, size_t place);
+
 /** Chooses 20 to 150 neighbours per region. The domain is indexed; known.sheets says whether fits
  *  look for layers.
  *

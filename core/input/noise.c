@@ -16,7 +16,6 @@ enum {
     MOST = VOR_LADDER_LAST,
     POOL = VOR_NEIGHBORS_POOL,
     THIRD = POOL / 3, /* of a pool: the place, by deviation, that speaks for it */
-    TERMS = 6         /* of a quadric */
 };
 
 /* Where t would be if deviations were infinite, and above which t says nothing. */
@@ -44,7 +43,7 @@ struct survey {
 /* The deviation of noise about a quadric through k points. */
 static double deviation_of(const struct vor_surface *surface, unsigned k)
 {
-    double t = sqrt(surface->off2 * k / (k - TERMS)) / surface->reach;
+    double t = sqrt(surface->off2 * k / (k - VOR_QUADRIC_TERMS)) / surface->reach;
 
     if (surface->kind == VOR_SURFACE_NONE || !(t < THICK))
         return INFINITY;
@@ -58,8 +57,7 @@ static void fit_place(struct survey *survey, size_t place)
     uint32_t index[MOST];
 
     vor_knn_search(survey->halves->level[survey->level].knn, x, 1, MOST, index, distance2);
-    for (unsigned j = 0; j < MOST; j++)
-        memcpy(&near[3 * j], &xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    vor_gather(near, xyz, index, MOST);
     if (survey->level == 0) {
         survey->out->reach[place] = sqrt((double)distance2[MOST - 1]);
         survey->few[place] = sqrt((double)distance2[FEW - 1]);
@@ -78,28 +76,6 @@ static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
     (void)worker;
     for (size_t place = begin; place < end; place++)
         fit_place(ctx, place);
-}
-
-/* The POOL places nearest to one, itself the first of them; of two as near, the first. */
-static void pool_around(uint16_t pool[POOL], const struct vor_noise *noise, size_t place)
-{
-    double distance2[POOL];
-
-    for (size_t i = 0; i < POOL; i++)
-        distance2[i] = INFINITY;
-    for (size_t i = 0; i < PLACES; i++) {
-        double to = vor_distance2f(&noise->xyz[3 * i], &noise->xyz[3 * place]);
-        size_t at = POOL - 1;
-
-        if (!(to < distance2[at]))
-            continue;
-        for (; at > 0 && to < distance2[at - 1]; at--) {
-            distance2[at] = distance2[at - 1];
-            pool[at] = pool[at - 1];
-        }
-        distance2[at] = to;
-        pool[at] = (uint16_t)i;
-    }
 }
 
 /* The value of the pool's place number `rank` by size. */
@@ -122,7 +98,7 @@ static void agree(struct survey *survey, double few[PLACES])
     for (size_t place = 0; place < PLACES; place++) {
         uint16_t pool[POOL] = {0};
 
-        pool_around(pool, out, place);
+        vor_neighbors_pool(pool, out->xyz, place);
         out->deviation[place] = INFINITY;
         for (unsigned step = 0; step < STEPS; step++)
             out->deviation[place] =

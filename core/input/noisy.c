@@ -7,9 +7,8 @@
 #include <string.h>
 
 enum {
-    BLOCK = 256,  /* points of one task */
-    NEAREST = 12, /* points of a surface: twice the coefficients of a quadric, as in a fine fit */
-    QUADRIC = 6
+    BLOCK = 256,              /* points of one task */
+    NEAREST = VOR_REFINED_TO, /* points of a surface */
 };
 /* Rms in spacings of the NEAREST nearest points over the surface fitted to them, which all but a
  * share of a region exceed where there is noise: walks follow that, and lists become aslant. That
@@ -39,9 +38,9 @@ static double roughness(const struct find *find, size_t i)
         memcpy(&near[3 * j], &find->domain->xyz[3 * (size_t)graph->list[i * graph->most + j - 1]],
                3 * sizeof *near);
     vor_surface_fit(&surface, near, n);
-    if (n <= QUADRIC || surface.kind == VOR_SURFACE_NONE || !(surface.spacing > 0))
+    if (n <= VOR_QUADRIC_TERMS || surface.kind == VOR_SURFACE_NONE || !(surface.spacing > 0))
         return 0;
-    return sqrt(surface.off2 * n / (n - QUADRIC)) / surface.spacing;
+    return sqrt(surface.off2 * n / (n - VOR_QUADRIC_TERMS)) / surface.spacing;
 }
 
 static void rough_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

@@ -1,5 +1,6 @@
 #include "core/input/outliers.h"
 
+#include "core/base/linalg.h"
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
 #include "core/input/neighbors.h"
@@ -25,8 +26,7 @@ enum {
     LOOKS = 3,
     BLOCK = 4096,       /* points of one task */
     CLOSER_BLOCK = 256, /* the same of a closer look */
-    QUADRIC_TERMS = 6,
-    BATCH = 64 /* points of one call of the index */
+    BATCH = 64          /* points of one call of the index */
 };
 
 /* Times the residual of a fit: a point farther off the surface of the points around it lies on none
@@ -80,14 +80,11 @@ static void find_sparse(struct look *look)
 /* Whether a point and its nearest are few and fill space, as no surface does. */
 static int is_scattered(const struct look *look, const uint32_t *index, double reach2)
 {
-    float near[3 * (NEIGHBORS + 1)];
     struct vor_surface surface;
 
     if (!(reach2 > look->sparse2))
         return 0;
-    for (size_t j = 0; j <= NEIGHBORS; j++)
-        memcpy(&near[3 * j], &look->domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    vor_surface_fit(&surface, near, NEIGHBORS + 1);
+    vor_surface_fit_to(&surface, look->domain->xyz, index, NEIGHBORS + 1);
     return surface.kind != VOR_SURFACE_NONE && surface.off2 > THICK * THICK * reach2;
 }
 
@@ -147,7 +144,7 @@ static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32
     vor_surface_project(&surface, foot);
     for (int c = 0; c < 3; c++)
         off2 += (local[c] - foot[c]) * (local[c] - foot[c]);
-    return off2 > FAR * FAR * surface.off2 * NEIGHBORS / (NEIGHBORS - QUADRIC_TERMS) &&
+    return off2 > FAR * FAR * surface.off2 * NEIGHBORS / (NEIGHBORS - VOR_QUADRIC_TERMS) &&
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
@@ -390,8 +387,7 @@ static void pull_point(struct pull *pull, size_t i)
     k = vor_neighbors_at(&domain->known.neighbors, root);
     k = k < domain->n ? k : (unsigned)domain->n;
     vor_knn_search(domain->knn, root, 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
+    vor_gather(near, domain->xyz, index, k);
     (void)vor_sheets_fit(&surface, near, domain,
                          (double[3]){(double)root[0], (double)root[1], (double)root[2]}, k, NULL);
     put_near(&surface, x);

@@ -16,13 +16,13 @@
  * region lie on the other sheet; 75 of 60,000 would be told wrong though all others were right. */
 
 enum {
-    BLOCK = 256,    /* points of one task */
-    PAIRED = 40,    /* nearest points that a point is paired with: twice 20 of two sheets */
-    BONDS = 24,     /* most pairs of a point that say anything */
-    STIRRED = 200,  /* nearest points that look again where one changes */
-    CANDIDATES = 4, /* regions that a point is asked about */
-    SMALL = 30,     /* a region of fewer points is none: they are asked where they belong */
-    ROUNDS = 8      /* that points are asked in, one bit each; 97 of them change in the last */
+    BLOCK = 256,               /* points of one task */
+    PAIRED = 2 * VOR_ADJACENT, /* nearest points that a point is paired with: of two sheets */
+    BONDS = 24,                /* most pairs of a point that say anything */
+    STIRRED = 200,             /* nearest points that look again where one changes */
+    CANDIDATES = 4,            /* regions that a point is asked about */
+    SMALL = 30, /* a region of fewer points is none: they are asked where they belong */
+    ROUNDS = 8  /* that points are asked in, one bit each; 97 of them change in the last */
 };
 
 _Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are heard");
@@ -98,8 +98,7 @@ static void fit_leaf(struct regions *regions, size_t i)
     float near[3 * (VOR_ADJACENT + 1)];
 
     memcpy(near, point(regions, (uint32_t)i), 3 * sizeof *near);
-    for (unsigned j = 0; j < graph->count[i]; j++)
-        memcpy(&near[3 * j + 3], point(regions, list[j]), 3 * sizeof *near);
+    vor_gather(&near[3], regions->domain->xyz, list, graph->count[i]);
     vor_surface_fit(&s, near, graph->count[i] + 1u);
     memset(leaf, 0, sizeof *leaf);
     if (s.kind == VOR_SURFACE_NONE || !(s.spacing > 0))
@@ -127,7 +126,7 @@ static double off(const struct regions *regions, uint32_t i, uint32_t j)
 {
     const struct leaf *leaf = &regions->leaf[i];
     struct vor_surface s = {.kind = VOR_SURFACE_QUADRIC, .reach = (double)leaf->reach};
-    double x[3], local[3];
+    double x[3];
 
     for (int a = 0; a < 2; a++) {
         to_double(s.axis[a], leaf->axis[a]);
@@ -138,9 +137,7 @@ static double off(const struct regions *regions, uint32_t i, uint32_t j)
     for (int c = 0; c < 6; c++)
         s.c[c] = (double)leaf->c[c];
     to_double(x, point(regions, j));
-    vor_surface_to_local(&s, x, local);
-    return fabs(local[2] - vor_surface_height(&s, local[0], local[1], NULL)) /
-           (double)leaf->spacing;
+    return fabs(vor_surface_above(&s, x)) / (double)leaf->spacing;
 }
 
 /* What points i and j, so far from each other, say: above 0 that they lie on one sheet, below that
@@ -212,7 +209,7 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
     for (unsigned e = 0; e < around->count && n < VOR_THROUGH_MOST; e++)
         if (around->index[e] != i && regions->region[around->index[e]] == region)
             memcpy(&near[3 * (size_t)n++], point(regions, around->index[e]), 3 * sizeof *near);
-    if (n < VOR_GROW_FEWEST)
+    if (n < VOR_ADJACENT_FEWEST)
         return INFINITY;
     vor_surface_fit(&frame, near, n);
     if (frame.kind == VOR_SURFACE_NONE || !(frame.spacing > 0))
@@ -263,7 +260,7 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
     double best = INFINITY, second = INFINITY, mine = INFINITY;
 
     for (unsigned c = 0; c < around->regions; c++) {
-        double here = around->has[c] < VOR_GROW_FEWEST
+        double here = around->has[c] < VOR_ADJACENT_FEWEST
                           ? INFINITY
                           : beside(regions, i, around->region[c], around);
 
@@ -337,7 +334,7 @@ static void take_list(struct regions *regions, uint32_t i)
 {
     struct vor_graph *graph = regions->graph;
     uint32_t index[VOR_GROW_AROUND], taken[VOR_ADJACENT + 1];
-    float distance2[VOR_GROW_AROUND], near[3 * (VOR_ADJACENT + 1)];
+    float distance2[VOR_GROW_AROUND];
     struct vor_surface surface;
     double x[3], local[3], normal[3];
     unsigned n = 1;
@@ -347,15 +344,13 @@ static void take_list(struct regions *regions, uint32_t i)
     for (unsigned e = 0; e < VOR_GROW_AROUND && n <= graph->most; e++)
         if (index[e] != i && regions->region[index[e]] == regions->region[i])
             taken[n++] = index[e];
-    for (unsigned e = 0; e < n; e++)
-        memcpy(&near[3 * (size_t)e], point(regions, taken[e]), 3 * sizeof *near);
-    vor_surface_fit(&surface, near, n);
-    if (n < VOR_GROW_FEWEST || surface.kind == VOR_SURFACE_NONE)
+    vor_surface_fit_to(&surface, regions->domain->xyz, taken, n);
+    if (n < VOR_ADJACENT_FEWEST || surface.kind == VOR_SURFACE_NONE)
         return;
     memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);
     graph->count[i] = (unsigned char)(n - 1);
     graph->own[i] = 1;
-    to_double(x, near);
+    to_double(x, point(regions, i));
     vor_surface_to_local(&surface, x, local);
     vor_surface_normal(&surface, local, normal);
     vor_to_floats(&graph->normal[3 * (size_t)i], normal);

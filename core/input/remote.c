@@ -1,8 +1,9 @@
 #include "core/input/remote.h"
 
+#include "core/base/stat.h"
+
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Points that the middle of the cloud is taken from, at equal steps. */
@@ -11,25 +12,6 @@ enum { SAMPLES = 1001 };
 /* How much farther than usual from the middle a point must be: beside it, float32 leaves the others
  * some thousand places along each axis, of which the engine's fits tell few apart. */
 #define REMOTE 1e4
-
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
-/* The median of axis c over the samples. */
-static double median(const struct vor_cloud *cloud, size_t step, size_t c)
-{
-    double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
-    size_t count = 0;
-
-    for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
-        value[count++] = (double)cloud->xyz[3 * i + c];
-    qsort(value, count, sizeof *value, compare);
-    return value[count / 2];
-}
 
 static double distance(const struct vor_cloud *cloud, size_t i, const double middle[3])
 {
@@ -43,15 +25,16 @@ static double distance(const struct vor_cloud *cloud, size_t i, const double mid
     return sqrt(sum);
 }
 
-/* The median distance of the samples from the middle. */
-static double usual(const struct vor_cloud *cloud, size_t step, const double middle[3])
+/* The median over the samples of a coordinate or, with a middle, of their distance from it. */
+static double median(const struct vor_cloud *cloud, size_t step, size_t c, const double *middle)
 {
     double value[SAMPLES] = {0}; /* cppcheck cannot see that n >= 1 */
     size_t count = 0;
 
     for (size_t i = 0; i < cloud->n && count < SAMPLES; i += step)
-        value[count++] = distance(cloud, i, middle);
-    qsort(value, count, sizeof *value, compare);
+        value[count++] =
+            middle != NULL ? distance(cloud, i, middle) : (double)cloud->xyz[3 * i + c];
+    vor_sort_doubles(value, count);
     return value[count / 2];
 }
 
@@ -66,8 +49,8 @@ void vor_remote_find(struct vor_remote *out, const struct vor_cloud *cloud)
     struct vor_remote remote = {.count = 0};
 
     for (size_t c = 0; c < 3 && cloud->n > 0; c++)
-        remote.middle[c] = median(cloud, step, c);
-    remote.near = cloud->n > 0 ? REMOTE * usual(cloud, step, remote.middle) : 0;
+        remote.middle[c] = median(cloud, step, c, NULL);
+    remote.near = cloud->n > 0 ? REMOTE * median(cloud, step, 0, remote.middle) : 0;
     for (size_t i = 0; i < cloud->n; i++) {
         double d = distance(cloud, i, remote.middle);
 

@@ -236,12 +236,10 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             continue;
         vor_knn_search_next(domain->knn, &last, &domain->xyz[3 * i], WIDE, hood.index,
                             hood.distance2);
-        for (size_t j = 0; j < WIDE; j++) {
-            memcpy(&hood.near[3 * j], &domain->xyz[3 * (size_t)hood.index[j]],
-                   3 * sizeof *hood.near);
+        vor_gather(hood.near, domain->xyz, hood.index, WIDE);
+        for (size_t j = 0; j < WIDE; j++)
             hood.count[j] =
                 (float)atomic_load_explicit(&restore->count[hood.index[j]], memory_order_relaxed);
-        }
         fit = choose_fit(fits, &hood, cell);
         if (isfinite(fit->error))
             vote(restore, fit, &hood);

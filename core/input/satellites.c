@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/geom/march.h"
+#include "core/geom/plane.h"
 #include "core/input/adjacency.h"
 
 #include <math.h>
@@ -18,11 +19,7 @@ enum {
     /* Points of each of both sets that a neighbour must be a member of. On a fold, two sheets and
      * two spheres of 20,000 points, two seeds each, at 1.5 / 3 / 6 times VOR_ADJACENT: 95 / 205 /
      * 328 pairs across, 83 / 99 / 100 % of the lists' places filled, 2.2 / 2.9 / 4.5 s of CPU. */
-    WIDE = 3 * VOR_ADJACENT,
-    /* Points that a normal is fitted to, the point itself among them. At 5 / 9 / 18 normals of a
-     * sphere with noise of a fifth of the spacing are off by 30 / 10 / 4 degrees (rms), and 3.8 /
-     * 5.4 / 7.6 % of those of a cube of 20,000 points by more than 15, at its edges. */
-    FLAT = 9
+    WIDE = 3 * VOR_ADJACENT
 };
 
 static unsigned least(unsigned a, size_t b)
@@ -94,28 +91,14 @@ static vor_status march_all(struct make *make, const struct vor_run *run, struct
 /* The normal of a plane through a point and its nearest neighbours. */
 static void fit_normal(float normal[3], const struct make *make, size_t i)
 {
-    const float *xyz = make->domain->xyz;
-    const uint32_t *list = &make->graph->list[i * make->graph->most];
-    unsigned k = make->graph->count[i] < FLAT - 1 ? make->graph->count[i] : FLAT - 1;
-    double sum[3] = {0}, m[6] = {0}, values[3], vectors[3][3];
+    const struct vor_graph *graph = make->graph;
+    unsigned k = graph->count[i] < VOR_PLANE_POINTS ? graph->count[i] : VOR_PLANE_POINTS - 1;
+    uint32_t index[VOR_PLANE_POINTS] = {(uint32_t)i};
+    struct vor_plane plane;
 
-    for (unsigned a = 0; a < k; a++) {
-        double d[3];
-
-        for (int c = 0; c < 3; c++) {
-            d[c] = (double)xyz[3 * (size_t)list[a] + c] - (double)xyz[3 * i + c];
-            sum[c] += d[c];
-        }
-        for (int c = 0, e = 0; c < 3; c++)
-            for (int b = c; b < 3; b++)
-                m[e++] += d[c] * d[b];
-    }
-    for (int c = 0, e = 0; c < 3; c++)
-        for (int b = c; b < 3; b++)
-            m[e++] -= sum[c] * sum[b] / (k + 1);
-    vor_eigen3(values, vectors, m);
-    for (int c = 0; c < 3; c++)
-        normal[c] = (float)vectors[0][c];
+    memcpy(&index[1], &graph->list[i * graph->most], k * sizeof *index);
+    vor_plane_fit(&plane, make->domain->xyz, index, k + 1);
+    memcpy(normal, plane.normal, sizeof plane.normal);
 }
 
 /* Makes the list of a point of those of its nearest ones, near[1] onwards, that are also near in

@@ -79,9 +79,7 @@ static void search(struct hood *hood, const struct pass *pass, size_t place)
         from[c] = (float)hood->from[c];
     hood->k = (unsigned)fmax(LEAST, fmin(MOST, wanted));
     vor_knn_search(pass->halves->level[level].knn, from, 1, hood->k, hood->index, distance2);
-    for (unsigned j = 0; j < hood->k; j++)
-        memcpy(&hood->near[3 * j], &pass->halves->level[level].xyz[3 * (size_t)hood->index[j]],
-               3 * sizeof *hood->near);
+    vor_gather(hood->near, pass->halves->level[level].xyz, hood->index, hood->k);
 }
 
 static void offset(double d[3], const struct hood *hood, unsigned j, const double x[3])

@@ -1,5 +1,7 @@
 #include "core/input/sheets.h"
 
+#include "core/base/linalg.h"
+
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -27,13 +29,10 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
 #define WIDE 2.25
 
 /* Attempts, in order, until one finds layers: among that share of the nearest points, of which
- * every stride-th is taken so that about so many are left. The first has enough points of each of
- * two sheets for a fit of its own. With one / two / all five: shell 8.6e-4 / 8.6e-4 / 7.4e-4,
- * points off both squares 6 / 0 / 0. */
-static const struct {
-    double share;
-    unsigned points;
-} attempts[] = {{0.67, 50}, {1, 75}, {0.46, 34}, {0.83, 62}, {0.56, 42}};
+ * every stride-th is taken so that about that share of WIDE_LEAST is left. The first has enough
+ * points of each of two sheets for a fit of its own. With one / two / all five: shell 8.6e-4
+ * / 8.6e-4 / 7.4e-4, points off both squares 6 / 0 / 0. */
+static const double attempts[] = {0.67, 1, 0.46, 0.83, 0.56};
 enum { ATTEMPTS = sizeof attempts / sizeof *attempts };
 
 /* Attempts for a list, if there are no layers like those found last. The first / these two / all
@@ -51,7 +50,8 @@ static unsigned least(unsigned a, size_t b)
 /* Takes the points of an attempt among the `most` nearest; returns how many they are. */
 static unsigned take(float *some, const float *near, unsigned most, unsigned attempt)
 {
-    unsigned k = (unsigned)(attempts[attempt].share * most), points = attempts[attempt].points;
+    unsigned k = (unsigned)(attempts[attempt] * most);
+    unsigned points = (unsigned)(attempts[attempt] * WIDE_LEAST);
     unsigned stride = (k + points - 1) / points, count = (k + stride - 1) / stride;
 
     for (unsigned j = 0; j < count; j++)
@@ -65,12 +65,6 @@ static int attempt_it(struct vor_layers *out, const float *near, unsigned most, 
 
     vor_layers_find(out, some, take(some, near, most, attempt));
     return out->count > 1;
-}
-
-static void copy(float *near, const struct vor_domain *domain, const uint32_t *index, unsigned k)
-{
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
 }
 
 /* The points around a place that are searched for layers. */
@@ -89,7 +83,7 @@ static void gather_wide(struct wide *out, const struct vor_domain *domain, const
     out->most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
     memset(out->near, 0, sizeof out->near); /* clang-analyzer cannot see that most >= 1 */
     vor_knn_search(domain->knn, query, 1, out->most, out->index, out->distance2);
-    copy(out->near, domain, out->index, out->most);
+    vor_gather(out->near, domain->xyz, out->index, out->most);
 }
 
 /* The points nearest to x of the layer that x is nearest to, at most k; how many they are. */
@@ -167,7 +161,7 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
     layer->count = take_layer(layer->index, &layers, &wide, x, wide.most);
     layer->reach = sqrtf(wide.distance2[wide.most - 1]);
     n = least(k, layer->count);
-    copy(near, domain, layer->index, n);
+    vor_gather(near, domain->xyz, layer->index, n);
     for (unsigned j = n; j < k; j++)
         memcpy(&near[3 * j], &near[3 * (j - n)], 3 * sizeof *near);
     return 1;
@@ -204,7 +198,7 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         uint32_t index[VOR_NEIGHBORS_MAX];
 
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
-        copy(near, domain, index, k);
+        vor_gather(near, domain->xyz, index, k);
         vor_surface_fit(&surface, near, k);
         if (!vor_layers_possible(&surface))
             continue;

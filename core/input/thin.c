@@ -34,9 +34,7 @@ enum {
      * to the true surface 8.1e-4 / 8.1e-4 / 8.6e-4, CPU 0.9 / 1 / 1.8. */
     MEANS_EACH = 3,
     /* Neighbours whose distances say how far the filter thins: Lv 2022, Sec. 3.1. */
-    THREE = 3,
-    /* The filter leaves a domain alone of which it would leave fewer points: a fit takes 20. */
-    LEAST = 20
+    THREE = 3
 };
 
 /* A domain on its way into a thinner one. */
@@ -299,7 +297,7 @@ vor_status vor_thin_filter(struct vor_domain *domain, const struct vor_run *run,
         status = thin(&thinned, domain, (struct how){gap, domain->n, 0}, run, err);
     if (status != VOR_OK)
         return status;
-    if (thinned.n < LEAST) {
+    if (thinned.n < VOR_NEIGHBORS_FEWEST) {
         vor_domain_free(&thinned);
         return VOR_OK;
     }

@@ -77,8 +77,7 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         if (!voting->graph->own[i])
             continue;
         vor_knn_search_next(voting->domain->knn, &last, &xyz[3 * i], WIDEST, index, distance2);
-        for (size_t e = 0; e < WIDEST; e++)
-            memcpy(&near[3 * e], &xyz[3 * (size_t)index[e]], 3 * sizeof *near);
+        vor_gather(near, xyz, index, WIDEST);
         memcpy(of->member, index, sizeof of->member);
         for (int fit = 0; fit < FITS; fit++)
             vote(of->says[fit], near, fitted[fit]);

@@ -49,7 +49,7 @@ VOR_NODISCARD vor_status vor_votes_make(struct vor_votes *out, const struct vor_
 void vor_votes_free(struct vor_votes *votes);
 
 /** Most points of vor_votes_hear. */
-enum { VOR_VOTES_HEARD = 60 };
+enum { VOR_VOTES_HEARD = 3 * VOR_NEIGHBORS_FEWEST };
 
 /** Adds up what is said of one point and each of those nearest to it: the log odds that both are on
  *  one sheet; below 0 they are on two, and 0 where nothing is said.

@@ -128,8 +128,7 @@ static vor_status build_along(struct vor_knn *knn, float *sorted, const float *x
         status = vor_morton_order(knn->order, xyz, knn->n, run, err);
     if (status != VOR_OK)
         return status;
-    for (size_t i = 0; i < knn->n; i++)
-        memcpy(&sorted[3 * i], &xyz[3 * (size_t)knn->order[i]], 3 * sizeof *sorted);
+    vor_gather(sorted, xyz, knn->order, knn->n);
     return vor_boxes_build(&knn->boxes, sorted, knn->n, run, err);
 }
 

@@ -1,5 +1,7 @@
 #include "core/knn/places.h"
 
+#include "core/base/linalg.h"
+
 #include <string.h>
 
 /* Slots that are looked at for one point, so that nobody's points make this slow. Of a table half
@@ -81,8 +83,7 @@ static vor_status list(struct vor_places *out, const struct table *table, const 
     if (out->xyz == NULL || out->first == NULL || out->point == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     out->n = places;
-    for (size_t i = 0; i < places; i++)
-        memcpy(&out->xyz[3 * i], &table->xyz[3 * (size_t)table->first[i]], 3 * sizeof *out->xyz);
+    vor_gather(out->xyz, table->xyz, table->first, places);
     for (size_t i = 0; i < n; i++)
         out->first[place[i] + 2]++;
     for (size_t i = 0; i < places; i++)

@@ -26,7 +26,7 @@ struct between {
 
 /* The points that others are put towards. */
 struct towards {
-    uint32_t index[VOR_HURRIED_FEW];
+    uint32_t index[VOR_PLANE_POINTS];
     unsigned count;
     float room;
 };
@@ -40,9 +40,9 @@ static double dotf(const float a[3], const float b[3])
 static void look_around(struct towards *out, const struct between *between, size_t i)
 {
     const float *normal = between->samples->normal;
-    unsigned k = between->begun < VOR_HURRIED_FEW ? (unsigned)between->begun : VOR_HURRIED_FEW;
-    uint32_t index[VOR_HURRIED_FEW];
-    float distance2[VOR_HURRIED_FEW];
+    unsigned k = between->begun < VOR_PLANE_POINTS ? (unsigned)between->begun : VOR_PLANE_POINTS;
+    uint32_t index[VOR_PLANE_POINTS];
+    float distance2[VOR_PLANE_POINTS];
 
     vor_knn_search(between->knn, &between->samples->xyz[3 * i], 1, k, index, distance2);
     out->count = 0;

@@ -3,13 +3,13 @@
 #include "core/base/linalg.h"
 #include "core/geom/surface.h"
 #include "core/geom/through.h"
+#include "core/input/adjacency.h"
 
 #include <string.h>
 
-/* Fewest points that a surface goes through, as those of a list (input/adjacency.c). The most are
- * VOR_THROUGH_MOST. Of 39,970 triangles of shell60k made from lists without a wrong entry, with
- * corners nearest to two sheets: none moved 310, through 10 / 14 points 101 / 73. */
-enum { FEWEST = 8 };
+/* A surface goes through VOR_ADJACENT_FEWEST to VOR_THROUGH_MOST points. Of 39,970 triangles of
+ * shell60k made from lists without a wrong entry, with corners nearest to two sheets: none moved
+ * 310, through 10 / 14 points 101 / 73. */
 
 /* What workers share. */
 struct putting {
@@ -98,7 +98,7 @@ static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned w
             continue;
         gather(&around, putting->sheet, i);
         vor_seeds_position(seeds, i, x);
-        if (around.count < FEWEST || !put(&around, x))
+        if (around.count < VOR_ADJACENT_FEWEST || !put(&around, x))
             continue;
         vor_to_floats(&seeds->xyz[3 * i], x);
     }

@@ -107,8 +107,7 @@ static int meet_at(const struct vor_sheet *sheet, size_t i, struct vor_knn_last 
     vor_knn_search_next(domain->knn, last, &sheet->seeds->xyz[3 * i], AROUND, index, distance2);
     if (!has_other(sheet, i, index))
         return 0;
-    for (size_t e = 0; e < AROUND; e++)
-        memcpy(&near[3 * e], &domain->xyz[3 * (size_t)index[e]], 3 * sizeof *near);
+    vor_gather(near, domain->xyz, index, AROUND);
     vor_seeds_position(sheet->seeds, i, x);
     if (!fit(&over, near, x))
         return 0;

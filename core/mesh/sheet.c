@@ -211,13 +211,12 @@ int vor_sheet_is_under(const struct vor_sheet *sheet, const uint32_t corner[3])
 static int passes(const struct vor_sheet *sheet, uint32_t i, uint32_t j)
 {
     const struct vor_surface *surface = &sheet->seeds->last_fit[i].surface;
-    double x[3], local[3], up;
+    double x[3], up;
 
     if (surface->kind == VOR_SURFACE_NONE)
         return 1;
     vor_seeds_position(sheet->seeds, j, x);
-    vor_surface_to_local(surface, x, local);
-    up = local[2] - vor_surface_height(surface, local[0], local[1], NULL);
+    up = vor_surface_above(surface, x);
     return up * up >
            VOR_SHEET_PASSES * VOR_SHEET_PASSES *
                vor_distance2f(&sheet->seeds->xyz[3 * (size_t)i], &sheet->seeds->xyz[3 * (size_t)j]);

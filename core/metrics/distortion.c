@@ -167,14 +167,12 @@ static void fit_normal(struct side *side, size_t i)
     static const double foot[3] = {0, 0, 0};
     unsigned k = side->n < NEIGHBORS ? (unsigned)side->n : NEIGHBORS;
     uint32_t index[NEIGHBORS];
-    float distance2[NEIGHBORS], near[3 * NEIGHBORS];
+    float distance2[NEIGHBORS];
     struct vor_surface surface;
     double normal[3];
 
     vor_knn_search(side->knn, &side->xyz[3 * i], 1, k, index, distance2);
-    for (unsigned j = 0; j < k; j++)
-        memcpy(&near[3 * j], &side->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    vor_surface_fit(&surface, near, k);
+    vor_surface_fit_to(&surface, side->xyz, index, k);
     if (surface.kind == VOR_SURFACE_NONE)
         return;
     vor_surface_normal(&surface, foot, normal);

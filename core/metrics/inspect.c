@@ -16,8 +16,6 @@ enum {
      * noise of eight spheres of 20,000 points, four times as large at one pole as at the other, is
      * told with a spread of 1.1 / 2.1 / 1.9 %, and means within 0.6 % of each other. */
     PLACES = 512,
-    /* Coefficients of a quadric: a fit takes up so many of the points' deviations. */
-    QUADRIC = 6,
     /* A component of fewer points than so many times those of a fit is small: as FITS in
      * input/islands.c, so that both documents call the same parts small. */
     SMALL = 2
@@ -124,8 +122,9 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 
         unsigned k = vor_lists_fit_at(&surface, near, domain, x, survey->k);
 
-        survey->off2[place] =
-            surface.kind == VOR_SURFACE_NONE ? INFINITY : (float)(surface.off2 * k / (k - QUADRIC));
+        survey->off2[place] = surface.kind == VOR_SURFACE_NONE
+                                  ? INFINITY
+                                  : (float)(surface.off2 * k / (k - VOR_QUADRIC_TERMS));
     }
 }
 
@@ -139,7 +138,7 @@ static vor_status measure_noise(struct vor_inspect *out, const struct vor_domain
     vor_status status;
     double off2;
 
-    if (survey.k <= QUADRIC)
+    if (survey.k <= VOR_QUADRIC_TERMS)
         return VOR_OK;
     status = vor_run_for(run, survey.places, BLOCK, survey_block, &survey, err);
     if (status != VOR_OK)

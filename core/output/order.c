@@ -1,5 +1,6 @@
 #include "core/output/order.h"
 
+#include "core/base/linalg.h"
 #include "core/knn/knn.h"
 
 #include <math.h>
@@ -389,8 +390,7 @@ static vor_status look_up(struct order *order, struct vor_error *err)
 
     if (xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", order->count);
-    for (size_t k = 0; k < order->count; k++)
-        memcpy(&xyz[3 * k], &order->xyz[3 * (size_t)order->out[k]], 3 * sizeof *xyz);
+    vor_gather(xyz, order->xyz, order->out, order->count);
     status = vor_knn_build(&order->knn, xyz, order->count, order->run->memory, err);
     if (status == VOR_OK)
         status = vor_run_for(order->run, pool_of(order), BLOCK, look_up_block, order, err);

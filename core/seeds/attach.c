@@ -275,8 +275,7 @@ static const struct vor_place *nearest_of(struct vor_seeds *seeds, struct vor_sc
         return vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE ? &scratch->here : NULL;
     there->k = domain->n < VOR_NEIGHBORS_FEWEST ? (unsigned)domain->n : VOR_NEIGHBORS_FEWEST;
     vor_knn_search(domain->knn, &seeds->xyz[3 * i], 1, there->k, index, distance2);
-    for (unsigned j = 0; j < there->k; j++)
-        memcpy(&there->near[3 * j], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *there->near);
+    vor_gather(there->near, domain->xyz, index, there->k);
     vor_surface_fit_as(&there->surface, there->near, there->k, VOR_SURFACE_PLANE);
     return there->surface.kind != VOR_SURFACE_NONE ? there : NULL;
 }

@@ -8,14 +8,14 @@
 
 static unsigned few_of(const struct vor_domain *domain)
 {
-    return domain->n < VOR_HURRIED_FEW ? (unsigned)domain->n : VOR_HURRIED_FEW;
+    return domain->n < VOR_PLANE_POINTS ? (unsigned)domain->n : VOR_PLANE_POINTS;
 }
 
 double vor_hurried_area(const struct vor_domain *domain, const float x[3])
 {
     unsigned k = few_of(domain);
-    uint32_t index[VOR_HURRIED_FEW];
-    float distance2[VOR_HURRIED_FEW];
+    uint32_t index[VOR_PLANE_POINTS];
+    float distance2[VOR_PLANE_POINTS];
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);
     return PI * (double)distance2[k - 1] / (k - 1);
@@ -25,8 +25,8 @@ void vor_hurried_draw(float out[3], const struct vor_domain *domain, const float
                       const double unit[2])
 {
     unsigned k = few_of(domain);
-    uint32_t index[VOR_HURRIED_FEW];
-    float distance2[VOR_HURRIED_FEW];
+    uint32_t index[VOR_PLANE_POINTS];
+    float distance2[VOR_PLANE_POINTS];
     const float *to;
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);

@@ -4,10 +4,8 @@
 #ifndef VOR_SEEDS_HURRIED_H
 #define VOR_SEEDS_HURRIED_H
 
+#include "core/geom/plane.h"
 #include "core/input/domain.h"
-
-/** Nearest points, the point itself included: the first ring and a little of the second. */
-enum { VOR_HURRIED_FEW = 9 };
 
 /** Area of the surface, in squared normalised units, over the number of input points, around input
  *  point x: that of a disc which reaches as far as its neighbours, over their number. 0 where they

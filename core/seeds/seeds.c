@@ -148,9 +148,7 @@ static void gather(const struct vor_seeds *seeds, struct vor_place *place, const
                    unsigned count, unsigned k)
 {
     place->k = k;
-    for (unsigned j = 0; j < count; j++)
-        memcpy(&place->near[3 * j], &seeds->domain->xyz[3 * (size_t)index[j]],
-               3 * sizeof *place->near);
+    vor_gather(place->near, seeds->domain->xyz, index, count);
     for (unsigned j = count; j < k; j++)
         memcpy(&place->near[3 * j], &place->near[3 * (j - count)], 3 * sizeof *place->near);
 }

@@ -242,8 +242,8 @@ static vor_status take(struct vor_seeds *fine, const struct places *places, stru
     if (order == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", fine->n);
     status = vor_morton_order(order, places->xyz, fine->n, &fine->run, err);
-    for (size_t i = 0; status == VOR_OK && i < fine->n; i++)
-        memcpy(&fine->xyz[3 * i], &places->xyz[3 * (size_t)order[i]], 3 * sizeof *fine->xyz);
+    if (status == VOR_OK)
+        vor_gather(fine->xyz, places->xyz, order, fine->n);
     vor_free(memory, order);
     return status;
 }
