@@ -15,9 +15,9 @@
 /* In the order of the words of parameter `format`. */
 static const struct vor_format formats[] = {
     [VOR_FORMAT_PLY] = {"ply", "PLY", "application/ply", ".ply", "ply", 1, 0, 0, vor_ply_read,
-                        vor_ply_write, 0, 1},
+                        vor_ply_write, 0, 1, 0},
     [VOR_FORMAT_DRC] = {"drc", "Draco", "application/draco", ".drc", "DRACO", 0, 1, 1,
-                        vor_draco_read, vor_draco_write, 1, 0},
+                        vor_draco_read, vor_draco_write, 1, 0, 1},
 };
 
 enum { FORMAT_COUNT = sizeof formats / sizeof formats[0] };

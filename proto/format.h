@@ -48,6 +48,7 @@ struct vor_format {
                         const struct vor_write_options *options, struct vor_error *err);
     int takes_origin; /**< its positions are float32, relative to an origin; else absolute */
     int has_polygons; /**< faces may have more than three corners, or else are cut into triangles */
+    int is_fragile;   /**< attributes of strangers may crash its writer, a library's */
 };
 
 #endif

@@ -84,7 +84,7 @@ vor_status vor_encode(const struct vor_sink *sink, const struct vor_codec_place 
     vor_status status;
     int fd = -1;
 
-    if (place->zygote == NULL)
+    if (place->zygote == NULL || !vor_format(format)->is_fragile)
         return vor_format(format)->write(sink, cloud, options, err);
     order.triangles = mesh != NULL ? mesh->count : 0;
     order.polygons = mesh != NULL && mesh->polygons;

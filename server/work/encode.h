@@ -1,5 +1,5 @@
-/** Writes the cloud of a result in a format: in a codec child, as its attributes are a stranger's
- * and the encoders not made for that, or, where there is no zygote, on the calling thread. */
+/** Writes the cloud of a result in a format: on the calling thread, or in a codec child where its
+ * attributes, which are a stranger's, may crash the writer (vor_format.is_fragile). */
 #ifndef VOR_SERVER_WORK_ENCODE_H
 #define VOR_SERVER_WORK_ENCODE_H
 

@@ -157,6 +157,7 @@ static void *run_real(void *arg)
     struct files files;
     struct vor_order order = real_order(&files);
 
+    order.format = VOR_FORMAT_DRC; /* by a codec child */
     vt_heard_run(heard, vor_supervisor_executor(heard->front->supervisor), &order);
     (void)fclose(files.in);
     (void)fclose(files.out);
@@ -207,6 +208,7 @@ VT_TEST(a_run_that_is_cancelled_does_not_wait_for_its_encoder)
     struct vor_order order = real_order(&files);
 
     listener.asked = cancel_at_end;
+    order.format = VOR_FORMAT_DRC;
     vt_assert_ok(vor_zygote_start(&zygote, kinds, KINDS, &vt_err));
     vt_assert_ok(vor_pool_create(&means.pool, 1, &vt_err));
     vor_text_init(&heard.kept, 0);
