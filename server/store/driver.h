@@ -68,6 +68,14 @@ struct vor_job_filter {
     size_t limit;                       /**< 1 .. 10000 */
 };
 
+/** What the files of a job hang on. */
+struct vor_job_brief {
+    enum vor_job_status status;
+    char process[32]; /**< as in the view, as the next two */
+    uint64_t kept;
+    int expired;
+};
+
 /** What a principal may have, and has: jobs that wait or run, bytes of kept uploads and of results.
  */
 struct vor_ledger {
@@ -177,6 +185,8 @@ struct vor_store_driver {
                          struct vor_error *err);
     vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
                       struct vor_job_view *out, int *found, struct vor_error *err);
+    vor_status (*brief)(struct vor_store *store, const struct vor_uuid *id,
+                        struct vor_job_brief *out, int *found, struct vor_error *err);
     vor_status (*ledger)(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
                          struct vor_error *err);
     vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,

@@ -357,6 +357,35 @@ vor_status vor_sql_get(struct vor_store *store, const struct vor_uuid *id, const
     return status;
 }
 
+struct brief {
+    struct vor_job_brief *job;
+    int found;
+};
+
+static int take_brief(void *ctx, struct vor_sql_row *row)
+{
+    struct brief *brief = ctx;
+
+    brief->found = 1;
+    brief->job->status = vor_job_status_find(vor_sql_text(row));
+    vor_sql_copy(row, brief->job->process, sizeof brief->job->process);
+    brief->job->kept = (uint64_t)vor_sql_number(row);
+    brief->job->expired = (int)vor_sql_number(row);
+    return 0;
+}
+
+vor_status vor_sql_brief(struct vor_store *store, const struct vor_uuid *id,
+                         struct vor_job_brief *out, int *found, struct vor_error *err)
+{
+    struct brief brief = {.job = out};
+    vor_status status = vor_sql_query(
+        vor_sql_of(store), take_brief, &brief, err,
+        "SELECT status, process_id, kept, expired FROM job WHERE id = ?", "t", id->text);
+
+    *found = brief.found;
+    return status;
+}
+
 vor_status vor_sql_find_key(struct vor_store *store, const struct vor_job_key *key,
                             struct vor_job_view *out, int *found, struct vor_error *err)
 {

@@ -34,6 +34,8 @@ vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, in
                           struct vor_error *err);
 vor_status vor_sql_get(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
                        struct vor_job_view *out, int *found, struct vor_error *err);
+vor_status vor_sql_brief(struct vor_store *store, const struct vor_uuid *id,
+                         struct vor_job_brief *out, int *found, struct vor_error *err);
 vor_status vor_sql_find_key(struct vor_store *store, const struct vor_job_key *key,
                             struct vor_job_view *out, int *found, struct vor_error *err);
 vor_status vor_sql_report(struct vor_store *store, const struct vor_uuid *id, char **report,
@@ -81,9 +83,10 @@ vor_status vor_sql_copy_all(struct vor_store *into, struct vor_store *from,
     .insert = vor_sql_insert, .claim_next = vor_sql_claim_next, .renew = vor_sql_renew,            \
     .append_events = vor_sql_append_events, .stop = vor_sql_stop, .hand_back = vor_sql_hand_back,  \
     .finish = vor_sql_finish, .remove = vor_sql_remove, .get = vor_sql_get,                        \
-    .ledger = vor_sql_ledger, .find_key = vor_sql_find_key, .report = vor_sql_report,              \
-    .events = vor_sql_events, .list = vor_sql_list, .waiting = vor_sql_waiting,                    \
-    .evict = vor_sql_evict, .forget_uploads = vor_sql_forget_uploads, .shift = vor_sql_shift,      \
-    .newest = vor_sql_newest, .reap = vor_sql_reap, .copy = vor_sql_copy_all
+    .brief = vor_sql_brief, .ledger = vor_sql_ledger, .find_key = vor_sql_find_key,                \
+    .report = vor_sql_report, .events = vor_sql_events, .list = vor_sql_list,                      \
+    .waiting = vor_sql_waiting, .evict = vor_sql_evict, .forget_uploads = vor_sql_forget_uploads,  \
+    .shift = vor_sql_shift, .newest = vor_sql_newest, .reap = vor_sql_reap,                        \
+    .copy = vor_sql_copy_all
 
 #endif

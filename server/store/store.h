@@ -173,6 +173,19 @@ VOR_NODISCARD static inline vor_status vor_store_get(struct vor_store *store,
     return store->driver->get(store, id, tenant, out, found, err);
 }
 
+/** A few columns of a job, for who asks about very many.
+ *
+ *  @param[out] found  0 when there is no such job; *out is then untouched
+ *
+ *  Cost: one look at an index. */
+VOR_NODISCARD static inline vor_status vor_store_brief(struct vor_store *store,
+                                                       const struct vor_uuid *id,
+                                                       struct vor_job_brief *out, int *found,
+                                                       struct vor_error *err)
+{
+    return store->driver->brief(store, id, out, found, err);
+}
+
 /** What a principal has: sets jobs and bytes.
  *
  *  Cost: a read of one row, however many jobs there are. */

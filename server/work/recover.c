@@ -61,10 +61,10 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
 {
     const struct vor_process_info *process;
     const struct vor_artefact_info *output;
-    struct vor_job_view row;
+    struct vor_job_brief row;
     int found;
 
-    if (vor_store_get(worker->config.store, &blob->id, NULL, &row, &found, NULL) != VOR_OK)
+    if (vor_store_brief(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK)
         return 1;
     if (!found || row.expired)
         return 0;
@@ -94,7 +94,7 @@ static int is_young(const struct vor_worker *worker, const struct vor_uuid *id)
 static size_t count_orphans(struct vor_worker *worker)
 {
     const struct vor_found *found = &worker->found;
-    struct vor_job_view row;
+    struct vor_job_brief row;
     size_t orphans = 0;
 
     for (size_t i = 0; i < found->count; i++) {
@@ -102,8 +102,8 @@ static size_t count_orphans(struct vor_worker *worker)
                        vor_blob_is_upload(found->blobs[i].name);
         int has_row = 1;
 
-        if (!is_input && vor_store_get(worker->config.store, &found->blobs[i].id, NULL, &row,
-                                       &has_row, NULL) == VOR_OK)
+        if (!is_input && vor_store_brief(worker->config.store, &found->blobs[i].id, &row, &has_row,
+                                         NULL) == VOR_OK)
             orphans += !has_row;
     }
     return orphans;
