@@ -11,7 +11,6 @@
 #include "server/base/flann_library.h"
 #include "server/base/keys.h"
 #include "server/base/log.h"
-#include "server/base/log_sink.h"
 #include "server/base/machine.h"
 #include "server/base/notify.h"
 #include "server/base/rates.h"
@@ -45,8 +44,6 @@ enum { FAULTS_MAX = 2 };
 /* Of the second listener. A scraper asks every 15 seconds as a rule, on a connection it keeps. */
 enum { ADMIN_CONNECTIONS = 16, ADMIN_SECONDS = 5, ADMIN_KEEP_SECONDS = 60 };
 
-/* How long the last lines of the log may wait for their reader. */
-static const double log_seconds = 1;
 static const double farewell_seconds = 0.2; /* kept connections are told Connection: close */
 
 /* Before children, when the kernel is out of memory, and after what can wait for it. */
@@ -500,7 +497,6 @@ static int run(struct daemon *daemon)
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));
-        vor_log_sink_stop(log_seconds);
         _exit(VOR_EXIT_FAILED);
     }
     (void)pthread_join(daemon->drainer, NULL);
@@ -550,7 +546,7 @@ static int serve(struct daemon *daemon)
     block_signals(daemon);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
     daemon->app.config = &daemon->config;
-    if (vor_log_sink_start(&err) != VOR_OK || start(daemon, &err) != VOR_OK) {
+    if (start(daemon, &err) != VOR_OK) {
         result = failed_start(daemon, &err);
     } else {
         vor_log(VOR_LOG_INFO, "listening", VOR_TEXT("address", vor_http_address(daemon->app.http)),
@@ -565,7 +561,6 @@ static int serve(struct daemon *daemon)
         vor_log(VOR_LOG_INFO, "stopped", VOR_COUNT("exit", result));
     }
     stop(daemon);
-    vor_log_sink_stop(log_seconds);
     return result;
 }
 

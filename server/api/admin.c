@@ -7,7 +7,6 @@
 #include "server/base/build.h"
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/base/log_sink.h"
 #include "server/base/metrics.h"
 #include "server/base/process.h"
 
@@ -48,7 +47,7 @@ static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *requ
     vor_metric_set(VOR_METRIC_CONNECTIONS, vor_http_connections(app->http), NULL);
     vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
     vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
-    vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_sink_dropped(), NULL);
+    vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_dropped(), NULL);
     vor_worker_load(app->worker, &load);
     if (load.oldest_ms > 0)
         waited = (double)(vor_clock_wall_ms() - load.oldest_ms) / 1000;

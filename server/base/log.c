@@ -1,14 +1,27 @@
+/* A write to a pipe that nobody empties waits for ever, and a descriptor that is made non-blocking
+ * is so for every process that shares it. So each write asks for room first, and has no more bytes
+ * than a pipe with room takes whole (PIPE_BUF). What a slow reader has not read yet is in the pipe,
+ * which is made as large as an ordinary user may have it. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* F_SETPIPE_SZ */
+#endif
 #include "server/base/log.h"
 
 #include "proto/json/json.h"
 #include "server/base/clock.h"
-#include "server/base/log_sink.h"
 
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 enum {
+    PIPE_BYTES = 1 << 20, /* some 4,000 lines */
     LINE_MAX_BYTES = 65536,
     HEAD_BYTES = 160, /* kept of a text that is too long, before what is left out */
     TAIL_BYTES = 64   /* and behind it */
@@ -27,10 +40,77 @@ void vor_log_set_level(enum vor_log_level level)
     atomic_store(&lowest, level);
 }
 
+static struct {
+    pthread_mutex_t mutex; /* the next three */
+    int fd;
+    bool is_torn;    /* a line was written in part: the next begins with a newline */
+    uint64_t untold; /* lines dropped since the last line that told of them */
+    atomic_uint_least64_t dropped;
+} sink = {.mutex = PTHREAD_MUTEX_INITIALIZER, .fd = STDERR_FILENO};
+
 void vor_log_open(int fd, enum vor_log_level level)
 {
-    vor_log_sink_open(fd);
+    pthread_mutex_lock(&sink.mutex);
+    sink.fd = fd;
+    sink.is_torn = false;
+    pthread_mutex_unlock(&sink.mutex);
+    (void)fcntl(fd, F_SETPIPE_SZ, PIPE_BYTES);
     vor_log_set_level(level);
+}
+
+uint64_t vor_log_dropped(void)
+{
+    return atomic_load(&sink.dropped);
+}
+
+/* True when all bytes were written, false when there is no room for all, or the write fails. */
+static bool write_whole(const char *bytes, size_t size)
+{
+    struct pollfd room = {sink.fd, POLLOUT, 0};
+    ssize_t wrote = 1;
+
+    for (size_t at = 0; at < size && wrote > 0; at += wrote > 0 ? (size_t)wrote : 0) {
+        size_t piece = size - at < PIPE_BUF ? size - at : PIPE_BUF;
+
+        wrote = poll(&room, 1, 0) > 0 ? write(sink.fd, bytes + at, piece) : 0;
+        if (wrote > 0)
+            sink.is_torn = bytes[at + (size_t)wrote - 1] != '\n';
+    }
+    return wrote > 0;
+}
+
+/* True when the lines that were dropped are told, or there are none. */
+static bool tell_dropped(void)
+{
+    char time[VOR_CLOCK_TEXT_SIZE], line[192];
+    int size;
+
+    if (sink.untold == 0)
+        return true;
+    size =
+        snprintf(line, sizeof line,
+                 "{\"ts\":\"%s\",\"level\":\"warn\",\"msg\":\"log lines dropped\",\"lines\":%llu,"
+                 "\"total\":%llu}\n",
+                 vor_clock_text(vor_clock_wall_ms(), time), (unsigned long long)sink.untold,
+                 (unsigned long long)atomic_load(&sink.dropped));
+    if (!write_whole(line, (size_t)size))
+        return false;
+    sink.untold = 0;
+    return true;
+}
+
+/* Writes a line, with its newline, or drops it. */
+static void put_line(const struct vor_text *line)
+{
+    if (vor_text_status(line, NULL) != VOR_OK)
+        return;
+    pthread_mutex_lock(&sink.mutex);
+    if ((sink.is_torn && !write_whole("\n", 1)) || !tell_dropped() ||
+        !write_whole(line->data, line->size)) {
+        sink.untold++;
+        (void)atomic_fetch_add(&sink.dropped, 1);
+    }
+    pthread_mutex_unlock(&sink.mutex);
 }
 
 void vor_log_plain(const char *line)
@@ -39,8 +119,7 @@ void vor_log_plain(const char *line)
 
     vor_text_init(&text, LINE_MAX_BYTES);
     vor_text_printf(&text, "%s\n", line);
-    if (vor_text_status(&text, NULL) == VOR_OK)
-        vor_log_sink_put(text.data, text.size);
+    put_line(&text);
     vor_text_free(&text);
 }
 
@@ -100,7 +179,6 @@ void vor_log_write(enum vor_log_level level, const char *message,
     }
     vor_json_end_object(&line);
     vor_text_add(&line, "\n", 1);
-    if (vor_text_status(&line, NULL) == VOR_OK)
-        vor_log_sink_put(line.data, line.size);
+    put_line(&line);
     vor_text_free(&line);
 }

@@ -1,6 +1,7 @@
-/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe. No
- *  caller waits for the reader of the log (log_sink.h). Every text is escaped and cut to
- *  VOR_LOG_TEXT_MAX bytes. */
+/** The daemon's log: one JSON object a line, {"ts","level","msg", fields}. Thread-safe. Nobody
+ * waits for the reader of the log: a line for which there is no room is dropped and counted, and
+ * the next one that finds room follows a line that tells the count. Every text is escaped and cut
+ * to VOR_LOG_TEXT_MAX bytes. */
 #ifndef VOR_SERVER_BASE_LOG_H
 #define VOR_SERVER_BASE_LOG_H
 
@@ -28,6 +29,9 @@ enum { VOR_LOG_TEXT_MAX = 256 };
 /** Where lines go (a file descriptor, borrowed) and which: level and above. Until then standard
  *  error, info. */
 void vor_log_open(int fd, enum vor_log_level level);
+
+/** Lines dropped since the start of the process. */
+uint64_t vor_log_dropped(void);
 
 /** Changes the level alone. */
 void vor_log_set_level(enum vor_log_level level);

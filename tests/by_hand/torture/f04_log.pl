@@ -14,11 +14,11 @@ use Vt;
 my ($long, $seed) = (0, 1);
 GetOptions('long' => \$long, 'seed=i' => \$seed) or exit 2;
 $| = 1;
-my $many = $long ? 60_000 : 6_000; # lines of some 330 bytes: the queue holds about 3,300
+my $many = $long ? 60_000 : 6_000; # lines of some 330 bytes: the pipe is made to hold about 3,300
 
 sub row { my ($what, $figure, $wanted, $holds) = @_; print join("\t", 'F04', $what, $figure, $wanted, $holds ? 'ok' : 'short'), "\n" }
 
-# A daemon on a pipe of the usual 64 KiB, and the end to read from.
+# A daemon on a pipe, and the end to read from.
 sub start_on_a_pipe {
     pipe my $reader, my $writer or die "pipe: $!";
     my $dir = tempdir(CLEANUP => 1);
