@@ -181,7 +181,8 @@ enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *
         return VOR_CONTINUE;
     pthread_mutex_lock(&pool->mutex);
     push(pool, &loop);
-    pthread_cond_broadcast(&pool->work);
+    for (size_t i = 0; i < vor_blocks_of(n, block) && i < pool->threads; i++)
+        pthread_cond_signal(&pool->work);
     while (loop.next < n || loop.busy > 0)
         pthread_cond_wait(&pool->done, &pool->mutex);
     pthread_mutex_unlock(&pool->mutex);

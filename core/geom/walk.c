@@ -1,5 +1,7 @@
 #include "core/geom/walk.h"
 
+#include "core/base/vector.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -49,9 +51,23 @@ static unsigned nearest(const struct vor_walk *walk)
     return next;
 }
 
+VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
+                                   double d2[VOR_WALK_MOST])
+{
+    double x = (double)walk->x[0][of], y = (double)walk->x[1][of], z = (double)walk->x[2][of];
+
+    for (unsigned j = 0; j < walk->most; j++) {
+        double u = (double)walk->x[0][j] - x, v = (double)walk->x[1][j] - y,
+               w = (double)walk->x[2][j] - z;
+
+        d2[j] = u * u + v * v + w * w;
+    }
+}
+
 void vor_walk_go(struct vor_walk *walk)
 {
     double reach2 = REACH * REACH * PI * (double)walk->distance2[walk->most - 1] / walk->most;
+    double l2[VOR_WALK_MOST] = {0};
     unsigned next, sure = 0, found = 0;
 
     memset(walk->done, 0, sizeof walk->done);
@@ -61,20 +77,12 @@ void vor_walk_go(struct vor_walk *walk)
         walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
     }
     while (next = nearest(walk), next < walk->most) {
-        double l2[VOR_WALK_MOST];
-
         /* Ways only get longer: what is known of the first `sure` points stays. */
         while (sure < walk->most && (walk->done[sure] || walk->far[next] > walk->limit[sure]))
             found += walk->reached[sure++];
         if (found >= walk->enough)
             return;
-        for (unsigned j = 0; j < walk->most; j++) {
-            double x = (double)walk->x[0][j] - (double)walk->x[0][next],
-                   y = (double)walk->x[1][j] - (double)walk->x[1][next],
-                   z = (double)walk->x[2][j] - (double)walk->x[2][next];
-
-            l2[j] = x * x + y * y + z * z;
-        }
+        vor_walk_distances(walk, next, l2);
         walk->done[next] = 1;
         walk->reached[next] = walk->far[next] <= walk->limit[next];
         for (unsigned j = 0; j < walk->most; j++)

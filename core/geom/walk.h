@@ -28,6 +28,9 @@ struct vor_walk {
     unsigned char done[VOR_WALK_MOST];
 };
 
+/** Squared distances of all its points from point `of` of them. O(most). */
+void vor_walk_distances(const struct vor_walk *walk, unsigned of, double d2[VOR_WALK_MOST]);
+
 /** Finds the shortest ways (Dijkstra 1959) along edges that stay on the surface: at most 2.2
  *  spacings of the points long, between normals that agree, no steeper over the surface than arc.
  *  Sets far and reached. Cannot fail; O(most^2); depends on nothing but the walk. */

@@ -82,7 +82,7 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
 #define PROBE_SHARE 0.0075
 #define PI 3.14159265358979
 /* Fewest points that were left out, and places of one task. */
-enum { PROBE_OUT = 3, PROBE_BLOCK = 16 };
+enum { PROBE_OUT = 3, PROBE_BLOCK = 64 };
 
 /* What is known of a point. */
 struct known {
@@ -457,14 +457,13 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
 vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *domain,
                               const struct vor_run *run, struct vor_error *err)
 {
-    struct make make = {.domain = domain};
     struct vor_graph graph = {.n = 0};
+    struct make make = {.domain = domain, .graph = &graph};
     unsigned most = domain->n > VOR_ADJACENT ? VOR_ADJACENT : (unsigned)domain->n - 1;
     vor_status status = vor_graph_init(&graph, domain->n, most, run->memory, err);
 
     if (status != VOR_OK)
         return status;
-    make.graph = &graph;
     make.known = vor_malloc(run->memory, domain->n, sizeof *make.known);
     make.noisy = vor_malloc(run->memory, domain->n, sizeof *make.noisy);
     if (make.known == NULL || make.noisy == NULL)
@@ -487,41 +486,55 @@ struct probe {
     atomic_uint found;
 };
 
-/* Sets the normals of a walk from planes of its points, as the first round would. */
-static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain)
+/* The plane of a point that a walk met: in a small cloud the walks of a task meet the same. */
+struct seen {
+    size_t of; /* the point, from 1 on; 0: none */
+    double r2; /* squared distance of the farthest point of the plane */
+    struct vor_plane plane;
+};
+
+static struct seen see(struct seen *seen, const struct vor_domain *domain, uint32_t i)
 {
-    struct vor_plane plane[VOR_WALK_MOST];
-    uint32_t index[VOR_WALK_MOST][VOR_PLANE_POINTS];
+    struct seen *at = &seen[i % PLACES];
     unsigned k = at_most(domain, VOR_PLANE_POINTS);
+    uint32_t index[VOR_PLANE_POINTS];
+    float distance2[VOR_PLANE_POINTS];
+
+    if (at->of == (size_t)i + 1)
+        return *at;
+    vor_knn_search(domain->knn, point(domain, i), 1, k, index, distance2);
+    vor_plane_fit(&at->plane, domain->xyz, index, k);
+    at->r2 = vor_distance2f(point(domain, i), point(domain, index[k - 1]));
+    at->of = (size_t)i + 1;
+    return *at;
+}
+
+/* Sets the normals of a walk from planes of its points, as the first round would. */
+static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain, struct seen *seen)
+{
+    struct seen at[VOR_WALK_MOST] = {{.of = 0}};
+    double d2[VOR_WALK_MOST];
 
     for (unsigned j = 0; j < walk->most; j++) {
-        float distance2[VOR_PLANE_POINTS];
-        const float *x = point(domain, walk->index[j]);
-
+        at[j] = see(seen, domain, walk->index[j]);
         for (int c = 0; c < 3; c++)
-            walk->x[c][j] = x[c];
-        vor_knn_search(domain->knn, x, 1, k, index[j], distance2);
-        vor_plane_fit(&plane[j], domain->xyz, index[j], k);
+            walk->x[c][j] = point(domain, walk->index[j])[c];
     }
     for (unsigned j = 0; j < walk->most; j++) {
         const float *x = point(domain, walk->index[j]);
-        double r2 = vor_distance2f(x, point(domain, index[j][k - 1]));
-        double best = KEEP * vor_plane_cost(&plane[j], x, r2);
+        double here, best = KEEP * vor_plane_cost(&at[j].plane, x, at[j].r2);
         unsigned take = j;
 
+        vor_walk_distances(walk, j, d2);
         for (unsigned other = 0; other < walk->most; other++) {
-            double here;
-
-            if (vor_distance2f(x, point(domain, walk->index[other])) > r2 || other == j)
+            if (d2[other] > at[j].r2 || other == j)
                 continue;
-            here = vor_plane_cost(&plane[other], x, r2);
-            if (here < best) {
-                best = here;
-                take = other;
-            }
+            here = vor_plane_cost(&at[other].plane, x, at[j].r2);
+            take = here < best ? other : take;
+            best = here < best ? here : best;
         }
         for (int c = 0; c < 3; c++)
-            walk->normal[c][j] = plane[take].normal[c];
+            walk->normal[c][j] = at[take].plane.normal[c];
     }
 }
 
@@ -532,7 +545,7 @@ static int is_round(const struct vor_surface *own, unsigned n)
            PROBE_ROUND * PROBE_ROUND * n * own->spacing * own->spacing;
 }
 
-static int shows_sheets(const struct vor_domain *domain, uint32_t i)
+static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen *seen)
 {
     struct vor_walk walk;
     struct vor_surface plain, own;
@@ -541,7 +554,7 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i)
 
     if (!begin_walk(&walk, &plain, domain, i))
         return 0;
-    probe_normals(&walk, domain);
+    probe_normals(&walk, domain, seen);
     n = walk_to_sheet(&walk, &own, &plain, domain, index);
     return n > 0 && own.off2 < PROBE_BETTER * plain.off2 &&
            own.spacing > PROBE_SPARSER * plain.spacing && is_round(&own, n) &&
@@ -552,11 +565,11 @@ static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 {
     struct probe *probe = ctx;
     const struct vor_domain *domain = probe->domain;
-    size_t places = domain->n < PLACES ? domain->n : PLACES;
+    double n = (double)domain->n, places = n < PLACES ? n : PLACES;
+    struct seen seen[PLACES] = {{.of = 0}};
 
     for (size_t place = begin; place < end; place++)
-        if (shows_sheets(domain,
-                         (uint32_t)(((double)place + 0.5) / (double)places * (double)domain->n)))
+        if (shows_sheets(domain, (uint32_t)(((double)place + 0.5) / places * n), seen))
             atomic_fetch_add(&probe->found, 1);
 }
 
