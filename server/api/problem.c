@@ -97,6 +97,16 @@ static const char *media_type_for(const struct vor_request *request)
                : "application/problem+json";
 }
 
+void vor_problem_write(const struct vor_app *app, const struct vor_request *request,
+                       const struct vor_problem *problem, struct vor_text *text)
+{
+    struct vor_problem_room room;
+    struct vor_problem_doc doc;
+
+    fill_doc(app, request, problem, &room, &doc);
+    vor_json_problem(text, &doc);
+}
+
 enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
                                 const struct vor_problem *problem)
 {
@@ -139,7 +149,8 @@ enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, 
     return vor_problem_reply(app, request, &problem);
 }
 
-static void from_error(const struct vor_error *err, const char *job_id, struct vor_problem *problem)
+void vor_problem_of_error(const struct vor_error *err, const char *job_id,
+                          struct vor_problem *problem)
 {
     *problem = (struct vor_problem)VOR_PROBLEM_INIT(vor_status_slug(err->status));
     if (err->status == VOR_E_IO)
@@ -161,7 +172,7 @@ enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request
 {
     struct vor_problem problem;
 
-    from_error(err, job_id, &problem);
+    vor_problem_of_error(err, job_id, &problem);
     return vor_problem_reply(app, request, &problem);
 }
 
@@ -200,7 +211,7 @@ enum vor_next vor_problem_failed(struct vor_app *app, struct vor_request *reques
 {
     struct vor_problem problem;
 
-    from_error(&row->problem, row->id.text, &problem);
+    vor_problem_of_error(&row->problem, row->id.text, &problem);
     problem.attempt = row->attempt;
     return vor_problem_reply(app, request, &problem);
 }
@@ -211,7 +222,7 @@ void vor_problem_describe(struct vor_app *app, struct vor_request *request,
 {
     struct vor_problem problem;
 
-    from_error(&row->problem, row->id.text, &problem);
+    vor_problem_of_error(&row->problem, row->id.text, &problem);
     problem.attempt = row->attempt;
     fill_doc(app, request, &problem, room, doc);
     doc->request_id = NULL;

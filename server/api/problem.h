@@ -76,6 +76,15 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
 enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
                               const char *format, ...) VOR_PRINTF(4, 5);
 
+/** Appends a problem, as JSON, to something else that is replied. */
+void vor_problem_write(const struct vor_app *app, const struct vor_request *request,
+                       const struct vor_problem *problem, struct vor_text *text);
+
+/** The problem of an error of the engine, a codec or the store, which is borrowed, as is job_id
+ *  (may be NULL). */
+void vor_problem_of_error(const struct vor_error *err, const char *job_id,
+                          struct vor_problem *problem);
+
 /** Replies with the problem of an error of the engine, a codec or the store. job_id may be NULL. */
 enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
                                 const struct vor_error *err, const char *job_id);

@@ -11,6 +11,8 @@
     "200 201 400 401 403 404 406 408 409 410 413 415 422 429 500 503 507" /* of every way to start \
                                                                              a job */
 
+#define VOR_CODES_FRAMES "200 400 401 403 404 406 408 410 413 415 422 429 500 503 507"
+
 /** Routes: method, path, scope of the key that they need (OPEN: none), handler, statuses besides
  *  those that the HTTP layer may give to any request (400 framing, 403 Host and Origin, 503
  *  connections). A {segment} matches anything but nothing. GET brings HEAD along, every path
@@ -32,6 +34,7 @@
     X(GET, "/v1/processes", READ, vor_handle_processes, "200 401 403")                             \
     X(GET, "/v1/processes/{processID}", READ, vor_handle_process, "200 401 403 404")               \
     X(POST, "/v1/processes/{processID}/execution", SUBMIT, vor_handle_submit, VOR_CODES_SUBMIT)    \
+    X(POST, "/v1/processes/{processID}/frames", SUBMIT, vor_handle_sequence, VOR_CODES_FRAMES)     \
     X(GET, "/v1/jobs", READ, vor_handle_jobs, "200 400 401 403 503")                               \
     X(GET, "/v1/jobs/{jobID}", READ, vor_handle_job, "200 304 401 403 404 410 503")                \
     X(DELETE, "/v1/jobs/{jobID}", SUBMIT, vor_handle_dismiss, "200 401 403 404 503 507")           \

@@ -190,7 +190,10 @@ static vor_status admit_all(struct vor_admission *admission)
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {
         struct vor_upload *upload = &uploads->item[i];
 
-        status = vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error);
+        status = vor_upload_cut(upload, admit->blobs, &admission->error);
+        if (status == VOR_OK)
+            status =
+                vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error);
         if (status == VOR_OK)
             status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
                                     &limits, &admission->error);
@@ -264,9 +267,12 @@ static uint64_t weight_of(const struct vor_uploads *uploads)
     enum { GZIP_TYPICAL = 3 };
     uint64_t weight = 0;
 
-    for (unsigned i = 0; i < uploads->count; i++)
-        weight +=
-            vor_blob_size(uploads->item[i].bytes) * (uploads->item[i].is_gzip ? GZIP_TYPICAL : 1);
+    for (unsigned i = 0; i < uploads->count; i++) {
+        const struct vor_upload *upload = &uploads->item[i];
+
+        weight += (upload->whole != NULL ? upload->size : vor_blob_size(upload->bytes)) *
+                  (upload->is_gzip ? GZIP_TYPICAL : 1);
+    }
     return weight;
 }
 

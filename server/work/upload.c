@@ -1,8 +1,11 @@
 #include "server/work/upload.h"
 
+#include "server/base/disk.h"
 #include "server/base/metrics.h"
 
 #include <assert.h>
+#include <errno.h>
+#include <unistd.h>
 
 void vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload)
 {
@@ -21,8 +24,10 @@ static vor_status create_file(struct vor_blob_writer **out, struct vor_blobs *bl
     if (status != VOR_OK)
         return status;
     status = vor_blob_promise(*out, 0, err);
-    if (status != VOR_OK)
+    if (status != VOR_OK) {
         vor_blob_discard(*out);
+        *out = NULL;
+    }
     return status;
 }
 
@@ -47,6 +52,42 @@ void vor_uploads_discard(struct vor_uploads *uploads)
 {
     while (uploads->count > 0)
         vor_uploads_drop_last(uploads);
+}
+
+static vor_status copy_piece(struct vor_blob_writer *out, const struct vor_upload *upload,
+                             struct vor_error *err)
+{
+    char buffer[1 << 16];
+    uint64_t at = 0;
+    vor_status status = VOR_OK;
+
+    while (at < upload->size && status == VOR_OK) {
+        uint64_t left = upload->size - at;
+        ssize_t got = pread(vor_blob_fd(upload->whole), buffer,
+                            left < sizeof buffer ? (size_t)left : sizeof buffer,
+                            (off_t)(upload->offset + at));
+
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            return vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
+        status = vor_blob_append(out, buffer, (size_t)got, err);
+        at += (uint64_t)got;
+    }
+    return status;
+}
+
+vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs, struct vor_error *err)
+{
+    vor_status status;
+
+    if (upload->whole == NULL)
+        return VOR_OK;
+    status = create_file(&upload->bytes, blobs, err);
+    if (status == VOR_OK)
+        status = copy_piece(upload->bytes, upload, err);
+    upload->whole = NULL;
+    return status;
 }
 
 static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_writer *in,

@@ -11,8 +11,11 @@
 /** The bytes of an input as they were sent. */
 struct vor_upload {
     const char *name;              /**< of the input, out of the process's row */
-    struct vor_blob_writer *bytes; /**< owned */
+    struct vor_blob_writer *bytes; /**< owned; NULL before vor_upload_cut */
     int is_gzip;                   /**< they are to be inflated first */
+    /** What they are a piece of, which may still grow behind it; borrowed. NULL: nothing. */
+    const struct vor_blob_writer *whole;
+    uint64_t offset, size; /**< of the piece */
 };
 
 /** Those of a request, each name once. All zero: none. */
@@ -36,6 +39,14 @@ void vor_uploads_drop_last(struct vor_uploads *uploads);
 
 /** Discards the bytes of all and leaves none. */
 void vor_uploads_discard(struct vor_uploads *uploads);
+
+/** Gives an upload that is a piece of something bytes of its own; leaves others alone.
+ *
+ *  @retval VOR_E_IO  the disk refuses (vor_error_storage_full tells a full one apart)
+ *
+ *  Cost: that of writing them; not for HTTP threads. */
+VOR_NODISCARD vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs,
+                                        struct vor_error *err);
 
 /** Inflates an upload that is gzip; leaves others alone. Its bytes are then those that were
  *  compressed, with their own size and SHA-256.

@@ -29,6 +29,9 @@ enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vo
 /** submit.c */
 enum vor_next vor_handle_submit(void *app, struct vor_request *request, enum vor_step step);
 
+/** sequence.c */
+enum vor_next vor_handle_sequence(void *app, struct vor_request *request, enum vor_step step);
+
 /** job_get.c */
 enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_step step);
 
@@ -60,7 +63,7 @@ enum vor_next vor_handle_ticket(void *app, struct vor_request *request, enum vor
 /** What they share. */
 
 /** The process that a request to start a job names, of those that HTTP offers: /v1/PROCESS, or
- *  /v1/processes/PROCESS/execution.
+ *  /v1/processes/PROCESS/execution or .../frames.
  *
  *  @return NULL after a no-such-process problem has been replied */
 const struct vor_process_info *vor_process_of_submit(struct vor_app *app,

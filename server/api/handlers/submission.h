@@ -108,8 +108,15 @@ struct vor_submit_head {
     bool is_async;       /**< respond-async was asked for (perhaps with wait) */
 };
 
-/** Reads a head; it is complete, but for that of a form, whose parameters are still to come. Of one
- *  whose body is JSON nothing but the process is read.
+/** Reads the part of a head that says what is asked for: the process, the body, parameters, options
+ *  and a key. Of one whose body is JSON nothing but the process is read.
+ *
+ *  @return true, or false after a problem has been replied, as below */
+bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
+                          struct vor_submit_head *out);
+
+/** Reads a head; it is complete, but for that of a form, whose parameters are still to come, and of
+ *  a body of JSON.
  *
  *  @return true, or false after a problem has been replied: no-such-process, a coding that is not
  *          taken, a parameter unknown, given twice or out of range, a key that is none, no
@@ -126,6 +133,12 @@ bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
  *
  *  @retval 1 gzip, 0 "" or identity, -1 something else */
 int vor_submit_coding(const char *coding);
+
+/** Whether there is room for a job and its inputs, and for a stream if the head asks for one.
+ *
+ *  @return true, or false after a problem has been replied */
+bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
+                         const struct vor_submit_head *head);
 
 /* --- submit_form.c ---------------------------------------------------------------------------- */
 

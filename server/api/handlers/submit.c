@@ -150,36 +150,6 @@ static bool begin_flight(struct vor_app *app, struct vor_request *request,
     return outcome == VOR_DONE;
 }
 
-/* Whether there is room for a job and its inputs; false after a problem has been replied. */
-static bool has_room(struct vor_app *app, struct vor_request *request,
-                     const struct vor_submit_head *head)
-{
-    const struct vor_quota *quota = &vor_request_principal(request)->quota;
-    const struct vor_job_label label = {.key = &head->options.key,
-                                        .jobs_max = (uint64_t)quota->jobs,
-                                        .bytes_max = (uint64_t)quota->bytes};
-    int64_t length = vor_request_length(request);
-    struct vor_error err;
-    enum vor_job_outcome room =
-        vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
-
-    if (room != VOR_DONE) {
-        vor_outcome_reply(app, request, room, &err, NULL);
-        return false;
-    }
-    if (head->mode == VOR_SUBMIT_STREAM &&
-        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
-        vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
-                        app->config->number[VOR_SET_STREAMS]);
-        return false;
-    }
-    if (length > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] || /* refused for that */
-        vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
-        return true;
-    vor_problem_error(app, request, &err, NULL);
-    return false;
-}
-
 /* Where the body goes; false after a problem has been replied. */
 static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
@@ -226,7 +196,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
         return VOR_NEXT_REPLY;
     if (head.body == VOR_SUBMIT_JSON)
         limit = limit < VOR_JSON_SIZE_MAX ? limit : VOR_JSON_SIZE_MAX;
-    else if (!has_room(app, request, &head))
+    else if (!vor_submit_has_room(app, request, &head))
         return VOR_NEXT_REPLY;
     submission = calloc(1, sizeof *submission);
     if (submission == NULL)

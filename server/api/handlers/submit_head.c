@@ -223,18 +223,23 @@ bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
     return accepts[head->spec.process->outputs[0].kind](app, request, &accept, head);
 }
 
+bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
+                          struct vor_submit_head *out)
+{
+    memset(out, 0, sizeof *out);
+    return begin_spec(app, request, &out->spec) && read_body(app, request, out) &&
+           (out->body == VOR_SUBMIT_JSON || read_spec(app, request, out));
+}
+
 bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
 {
     struct vor_preferences preferences;
     struct acceptance accept;
 
-    memset(out, 0, sizeof *out);
-    if (!begin_spec(app, request, &out->spec) || !read_body(app, request, out))
+    if (!vor_submit_read_spec(app, request, out))
         return false;
     if (out->body == VOR_SUBMIT_JSON)
         return true;
-    if (!read_spec(app, request, out))
-        return false;
     read_accept(request, &accept);
     vor_prefer_read(request, &preferences);
     out->is_async = preferences.is_async;
@@ -244,4 +249,33 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
     else if (out->is_async && out->wait_seconds <= 0)
         out->mode = VOR_SUBMIT_ASYNC;
     return out->body == VOR_SUBMIT_FORM || vor_submit_complete(app, request, out);
+}
+
+bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
+                         const struct vor_submit_head *head)
+{
+    const struct vor_quota *quota = &vor_request_principal(request)->quota;
+    const struct vor_job_label label = {.key = &head->options.key,
+                                        .jobs_max = (uint64_t)quota->jobs,
+                                        .bytes_max = (uint64_t)quota->bytes};
+    int64_t length = vor_request_length(request);
+    struct vor_error err;
+    enum vor_job_outcome room =
+        vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
+
+    if (room != VOR_DONE) {
+        vor_outcome_reply(app, request, room, &err, NULL);
+        return false;
+    }
+    if (head->mode == VOR_SUBMIT_STREAM &&
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
+        vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
+                        app->config->number[VOR_SET_STREAMS]);
+        return false;
+    }
+    if (length > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] || /* refused for that */
+        vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
+        return true;
+    vor_problem_error(app, request, &err, NULL);
+    return false;
 }
