@@ -3,7 +3,7 @@
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
-enum { SCHEMA_VERSION = 4 };
+enum { SCHEMA_VERSION = 5 };
 
 /* clang-format off */
 
@@ -46,6 +46,7 @@ enum { SCHEMA_VERSION = 4 };
     " PRIMARY KEY (seq, attempt, last));"                                                          \
     "CREATE TABLE ledger (principal text PRIMARY KEY, jobs bigint NOT NULL, kept bigint NOT NULL," \
     " held bigint NOT NULL, turn bigint NOT NULL DEFAULT -1);"                                     \
+    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
     "CREATE TABLE round (number bigint PRIMARY KEY, jobs bigint NOT NULL,"                         \
     " decoded bigint NOT NULL);"
 
@@ -55,11 +56,6 @@ enum { SCHEMA_VERSION = 4 };
     "ALTER TABLE job ADD COLUMN engine text NOT NULL DEFAULT '',"                                  \
     " ADD COLUMN release bigint NOT NULL DEFAULT 0, DROP COLUMN IF EXISTS lease;"                  \
     "UPDATE voronoid_schema SET version = 2;"
-
-#define INDEXES                                                                                    \
-    VOR_SQL_INDEXES                                                                                \
-    "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
-    "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"
 
 #define WAITS(row) "(" row ".status = 'accepted')::int"
 #define LIVES(row) "(" row ".status IN ('accepted', 'running'))::int"
@@ -97,34 +93,10 @@ enum { SCHEMA_VERSION = 4 };
     "  coalesce(had.held, 0) + held_more, greatest(had.turn, started, -1),"                        \
     "  least(coalesce(first, 0), waits), greatest(last, started, 0));"                             \
     " DELETE FROM ledger WHERE principal = who AND version = had.version; END $$;"                 \
-    "DROP TRIGGER IF EXISTS job_added ON job; DROP TRIGGER IF EXISTS job_changed ON job;"          \
-    "DROP TRIGGER IF EXISTS job_expired ON job; DROP TRIGGER IF EXISTS job_removed ON job;"        \
     FUNCTION("job_added",                                                                          \
              " PERFORM ledger_add(new.principal, " LIVES("new") ", new.kept, new.held, NULL,"      \
              " CASE new.status WHEN 'accepted' THEN new.turn END, NULL);"                          \
              COUNT("new", WAITS("new")))                                                           \
-    "CREATE TRIGGER job_added AFTER INSERT ON job FOR EACH ROW EXECUTE FUNCTION job_added();"      \
-    FUNCTION("job_changed",                                                                        \
-             " PERFORM ledger_add(new.principal, " LIVES("new") " - " LIVES("old") ","             \
-             " new.kept - old.kept, new.held - old.held,"                                          \
-             " CASE new.status WHEN 'running' THEN new.turn END,"                                  \
-             " CASE new.status WHEN 'accepted' THEN new.turn END,"                                 \
-             " CASE old.status WHEN 'accepted' THEN new.turn END);"                                \
-             COUNT("new", WAITS("new") " - " WAITS("old")))                                        \
-    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job FOR EACH ROW"            \
-    " WHEN (new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status)"             \
-    " EXECUTE FUNCTION job_changed();"                                                             \
-    FUNCTION("job_expired", " DELETE FROM job_blob WHERE seq = new.seq;"                           \
-                            " DELETE FROM event WHERE seq = new.seq;")                             \
-    "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job FOR EACH ROW"                       \
-    " WHEN (new.expired <> 0) EXECUTE FUNCTION job_expired();"                                     \
-    FUNCTION("job_removed",                                                                        \
-             " PERFORM ledger_add(old.principal, -" LIVES("old") ", -old.kept, -old.held, NULL,"   \
-             " NULL, NULL);"                                                                       \
-             " DELETE FROM job_blob WHERE seq = old.seq;"                                          \
-             " DELETE FROM event WHERE seq = old.seq;")                                            \
-    "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"  \
-    "ALTER TABLE job SET (autovacuum_vacuum_scale_factor = 0.02);"                                 \
     "UPDATE voronoid_schema SET version = 3;"
 
 #define FROM_3                                                                                     \
@@ -133,12 +105,50 @@ enum { SCHEMA_VERSION = 4 };
     "ALTER TABLE job ADD COLUMN stop bigint NOT NULL DEFAULT 0;"                                   \
     "UPDATE voronoid_schema SET version = 4;"
 
+#define ENDED " DELETE FROM job_run WHERE seq = new.seq AND " LIVES("new") " = 0;"
+
+/* Before, a row of job had all of it. */
+#define FROM_4                                                                                     \
+    "ALTER TABLE job RENAME TO job_before;"                                                        \
+    VOR_SQL_TABLES("bigint GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY", "bigint PRIMARY KEY")    \
+    VOR_SQL_SPLIT                                                                                  \
+    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"                                          \
+    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"                               \
+    "DROP TABLE job_before, job_blob;"                                                             \
+    VOR_SQL_INDEXES                                                                                \
+    "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
+    "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"                            \
+    "CREATE TRIGGER job_added AFTER INSERT ON job FOR EACH ROW EXECUTE FUNCTION job_added();"      \
+    FUNCTION("job_changed",                                                                        \
+             " PERFORM ledger_add(new.principal, " LIVES("new") " - " LIVES("old") ","             \
+             " new.kept - old.kept, new.held - old.held,"                                          \
+             " CASE new.status WHEN 'running' THEN new.turn END,"                                  \
+             " CASE new.status WHEN 'accepted' THEN new.turn END,"                                 \
+             " CASE old.status WHEN 'accepted' THEN new.turn END);"                                \
+             COUNT("new", WAITS("new") " - " WAITS("old")) ENDED)                                        \
+    "CREATE TRIGGER job_changed AFTER UPDATE OF status, kept, held ON job FOR EACH ROW"            \
+    " WHEN (new.kept <> old.kept OR new.held <> old.held OR new.status <> old.status)"             \
+    " EXECUTE FUNCTION job_changed();"                                                             \
+    FUNCTION("job_expired", " UPDATE job_end SET report = NULL WHERE seq = new.seq;"               \
+                            " DELETE FROM event WHERE seq = new.seq;")                             \
+    "CREATE TRIGGER job_expired AFTER UPDATE OF expired ON job FOR EACH ROW"                       \
+    " WHEN (new.expired <> 0) EXECUTE FUNCTION job_expired();"                                     \
+    FUNCTION("job_removed",                                                                        \
+             " PERFORM ledger_add(old.principal, -" LIVES("old") ", -old.kept, -old.held, NULL,"   \
+             " NULL, NULL);"                                                                       \
+             " DELETE FROM job_text WHERE seq = old.seq; DELETE FROM job_run WHERE seq = old.seq;" \
+             " DELETE FROM job_end WHERE seq = old.seq; DELETE FROM event WHERE seq = old.seq;")   \
+    "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"  \
+    "ALTER TABLE job SET (autovacuum_vacuum_scale_factor = 0.02);"                                 \
+    "ALTER TABLE job_run SET (fillfactor = 50, autovacuum_vacuum_scale_factor = 0.02);"            \
+    "UPDATE voronoid_schema SET version = 5;"
+
 /* clang-format on */
 
 static const struct {
     int64_t from;
     const char *sql;
-} steps[] = {{1, FROM_1}, {2, FROM_2}, {3, FROM_3}};
+} steps[] = {{1, FROM_1}, {2, FROM_2}, {3, FROM_3}, {4, FROM_4}};
 
 static vor_status read_version(struct vor_sql *sql, int64_t *version, struct vor_error *err)
 {
@@ -164,10 +174,10 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "the job store: the table \"job\" of this database belongs to another program; "
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
-        made = vor_postgres_run(db,
-                                FUNCTIONS TABLES INDEXES
-                                "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2 FROM_3,
-                                &failure);
+        made = vor_postgres_run(
+            db,
+            FUNCTIONS TABLES "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2 FROM_3 FROM_4,
+            &failure);
     if (status == VOR_OK)
         status = read_version(sql, &version, err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {

@@ -38,7 +38,7 @@ struct vor_sql_row {
 enum vor_sql_how { VOR_SQL_DURABLE, VOR_SQL_LAZY, VOR_SQL_APART };
 
 /** The values of a statement's parameters, from the first on; borrowed. */
-enum { VOR_SQL_VALUES_MAX = 42 };
+enum { VOR_SQL_VALUES_MAX = 21 };
 struct vor_sql_values {
     unsigned count;
     struct vor_sql_value {

@@ -3,24 +3,28 @@
 
 #include <assert.h>
 
-/* The columns of a job but seq; and for each what it is (vor_sql_change), and its place. */
-#define COLUMNS                                                                                    \
-    "id, process_id, status, progress, message, request, metrics, problem, inputs, "               \
-    "outputs, input_format, input_points, input_bytes, input_sha256, "                             \
-    "input_seconds, output_format, output_points, output_bytes, output_sha256, "                   \
-    "report_bytes, attempt, crashes, created, started, updated, finished, expires, "               \
-    "expired, name, traceparent, principal, idem_key, fingerprint, kept, held, "                   \
-    "alone, turn, memory, decoded, owner, engine, release"
-
-static const char types[] = "tttittttttiiitriiitiiiiiiiiitttttiiiiiitti";
-
-#define PLACES                                                                                     \
-    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "   \
-    "?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?"
+/* A table with rows of one job: what is read and written of it, but seq, and the types of these
+ * columns (vor_sql_change). */
+static const struct part {
+    const char *select, *insert, *types;
+} parts[] = {
+    {"SELECT " VOR_SQL_TEXT " FROM job_text WHERE seq = ?",
+     "INSERT INTO job_text (seq, " VOR_SQL_TEXT
+     ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+     "iiiiirttttttt"},
+    {"SELECT " VOR_SQL_END " FROM job_end WHERE seq = ?",
+     "INSERT INTO job_end (seq, " VOR_SQL_END ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+     "iiiiitttttt"},
+    {"SELECT progress, updated, metrics FROM job_run WHERE seq = ?",
+     "INSERT INTO job_run (seq, progress, updated, metrics) VALUES (?, ?, ?, ?)", "iit"},
+    {"SELECT attempt, last, data FROM event WHERE seq = ?", "INSERT INTO event VALUES (?, ?, ?, ?)",
+     "iib"},
+};
 
 /* One job on its way. */
 struct copying {
     struct vor_sql *into;
+    const struct part *part;
     int64_t from_seq, into_seq; /* 0 when there is none any more */
     vor_status status;          /* of the first change that failed */
     struct vor_error *err;
@@ -31,54 +35,51 @@ static void take_seq(void *ctx, struct vor_sql_row *row)
     *(int64_t *)ctx = vor_sql_number(row);
 }
 
-static int copy_job(void *ctx, struct vor_sql_row *row)
+static void take_values(struct vor_sql_values *values, const char *types, struct vor_sql_row *row)
 {
-    struct copying *copying = ctx;
-    struct vor_sql_changing changing = {.each = take_seq, .ctx = &copying->into_seq};
-    struct vor_sql_values values = {.count = sizeof types - 1};
+    for (; *types != '\0'; types++) {
+        struct vor_sql_value *value = &values->value[values->count++];
 
-    assert(values.count <= VOR_SQL_VALUES_MAX);
-    copying->from_seq = vor_sql_number(row);
-    for (unsigned i = 0; i < values.count; i++) {
-        struct vor_sql_value *value = &values.value[i];
-
-        *value = (struct vor_sql_value){.type = types[i]};
-        if (types[i] == 't')
+        *value = (struct vor_sql_value){.type = *types};
+        if (*types == 't')
             value->bytes = vor_sql_text(row);
-        else if (types[i] == 'r')
+        else if (*types == 'b')
+            value->bytes = vor_sql_bytes(row, &value->size);
+        else if (*types == 'r')
             value->real = vor_sql_real(row);
         else
             value->number = vor_sql_number(row);
     }
+    assert(values->count <= VOR_SQL_VALUES_MAX);
+}
+
+static int copy_job(void *ctx, struct vor_sql_row *row)
+{
+    struct copying *copying = ctx;
+    struct vor_sql_changing changing = {.each = take_seq, .ctx = &copying->into_seq};
+    struct vor_sql_values values = {.count = 0};
+
+    copying->from_seq = vor_sql_number(row);
+    take_values(&values, "iiiiiiiiiiiiiittttttt", row);
     copying->status = copying->into->engine->change(
         copying->into, &changing, copying->err,
-        "INSERT INTO job (" COLUMNS ") VALUES (" PLACES ") RETURNING seq", &values);
+        "INSERT INTO job (" VOR_SQL_JOB ") VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?,"
+        " ?, ?, ?, ?, ?) RETURNING seq",
+        &values);
     return 0;
 }
 
-static int copy_event(void *ctx, struct vor_sql_row *row)
+static int copy_part(void *ctx, struct vor_sql_row *row)
 {
     struct copying *copying = ctx;
-    int64_t attempt = vor_sql_number(row), last = vor_sql_number(row);
-    size_t size;
-    const void *data = vor_sql_bytes(row, &size);
-    int rows;
+    struct vor_sql_changing changing = {.each = NULL};
+    struct vor_sql_values values = {.count = 1,
+                                    .value = {{.type = 'i', .number = copying->into_seq}}};
 
-    copying->status =
-        vor_sql_change(copying->into, &rows, copying->err, "INSERT INTO event VALUES (?, ?, ?, ?)",
-                       "iiib", copying->into_seq, attempt, last, data, size);
+    take_values(&values, copying->part->types, row);
+    copying->status = copying->into->engine->change(copying->into, &changing, copying->err,
+                                                    copying->part->insert, &values);
     return copying->status == VOR_OK;
-}
-
-static int copy_report(void *ctx, struct vor_sql_row *row)
-{
-    struct copying *copying = ctx;
-    int rows;
-
-    copying->status =
-        vor_sql_change(copying->into, &rows, copying->err, "INSERT INTO job_blob VALUES (?, ?)",
-                       "it", copying->into_seq, vor_sql_text(row));
-    return 0;
 }
 
 /* What its principal had as the turn of a job that has started. */
@@ -94,7 +95,7 @@ static int copy_turn(void *ctx, struct vor_sql_row *row)
     return copying->status == VOR_OK;
 }
 
-/* The next job, with its events and its report: all of it, or nothing. */
+/* The next job, with what stands beside it: all of it, or nothing. */
 static vor_status copy_next(struct vor_sql *from, struct copying *copying, struct vor_error *err)
 {
     vor_status status = vor_sql_begin(copying->into, VOR_SQL_DURABLE, err);
@@ -103,16 +104,16 @@ static vor_status copy_next(struct vor_sql *from, struct copying *copying, struc
     if (status != VOR_OK)
         return status;
     copying->from_seq = 0;
-    status = vor_sql_query(from, copy_job, copying, err,
-                           "SELECT seq, " COLUMNS " FROM job WHERE seq > ? ORDER BY seq LIMIT 1",
-                           "i", after);
-    if (status == VOR_OK && copying->status == VOR_OK && copying->from_seq != 0)
-        status = vor_sql_query(from, copy_event, copying, err,
-                               "SELECT attempt, last, data FROM event WHERE seq = ?", "i",
-                               copying->from_seq);
-    if (status == VOR_OK && copying->status == VOR_OK && copying->from_seq != 0)
-        status = vor_sql_query(from, copy_report, copying, err,
-                               "SELECT report FROM job_blob WHERE seq = ?", "i", copying->from_seq);
+    status = vor_sql_query(
+        from, copy_job, copying, err,
+        "SELECT seq, " VOR_SQL_JOB " FROM job WHERE seq > ? ORDER BY seq LIMIT 1", "i", after);
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0] && status == VOR_OK &&
+                       copying->status == VOR_OK && copying->from_seq != 0;
+         i++) {
+        copying->part = &parts[i];
+        status =
+            vor_sql_query(from, copy_part, copying, err, parts[i].select, "i", copying->from_seq);
+    }
     return vor_sql_end(copying->into, status == VOR_OK ? copying->status : status, err);
 }
 

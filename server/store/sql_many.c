@@ -14,7 +14,7 @@ static void take_evicted(void *ctx, struct vor_sql_row *row)
 }
 
 #define TIME "CASE ?1 WHEN 0 THEN clock_ms() ELSE ?1 END"
-#define EXPIRE "UPDATE job SET expired = 1, report_bytes = 0, idem_key = NULL, kept = 0, held = 0"
+#define EXPIRE "UPDATE job SET expired = 1, idem_key = NULL, kept = 0, held = 0"
 
 /* ?1 is the limit, ?2 how many at most. A job before others, in the order in which they ended,
  * gives up its uploads before them: it follows while what those before it keep is less than what is
@@ -91,10 +91,11 @@ vor_status vor_sql_newest(struct vor_store *store, int64_t *newest_ms, struct vo
     *newest_ms = 0;
     return vor_sql_query(
         vor_sql_of(store), vor_sql_take_number, newest_ms, err,
-        "SELECT max(updated) FROM job WHERE seq IN (SELECT max(seq) FROM job"
+        "SELECT max(updated) FROM (SELECT updated FROM job WHERE seq IN (SELECT max(seq) FROM job"
         " UNION SELECT * FROM (SELECT seq FROM job WHERE expires > 0 ORDER BY expires DESC LIMIT 1)"
         " AS last"
-        " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)",
+        " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)"
+        " UNION ALL SELECT updated FROM job_run) AS times",
         "");
 }
 

@@ -34,25 +34,29 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
     const struct vor_job_input *input = &row->input[0];
     char traceparent[VOR_TRACEPARENT_SIZE];
     int64_t seq = 0;
+    int rows;
     vor_status status = vor_sql_change_each(
         vor_sql_of(store), take_seq, &seq, err,
-        "INSERT INTO job (id, process_id, status, message, request, inputs, input_format,"
-        " input_points, input_bytes, input_sha256, input_seconds, created, updated, name,"
-        " traceparent, principal, idem_key, fingerprint, kept, memory, decoded, engine, release,"
-        " turn)"
-        " VALUES (?1, ?2, 'accepted', ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?11, ?12, ?13, ?14,"
-        " ?15, ?16, ?17, ?18, ?19, ?20, ?21, max(coalesce((SELECT served FROM queue), 0),"
+        "INSERT INTO job (id, process_id, status, created, updated, name, principal, idem_key, "
+        "kept,"
+        " decoded, turn) VALUES (?1, ?2, 'accepted', ?3, ?3, ?4, ?5, ?6, ?7, ?8,"
+        " max(coalesce((SELECT served FROM queue), 0),"
         " (SELECT coalesce(min(turn), 0) - 1 FROM job WHERE " WAITS "),"
-        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE " WAITS " AND principal = ?14),"
-        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?14" NEWEST "), 0)))"
+        " (SELECT coalesce(max(turn), -1) + 1 FROM job WHERE " WAITS " AND principal = ?5),"
+        " coalesce((SELECT turn + 1 FROM ledger WHERE principal = ?5" NEWEST "), 0)))"
         " RETURNING seq",
-        "tttttiiitritttttiiiti", row->id.text, row->process, row->message, text->request.data,
-        text->inputs.data, (int64_t)input->format, (int64_t)input->points, (int64_t)input->bytes,
-        input->sha256, input->seconds, row->created, row->name,
-        vor_span_text(&row->span, traceparent), row->key.principal,
-        row->key.text[0] != '\0' ? row->key.text : NULL, row->key.fingerprint, (int64_t)row->kept,
-        (int64_t)row->memory, (int64_t)row->decoded, row->build.engine, row->build.release);
+        "ttitttii", row->id.text, row->process, row->created, row->name, row->key.principal,
+        row->key.text[0] != '\0' ? row->key.text : NULL, (int64_t)row->kept, (int64_t)row->decoded);
 
+    if (status == VOR_OK)
+        status = vor_sql_change(vor_sql_of(store), &rows, err,
+                                "INSERT INTO job_text (" VOR_SQL_TEXT
+                                ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                "iiiiirttttttti", (int64_t)input->format, (int64_t)input->points,
+                                (int64_t)input->bytes, (int64_t)row->memory, row->build.release,
+                                input->seconds, input->sha256, row->key.fingerprint,
+                                vor_span_text(&row->span, traceparent), row->build.engine,
+                                row->message, text->request.data, text->inputs.data, seq);
     if (status == VOR_OK)
         row->seq = seq;
     return status;
@@ -108,10 +112,13 @@ vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_v
     if (status == VOR_OK) {
         status = vor_sql_change_each(
             vor_sql_of(store), take_seq, &seq, err,
-            "UPDATE job SET progress = max(progress, ?4), metrics = ?5, updated = ?6"
-            " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running' RETURNING seq",
-            "tititi", row->id.text, (int64_t)lease->attempt, lease->owner, (int64_t)row->progress,
-            text.metrics.data, row->updated);
+            "INSERT INTO job_run (seq, progress, updated, metrics)"
+            " SELECT seq, ?4, ?5, ?6 FROM job"
+            " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running'"
+            " ON CONFLICT (seq) DO UPDATE SET progress = max(job_run.progress, excluded.progress),"
+            " updated = excluded.updated, metrics = excluded.metrics RETURNING seq",
+            "titiit", row->id.text, (int64_t)lease->attempt, lease->owner, (int64_t)row->progress,
+            row->updated, text.metrics.data);
         if (status == VOR_OK && seq != 0)
             status = add_events(store, seq, lease->attempt, piece, err);
         status = vor_sql_end(vor_sql_of(store), status, err);
@@ -165,32 +172,24 @@ static uint64_t held_bytes(const struct vor_job_view *row)
     return bytes;
 }
 
-/* The row itself; *seq stays 0 where nothing was changed. */
-static vor_status finish_row(struct vor_store *store, const struct vor_job_view *row,
-                             const struct vor_lease *lease, const struct vor_store_ending *ending,
-                             int64_t *seq, struct vor_error *err)
+/* What is known at the end. */
+static vor_status add_end(struct vor_store *store, int64_t seq, const struct vor_job_view *row,
+                          const char *report, struct vor_error *err)
 {
     const struct vor_job_output *output = &row->output[0];
     struct vor_row_text text;
+    int rows;
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sql_change_each(
-            vor_sql_of(store), take_seq, seq, err,
-            "UPDATE job SET status = ?3, progress = ?4, message = ?5, metrics = ?6,"
-            " problem = ?7, report_bytes = ?8, output_format = ?9,"
-            " output_points = ?10, output_bytes = ?11, output_sha256 = ?12,"
-            " updated = ?13, finished = ?13, expires = ?14, attempt = ?15, outputs = ?16,"
-            " kept = min(kept, ?17), held = ?18"
-            " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
-            " ELSE status = 'running' AND attempt = ?2 AND owner = ?19 END RETURNING seq",
-            "tititttiiiitiiitiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
-            vor_job_status_word(row->status), (int64_t)row->progress, row->message,
-            text.metrics.data, text.problem.data,
-            (int64_t)(ending->report != NULL ? strlen(ending->report) : 0), (int64_t)output->format,
-            (int64_t)output->points, (int64_t)output->bytes, output->sha256, row->finished,
-            row->expires, (int64_t)row->attempt, text.outputs.data, (int64_t)row->kept,
-            (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
+        status = vor_sql_change(vor_sql_of(store), &rows, err,
+                                "INSERT INTO job_end (" VOR_SQL_END
+                                ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                "iiiiitttttti", (int64_t)row->progress, (int64_t)output->format,
+                                (int64_t)output->points, (int64_t)output->bytes,
+                                (int64_t)(report != NULL ? strlen(report) : 0), output->sha256,
+                                row->message, text.metrics.data, text.problem.data,
+                                text.outputs.data, report, seq);
     vor_row_text_free(&text);
     return status;
 }
@@ -200,18 +199,24 @@ vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *ro
                           int *changed, struct vor_error *err)
 {
     int64_t seq = 0;
-    int rows;
     vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
 
     *changed = 0;
     if (status != VOR_OK)
         return status;
-    status = finish_row(store, row, lease, ending, &seq, err);
+    status = vor_sql_change_each(
+        vor_sql_of(store), take_seq, &seq, err,
+        "UPDATE job SET status = ?3, updated = ?4, finished = ?4, expires = ?5, attempt = ?6,"
+        " kept = min(kept, ?7), held = ?8"
+        " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
+        " ELSE status = 'running' AND attempt = ?2 AND owner = ?9 END RETURNING seq",
+        "titiiiiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
+        vor_job_status_word(row->status), row->finished, row->expires, (int64_t)row->attempt,
+        (int64_t)row->kept, (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
     if (status == VOR_OK && seq != 0)
         status = add_events(store, seq, row->attempt, &ending->events, err);
-    if (status == VOR_OK && seq != 0 && ending->report != NULL)
-        status = vor_sql_change(vor_sql_of(store), &rows, err, "INSERT INTO job_blob VALUES (?, ?)",
-                                "it", seq, ending->report);
+    if (status == VOR_OK && seq != 0)
+        status = add_end(store, seq, row, ending->report, err);
     status = vor_sql_end(vor_sql_of(store), status, err);
     *changed = status == VOR_OK && seq != 0;
     return status;
@@ -228,13 +233,21 @@ vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, in
 /* --- reading ---------------------------------------------------------------------------------- */
 
 #define ROW_COLUMNS                                                                                \
-    "id, seq, process_id, status, progress, message, request, metrics, problem, inputs, outputs,"  \
+    "id, job.seq, process_id, status, coalesce(job_end.progress, job_run.progress, 0),"            \
+    " coalesce(job_end.message, job_text.message), request,"                                       \
+    " coalesce(job_end.metrics, job_run.metrics), problem, inputs, outputs,"                       \
     " input_format, input_points, input_bytes, input_sha256, input_seconds,"                       \
     " output_format, output_points, output_bytes, output_sha256,"                                  \
-    " report_bytes,"                                                                               \
-    " attempt, created, started, updated, finished, expires, expired,"                             \
+    " CASE expired WHEN 0 THEN report_bytes ELSE 0 END,"                                           \
+    " attempt, created, started, max(job.updated, coalesce(job_run.updated, 0)), finished,"        \
+    " expires, expired,"                                                                           \
     " name, traceparent, principal, idem_key, fingerprint, kept, alone, memory, decoded,"          \
     " engine, release"
+
+/* The row of a job with all that is known of it. */
+#define ROWS                                                                                       \
+    " FROM job LEFT JOIN job_text ON job_text.seq = job.seq"                                       \
+    " LEFT JOIN job_end ON job_end.seq = job.seq LEFT JOIN job_run ON job_run.seq = job.seq"
 
 /* How many leave before a row that waits: in rounds of 256 turns, in turns, in its own turn; -1 for
  * others. */
@@ -349,7 +362,7 @@ vor_status vor_sql_get(struct vor_store *store, const struct vor_uuid *id, const
 {
     struct taken taken = {.row = out};
     vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
-                                      "SELECT " ROW_COLUMNS POSITION " FROM job WHERE id = ?1"
+                                      "SELECT " ROW_COLUMNS POSITION ROWS " WHERE id = ?1"
                                       " AND (?2 IS NULL OR principal = ?2)",
                                       "tt", id->text, tenant);
 
@@ -390,10 +403,10 @@ vor_status vor_sql_find_key(struct vor_store *store, const struct vor_job_key *k
                             struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
-                                      "SELECT " ROW_COLUMNS POSITION
-                                      " FROM job WHERE principal = ? AND idem_key = ?",
-                                      "tt", key->principal, key->text);
+    vor_status status =
+        vor_sql_query(vor_sql_of(store), take_row, &taken, err,
+                      "SELECT " ROW_COLUMNS POSITION ROWS " WHERE principal = ? AND idem_key = ?",
+                      "tt", key->principal, key->text);
 
     *found = taken.found;
     return status;
@@ -420,7 +433,7 @@ vor_status vor_sql_report(struct vor_store *store, const struct vor_uuid *id, ch
 {
     struct report read = {.text = NULL};
     vor_status status = vor_sql_query(vor_sql_of(store), take_report, &read, err,
-                                      "SELECT report FROM job_blob WHERE report IS NOT NULL"
+                                      "SELECT report FROM job_end WHERE report IS NOT NULL"
                                       " AND seq = (SELECT seq FROM job WHERE id = ?)",
                                       "t", id->text);
 
@@ -459,14 +472,14 @@ static void status_words(char *out, size_t size, unsigned statuses)
 
 /* The rows of a list, found in an index alone. */
 #define LIST(index, first)                                                                         \
-    "SELECT " ROW_COLUMNS POSITION " FROM job WHERE seq IN (SELECT seq FROM job INDEXED BY " index \
+    "SELECT " ROW_COLUMNS POSITION ROWS " WHERE job.seq IN (SELECT seq FROM job INDEXED BY " index \
     " WHERE expired = 0" first " AND (?1 = '' OR instr(?1, ',' || status || ',') > 0)"             \
     " AND (?2 IS NULL OR process_id = ?2) AND seq < ?3"                                            \
     " AND created >= ?5 AND (?6 = 0 OR created <= ?6)"                                             \
     " AND (?7 = 0 OR (started > 0 AND " DURATION " >= ?7))"                                        \
     " AND (?8 = 0 OR (started > 0 AND " DURATION " <= ?8))"                                        \
     " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
-    " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY seq DESC"
+    " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY job.seq DESC"
 
 vor_status vor_sql_list(struct vor_store *store, const struct vor_job_filter *filter,
                         int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
@@ -492,11 +505,14 @@ static void take_claimed(void *ctx, struct vor_sql_row *row)
     (void)take_row(ctx, row);
 }
 
+#define THIS " FROM job_text WHERE job_text.seq = job.seq"
+
 vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *claim,
                               struct vor_job_view *out, int *found, struct vor_error *err)
 {
     int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
     struct taken taken = {.row = out};
+    int64_t seq = 0;
     int rows;
     vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
 
@@ -504,21 +520,24 @@ vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *c
     if (status != VOR_OK)
         return status;
     status = vor_sql_change_each(
-        vor_sql_of(store), take_claimed, &taken, err,
+        vor_sql_of(store), take_seq, &seq, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
         " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
         " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE " WAITS
-        " AND release <= ?6 AND (engine = ?5 OR engine NOT IN"
-        " (SELECT engine FROM daemon WHERE lease > clock_ms()))"
-        " ORDER BY turn, seq LIMIT 1) AND memory <= ?3 AND alone <= ?4 RETURNING " ROW_COLUMNS
-        ", -1",
+        " AND (SELECT release <= ?6 AND (engine = ?5 OR engine NOT IN"
+        " (SELECT daemon.engine FROM daemon WHERE lease > clock_ms()))" THIS
+        ") ORDER BY turn, seq LIMIT 1) AND (SELECT memory" THIS
+        ") <= ?3 AND alone <= ?4 RETURNING seq",
         "tiiiti", claim->owner, claim->now_ms, memory, (int64_t)(claim->may_be_alone != 0),
         claim->build.engine, claim->build.release);
+    if (status == VOR_OK && seq != 0)
+        status =
+            vor_sql_change_each(vor_sql_of(store), take_claimed, &taken, err,
+                                "SELECT " ROW_COLUMNS ", -1" ROWS " WHERE job.seq = ?", "i", seq);
     if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
         status = vor_sql_change(vor_sql_of(store), &rows, err,
-                                "DELETE FROM event WHERE attempt < ?2"
-                                " AND seq = (SELECT seq FROM job WHERE id = ?1)",
-                                "ti", out->id.text, (int64_t)out->attempt);
+                                "DELETE FROM event WHERE seq = ?1 AND attempt < ?2", "ii", seq,
+                                (int64_t)out->attempt);
     status = vor_sql_end(vor_sql_of(store), status, err);
     *found = status == VOR_OK && taken.found;
     return status;

@@ -67,9 +67,62 @@ vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone
 vor_status vor_sql_copy_all(struct vor_store *into, struct vor_store *from,
                             struct vor_store_copied *out, struct vor_error *err);
 
-/** The indexes that every engine has, for its schema. */
+/** The tables of jobs, for the schema of every engine, which says how the key is written. A row of
+ *  job changes with the state of its job, and has what queues and lists go by; what else is known
+ * of a job stands beside it, written once: when it is accepted (job_text), and when it is over
+ *  (job_end). job_run has the progress of jobs that are not over. Wide rows that change leave wide
+ *  dead versions behind. */
+#define VOR_SQL_TABLES(key_of_job, key)                                                            \
+    "CREATE TABLE job (seq " key_of_job ", created bigint NOT NULL,"                               \
+    " started bigint NOT NULL DEFAULT 0, updated bigint NOT NULL,"                                 \
+    " finished bigint NOT NULL DEFAULT 0, expires bigint NOT NULL DEFAULT 0,"                      \
+    " kept bigint NOT NULL DEFAULT 0," /* bytes of inputs */                                       \
+    " held bigint NOT NULL DEFAULT 0," /* bytes of results */                                      \
+    " turn bigint NOT NULL DEFAULT 0, decoded bigint NOT NULL DEFAULT 0,"                          \
+    " attempt integer NOT NULL DEFAULT 0, crashes integer NOT NULL DEFAULT 0,"                     \
+    " expired integer NOT NULL DEFAULT 0, alone integer NOT NULL DEFAULT 0,"                       \
+    " stop integer NOT NULL DEFAULT 0, id text NOT NULL UNIQUE, process_id text NOT NULL,"         \
+    " status text NOT NULL"                                                                        \
+    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"                \
+    " name text NOT NULL DEFAULT '', principal text NOT NULL DEFAULT '', idem_key text,"           \
+    " owner text NOT NULL DEFAULT '');"                                                            \
+    "CREATE TABLE job_text (seq " key ", input_format bigint NOT NULL,"                            \
+    " input_points bigint NOT NULL, input_bytes bigint NOT NULL, memory bigint NOT NULL,"          \
+    " release bigint NOT NULL, input_seconds double precision NOT NULL, input_sha256 text NOT "    \
+    "NULL,"                                                                                        \
+    " fingerprint text NOT NULL, traceparent text NOT NULL, engine text NOT NULL,"                 \
+    " message text NOT NULL, request text NOT NULL, inputs text);" /* beside the main one */       \
+    "CREATE TABLE job_end (seq " key ", progress bigint NOT NULL, output_format bigint NOT NULL,"  \
+    " output_points bigint NOT NULL, output_bytes bigint NOT NULL, report_bytes bigint NOT NULL,"  \
+    " output_sha256 text NOT NULL, message text NOT NULL, metrics text, problem text,"             \
+    " outputs text, report text);"                                                                 \
+    "CREATE TABLE job_run (seq " key ", progress bigint NOT NULL, updated bigint NOT NULL,"        \
+    " metrics text);"
+
+/** Their columns but seq. */
+#define VOR_SQL_JOB                                                                                \
+    "created, started, updated, finished, expires, kept, held, turn, decoded, attempt, crashes,"   \
+    " expired, alone, stop, id, process_id, status, name, principal, idem_key, owner"
+#define VOR_SQL_TEXT                                                                               \
+    "input_format, input_points, input_bytes, memory, release, input_seconds, input_sha256,"       \
+    " fingerprint, traceparent, engine, message, request, inputs"
+#define VOR_SQL_END                                                                                \
+    "progress, output_format, output_points, output_bytes, report_bytes, output_sha256, message,"  \
+    " metrics, problem, outputs, report"
+
+/** Fills them from the tables of before, job_before and job_blob. */
+#define VOR_SQL_SPLIT                                                                              \
+    "INSERT INTO job (seq, " VOR_SQL_JOB ") SELECT seq, " VOR_SQL_JOB                              \
+    " FROM job_before ORDER BY seq;"                                                               \
+    "INSERT INTO job_text SELECT seq, " VOR_SQL_TEXT " FROM job_before ORDER BY seq;"              \
+    "INSERT INTO job_end SELECT seq, " VOR_SQL_END                                                 \
+    " FROM job_before LEFT JOIN job_blob USING (seq)"                                              \
+    " WHERE status NOT IN ('accepted', 'running') ORDER BY seq;"                                   \
+    "INSERT INTO job_run SELECT seq, progress, updated, metrics FROM job_before"                   \
+    " WHERE status IN ('accepted', 'running') AND started > 0 ORDER BY seq;"
+
+/** The indexes that every engine has. */
 #define VOR_SQL_INDEXES                                                                            \
-    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
     "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \
     "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
     "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \

@@ -427,8 +427,8 @@ VT_TEST(a_job_whose_request_cannot_be_read_is_not_run)
     (void)snprintf(path, sizeof path, "%s/jobs.sqlite", dir);
     ck_assert_int_eq(sqlite3_open(path, &db), SQLITE_OK);
     ck_assert_int_eq(sqlite3_exec(db,
-                                  "UPDATE job SET request = '{\"peak\":\"high\"}'"
-                                  " WHERE status = 'accepted'",
+                                  "UPDATE job_text SET request = '{\"peak\":\"high\"}'"
+                                  " WHERE seq IN (SELECT seq FROM job WHERE status = 'accepted')",
                                   NULL, NULL, NULL),
                      SQLITE_OK);
     ck_assert_int_eq(sqlite3_changes(db), 1);

@@ -73,6 +73,7 @@ def measure(daemon, label, cases):
 def fill(*statements, rows=rows):
     db = sqlite3.connect(os.path.join(data, "jobs.sqlite"))
     columns = ",".join(c[1] for c in db.execute("PRAGMA table_info(job)") if c[1] not in ("seq", "id"))
+    beside = lambda t: ",".join(c[1] for c in db.execute(f"PRAGMA table_info({t})") if c[1] != "seq")
     last = db.execute("SELECT max(seq) FROM job").fetchone()[0]
     numbers = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < %d)" % rows
     new_id = "printf('01908d7e-%04x-7%03x-8000-%012x', i / 65536, i % 4096, i + " + str(last) + ")"
@@ -81,6 +82,8 @@ def fill(*statements, rows=rows):
         values = re.sub(r"\bkept\b", "0", values)  # these have no files; else the start forgets each upload by itself
     db.execute(f"{numbers} INSERT INTO job (seq, id, {columns}) SELECT {last} + i, {new_id}, {values} FROM n, job"
                f" WHERE seq = {last}")
+    for table in ("job_text", "job_end"):
+        db.execute(f"{numbers} INSERT INTO {table} (seq, {beside(table)}) SELECT {last} + i, {beside(table)} FROM n, {table} WHERE seq = {last}")
     for statement in statements:
         db.execute(f"{numbers} {statement}", {"last": last})
     ids = [row[0] for row in db.execute("SELECT id FROM job WHERE seq > ?", (last,))]
@@ -101,8 +104,7 @@ job = submit(connection)
 while json.loads(ask(connection, "GET", "/v1/jobs/" + job)[1])["status"] != "successful":
     time.sleep(0.05)
 daemon.stop()
-fill("INSERT INTO job_blob SELECT :last + i, report FROM n, job_blob WHERE seq = :last",
-     "INSERT INTO event SELECT :last + i, attempt, last, randomblob(30000) FROM n, event WHERE seq = :last")
+fill("INSERT INTO event SELECT :last + i, attempt, last, randomblob(30000) FROM n, event WHERE seq = :last")
 daemon = Daemon()
 say("| beside %d jobs | what | median / p99 |\n|---|---|---|" % rows)
 say("| ended | start of the daemon | %s |" % daemon.started)
