@@ -12,4 +12,16 @@ struct vor_asker {
     struct vor_fairness_key caller; /**< whom a file that is read for it is read for */
 };
 
+/** A list of those who wait; NULL is empty. Its owner locks it. */
+struct vor_waiting;
+
+/** Adds somebody; false when memory is out. */
+int vor_waiting_add(struct vor_waiting **list, const struct vor_asker *asker);
+
+/** Takes the whole list, for vor_waiting_wake once the lock is given up. */
+struct vor_waiting *vor_waiting_take(struct vor_waiting **list);
+
+/** Wakes all of a list, and frees it. */
+void vor_waiting_wake(struct vor_waiting *list);
+
 #endif

@@ -1,10 +1,10 @@
-/* A conversion is shared by those who wait for it: it is freed once it is over and the last of them
- * has left. The digest of its bytes and its origin stand behind them in the blob, so that the ETag
+/* The digest of a conversion's bytes and its origin stand behind them in the blob, so that the ETag
  * needs no pass over the file, and the origin no decoding. */
 #include "server/work/conversion.h"
 
 #include "proto/codec.h"
 #include "proto/json/json.h"
+#include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 
@@ -21,22 +21,24 @@ struct trailer {
     char origin[VOR_ORIGIN_TEXT_SIZE]; /* "" in a format that takes none */
 };
 
-struct vor_conversion {
+static const double failed_seconds = 5;
+
+/* One that is on its way, or that failed in the last seconds. */
+struct conversion {
     struct vor_conversions *service;
     struct vor_job_view row;
     unsigned output, format;
     struct vor_task task;
-    struct vor_conversion_waiter *waiters;
-    int is_over;
-    vor_status status;
+    struct vor_waiting *waiting;
+    double failed; /* when; 0 while it is on its way */
     struct vor_error error;
-    struct vor_conversion *next;
+    struct conversion *next;
 };
 
 struct vor_conversions {
     struct vor_conversions_config config;
-    pthread_mutex_t mutex;       /* everything below, and the waiters and ends of conversions */
-    struct vor_conversion *list; /* those that are not over */
+    pthread_mutex_t mutex; /* the list, and how conversions end */
+    struct conversion *list;
 };
 
 vor_status vor_conversions_create(struct vor_conversions **out,
@@ -57,19 +59,25 @@ void vor_conversions_destroy(struct vor_conversions *conversions)
 {
     if (conversions == NULL)
         return;
+    while (conversions->list != NULL) {
+        struct conversion *next = conversions->list->next;
+
+        free(conversions->list);
+        conversions->list = next;
+    }
     pthread_mutex_destroy(&conversions->mutex);
     free(conversions);
 }
 
 /* --- the work --------------------------------------------------------------------------------- */
 
-static const char *output_name(const struct vor_conversion *conversion)
+static const char *output_name(const struct conversion *conversion)
 {
     return conversion->row.spec.process->outputs[conversion->output].name;
 }
 
 /* The spacing that the report tells; 0 where none does. */
-static double spacing_of(const struct vor_conversion *conversion)
+static double spacing_of(const struct conversion *conversion)
 {
     struct vor_json *json = NULL;
     char *report = NULL;
@@ -85,7 +93,7 @@ static double spacing_of(const struct vor_conversion *conversion)
 }
 
 /* Converts the file of a result into a blob that has no name yet. */
-static vor_status fill_blob(struct vor_blob_writer *writer, const struct vor_conversion *conversion,
+static vor_status fill_blob(struct vor_blob_writer *writer, const struct conversion *conversion,
                             int fd, uint64_t size, struct vor_error *err)
 {
     const struct vor_conversions_config *config = &conversion->service->config;
@@ -117,7 +125,7 @@ static vor_status fill_blob(struct vor_blob_writer *writer, const struct vor_con
     return vor_blob_append(writer, &trailer, sizeof trailer, err);
 }
 
-static vor_status convert_file(const struct vor_conversion *conversion, int fd, uint64_t size,
+static vor_status convert_file(const struct conversion *conversion, int fd, uint64_t size,
                                struct vor_error *err)
 {
     struct vor_blobs *blobs = conversion->service->config.blobs;
@@ -137,7 +145,7 @@ static vor_status convert_file(const struct vor_conversion *conversion, int fd, 
 }
 
 /* Removes the blob of a job that went while it was made; the next removal of the job finds it. */
-static void drop_if_gone(const struct vor_conversion *conversion)
+static void drop_if_gone(const struct conversion *conversion)
 {
     const struct vor_conversions_config *config = &conversion->service->config;
     char name[VOR_BLOB_NAME_MAX + 1];
@@ -158,7 +166,7 @@ static void drop_if_gone(const struct vor_conversion *conversion)
         vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", conversion->row.id.text));
 }
 
-static vor_status convert(const struct vor_conversion *conversion, struct vor_error *err)
+static vor_status convert(const struct conversion *conversion, struct vor_error *err)
 {
     uint64_t size;
     int fd, found;
@@ -179,76 +187,78 @@ static vor_status convert(const struct vor_conversion *conversion, struct vor_er
     return status;
 }
 
-/* --- those who wait --------------------------------------------------------------------------- */
-
-/* Takes a conversion that is over off the list; the mutex is held. */
-static void unlist(struct vor_conversions *service, const struct vor_conversion *conversion)
-{
-    struct vor_conversion **at = &service->list;
-
-    while (*at != conversion)
-        at = &(*at)->next;
-    *at = conversion->next;
-}
+/* --- on its way ------------------------------------------------------------------------------- */
 
 static void run_conversion(void *ctx)
 {
-    struct vor_conversion *conversion = ctx;
+    struct conversion *conversion = ctx;
     struct vor_conversions *service = conversion->service;
+    struct conversion **at = &service->list;
     struct vor_error err = {.status = VOR_OK};
     vor_status status = convert(conversion, &err);
-    int is_alone;
+    struct vor_waiting *waiting;
 
     vor_log(status == VOR_OK ? VOR_LOG_INFO : VOR_LOG_WARN, "result converted",
             VOR_TEXT("job", conversion->row.id.text),
             VOR_TEXT("format", vor_format(conversion->format)->name),
             VOR_TEXT("error", status != VOR_OK ? err.message : NULL));
     pthread_mutex_lock(&service->mutex);
-    conversion->is_over = 1;
-    conversion->status = status;
-    conversion->error = err;
-    unlist(service, conversion);
-    for (struct vor_conversion_waiter *w = conversion->waiters; w != NULL; w = w->next)
-        w->wake(w->ctx);
-    is_alone = conversion->waiters == NULL;
-    pthread_mutex_unlock(&service->mutex);
-    if (is_alone)
+    waiting = vor_waiting_take(&conversion->waiting);
+    if (status != VOR_OK) {
+        conversion->error = err;
+        conversion->failed = vor_clock_seconds();
+    } else {
+        while (*at != conversion)
+            at = &(*at)->next;
+        *at = conversion->next;
         free(conversion);
+    }
+    pthread_mutex_unlock(&service->mutex);
+    vor_waiting_wake(waiting);
 }
 
-/* The one of the same job, output and format; the mutex is held. */
-static struct vor_conversion *find(const struct vor_conversions *service,
-                                   const struct vor_job_view *row, unsigned output, unsigned format)
+/* The one of the same job, output and format; removes those that failed long ago. The mutex is
+ * held. */
+static struct conversion *find(struct vor_conversions *service, const struct vor_job_view *row,
+                               unsigned output, unsigned format)
 {
-    struct vor_conversion *at = service->list;
+    double now = vor_clock_seconds();
+    struct conversion *found = NULL;
 
-    while (at != NULL && (at->output != output || at->format != format ||
-                          strcmp(at->row.id.text, row->id.text) != 0))
-        at = at->next;
-    return at;
+    for (struct conversion **at = &service->list; *at != NULL;) {
+        struct conversion *one = *at;
+
+        if (one->failed > 0 && now - one->failed > failed_seconds) {
+            *at = one->next;
+            free(one);
+            continue;
+        }
+        if (one->output == output && one->format == format &&
+            strcmp(one->row.id.text, row->id.text) == 0)
+            found = one;
+        at = &one->next;
+    }
+    return found;
 }
 
-enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
-                                          struct vor_conversions *conversions,
-                                          const struct vor_job_view *row, unsigned output,
-                                          unsigned format, struct vor_conversion_waiter *waiter,
-                                          struct vor_error *err)
+enum vor_job_outcome vor_convert(struct vor_conversions *conversions,
+                                 const struct vor_job_view *row, unsigned output, unsigned format,
+                                 const struct vor_asker *asker, struct vor_error *err)
 {
-    struct vor_conversion *fresh = calloc(1, sizeof *fresh), *found;
+    struct conversion *fresh = calloc(1, sizeof *fresh), *found;
     enum vor_job_outcome outcome = VOR_DONE;
 
-    if (fresh == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "converting a result");
+    (void)vor_fail(err, VOR_E_NOMEM, "converting a result");
+    if (fresh == NULL)
         return VOR_FAILED;
-    }
-    fresh->service = conversions;
-    fresh->row = *row;
-    fresh->output = output;
-    fresh->format = format;
-    fresh->task = (struct vor_task){.run = run_conversion,
-                                    .ctx = fresh,
-                                    .caller = waiter->caller,
-                                    .weight = row->output[output].bytes};
+    *fresh = (struct conversion){.service = conversions,
+                                 .row = *row,
+                                 .output = output,
+                                 .format = format,
+                                 .task = {.run = run_conversion,
+                                          .ctx = fresh,
+                                          .caller = asker->caller,
+                                          .weight = row->output[output].bytes}};
     pthread_mutex_lock(&conversions->mutex);
     found = find(conversions, row, output, format);
     if (found == NULL)
@@ -259,43 +269,15 @@ enum vor_job_outcome vor_conversion_begin(struct vor_conversion **out,
         found->next = conversions->list;
         conversions->list = found;
     }
-    if (found != NULL) {
-        waiter->next = found->waiters;
-        found->waiters = waiter;
-        *out = found;
+    if (found != NULL && found->failed > 0) {
+        outcome = VOR_FAILED;
+        *err = found->error;
+    } else if (found != NULL && !vor_waiting_add(&found->waiting, asker)) {
+        outcome = VOR_FAILED;
     }
     pthread_mutex_unlock(&conversions->mutex);
     free(fresh);
     return outcome;
-}
-
-int vor_conversion_over(struct vor_conversion *conversion, vor_status *status,
-                        struct vor_error *err)
-{
-    int is_over;
-
-    pthread_mutex_lock(&conversion->service->mutex);
-    is_over = conversion->is_over;
-    *status = conversion->status;
-    *err = conversion->error;
-    pthread_mutex_unlock(&conversion->service->mutex);
-    return is_over;
-}
-
-void vor_conversion_leave(struct vor_conversion *conversion, struct vor_conversion_waiter *waiter)
-{
-    struct vor_conversions *service = conversion->service;
-    struct vor_conversion_waiter **at = &conversion->waiters;
-    int is_last;
-
-    pthread_mutex_lock(&service->mutex);
-    while (*at != waiter)
-        at = &(*at)->next;
-    *at = waiter->next;
-    is_last = conversion->is_over && conversion->waiters == NULL;
-    pthread_mutex_unlock(&service->mutex);
-    if (is_last)
-        free(conversion);
 }
 
 /* --- what is kept ----------------------------------------------------------------------------- */

@@ -16,18 +16,13 @@ enum {
 };
 static const double outcome_seconds = 5;
 
-struct waiting {
-    struct waiting *next;
-    struct vor_asker asker;
-};
-
 struct vor_flow {
     pthread_mutex_t mutex;
     unsigned holds;
     int fd;                   /* -1 before the first bytes */
     uint64_t have, told;      /* bytes; those of which the readers were told */
     enum vor_fetched outcome; /* VOR_FETCH_WAIT while they come, VOR_FETCH_NEAR of all */
-    struct waiting *waiting;
+    struct vor_waiting *waiting;
 };
 
 /* One blob. It is on the list while it is fetched, and for some seconds after it could not be. */
@@ -37,7 +32,7 @@ struct fetch {
     struct vor_uuid id;
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_task task;
-    struct waiting *waiting; /* for the end */
+    struct vor_waiting *waiting; /* for the end */
     struct vor_flow *flow;
     enum vor_fetched outcome;
     struct vor_error error;
@@ -83,21 +78,10 @@ void vor_flow_drop(struct vor_flow *flow)
     free(flow);
 }
 
-static void wake_all(struct waiting *waiting)
-{
-    while (waiting != NULL) {
-        struct waiting *next = waiting->next;
-
-        waiting->asker.wake(waiting->asker.ctx);
-        free(waiting);
-        waiting = next;
-    }
-}
-
 static void on_came(void *ctx, int fd, uint64_t have)
 {
     struct vor_flow *flow = ctx;
-    struct waiting *woken = NULL;
+    struct vor_waiting *woken = NULL;
 
     pthread_mutex_lock(&flow->mutex);
     if (flow->fd < 0)
@@ -106,48 +90,38 @@ static void on_came(void *ctx, int fd, uint64_t have)
         flow->have = have;
     if (have < flow->told || flow->told == 0 || have - flow->told >= WAKE_BYTES) {
         flow->told = have;
-        woken = flow->waiting;
-        flow->waiting = NULL;
+        woken = vor_waiting_take(&flow->waiting);
     }
     pthread_mutex_unlock(&flow->mutex);
-    wake_all(woken);
+    vor_waiting_wake(woken);
 }
 
 static void end_flow(struct vor_flow *flow, enum vor_fetched outcome)
 {
-    struct waiting *woken;
+    struct vor_waiting *woken;
 
     pthread_mutex_lock(&flow->mutex);
     flow->outcome = outcome;
-    woken = flow->waiting;
-    flow->waiting = NULL;
+    woken = vor_waiting_take(&flow->waiting);
     pthread_mutex_unlock(&flow->mutex);
-    wake_all(woken);
+    vor_waiting_wake(woken);
 }
 
 long vor_flow_read(struct vor_flow *flow, uint64_t at, void *out, size_t size,
                    const struct vor_asker *asker, int *whole)
 {
-    struct waiting *waiting = calloc(1, sizeof *waiting);
     uint64_t left;
     long got = -1;
 
-    if (waiting == NULL)
-        return -1;
-    waiting->asker = *asker;
     pthread_mutex_lock(&flow->mutex);
     left = flow->have > at ? flow->have - at : 0;
     *whole = flow->outcome == VOR_FETCH_NEAR;
     if (flow->outcome == VOR_FETCH_WAIT || *whole)
         got =
             flow->fd >= 0 ? pread(flow->fd, out, size < left ? size : (size_t)left, (off_t)at) : 0;
-    if (got == 0 && !*whole) {
-        waiting->next = flow->waiting;
-        flow->waiting = waiting;
-        waiting = NULL;
-    }
+    if (got == 0 && !*whole && !vor_waiting_add(&flow->waiting, asker))
+        got = -1;
     pthread_mutex_unlock(&flow->mutex);
-    free(waiting);
     return got;
 }
 
@@ -190,22 +164,12 @@ void vor_fetcher_destroy(struct vor_fetcher *fetcher)
     free(fetcher);
 }
 
-/* Takes a fetch off the list; the mutex is held. */
-static void unlink_fetch(struct vor_fetcher *fetcher, const struct fetch *fetch)
-{
-    struct fetch **at = &fetcher->list;
-
-    while (*at != fetch)
-        at = &(*at)->next;
-    *at = fetch->next;
-}
-
 static void run(void *ctx)
 {
     struct fetch *fetch = ctx;
     struct vor_fetcher *fetcher = fetch->fetcher;
     const struct vor_blob_watch watch = {on_came, fetch->flow};
-    struct waiting *waiting;
+    struct vor_waiting *waiting;
     struct vor_error error;
     int found = 0, is_near;
     vor_status status =
@@ -220,14 +184,18 @@ static void run(void *ctx)
     if (status != VOR_OK)
         fetch->error = error;
     fetch->since = vor_clock_seconds();
-    waiting = fetch->waiting;
-    fetch->waiting = NULL;
-    if (is_near)
-        unlink_fetch(fetcher, fetch);
+    waiting = vor_waiting_take(&fetch->waiting);
+    if (is_near) {
+        struct fetch **at = &fetcher->list;
+
+        while (*at != fetch)
+            at = &(*at)->next;
+        *at = fetch->next;
+    }
     pthread_mutex_unlock(&fetcher->mutex);
     if (is_near)
         free_fetch(fetch);
-    wake_all(waiting);
+    vor_waiting_wake(waiting);
 }
 
 /* The fetch of a blob, NULL for none; removes those whose outcome is old. The mutex is held. */
@@ -277,22 +245,21 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     return fetch;
 }
 
-/* The flow, if its first bytes are here; else NULL, and the one who would read it waits for them.
- */
-static struct vor_flow *take_flow(struct vor_flow *flow, struct waiting *waiting)
+/* The flow, if its first bytes are here; else the one who would read it waits for them. */
+static enum vor_fetched take_flow(struct vor_flow **out, struct vor_flow *flow,
+                                  const struct vor_asker *asker)
 {
-    struct vor_flow *taken = NULL;
+    enum vor_fetched outcome = VOR_FETCH_FLOWS;
 
     pthread_mutex_lock(&flow->mutex);
-    if (flow->have == 0 && flow->outcome == VOR_FETCH_WAIT) {
-        waiting->next = flow->waiting;
-        flow->waiting = waiting;
-    } else {
+    if (flow->have > 0 || flow->outcome != VOR_FETCH_WAIT) {
         flow->holds++;
-        taken = flow;
+        *out = flow;
+    } else {
+        outcome = vor_waiting_add(&flow->waiting, asker) ? VOR_FETCH_WAIT : VOR_FETCH_FAILED;
     }
     pthread_mutex_unlock(&flow->mutex);
-    return taken;
+    return outcome;
 }
 
 enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
@@ -300,34 +267,24 @@ enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *i
                            struct vor_error *err)
 {
     enum vor_fetched outcome = VOR_FETCH_FAILED;
-    struct waiting *waiting;
     struct fetch *fetch;
 
     if (vor_blob_is_near(fetcher->blobs, id, name))
         return VOR_FETCH_NEAR;
-    waiting = calloc(1, sizeof *waiting);
-    if (waiting == NULL) {
-        (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
-        return VOR_FETCH_FAILED;
-    }
-    waiting->asker = *asker;
     pthread_mutex_lock(&fetcher->mutex);
     fetch = find(fetcher, id, name);
     if (fetch == NULL)
         fetch = begin(fetcher, id, name, asker, err);
-    if (fetch != NULL)
+    if (fetch != NULL && fetch->outcome != VOR_FETCH_WAIT) {
         outcome = fetch->outcome;
-    if (outcome == VOR_FETCH_WAIT && flow == NULL) {
-        waiting->next = fetch->waiting;
-        fetch->waiting = waiting;
-    } else if (outcome == VOR_FETCH_WAIT) {
-        *flow = take_flow(fetch->flow, waiting);
-        outcome = *flow != NULL ? VOR_FETCH_FLOWS : VOR_FETCH_WAIT;
-    } else if (fetch != NULL) {
         *err = fetch->error;
+    } else if (fetch != NULL) {
+        (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
+        if (flow != NULL)
+            outcome = take_flow(flow, fetch->flow, asker);
+        else if (vor_waiting_add(&fetch->waiting, asker))
+            outcome = VOR_FETCH_WAIT;
     }
     pthread_mutex_unlock(&fetcher->mutex);
-    if (outcome != VOR_FETCH_WAIT)
-        free(waiting);
     return outcome;
 }

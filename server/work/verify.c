@@ -23,12 +23,6 @@ enum { KNOWN_MAX = 1024, THREADS = 2 };
 /* What was found holds so long: a bit that flips meanwhile is found by the next pass. */
 static const double sound_seconds = 600, damaged_seconds = 5;
 
-struct asker {
-    struct vor_asker asker;
-    const struct known *known; /* what is asked about */
-    struct asker *next;
-};
-
 struct known {
     dev_t device;
     ino_t file;
@@ -38,7 +32,7 @@ struct known {
     enum vor_verdict
         verdict;  /* VOR_VERDICT_WAIT while it is read; FAILED: none, the place is free */
     double since; /* of the verdict, or when it was last asked for */
-    struct asker *askers;
+    struct vor_waiting *waiting;
 };
 
 struct pass {
@@ -52,7 +46,6 @@ struct vor_verify {
     struct vor_crew *crew;
     struct vor_fetcher *fetcher;
     pthread_mutex_t mutex; /* everything below */
-    struct asker *askers;
     struct known known[KNOWN_MAX];
 };
 
@@ -91,36 +84,6 @@ struct vor_fetcher *vor_verify_fetcher(const struct vor_verify *verify)
     return verify->fetcher;
 }
 
-/* Takes those who asked about an entry off the list; the mutex is held. */
-static struct asker *take_askers(struct vor_verify *verify, const struct known *known)
-{
-    struct asker **at = &verify->askers, *taken = NULL;
-
-    while (*at != NULL) {
-        struct asker *asker = *at;
-
-        if (asker->known != known) {
-            at = &asker->next;
-            continue;
-        }
-        *at = asker->next;
-        asker->next = taken;
-        taken = asker;
-    }
-    return taken;
-}
-
-static void wake_all(struct asker *asker)
-{
-    while (asker != NULL) {
-        struct asker *next = asker->next;
-
-        asker->asker.wake(asker->asker.ctx);
-        free(asker);
-        asker = next;
-    }
-}
-
 static enum vor_verdict compare(struct vor_verify *verify, int fd, const struct known *known)
 {
     char found[VOR_DIGEST_SIZE];
@@ -138,7 +101,7 @@ static void run_pass(void *ctx)
     struct vor_verify *verify = pass->verify;
     struct known *known = pass->known; /* nobody else touches one that is being read */
     enum vor_verdict verdict = compare(verify, pass->fd, known);
-    struct asker *askers;
+    struct vor_waiting *waiting;
 
     close(pass->fd);
     if (verdict == VOR_VERDICT_DAMAGED)
@@ -147,9 +110,9 @@ static void run_pass(void *ctx)
     pthread_mutex_lock(&verify->mutex);
     known->verdict = verdict;
     known->since = vor_clock_seconds();
-    askers = take_askers(verify, known);
+    waiting = vor_waiting_take(&known->waiting);
     pthread_mutex_unlock(&verify->mutex);
-    wake_all(askers);
+    vor_waiting_wake(waiting);
     free(pass);
 }
 
@@ -188,21 +151,6 @@ static struct known *find(struct vor_verify *verify, const struct known *wanted)
     if (place != NULL)
         *place = *wanted;
     return place;
-}
-
-/* Adds somebody to those who wait for an entry; the mutex is held. */
-static enum vor_verdict wait_for(struct vor_verify *verify, const struct known *known,
-                                 const struct vor_asker *asker)
-{
-    struct asker *waiting = calloc(1, sizeof *waiting);
-
-    if (waiting == NULL)
-        return VOR_VERDICT_FAILED;
-    waiting->asker = *asker;
-    waiting->known = known;
-    waiting->next = verify->askers;
-    verify->askers = waiting;
-    return VOR_VERDICT_WAIT;
 }
 
 /* Has an entry read; the mutex is held. */
@@ -246,8 +194,9 @@ enum vor_verdict vor_verify_ask(struct vor_verify *verify, int fd, uint64_t size
     known = find(verify, &wanted);
     if (known != NULL && is_fresh(known) && known->verdict != VOR_VERDICT_WAIT)
         verdict = known->verdict;
-    else if (known != NULL && (is_fresh(known) || start(verify, known, fd, asker)))
-        verdict = wait_for(verify, known, asker);
+    else if (known != NULL && (is_fresh(known) || start(verify, known, fd, asker)) &&
+             vor_waiting_add(&known->waiting, asker))
+        verdict = VOR_VERDICT_WAIT;
     pthread_mutex_unlock(&verify->mutex);
     return verdict;
 }

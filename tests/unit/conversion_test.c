@@ -76,28 +76,18 @@ static void wake(void *ctx)
 }
 
 /* A caller asks for job number `job` as Draco. */
-static enum vor_job_outcome ask_for(struct scene *scene, char caller, int job,
-                                    struct vor_conversion_waiter *waiter,
-                                    struct vor_conversion **out)
+static enum vor_job_outcome ask(struct scene *scene, char caller, int job)
 {
-    *waiter = (struct vor_conversion_waiter){.wake = wake, .ctx = scene, .caller = {{caller}}};
-    return vor_conversion_begin(out, scene->conversions, &scene->job[job], 0, VOR_FORMAT_DRC,
-                                waiter, &vt_err);
+    const struct vor_asker asker = {.wake = wake, .ctx = scene, .caller = {{caller}}};
+
+    return vor_convert(scene->conversions, &scene->job[job], 0, VOR_FORMAT_DRC, &asker, &vt_err);
 }
 
-static enum vor_job_outcome ask(struct scene *scene, int job, struct vor_conversion_waiter *waiter,
-                                struct vor_conversion **out)
+static void wait_woken(struct scene *scene, int count)
 {
-    return ask_for(scene, 'c', job, waiter, out);
-}
-
-static vor_status wait_over(struct vor_conversion *conversion)
-{
-    vor_status status;
-
-    while (!vor_conversion_over(conversion, &status, &vt_err))
+    atomic_store(&scene->is_held, 0);
+    while (atomic_load(&scene->woken) < count)
         vt_nap();
-    return status;
 }
 
 static struct vor_converted converted(struct scene *scene, int job)
@@ -113,22 +103,13 @@ static struct vor_converted converted(struct scene *scene, int job)
 
 VT_TEST(those_who_ask_at_the_same_time_share_one_conversion)
 {
-    struct vor_conversion_waiter waiter[3];
-    struct vor_conversion *conversion[3];
     struct scene scene;
 
-    begin(&scene, 1);
+    begin(&scene, 1); /* a second one would be one too many */
     for (int i = 0; i < 3; i++)
-        ck_assert_int_eq(ask(&scene, 0, &waiter[i], &conversion[i]), VOR_DONE);
-    ck_assert_ptr_eq(conversion[0], conversion[1]);
-    ck_assert_ptr_eq(conversion[0], conversion[2]);
-    vor_conversion_leave(conversion[1], &waiter[1]);
+        ck_assert_int_eq(ask(&scene, 'c', 0), VOR_DONE);
     ck_assert_int_lt(converted(&scene, 0).fd, 0);
-    atomic_store(&scene.is_held, 0);
-    vt_assert_ok(wait_over(conversion[0]));
-    vor_conversion_leave(conversion[0], &waiter[0]);
-    vor_conversion_leave(conversion[2], &waiter[2]);
-    ck_assert_int_eq(atomic_load(&scene.woken), 2);
+    wait_woken(&scene, 3);
     ck_assert_uint_gt(converted(&scene, 0).size, 0);
     vor_crew_destroy(scene.crew);
     end(&scene);
@@ -136,36 +117,16 @@ VT_TEST(those_who_ask_at_the_same_time_share_one_conversion)
 
 VT_TEST(no_caller_keeps_others_from_a_conversion)
 {
-    struct vor_conversion_waiter waiter[3];
-    struct vor_conversion *conversion[3];
     struct scene scene;
 
     begin(&scene, 1);
-    ck_assert_int_eq(ask_for(&scene, 'c', 0, &waiter[0], &conversion[0]), VOR_DONE);
-    ck_assert_int_eq(ask_for(&scene, 'c', 1, &waiter[1], &conversion[1]), VOR_FULL);
-    ck_assert_int_eq(ask_for(&scene, 'd', 1, &waiter[1], &conversion[1]), VOR_DONE);
-    ck_assert_int_eq(ask_for(&scene, 'c', 1, &waiter[2], &conversion[2]), VOR_DONE); /* joins */
-    atomic_store(&scene.is_held, 0);
-    for (int i = 0; i < 3; i++) {
-        vt_assert_ok(wait_over(conversion[i]));
-        vor_conversion_leave(conversion[i], &waiter[i]);
-    }
-    vor_crew_destroy(scene.crew);
-    end(&scene);
-}
-
-VT_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
-{
-    struct vor_conversion_waiter waiter;
-    struct vor_conversion *conversion;
-    struct scene scene;
-
-    begin(&scene, 2);
-    ck_assert_int_eq(ask(&scene, 0, &waiter, &conversion), VOR_DONE);
-    vor_conversion_leave(conversion, &waiter);
-    atomic_store(&scene.is_held, 0);
-    vor_crew_settle(scene.crew, 30);
-    ck_assert_int_ge(converted(&scene, 0).fd, 0);
+    ck_assert_int_eq(ask(&scene, 'c', 0), VOR_DONE);
+    ck_assert_int_eq(ask(&scene, 'c', 1), VOR_FULL);
+    ck_assert_int_eq(ask(&scene, 'd', 1), VOR_DONE);
+    ck_assert_int_eq(ask(&scene, 'c', 1), VOR_DONE); /* joins */
+    wait_woken(&scene, 3);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_ge(converted(&scene, i).fd, 0);
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
@@ -173,25 +134,21 @@ VT_TEST(one_that_nobody_waits_for_any_more_is_kept_all_the_same)
 /* The job goes while its result waits to be converted, and after it was. */
 VT_TEST(a_job_that_goes_leaves_nothing_behind)
 {
-    struct vor_conversion_waiter waiter[2];
-    struct vor_conversion *conversion[2];
     struct scene scene;
 
     begin(&scene, 2);
     for (int i = 0; i < 2; i++)
-        ck_assert_int_eq(ask(&scene, i, &waiter[i], &conversion[i]), VOR_DONE);
+        ck_assert_int_eq(ask(&scene, 'c', i), VOR_DONE);
     ck_assert_int_eq(
         vor_worker_dismiss(scene.daemon.worker, &scene.job[0].id, "gone", NULL, &vt_err), VOR_DONE);
-    atomic_store(&scene.is_held, 0);
-    vt_assert_fails(VOR_E_INTERNAL, wait_over(conversion[0]));
-    vt_assert_ok(wait_over(conversion[1]));
+    wait_woken(&scene, 2);
+    ck_assert_int_eq(ask(&scene, 'c', 0), VOR_FAILED);
+    ck_assert_int_eq(vt_err.status, VOR_E_INTERNAL);
     ck_assert_int_ge(converted(&scene, 1).fd, 0);
     ck_assert_int_eq(
         vor_worker_dismiss(scene.daemon.worker, &scene.job[1].id, "gone", NULL, &vt_err), VOR_DONE);
-    for (int i = 0; i < 2; i++) {
-        vor_conversion_leave(conversion[i], &waiter[i]);
+    for (int i = 0; i < 2; i++)
         ck_assert_int_lt(converted(&scene, i).fd, 0);
-    }
     vor_crew_destroy(scene.crew);
     end(&scene);
 }
@@ -208,18 +165,17 @@ static void *release_once_closing(void *ctx)
 
 VT_TEST(what_waits_when_the_daemon_ends_is_told_so)
 {
-    struct vor_conversion_waiter waiter;
-    struct vor_conversion *conversion;
     struct scene scene;
     pthread_t thread;
 
     begin(&scene, 2);
-    ck_assert_int_eq(ask(&scene, 0, &waiter, &conversion), VOR_DONE);
+    ck_assert_int_eq(ask(&scene, 'c', 0), VOR_DONE);
     ck_assert_int_eq(pthread_create(&thread, NULL, release_once_closing, &scene), 0);
     vor_crew_destroy(scene.crew); /* closes at once, and waits for the task that is held */
     pthread_join(thread, NULL);
-    vt_assert_fails(VOR_E_CANCELLED, wait_over(conversion));
-    vor_conversion_leave(conversion, &waiter);
+    ck_assert_int_eq(atomic_load(&scene.woken), 1);
+    ck_assert_int_eq(ask(&scene, 'c', 0), VOR_FAILED);
+    ck_assert_int_eq(vt_err.status, VOR_E_CANCELLED);
     ck_assert_int_lt(converted(&scene, 0).fd, 0);
     end(&scene);
 }

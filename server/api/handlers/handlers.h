@@ -3,6 +3,7 @@
 #define VOR_SERVER_API_HANDLERS_H
 
 #include "server/api/app.h"
+#include "server/work/asker.h"
 
 /** health.c */
 enum vor_next vor_handle_landing(void *app, struct vor_request *request, enum vor_step step);
@@ -112,6 +113,10 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
 /** Replies why a job has no result to give: not ready, expired, dismissed, or its own problem. */
 enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
                                  const struct vor_job_view *view);
+
+/** here.c: this request as one who waits for an answer of another thread; with any other answer,
+ * its ctx is to be dropped (vor_waker_drop). */
+struct vor_asker vor_asker_of(struct vor_request *request);
 
 /** here.c: whether a blob can be read without waiting for another machine, or there is none
  *  (here->exists). Else *next is what the handler returns; once woken, it is called again and asks

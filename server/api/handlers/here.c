@@ -15,14 +15,19 @@ static void wake(void *ctx)
     vor_waker_drop(ctx);
 }
 
+struct vor_asker vor_asker_of(struct vor_request *request)
+{
+    return (struct vor_asker){
+        .wake = wake, .ctx = vor_request_waker(request), .caller = vor_auth_fairness_key(request)};
+}
+
 bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
                       const char *name, struct vor_here *here, enum vor_next *next)
 {
-    struct vor_asker asker = {.wake = wake, .caller = vor_auth_fairness_key(request)};
+    struct vor_asker asker = vor_asker_of(request);
     struct vor_error err;
     enum vor_fetched fetched;
 
-    asker.ctx = vor_request_waker(request);
     fetched = vor_fetch(vor_verify_fetcher(app->verify), id, name, &asker,
                         here->may_flow ? &here->flow : NULL, &err);
     if (fetched != VOR_FETCH_WAIT)
@@ -62,7 +67,7 @@ static void release(void *ctx)
 static long take(struct flowing *flowing, struct vor_request *request, void *out, size_t size,
                  int *whole)
 {
-    struct vor_asker asker = {.wake = wake, .ctx = vor_request_waker(request)};
+    struct vor_asker asker = vor_asker_of(request);
     long got = vor_flow_read(flowing->flow, flowing->at, out, size, &asker, whole);
 
     if (got != 0 || *whole)

@@ -236,27 +236,21 @@ static bool may_flow(struct vor_request *request, const char *sha256, uint64_t s
            vor_request_condition(request, etag) == 200;
 }
 
-static void wake(void *ctx)
-{
-    vor_waker_wake(ctx);
-    vor_waker_drop(ctx);
-}
-
 /* True when the bytes of a file are those that were written, or none are to be sent. Else *next is
  * what the handler returns; once woken, it is called again and asks again. */
 static bool is_sound(struct vor_app *app, struct vor_request *request,
                      const struct vor_job_view *view, const struct output *out, enum vor_next *next)
 {
-    struct vor_asker asker = {.wake = wake, .caller = vor_auth_fairness_key(request)};
     struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
     enum vor_verdict verdict;
+    struct vor_asker asker;
     char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];
 
     if (out->fd < 0 || vor_request_method(request) == VOR_HEAD ||
         vor_request_condition(request, out->etag) != 200)
         return true;
     (void)snprintf(sha256, sizeof sha256, "%s", out->etag + 1); /* between its quotes */
-    asker.ctx = vor_request_waker(request);
+    asker = vor_asker_of(request);
     verdict = vor_verify_ask(app->verify, out->fd, out->size, sha256, &asker);
     if (verdict != VOR_VERDICT_WAIT)
         vor_waker_drop(asker.ctx);
