@@ -75,7 +75,7 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
         memcpy(&domain.xyz[3 * i], &in->xyz[6 * i], 3 * sizeof *domain.xyz);
         domain.source[i] = in->source[2 * i];
     }
-    domain.known.sheets = domain.known.seek_sheets = domain.known.grown = 0;
+    domain.known.sheets = domain.known.seek_sheets = domain.known.parted = 0;
     domain.known.lists = VOR_LISTS_NONE;
     status = vor_domain_index(&domain, run, err);
     if (status != VOR_OK) {

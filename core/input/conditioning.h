@@ -68,7 +68,7 @@ struct vor_conditioning {
     int seek_sheets;                /**< sheets are looked for, on thinned domains too */
     int sheets;                     /**< the domain has sheets: fits look for layers */
     enum vor_lists lists;           /**< of neighbours, that every domain of the input has */
-    int grown;                      /**< those lists are grown (input/grow.h) */
+    int parted;                     /**< where it has, lists keep to regions (input/regions.h) */
     unsigned hidden;                /**< of VOR_NEIGHBORS_PLACES, those where noise hides the
                                          surface; 0 if they are few (input/noise.h) */
     struct vor_neighbors neighbors; /**< how many points a fit takes */

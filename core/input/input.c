@@ -146,7 +146,7 @@ static vor_status choose_lists(struct vor_domain *domain, const struct vor_spec 
     if (lists != VOR_LISTS_FEW ||
         (makes_triangles && VOR_ADJACENT * vor_spec_target(spec, domain->n) >= (double)domain->n))
         domain->known.lists = lists;
-    domain->known.grown = makes_triangles && lists != VOR_LISTS_FEW;
+    domain->known.parted = makes_triangles && lists != VOR_LISTS_FEW;
     return status;
 }
 

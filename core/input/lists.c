@@ -2,7 +2,6 @@
 
 #include "core/base/linalg.h"
 #include "core/input/adjacency.h"
-#include "core/input/grow.h"
 #include "core/input/regions.h"
 #include "core/input/satellites.h"
 #include "core/input/sheets.h"
@@ -15,11 +14,9 @@ static vor_status make_local(struct vor_domain *domain, const struct vor_run *ru
 {
     vor_status status = vor_adjacency_make(&domain->graph, domain, run, err);
 
-    if (status == VOR_OK && domain->known.grown)
-        status = vor_grow(&domain->graph, domain, run, err);
     /* Where few places have sheets they are mostly the faces of thin parts, joined around a rim:
      * cow20k to 5,000 has delta 0.096 with regions, 0.076 without. */
-    return status == VOR_OK && domain->known.grown && domain->known.sheets
+    return status == VOR_OK && domain->known.parted && domain->known.sheets
                ? vor_regions_make(&domain->graph, domain, run, err)
                : status;
 }

@@ -1,6 +1,6 @@
 /** Sheets told apart over the whole input, where single places do not tell them apart.
  *
- *  Lists that were made place by place (input/adjacency.h, input/grow.h) hold points of two sheets
+ *  Lists that were made place by place (input/adjacency.h) hold points of two sheets
  *  where these are nearer to each other than their spacing. Here pairs of points say whether they
  *  lie on one sheet or on two, by what two sheets fitted together around them say (input/votes.h),
  *  and where none are by how far the surface fitted to the list of one passes the other; all of
@@ -18,7 +18,7 @@
 
 /** Makes lists of a graph better. Those of points around which all belong to one region stay.
  *
- *  @param[in,out] graph  of the domain's points, by vor_grow
+ *  @param[in,out] graph  of the domain's points, by vor_adjacency_make
  *
  *  @retval VOR_E_NOMEM 550 bytes a point do not fit, and 16 for each pair that parts, of 24 at most
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for; the graph is to be freed

@@ -200,7 +200,7 @@ vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet
     struct vor_knn *knn = NULL;
     vor_status status;
 
-    if (sheet->graph == NULL || !known->grown || !known->sheets || complex->count == 0)
+    if (sheet->graph == NULL || !known->parted || !known->sheets || complex->count == 0)
         return VOR_OK;
     status = vor_knn_build(&knn, seeds->xyz, seeds->n, run->memory, err);
     if (status != VOR_OK)

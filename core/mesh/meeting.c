@@ -133,7 +133,7 @@ vor_status vor_meeting_drop(struct vor_complex *complex, const struct vor_sheet 
     struct meeting meeting = {.sheet = sheet};
     vor_status status;
 
-    if (sheet->graph == NULL || !known->grown || !known->sheets || seeds->domain->n < AROUND)
+    if (sheet->graph == NULL || !known->parted || !known->sheets || seeds->domain->n < AROUND)
         return VOR_OK;
     meeting.meets = vor_malloc(run->memory, seeds->n, 1);
     if (meeting.meets == NULL)
