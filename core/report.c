@@ -44,12 +44,6 @@ static const char *const stopped_words[VOR_STOPPED_COUNT] = {
 #undef STOPPED_WORD
 };
 
-const char *vor_stopped_word(enum vor_stopped stopped)
-{
-    assert((unsigned)stopped < VOR_STOPPED_COUNT);
-    return stopped_words[stopped];
-}
-
 static const char *const oriented_words[VOR_ORIENTED_COUNT] = {
 #define ORIENTED_WORD(id, word) (word),
     VOR_ORIENTED_TABLE(ORIENTED_WORD)

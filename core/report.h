@@ -113,9 +113,6 @@ enum vor_stopped {
         VOR_STOPPED_COUNT
 };
 
-/** The word of a row; stopped must be one. */
-const char *vor_stopped_word(enum vor_stopped stopped);
-
 #define VOR_FIELD_STOPPED(field) enum vor_stopped field;
 
 /** A stage that a run went through. */

@@ -68,10 +68,7 @@ enum {
  * .993 .974 .920 .964 .10; .996 .956 .920 .964 .07, and a wedge of 30 degrees is lost. */
 #define EXACT 0.01
 
-/* Quantile of what quadrics leave that is noise, and its rms there over that of all places where
- * there is nothing but noise. At 0.05 / 0.1 / 0.2 recall on fandisk30k_noise2 .964 / .964 / .969.
- */
-#define NOISE_QUANTILE 0.1
+/* Rms at VOR_EDGES_NOISE_QUANTILE over that of all places where there is nothing but noise. */
 #define NOISE_LOW 0.75
 
 /* What the blocks of a loop leave. */
@@ -167,7 +164,7 @@ static vor_status measure_noise(struct find *find, const struct vor_run *run, st
     if (status != VOR_OK)
         return status;
     vor_sort_floats(find->off2, find->places);
-    low = (double)find->off2[vor_quantile_rank(NOISE_QUANTILE, find->places)];
+    low = (double)find->off2[vor_quantile_rank(VOR_EDGES_NOISE_QUANTILE, find->places)];
     find->noise2 = fmax(0, low / (NOISE_LOW * NOISE_LOW) - DETAIL * DETAIL);
     return VOR_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "core/base/stat.h"
 #include "core/geom/surface.h"
+#include "core/input/edges.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,7 +18,6 @@ enum {
  * inward on a knot, bumps, twigs with the latter: by walks 0.9, 1.1 and 3.4 %, without 0, 0.02 and
  * 0; at half and double NOISY the same, but at half scans of a wedge 0.7 instead of 0.5 %. */
 #define NOISY 0.1
-#define NOISY_SHARE 0.1
 
 struct find {
     const struct vor_domain *domain;
@@ -61,7 +61,8 @@ static void region_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         end = find->domain->n;
     vor_sort_floats(&find->rough[begin], end - begin);
     memset(&find->out[begin],
-           (double)find->rough[begin + vor_quantile_rank(NOISY_SHARE, end - begin)] > NOISY,
+           (double)find->rough[begin + vor_quantile_rank(VOR_EDGES_NOISE_QUANTILE, end - begin)] >
+               NOISY,
            end - begin);
 }
 

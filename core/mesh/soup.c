@@ -5,9 +5,6 @@
 #include <assert.h>
 #include <string.h>
 
-/* Fewest corners of a polygon. */
-enum { FEWEST = 3 };
-
 struct soup {
     const struct vor_soup_of *of;
     const struct vor_attribute *normal; /* of the result, or NULL */
@@ -36,7 +33,7 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 
         soup->corner[k + 1] = soup->triangle[k + 1] = 0;
         for (unsigned p = 0; cell != NULL && p < cell->count; p++)
-            if (cell->piece[p].count >= FEWEST) {
+            if (cell->piece[p].count >= 3) {
                 soup->corner[k + 1] += cell->piece[p].count;
                 soup->triangle[k + 1] += cell->piece[p].count - 2;
             }
@@ -94,7 +91,7 @@ static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
         for (unsigned p = 0; cell != NULL && p < cell->count; p++) {
             const struct vor_polygon *piece = &cell->piece[p];
 
-            if (piece->count < FEWEST)
+            if (piece->count < 3)
                 continue;
             triangle = put_piece(soup, &scratch->here.surface, k, piece, corner, triangle);
             corner += piece->count;

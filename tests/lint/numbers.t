@@ -1,14 +1,14 @@
 #!/usr/bin/perl
 # How many named numbers steer what the engine makes of points. Each needs a reason, and most were tuned: so they only become
-# fewer. A number that sizes a task, a buffer or a message, or that only tells rows apart, moves no point.
+# fewer. A number that sizes a task, a buffer or a message, that only tells rows apart, or that geometry gives (sides, a hexagon's height), moves no point.
 use strict;
 use warnings;
 use Test::More;
 
-my $most = 520; # lower it with those that go; it aims at 380
+my $most = 494; # lower it with those that go; it aims at 380
 
 my @rooms = map { "core/$_" } qw(geom input seeds opt cvt kmeans lop mesh);
-my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS)(?:_|$)/;
+my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS|NOWHERE|SLOTS|UNKNOWN|WAITS|LATER|EMPTY|OCTANTS|ROOM_FIRST|POLLED|SPAN_TURNS|PATCH_HEXAGON|PATCH_OCTAGON|HEXAGON_HEIGHT)(?:_|$)/;
 
 my $directions = qr/corner|octagon|turn|^[uv]p$|lower/; # tables of unit vectors, powers and bits
 

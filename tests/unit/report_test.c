@@ -90,14 +90,6 @@ VT_TEST(stages_are_found_by_their_names)
     ck_assert_str_eq(vor_run_stage_info((enum vor_run_stage)1000)->step, "step");
 }
 
-VT_TEST(every_reason_to_stop_has_a_word_of_its_own)
-{
-    for (int i = 0; i < VOR_STOPPED_COUNT; i++)
-        for (int j = 0; j < i; j++)
-            ck_assert_str_ne(vor_stopped_word((enum vor_stopped)i),
-                             vor_stopped_word((enum vor_stopped)j));
-}
-
 VT_TEST(a_stage_that_is_gone_through_twice_is_told_once)
 {
     struct vor_report report = {0};
