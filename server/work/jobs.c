@@ -242,7 +242,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
 static void dismissed(struct vor_worker *worker, const struct vor_job_view *row, int runs)
 {
     vor_worker_drop_all(worker, &row->id, row->process,
-                        VOR_HAS_INPUTS | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
+                        vor_has_inputs(row) | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
     if (!runs)
         vor_capacity_wait(worker, row, -1);
     vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(row), VOR_TEXT("why", row->message));
@@ -280,7 +280,7 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
 static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row)
 {
     vor_worker_drop_all(worker, &row->id, row->process,
-                        VOR_HAS_INPUTS | VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
+                        vor_has_inputs(row) | VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
 }
 
 /* On a disk without a byte the job's own make the room that its end takes. */

@@ -223,8 +223,8 @@ void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, c
                                    *output = info != NULL ? info->outputs : &none;
     char blob[VOR_BLOB_NAME_MAX + 1];
 
-    for (; input->name != NULL; input++) {
-        if ((what & VOR_HAS_INPUTS) != 0)
+    for (unsigned inputs = what >> 2; input->name != NULL; input++, inputs >>= 1) {
+        if ((inputs & 1) != 0)
             vor_worker_drop(worker, id, vor_blob_of_input(input->name, blob));
         if ((what & VOR_HAS_UPLOADS) != 0)
             vor_worker_drop(worker, id, vor_blob_of_upload(input->name, blob));

@@ -137,10 +137,15 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
 
 /** What a job has among the blobs. */
 enum {
-    VOR_HAS_INPUTS = 1,
-    VOR_HAS_UPLOADS = 2, /**< kept */
-    VOR_HAS_OUTPUTS = 4  /**< in every format */
+    VOR_HAS_UPLOADS = 1, /**< kept */
+    VOR_HAS_OUTPUTS = 2  /**< in every format */
 };
+
+/** Likewise: the inputs that came along. */
+static inline unsigned vor_has_inputs(const struct vor_job_view *row)
+{
+    return row->inputs << 2;
+}
 
 /** Removes those of a job of that process; those of a process that this version does not know are
  *  left to the next start. */

@@ -425,8 +425,8 @@ static void clean_up(struct run *run, double began)
     if (!vor_job_status_over(view.status))
         return;
     vor_worker_drop_all(run->worker, &view.id, view.process,
-                        view.status == VOR_JOB_SUCCESSFUL ? VOR_HAS_INPUTS
-                                                          : VOR_HAS_INPUTS | VOR_HAS_OUTPUTS);
+                        vor_has_inputs(&view) |
+                            (view.status == VOR_JOB_SUCCESSFUL ? 0 : VOR_HAS_OUTPUTS));
     if (view.kept > 0)
         vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);
     if (view.status == VOR_JOB_SUCCESSFUL)
