@@ -25,7 +25,7 @@ static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l
 
     for (int c = 0; c < 3; c++)
         cosine += (double)walk->normal[c][a] * (double)walk->normal[c][b];
-    if (fabs(cosine) < COSINE)
+    if ((walk->is_signed ? cosine : fabs(cosine)) < COSINE)
         return INFINITY;
     sign = cosine < 0 ? -1 : 1;
     for (int c = 0; c < 3; c++) {

@@ -18,7 +18,8 @@ struct vor_walk {
     uint32_t index[VOR_WALK_MOST];  /**< the caller's */
     float distance2[VOR_WALK_MOST]; /**< squared, from the first */
     float x[3][VOR_WALK_MOST];      /**< positions */
-    float normal[3][VOR_WALK_MOST]; /**< unit length, of any sign */
+    float normal[3][VOR_WALK_MOST]; /**< unit length */
+    int is_signed;                  /**< normals face outward; else they are of any sign */
     unsigned enough;                /**< the walk ends when the first so many that can be reached,
                                          in the order of the points, are known */
     double far[VOR_WALK_MOST];      /**< set by the walk: length of the way; infinite without */

@@ -4,7 +4,6 @@
 #include "core/geom/layers.h"
 #include "core/geom/plane.h"
 #include "core/geom/surface.h"
-#include "core/geom/walk.h"
 #include "core/input/noisy.h"
 #include "core/input/sheets.h"
 
@@ -32,22 +31,6 @@ enum {
     PLACES = 1024
 };
 
-/* Sine of an edge over the surface between its normals. The wide one leaves round thin parts whole,
- * the narrow one, which is tried where that does not help, parts surfaces that cross. With 0.5
- * alone: cow 0.064, 4.01, arma2 0.124, 3.7; with 0.35 alone: cow 0.063, 4.18, arma2 0.117, 3.4;
- * with both: cow 0.062, 4.08, arma2 0.118, 3.5. */
-static const double arcs[] = {0.5, 0.35};
-enum { ARCS = sizeof arcs / sizeof *arcs };
-/* A list must lower the variance about the surface VOR_FINER times. At 2.9 / 2 / 1.4: cow
- * 0.066, 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
-
-/* VOR_FINER is the times less variance that a surface must have about the points of a short list.
- * At 1 / 2 / 4: cow 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
-
-/* Least spacing on the list over that of all points. Two sheets are denser together than one; the
- * steps that depth is rounded to are not, and the lists of one step are denser. At 0 / 0.9: cow
- * 0.063 / 0.063; with one round and a cosine of 0.8, at 0.9 / 1.05: cow 0.074 / 0.076. */
-#define SPARSER 0.9
 /* An edge between normals whose cosine is more than AGREE joins two sheets if the sine of it over
  * the surface is more than STEEP: on a curved surface the normals of a steep edge turn. Pairs
  * across on four plates 1 x 1 x 0.02 (at their rims) with AGREE 0.8 / 0.9 / none: 4 / 1 / 192; with
@@ -58,19 +41,13 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
 #define KEEP 0.7
 
 /* The probe's signs of a second sheet, all of them at a place: the list's variance is less than
- * PROBE_BETTER of that of all; its spacing more than PROBE_SPARSER; of those of the nearest that
- * the walk left out, at least PROBE_OVER lie over the list, not beside it, and half lie PROBE_FAR
- * times the list's rms off it. Share of the points with these signs, in %: arma2 11.5, room 5.2,
+ * PROBE_BETTER of that of all; its spacing more than PROBE_SPARSER; what the walk left out lies
+ * over it (input/sheet_walk.h). Share of the points with these signs, in %: arma2 11.5, room 5.2,
  * shell 4.3, autzen 1.1, cow 0.85; office1 0.16 (depth in steps), armadillo_vox120k 0.07, fandisk
- * 0.04, bunny 0.03, igea 0.01. Without PROBE_OVER fandisk has 9, without PROBE_SPARSER office1 9.7.
+ * 0.04, bunny 0.03, igea 0.01. Without the last fandisk has 9, without PROBE_SPARSER office1 9.7.
  */
 #define PROBE_BETTER 0.25
 #define PROBE_SPARSER 1.2
-#define PROBE_OVER 0.3
-#define PROBE_FAR 4.0
-/* Mean of the directions to the list's points, seen from a point over the list: 0 in its middle,
- * 0.64 at its straight end, 1 far outside. */
-#define PROBE_INSIDE 0.5
 /* Radius of the list over that of a disc of as many points: scan lines are longer. At 1.3 / 1.5 /
  * none, of 1,024 places: kitti 7 / 16 / 17, cow 9 / 10 / 11, room 39 / 46 / 48, arma2 106 / 118 /
  * 122. On kitti lists raise delta by 3 % (mean of five seeds). */
@@ -81,8 +58,8 @@ enum { ARCS = sizeof arcs / sizeof *arcs };
  * their triangles across, without .0007. */
 #define PROBE_SHARE 0.0075
 #define PI 3.14159265358979
-/* Fewest points that were left out, and places of one task. */
-enum { PROBE_OUT = 3, PROBE_BLOCK = 64 };
+/* Places of one task. */
+enum { PROBE_BLOCK = 64 };
 
 /* What is known of a point. */
 struct known {
@@ -158,17 +135,6 @@ static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     }
 }
 
-/* The first k points that the walk reached. */
-static unsigned take_reached(const struct vor_walk *walk, unsigned k, uint32_t *index)
-{
-    unsigned taken = 0;
-
-    for (unsigned j = 0; j < walk->most && taken < k; j++)
-        if (walk->reached[j])
-            index[taken++] = walk->index[j];
-    return taken;
-}
-
 /* Takes n points, of which i is one, as the list of i. */
 static void set_list(struct vor_graph *graph, size_t i, const uint32_t *index, unsigned n)
 {
@@ -200,98 +166,21 @@ static void set_own(struct make *make, size_t i, const uint32_t *index, unsigned
     plane->flatness = (float)(surface->off2 / (surface->reach * surface->reach));
 }
 
-static int fit_to(struct vor_surface *out, const struct vor_domain *domain, const uint32_t *index,
-                  unsigned n)
-{
-    vor_surface_fit_to(out, domain->xyz, index, n);
-    return out->kind != VOR_SURFACE_NONE;
-}
-
-/* Gathers the points for a walk from i, and fits a surface to the nearest. Returns whether it fits
- * so badly that they may lie on several sheets. */
-static int begin_walk(struct vor_walk *walk, struct vor_surface *plain,
-                      const struct vor_domain *domain, uint32_t i)
-{
-    walk->most = at_most(domain, VOR_WALK_MOST);
-    vor_knn_search(domain->knn, point(domain, i), 1, walk->most, walk->index, walk->distance2);
-    return fit_to(plain, domain, walk->index, at_most(domain, VOR_ADJACENT)) &&
-           vor_layers_possible(plain);
-}
-
 static void give_normals(struct vor_walk *walk, const struct make *make)
 {
     for (unsigned j = 0; j < walk->most; j++) {
         const float *normal = &make->graph->normal[3 * (size_t)walk->index[j]];
 
-        for (int c = 0; c < 3; c++) {
-            walk->x[c][j] = point(make->domain, walk->index[j])[c];
+        for (int c = 0; c < 3; c++)
             walk->normal[c][j] = normal[c];
-        }
     }
 }
 
-/* Walks with each arc until what is reached is a sheet of its own. Returns how many points it has;
- * 0: none is. */
-static unsigned walk_to_sheet(struct vor_walk *walk, struct vor_surface *own,
-                              const struct vor_surface *plain, const struct vor_domain *domain,
-                              uint32_t index[VOR_ADJACENT])
+static int fit_to(struct vor_surface *out, const struct vor_domain *domain, const uint32_t *index,
+                  unsigned n)
 {
-    for (unsigned a = 0; a < ARCS; a++) {
-        unsigned n;
-
-        walk->arc = arcs[a];
-        walk->enough = at_most(domain, VOR_ADJACENT);
-        vor_walk_go(walk);
-        n = take_reached(walk, at_most(domain, VOR_ADJACENT), index);
-        if (n >= VOR_ADJACENT_FEWEST && fit_to(own, domain, index, n) &&
-            own->spacing >= SPARSER * plain->spacing && VOR_FINER * own->off2 < plain->off2)
-            return n;
-    }
-    return 0;
-}
-
-/* Whether x, in the frame of the list's surface, lies over the n points of the list and not beside
- * them. */
-static int lies_over(const struct vor_surface *own, const struct vor_domain *domain,
-                     const uint32_t *index, unsigned n, const double x[3])
-{
-    double su = 0, sv = 0;
-
-    for (unsigned j = 0; j < n; j++) {
-        const float *p = point(domain, index[j]);
-        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], u, v, l2;
-
-        vor_surface_to_local(own, at, local);
-        u = local[0] - x[0];
-        v = local[1] - x[1];
-        l2 = u * u + v * v;
-        if (l2 > 0) {
-            su += u / sqrt(l2);
-            sv += v / sqrt(l2);
-        }
-    }
-    return su * su + sv * sv < PROBE_INSIDE * PROBE_INSIDE * n * n;
-}
-
-/* Whether those of the nearest that the walk left out lie far off the list, and over it. */
-static int left_out_over(const struct vor_walk *walk, const struct vor_surface *own,
-                         const struct vor_domain *domain, const uint32_t *index, unsigned n)
-{
-    unsigned out = 0, far = 0, over = 0;
-
-    for (unsigned j = 0; j < at_most(domain, VOR_ADJACENT); j++) {
-        const float *p = point(domain, walk->index[j]);
-        double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], off;
-
-        if (walk->reached[j])
-            continue;
-        vor_surface_to_local(own, at, local);
-        off = local[2] - vor_surface_height(own, local[0], local[1], NULL);
-        out++;
-        far += off * off > PROBE_FAR * PROBE_FAR * own->off2;
-        over += (unsigned)lies_over(own, domain, index, n, local);
-    }
-    return out >= PROBE_OUT && 2 * far >= out && over >= PROBE_OVER * out;
+    vor_surface_fit_to(out, domain->xyz, index, n);
+    return out->kind != VOR_SURFACE_NONE;
 }
 
 /* Cuts a list of n points to the nearest few where a surface fits these far better: lists of thin
@@ -320,7 +209,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     unsigned n;
 
     if (make->known[i].layer || (!make->layers && make->noisy[i]) ||
-        !begin_walk(&walk, &plain, domain, (uint32_t)i))
+        !vor_sheet_walk_begin(&walk, &plain, domain, (uint32_t)i))
         return;
     if (make->layers) {
         const float *p = point(domain, (uint32_t)i);
@@ -333,10 +222,13 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
         }
         return;
     }
-    give_normals(&walk, make);
-    n = walk_to_sheet(&walk, &own, &plain, domain, index);
-    if (n > 0 &&
-        (domain->known.lists != VOR_LISTS_FEW || left_out_over(&walk, &own, domain, index, n))) {
+    n = vor_sheet_walk_carried(&walk, &own, &plain, domain, index);
+    if (n == 0) {
+        give_normals(&walk, make);
+        n = vor_sheet_walk_go(&walk, &own, &plain, domain, index);
+    }
+    if (n > 0 && (domain->known.lists != VOR_LISTS_FEW ||
+                  vor_sheet_walk_left_over(&walk, &own, domain, index, n))) {
         n = shorten(&own, domain, index, n);
         set_own(make, i, index, n, &own);
     }
@@ -362,7 +254,7 @@ static int has_steep(const struct make *make, size_t i)
 
         for (int c = 0; c < 3; c++)
             across += ((double)y[c] - (double)x[c]) * (double)normal[c];
-        if (across * across > arcs[0] * arcs[0] * vor_distance2f(x, y))
+        if (across * across > vor_sheet_arcs[0] * vor_sheet_arcs[0] * vor_distance2f(x, y))
             return 1;
     }
     return 0;
@@ -383,14 +275,14 @@ static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
         unsigned n = 0;
 
         if (make->graph->own[i] || make->noisy[i] ||
-            (!begin_walk(&walk, &plain, domain, (uint32_t)i) && !has_steep(make, i)))
+            (!vor_sheet_walk_begin(&walk, &plain, domain, (uint32_t)i) && !has_steep(make, i)))
             continue;
         give_normals(&walk, make);
-        for (unsigned a = 0; a < ARCS && n < VOR_ADJACENT_FEWEST; a++) {
-            walk.arc = arcs[a];
+        for (unsigned a = 0; a < VOR_SHEET_ARCS && n < VOR_ADJACENT_FEWEST; a++) {
+            walk.arc = vor_sheet_arcs[a];
             walk.enough = at_most(domain, VOR_ADJACENT + 1);
             vor_walk_go(&walk);
-            n = take_reached(&walk, at_most(domain, VOR_ADJACENT + 1), index);
+            n = vor_sheet_walk_take(&walk, at_most(domain, VOR_ADJACENT + 1), index);
         }
         if (n >= VOR_ADJACENT_FEWEST)
             set_list(make->graph, i, index, n);
@@ -515,11 +407,8 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
     struct seen at[VOR_WALK_MOST] = {{.of = 0}};
     double d2[VOR_WALK_MOST];
 
-    for (unsigned j = 0; j < walk->most; j++) {
+    for (unsigned j = 0; j < walk->most; j++)
         at[j] = see(seen, domain, walk->index[j]);
-        for (int c = 0; c < 3; c++)
-            walk->x[c][j] = point(domain, walk->index[j])[c];
-    }
     for (unsigned j = 0; j < walk->most; j++) {
         const float *x = point(domain, walk->index[j]);
         double here, best = KEEP * vor_plane_cost(&at[j].plane, x, at[j].r2);
@@ -552,13 +441,16 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen
     uint32_t index[VOR_ADJACENT];
     unsigned n;
 
-    if (!begin_walk(&walk, &plain, domain, i))
+    if (!vor_sheet_walk_begin(&walk, &plain, domain, i))
         return 0;
-    probe_normals(&walk, domain, seen);
-    n = walk_to_sheet(&walk, &own, &plain, domain, index);
+    n = vor_sheet_walk_carried(&walk, &own, &plain, domain, index);
+    if (n == 0) {
+        probe_normals(&walk, domain, seen);
+        n = vor_sheet_walk_go(&walk, &own, &plain, domain, index);
+    }
     return n > 0 && own.off2 < PROBE_BETTER * plain.off2 &&
            own.spacing > PROBE_SPARSER * plain.spacing && is_round(&own, n) &&
-           left_out_over(&walk, &own, domain, index, n);
+           vor_sheet_walk_left_over(&walk, &own, domain, index, n);
 }
 
 static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)

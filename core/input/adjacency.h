@@ -5,6 +5,8 @@
  *  Departure: not by distances from three satellites, which do not tell the faces of a closed thin
  *  plate apart (input/satellites.h has them), but by a bounded walk: a neighbour counts if a way of
  *  at most 1.5 times the straight distance leads to it, along edges whose normals agree.
+ *  Normals that the input carries are walked over first, where they face opposite ways
+ *  (input/sheet_walk.h).
  *
  *  Each point gets the plane through its nine nearest, then the best of its own and its neighbours'
  *  planes, which near another sheet is mostly one that did not mix the two. Where a surface fits
@@ -21,12 +23,7 @@
 
 #include "core/geom/graph.h"
 #include "core/input/domain.h"
-
-/** Neighbours that a point has at most. */
-#define VOR_ADJACENT VOR_NEIGHBORS_FEWEST
-/** Fewest points of a list, and those that a surface goes through. At 8 / 10 / 13: cow 0.062 /
- * 0.063 / 0.064, room 0.0446 / 0.0459 / 0.0489 (adjacency.c). */
-enum { VOR_ADJACENT_FEWEST = 8 };
+#include "core/input/sheet_walk.h"
 
 /** Finds out whether lists pay for fits: at how many of 1,024 places a second sheet lies over or
  * crosses that of the point. Creases, noise and steps of depth are none.

@@ -58,6 +58,8 @@ struct vor_holes {
 
 /** The findings. All zero, with neighbors fixed, means that nothing is known. */
 struct vor_conditioning {
+    /** Normals of the input that may be used, borrowed from it; NULL: none. */
+    const struct vor_attribute *carried;
     size_t distinct;                /**< points that share no place with an earlier one */
     size_t outliers;                /**< points that were dropped, or pulled */
     size_t parts;                   /**< that are clear of each other (input/islands.h) */

@@ -47,6 +47,8 @@ static vor_status make(struct vor_domain *out, struct vor_outliers *outliers,
 
     if (status == VOR_E_DEGENERATE && outliers_of(spec) != VOR_OUTLIERS_KEEP)
         status = vor_outliers_remote(outliers, out, in, run, err);
+    if (status == VOR_OK && spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_ESTIMATE)
+        out->known.carried = vor_carried(in);
     return status;
 }
 

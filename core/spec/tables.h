@@ -282,7 +282,8 @@ enum vor_method_choice {
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \
       "of the input; estimate: the normals of the input are ignored; auto: like "                  \
       "inputNormals=use if all normals of the input are finite and non-zero, otherwise each "      \
-      "connected part is oriented by its valid normals")                                           \
+      "connected part is oriented by its valid normals. With use and auto, the normals also show " \
+      "that two nearby layers of the surface face each other")                                     \
     X(INTRINSIC, intrinsic, CHOICE, INPUT, "", 0, 0, VOR_INTRINSIC_LOCAL, "local satellites none", \
       "Rule that decides whether two nearby points lie on the same layer of the surface "          \
       "(sheet), such as one side of a thin wall. local: if a short path over points in between "   \

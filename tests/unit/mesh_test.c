@@ -1,4 +1,5 @@
 /* Triangles over the points of a result: known shapes, sheets, orders, few points. */
+#include "core/base/rng.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 
@@ -224,6 +225,38 @@ VT_TEST_FIGURES(no_triangle_joins_two_sheets, VT_FEWER(VT_SOAK_LOOPS(1, 10)))
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
+}
+
+/* Two balls of radius 1, as far apart as their 1,000 points each, drawn at random, are from each
+ * other: only normals that the input carries tell them apart there. Where their signs say nothing,
+ * they change nothing. */
+VT_TEST_FIGURES(balls_a_spacing_apart_stay_two_by_the_normals_they_carry, VT_SOAK_LOOPS(2, 8))
+{
+    enum { EACH = 1000 };
+    double gap = sqrt(4 * 3.14159265 / (0.866 * EACH));
+    struct vor_cloud in;
+    struct vor_attribute *normal;
+    struct vt_meshed plain, signs, meshed;
+
+    vt_shapes[VT_SPHERE].make(&in, (uint64_t)_i, (size_t)2 * EACH);
+    mesh_of(&plain, &in, EACH / 2);
+    vt_assert_ok(
+        vor_cloud_add_attribute(&in, "normal", VOR_NORMAL, VOR_FLOAT32, 3, &normal, &vt_err));
+    for (size_t c = 0; c < 3 * in.n; c++)
+        ((float *)normal->data)[c] = vor_rng_below(1, 1, c / 3, 2) ? in.xyz[c] : -in.xyz[c];
+    mesh_of(&signs, &in, EACH / 2);
+    ck_assert_mem_eq(signs.cloud.xyz, plain.cloud.xyz, 3 * sizeof(float) * plain.cloud.n);
+    memcpy(normal->data, in.xyz, 3 * sizeof(float) * in.n);
+    for (size_t i = EACH; i < in.n; i++)
+        in.xyz[3 * i] += (float)(2 + gap);
+    mesh_of(&meshed, &in, EACH / 2);
+    assert_sound(&meshed);
+    ck_assert_uint_eq(meshed.report.mesh_components, 2);
+    ck_assert_double_eq(meshed.report.mesh_euler, 4);
+    vt_meshed_free(&meshed);
+    vt_meshed_free(&signs);
+    vt_meshed_free(&plain);
+    vor_cloud_free(&in);
 }
 
 /* Height, and waves a unit over 2 pi, of two sheets that bend; their distance in input spacings. */
