@@ -7,13 +7,13 @@ import { isPly, wireDrop } from './drop.js';
 import { showHistory, wireHistory } from './history.js';
 import { expectJob, followJob, leaveJob, redraw, wireJob } from './job.js';
 import { startJob } from './send.js';
-import { setCloud, setLayout, wireStage } from './stage.js';
+import { getCloud, setCloud, setLayout, wireStage } from './stage.js';
 import { save, setName, wireCommands } from './take.js';
 import { wireTheme } from './theme.js';
 import { isOver, watchJob } from './watch.js';
 
 /* What runs are made on: {file or null, name, job whose input or result it is}. job: the one that is shown. */
-let source = null, job = '', turn = 0;
+let source = null, job = '', turn = 0, beside; /* beside: the file of the reference that is drawn */
 
 function complain(error) {
     $('trouble').textContent = error.status === 401 && !getKey() ? 'This daemon needs an API key. Enter it at the top of the page.' : error.message;
@@ -36,6 +36,7 @@ function showInput(cloud, name, size) {
     setCloud('input', cloud);
     setLayout('input');
     tellMesh(Boolean(cloud.faces), Boolean(source.file));
+    showReference();
 }
 
 const ended = (status) => new Promise((resolve) => {
@@ -52,10 +53,25 @@ async function convert(file, mine) {
     return (await ask(`v1/jobs/${last.jobID}/results/cloud`)).arrayBuffer();
 }
 
-async function read(file, mine) {
-    const own = await isPly(file) ? await file.arrayBuffer().then((buffer) => readCloud(buffer)).catch(() => null) : null;
-    return own || readCloud(await convert(file, mine));
+async function read(file, mine, origin) {
+    const own = await isPly(file) ? await file.arrayBuffer().then((buffer) => readCloud(buffer, origin)).catch(() => null) : null;
+    return own || readCloud(await convert(file, mine), origin);
 }
+
+/* The cloud that another one is to be laid on is drawn with it, before and after. */
+async function drawReference() {
+    const wanted = () => (asked().process === 'register' && getCloud('input') ? asked().files.reference : undefined);
+    const file = wanted(), input = getCloud('input'), words = $('cloud-words').textContent;
+    if (file === beside) return;
+    beside = file;
+    setCloud('reference', null);
+    if (!file) return;
+    const cloud = await read(file, 0, input.origin);
+    $('cloud-words').textContent = words;
+    if (wanted() === file && getCloud('input') === input) setCloud('reference', cloud);
+}
+
+const showReference = () => drawReference().catch(complain);
 
 const isRefused = ({ status }) => status >= 400 && status < 500 && ![401, 403, 408, 429].includes(status);
 
@@ -66,6 +82,7 @@ const take = guarded(async (file) => {
     setName(file.name);
     leaveJob();
     setCloud('input', null);
+    showReference();
     if (location.hash !== '#/') history.pushState(null, '', '#/');
     $('cloud-words').textContent = `Reading ${file.name}`;
     $('run').disabled = false;
@@ -120,6 +137,7 @@ const openJob = guarded(async (id) => {
     expectJob('Opening the job');
     goToResult();
     setCloud('input', null);
+    showReference();
     [job, source] = [id, null];
     $('run').disabled = true;
     $('cloud-words').textContent = '';
@@ -176,6 +194,7 @@ onRefused(() => {
     show($('key-form'), true);
     $('key').focus();
 });
+for (const what of ['change', 'click']) $('ask').addEventListener(what, showReference);
 $('ask').addEventListener('submit', (event) => {
     event.preventDefault();
     run();

@@ -5,7 +5,7 @@ import { deltaOf, drawHistogram, rangeOf } from './histogram.js';
 import { color } from './theme.js';
 import { makeView } from './view.js';
 
-const clouds = { input: null, result: null };
+const clouds = { input: null, result: null, reference: null };
 let view = null, drawing = 0, told = [], chosenBy = {}; /* told: what the histogram shows; chosenBy: the user, which of mode and style */
 
 const layout = (which) => /** @type {HTMLInputElement} */ (document.querySelector(`input[name="layout"]${which}`));
@@ -111,7 +111,7 @@ async function learn(name, cloud) {
  * colours, as long as there is no result, as a picture of discs in them. A choice of the user's stays as long as the input does. */
 function preset(cloud, isResult) {
     const isPicture = cloud.colors && !isResult;
-    if (!chosenBy.mode) $('mode').value = isPicture ? 'original' : cloud.faces ? 'plain' : 'spacing';
+    if (!chosenBy.mode) $('mode').value = clouds.reference ? 'plain' : isPicture ? 'original' : cloud.faces ? 'plain' : 'spacing';
     if (!chosenBy.style) $('style').value = cloud.faces ? 'triangles' : isPicture ? 'discs' : 'dots';
 }
 
@@ -125,16 +125,17 @@ function offer() {
     for (const name of ['mode', 'style']) if ($(name).selectedOptions[0]?.disabled) $(name).value = name === 'mode' ? 'spacing' : 'dots';
 }
 
-/** Puts a cloud into a pane, or takes it out (null). A new input is fitted into the view. */
+/** Puts a cloud into a pane, or takes it out (null). A new input is fitted into the view, with the reference where there is one, which
+ *  is drawn in both panes. */
 export function setCloud(name, cloud) {
-    const isNew = name === 'input' || !clouds[name] || Boolean(clouds[name].faces) !== Boolean(cloud?.faces); /* to points on the move triangles come */
+    const isNew = name !== 'result' || !clouds[name] || Boolean(clouds[name].faces) !== Boolean(cloud?.faces); /* to points on the move triangles come */
     if (clouds[name] !== cloud) dropCloud(clouds[name]);
     clouds[name] = cloud;
     if (name === 'input') chosenBy = {};
     if (!clouds.input && !clouds.result) told = [];
     describe();
     if (!view) return;
-    view.setCloud(name, cloud, name === 'input' || !clouds.input);
+    view.setCloud(name, cloud, name !== 'result' || !clouds.input);
     if (cloud && isNew) preset(cloud, name === 'result');
     offer();
     drawTold();
@@ -165,7 +166,7 @@ const takesSpace = (one) => /^(input|select|button|textarea|summary|a)$/i.test(o
     && !(one.name === 'layout' && one.checked);
 
 function dressed() {
-    if (view) view.set({ background: color('canvas'), plain: color('point') });
+    if (view) view.set({ background: color('canvas'), plain: color('point'), other: color('sigma') });
     drawTold();
 }
 

@@ -8,8 +8,9 @@ of the Software. THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND,
 WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS
 BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN
 CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */
-/* The canvas: two clouds under one camera, side by side, behind a curtain, or one at a time. It draws when something changed. */
-import { Color, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+/* The canvas: two clouds under one camera, side by side, behind a curtain, or one at a time, each with the reference that a cloud is to be
+ * laid on. It draws when something changed. */
+import { Box3, Color, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'orbit-controls';
 import { MOVING_MAX, nextBudget } from './pace.js';
 import { makePoints } from './points.js';
@@ -40,6 +41,15 @@ function distanceOf({ positions, sphere: { center } }, up, toward, aspect) {
     return most;
 }
 
+/* What is fitted into the view: one cloud, or two together. */
+function together(one, other) {
+    if (!other) return one;
+    const positions = new Float32Array(one.positions.length + other.positions.length);
+    positions.set(one.positions);
+    positions.set(other.positions, one.positions.length);
+    return { positions, sphere: new Box3().setFromArray(positions).getBoundingSphere(new Sphere()) };
+}
+
 /** Makes the view in a canvas. Returns null where the browser has no WebGL2. */
 export function makeView(canvas) {
     /* A disc of many pixels has no edge that multisampling would smooth, and a browser that draws by software takes twice as long for it. */
@@ -47,7 +57,7 @@ export function makeView(canvas) {
     if (!context) return null;
     const renderer = new WebGLRenderer({ canvas, context });
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 100);
-    const panes = { input: { scene: new Scene(), slot: null }, result: { scene: new Scene(), slot: null } };
+    const [input, result, reference] = [1, 2, 3].map(() => ({ scene: new Scene(), slot: null })), panes = { input, result, reference };
     const look = { layout: 'input', split: 0.5, size: 1, mode: 'plain', shaded: true, style: 'dots' };
     let controls = new OrbitControls(camera, canvas), moving = 0, held = false, frame = 0, framed = null, touched = false;
     let isMoving = false, budget = MOVING_MAX, drawn = 0;
@@ -83,12 +93,14 @@ export function makeView(canvas) {
         renderer.setViewport(viewX, 0, viewWidth, height);
         renderer.setScissor(x, 0, width, height);
         renderer.setScissorTest(true);
-        if (pane.slot) {
-            const scale = camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2;
-            pane.slot.setScale(scale, camera.position.distanceTo(controls.target));
-            drawn += pane.slot.drawn();
+        for (const { scene, slot } of [panes.reference, pane]) {
+            if (slot) {
+                const scale = camera.projectionMatrix.elements[5] * renderer.getPixelRatio() * height / 2;
+                slot.setScale(scale, camera.position.distanceTo(controls.target));
+                drawn += slot.drawn();
+            }
+            renderer.render(scene, camera);
         }
-        renderer.render(pane.scene, camera);
     }
 
     /* At rest edges and wires are smoothed by drawing twice as fine, where screens are coarse and the points not too many. */
@@ -151,7 +163,7 @@ export function makeView(canvas) {
 
     function dress(slot) {
         slot.setSize(look.size, slot.spacing);
-        slot.setPlain(look.plain || 0x888888);
+        slot.setPlain((slot === panes.reference.slot ? look.other : look.plain) || 0x888888);
         slot.setShaded(look.shaded && look.mode !== 'normals');
         slot.setStyle(look.style);
     }
@@ -193,8 +205,9 @@ export function makeView(canvas) {
             pane.slot.spacing = cloud.spacing?.mean || 1.2 * pane.slot.sphere.radius / Math.sqrt(cloud.n); /* until it is measured */
             if (cloud.surface) pane.slot.setSurface(cloud.surface);
             pane.scene.add(pane.slot.root);
+            if (name === 'reference') pane.slot.setMode('plain', 0, 1);
             if (refit || !framed) {
-                framed = pane.slot;
+                framed = together(pane.slot, (name === 'reference' ? panes.input : panes.reference).slot);
                 fit(upOf(cloud));
             }
             dress(pane.slot);

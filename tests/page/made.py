@@ -21,14 +21,15 @@ def mesh(n=12):
     return "\n".join(head + corners + faces + [""]).encode()
 
 
-def torus(points, at=(0.0, 0.0, 0.0), seed=1):
-    """A torus of radii 1 and 0.4 with uneven random points, doubles and colours, as binary PLY."""
+def torus(points, at=(0.0, 0.0, 0.0), seed=1, turned=False):
+    """A torus of radii 1 and 0.4 with uneven random points, doubles and colours, as binary PLY; turned: its axis is the first one."""
     draw = random.Random(seed)
     rows = []
     for _ in range(points):
         u, v = 2 * math.pi * draw.random() ** 1.5, 2 * math.pi * draw.random()
         ring = 1 + 0.4 * math.cos(v)
-        rows.append(struct.pack("<3d3B", at[0] + ring * math.cos(u), at[1] + ring * math.sin(u), at[2] + 0.4 * math.sin(v),
+        own = ring * math.cos(u), ring * math.sin(u), 0.4 * math.sin(v)
+        rows.append(struct.pack("<3d3B", *(a + b for a, b in zip(at, (own[2], *own[:2]) if turned else own)),
                                 int(127 + 127 * math.cos(u)), int(127 + 127 * math.sin(v)), 90))
     names = [f"property double {axis}" for axis in "xyz"] + [f"property uchar {name}" for name in ("red", "green", "blue")]
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {points}", *names, "end_header", ""]

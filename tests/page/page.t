@@ -310,7 +310,7 @@ def other_format(browser, daemon):
 
 def reference(browser, daemon):
     """A second cloud, to be measured against."""
-    choose = lambda name: browser.script("const one = document.getElementById('process'); one.value = arguments[0]; one.dispatchEvent(new Event('change'));", name)
+    choose = lambda name: browser.script("const one = document.getElementById('process'); one.value = arguments[0]; one.dispatchEvent(new Event('change', { bubbles: true }));", name)
     path = os.path.join(daemon.folder.name, "the other.ply")
     with open(path, "wb") as out:
         out.write(torus(900, seed=2))
@@ -324,7 +324,17 @@ def reference(browser, daemon):
     browser.script("document.querySelector('[data-language=curl]').click()")
     text = browser.script("return document.getElementById('command').textContent")
     ok("'reference=@\"the other.ply\"'" in text, "which is in the command", text)
+    drop(browser, torus(1200, seed=3, turned=True), "turned.ply")
+    choose("register")
+    browser.element("ask-reference").send_keys(path)
+    wait("both are drawn", lambda: drawn(browser) == 2100)
+    browser.element("run").click()
+    with claim("two scans are put together: the reference is drawn beside the cloud, before and after, and said"):
+        wait("all are drawn", lambda: drawn(browser) == 2 * 2100)
+        shows(browser, "caption-reference", "reference: 900 points")
+    browser.picture(f"{PICTURES}/register.png")
     choose("resample")
+    wait("the reference is away", lambda: drawn(browser) == 2400)
 
 
 CONTRASTS = """
