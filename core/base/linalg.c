@@ -11,15 +11,30 @@ enum { SWEEPS_MAX = 12 };
 /* Off-diagonal entries over the trace that count as 0: below the rounding of the diagonal. */
 #define OFF_DIAGONAL 1e-16
 
-/* Rotates so that a[p][q] becomes 0; t is the tangent of the angle, the numerically stable root. */
+/* Of the angle that makes {{p, q}, {q, r}} diagonal, q not 0; the numerically stable root. */
+VOR_INLINE double tangent(double p, double q, double r)
+{
+    double theta = (r - p) / (2 * q);
+
+    return (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
+}
+
+/* a^T M b. */
+VOR_INLINE double square_form(const double m[6], const double a[3], const double b[3])
+{
+    return a[0] * (m[0] * b[0] + m[1] * b[1] + m[2] * b[2]) +
+           a[1] * (m[1] * b[0] + m[3] * b[1] + m[4] * b[2]) +
+           a[2] * (m[2] * b[0] + m[4] * b[1] + m[5] * b[2]);
+}
+
+/* Rotates so that a[p][q] becomes 0. */
 VOR_INLINE void rotate(double a[3][3], double v[3][3], int p, int q)
 {
-    double theta, t, c, s;
+    double t, c, s;
 
     if (a[p][q] == 0)
         return;
-    theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
-    t = (theta >= 0 ? 1 : -1) / (fabs(theta) + sqrt(theta * theta + 1));
+    t = tangent(a[p][p], a[p][q], a[q][q]);
     c = 1 / sqrt(t * t + 1);
     s = t * c;
     for (int k = 0; k < 3; k++) {
@@ -73,6 +88,102 @@ void vor_eigen3(double values[3], double vectors[3][3], const double m[6])
         swap_rows(values, vectors, 1, 2);
     if (values[1] < values[0])
         swap_rows(values, vectors, 0, 1);
+    vor_cross(vectors[2], vectors[0], vectors[1]);
+}
+
+/* Newton steps to the least root, which come from below it and so never pass it. Where it is a
+ * tenth of the next root, five leave 1e-16. */
+enum { STEPS_MAX = 8 };
+
+/* Over the squared trace: product of the distances from the least root to the other two, below
+ * which its vector is not looked for. */
+#define APART 1e-3
+
+/* The least root of the characteristic polynomial of a matrix of trace 1 without negative roots, or
+ * a negative number. */
+static double least_root(const double a[6])
+{
+    double xy = a[0] * a[3] - a[1] * a[1], xz = a[0] * a[5] - a[2] * a[2];
+    double yz = a[3] * a[5] - a[4] * a[4], root = 0;
+    double determinant =
+        a[0] * yz - a[1] * (a[1] * a[5] - a[4] * a[2]) + a[2] * (a[1] * a[4] - a[3] * a[2]);
+
+    for (int i = 0; i < STEPS_MAX; i++) {
+        double value = ((root - 1) * root + xy + xz + yz) * root - determinant;
+        double slope = (3 * root - 2) * root + xy + xz + yz;
+
+        if (!(slope > 0))
+            return -1;
+        root -= value / slope;
+        if (fabs(value) <= OFF_DIAGONAL * slope)
+            break;
+    }
+    return root > 0 ? root : 0; /* below it by rounding */
+}
+
+/* Sets the unit vector of a root. Returns false where it is not far from the other roots. */
+static int vector_of(double vector[3], const double a[6], double root)
+{
+    double row[3][3] = {
+        {a[0] - root, a[1], a[2]}, {a[1], a[3] - root, a[4]}, {a[2], a[4], a[5] - root}};
+    double best2 = 0;
+
+    for (int i = 0; i < 3; i++) {
+        double cross[3], length2;
+
+        vor_cross(cross, row[i], row[(i + 1) % 3]);
+        length2 = vor_dot(cross, cross);
+        if (length2 <= best2)
+            continue;
+        best2 = length2;
+        memcpy(vector, cross, sizeof cross);
+    }
+    if (!(best2 > APART * APART))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        vector[c] /= sqrt(best2);
+    return 1;
+}
+
+void vor_eigen3_flat(double values[3], double vectors[3][3], const double m[6])
+{
+    double trace = m[0] + m[3] + m[5], a[6], root = -1, *n = vectors[0];
+    double u[3], v[3], p, q, r, t = 0, c, s, k, sign;
+
+    for (int i = 0; i < 6 && trace > 0; i++)
+        a[i] = m[i] / trace;
+    if (trace > 0)
+        root = least_root(a);
+    if (!(root >= 0) || !vector_of(n, a, root)) {
+        vor_eigen3(values, vectors, m);
+        return;
+    }
+    /* Two vectors across it (Duff et al. 2017, "Building an orthonormal basis, revisited"), turned
+     * to the directions of the other two values as in a step of Jacobi's method. */
+    sign = n[2] < 0 ? -1 : 1;
+    k = -1 / (sign + n[2]);
+    u[0] = 1 + sign * n[0] * n[0] * k;
+    u[1] = v[0] = n[0] * n[1] * k;
+    u[1] *= sign;
+    u[2] = -sign * n[0];
+    v[1] = sign + n[1] * n[1] * k;
+    v[2] = -n[1];
+    p = square_form(m, u, u);
+    q = square_form(m, u, v);
+    r = square_form(m, v, v);
+    if (q < 0 || q > 0)
+        t = tangent(p, q, r);
+    c = 1 / sqrt(t * t + 1);
+    s = t * c;
+    values[0] = trace * root;
+    values[1] = p - t * q;
+    values[2] = r + t * q;
+    for (int i = 0; i < 3; i++) {
+        vectors[1][i] = c * u[i] - s * v[i];
+        vectors[2][i] = s * u[i] + c * v[i];
+    }
+    if (values[2] < values[1])
+        swap_rows(values, vectors, 1, 2);
     vor_cross(vectors[2], vectors[0], vectors[1]);
 }
 

@@ -91,6 +91,13 @@ static inline double vor_distance2f(const float a[3], const float b[3])
  *  zeros stay zero. It uses no function whose bits differ between machines. Cannot fail; O(1). */
 void vor_eigen3(double values[3], double vectors[3][3], const double m[6]);
 
+/** vor_eigen3 for second moments of points near a plane, in less than half the time: the smallest
+ * value is found by itself, as the least root of the characteristic polynomial. Values are off by
+ * up to 1e-12 of the largest. Where the smallest is not clearly apart from the others, this is
+ * vor_eigen3.
+ */
+void vor_eigen3_flat(double values[3], double vectors[3][3], const double m[6]);
+
 /** Solves A x = b for symmetric positive definite A by LDL^T in place.
  *
  *  @param[in,out] a     n x n, row-major; only the lower triangle is read; destroyed

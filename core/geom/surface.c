@@ -67,7 +67,7 @@ VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hoo
         m[4] += wy * z;
         m[5] += weigh(weight, i, z) * z;
     }
-    vor_eigen3(values, vectors, m);
+    vor_eigen3_flat(values, vectors, m);
     if (!(values[1] > VOR_RANK * values[2]))
         return 0;
     memcpy(out->axis[0], vectors[1], sizeof vectors[1]);

@@ -73,6 +73,26 @@ VT_TEST_LOOP(eigenvectors_rebuild_the_matrix_at_every_scale, SEEDS)
     assert_reconstructs(m, values, vectors);
 }
 
+/* Moments of points off a plane, or a line, or of many sizes: the same as by Jacobi's method. */
+VT_TEST_LOOP(moments_have_the_same_axes_both_ways, SEEDS)
+{
+    double m[6] = {0}, values[3], vectors[3][3], expected[3], axes[3][3];
+    double off = pow(10, -(_i % 16)), wide = _i % 5 == 0 ? off : 1;
+
+    for (uint64_t p = 0; p < 20 && _i > 0; p++) {
+        double a = vt_unit(p, 1) - 0.5, b = wide * (vt_unit(p, 2) - 0.5), c = off * vt_unit(p, 3);
+
+        vor_add_square(m, (double[3]){a + b, a - b + c, c + b});
+    }
+    vor_eigen3_flat(values, vectors, m);
+    vor_eigen3(expected, axes, m);
+    assert_orthonormal(vectors);
+    for (int i = 0; i < 3; i++)
+        ck_assert_double_le(fabs(values[i] - expected[i]), 1e-12 * expected[2]);
+    if (expected[1] > 2 * expected[0] + 1e-2 * expected[2])
+        ck_assert_double_le(1 - fabs(vor_dot(vectors[0], axes[0])), 1e-12);
+}
+
 /* A = B B^T / n + I / 10 and b = A x for a known x; what is above the diagonal must not be read. */
 static void known_system(uint64_t seed, int n, double *a, double *b, double *x)
 {

@@ -354,7 +354,7 @@ VT_TEST_FIGURES(two_spheres_an_input_spacing_apart_are_unsure, 0)
     struct vor_cloud in;
     struct vt_meshed meshed;
 
-    vt_cloud_sphere(&in, (uint64_t)_i, 1000);
+    vt_cloud_sphere(&in, (uint64_t)_i + 1, 1000);
     for (size_t i = 0; i < in.n; i += 2)
         in.xyz[3 * i] += 2.13f; /* of 500 points on a unit sphere the spacing is .17 */
     mesh_of(&meshed, &in, 500);
