@@ -2,6 +2,7 @@
 
 #include "core/base/vector.h"
 
+#include <float.h>
 #include <string.h>
 
 /* Most sweeps of the Jacobi method, which converges quadratically: on 4,000 random 3 x 3
@@ -91,16 +92,9 @@ void vor_eigen3(double values[3], double vectors[3][3], const double m[6])
     vor_cross(vectors[2], vectors[0], vectors[1]);
 }
 
-/* Newton steps to the least root, which come from below it and so never pass it. Where it is a
- * tenth of the next root, five leave 1e-16. */
-enum { STEPS_MAX = 8 };
-
-/* Over the squared trace: product of the distances from the least root to the other two, below
- * which its vector is not looked for. */
-#define APART 1e-3
-
 /* The least root of the characteristic polynomial of a matrix of trace 1 without negative roots, or
- * a negative number. */
+ * a negative number. Newton's steps come from below it and so never pass it: where it is a tenth of
+ * the next root, five leave 1e-16. */
 static double least_root(const double a[6])
 {
     double xy = a[0] * a[3] - a[1] * a[1], xz = a[0] * a[5] - a[2] * a[2];
@@ -108,7 +102,7 @@ static double least_root(const double a[6])
     double determinant =
         a[0] * yz - a[1] * (a[1] * a[5] - a[4] * a[2]) + a[2] * (a[1] * a[4] - a[3] * a[2]);
 
-    for (int i = 0; i < STEPS_MAX; i++) {
+    for (int i = 0; i < SWEEPS_MAX; i++) {
         double value = ((root - 1) * root + xy + xz + yz) * root - determinant;
         double slope = (3 * root - 2) * root + xy + xz + yz;
 
@@ -121,7 +115,8 @@ static double least_root(const double a[6])
     return root > 0 ? root : 0; /* below it by rounding */
 }
 
-/* Sets the unit vector of a root. Returns false where it is not far from the other roots. */
+/* Sets the unit vector of a root. Returns false where the product of its distances from the other
+ * two is below 3e-4. */
 static int vector_of(double vector[3], const double a[6], double root)
 {
     double row[3][3] = {
@@ -138,7 +133,7 @@ static int vector_of(double vector[3], const double a[6], double root)
         best2 = length2;
         memcpy(vector, cross, sizeof cross);
     }
-    if (!(best2 > APART * APART))
+    if (!(best2 > FLT_EPSILON))
         return 0;
     for (int c = 0; c < 3; c++)
         vector[c] /= sqrt(best2);
@@ -147,7 +142,8 @@ static int vector_of(double vector[3], const double a[6], double root)
 
 void vor_eigen3_flat(double values[3], double vectors[3][3], const double m[6])
 {
-    double trace = m[0] + m[3] + m[5], a[6], root = -1, *n = vectors[0];
+    double trace = m[0] + m[3] + m[5], root = -1, *n = vectors[0];
+    double a[6] = {0}; /* clang-analyzer cannot see that the loop sets all */
     double u[3], v[3], p, q, r, t = 0, c, s, k, sign;
 
     for (int i = 0; i < 6 && trace > 0; i++)

@@ -4,6 +4,7 @@
 #include "core/base/vector.h"
 
 #include <assert.h>
+#include <float.h>
 #include <string.h>
 
 /* Figures are rms distances to the true surface over its diagonal, inputs and spread as in
@@ -267,6 +268,8 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
             local[2] - height + gradient[0] * (u - local[0]) + gradient[1] * (v - local[1]);
         double t = residual / (1 + gradient[0] * gradient[0] + gradient[1] * gradient[1]);
 
+        if (fabs(residual) <= FLT_EPSILON * surface->reach) /* float32 rounds off more */
+            break;
         u = local[0] + t * gradient[0];
         v = local[1] + t * gradient[1];
         height = vor_surface_height(surface, u, v, gradient);
@@ -281,6 +284,26 @@ void vor_surface_put(const struct vor_surface *surface, double x[3])
     double local[3];
 
     vor_surface_to_local(surface, x, local);
+    vor_surface_project(surface, local);
+    vor_surface_to_world(surface, local, x);
+}
+
+void vor_surface_glide(const struct vor_surface *surface, const double v[3], double most,
+                       double x[3])
+{
+    double local[3], way[3], g[2], off, length2;
+
+    vor_surface_to_local(surface, x, local);
+    (void)vor_surface_height(surface, local[0], local[1], g);
+    for (int i = 0; i < 3; i++)
+        way[i] = vor_dot(surface->axis[i], v);
+    off = (way[2] - g[0] * way[0] - g[1] * way[1]) / (1 + g[0] * g[0] + g[1] * g[1]);
+    way[0] += off * g[0];
+    way[1] += off * g[1];
+    way[2] -= off;
+    length2 = vor_dot(way, way);
+    for (int i = 0; i < 3; i++)
+        local[i] += length2 > most * most ? way[i] * (most / sqrt(length2)) : way[i];
     vor_surface_project(surface, local);
     vor_surface_to_world(surface, local, x);
 }

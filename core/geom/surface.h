@@ -108,7 +108,7 @@ double vor_surface_above(const struct vor_surface *surface, const double x[3]);
 double vor_surface_abovef(const struct vor_surface *surface, const float x[3]);
 
 /** Moves a local point to the nearest point of the surface, by three Gauss-Newton steps along the
- *  normal. kind is not NONE. O(1).
+ *  normal, fewer where it is near enough. kind is not NONE. O(1).
  *
  *  Source: Xiao 2024, Sec. IV-D. Departure: it projects onto the quadric itself, not onto the
  *  nearest triangle of its mesh, so that the result does not depend on how finely the patch is
@@ -117,6 +117,11 @@ void vor_surface_project(const struct vor_surface *surface, double local[3]);
 
 /** vor_surface_project for x in world coordinates. */
 void vor_surface_put(const struct vor_surface *surface, double x[3]);
+
+/** Moves x, in world coordinates, by the part of v along the surface there, by `most` at most, and
+ *  onto the surface: v as vor_surface_normal and vor_surface_put would. O(1). */
+void vor_surface_glide(const struct vor_surface *surface, const double v[3], double most,
+                       double x[3]);
 
 /** Unit normal, in world axes, over local (u, v); which of the two sides is arbitrary. O(1). */
 void vor_surface_normal(const struct vor_surface *surface, const double local[3], double normal[3]);

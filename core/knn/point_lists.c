@@ -335,6 +335,16 @@ unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *l
     return 0;
 }
 
+const uint32_t *vor_point_lists_all(const struct vor_point_lists *lists,
+                                    const struct vor_point_lists_view *view, size_t i,
+                                    double distance)
+{
+    if (sure_of(lists, view, i) < distance ||
+        (view->jumpers > 0 && near_jumper(view, i, (float)(distance * distance) * 1.001f)))
+        return NULL;
+    return &lists->list[i * lists->listed];
+}
+
 void vor_point_lists_candidates(struct vor_crowd *out, const struct vor_point_lists *lists,
                                 const struct vor_point_lists_view *view, size_t i)
 {

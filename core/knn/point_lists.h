@@ -109,6 +109,12 @@ unsigned vor_point_lists_crowd(struct vor_crowd *out, struct vor_point_lists *li
 unsigned vor_point_lists_within(struct vor_crowd *out, struct vor_point_lists *lists,
                                 const struct vor_point_lists_view *view, size_t i, double distance);
 
+/** The list of point i, without i itself, if it holds all neighbours within `distance` for certain
+ *  and no jumper is there; else NULL. O(1) where no jumper is near. */
+const uint32_t *vor_point_lists_all(const struct vor_point_lists *lists,
+                                    const struct vor_point_lists_view *view, size_t i,
+                                    double distance);
+
 /** The list of point i and all jumpers, without i itself, in no order: a jumper may be there twice.
  *  out->distance2 is not set. O(listed + jumpers). */
 void vor_point_lists_candidates(struct vor_crowd *out, const struct vor_point_lists *lists,

@@ -5,6 +5,7 @@
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/fixed.h"
+#include "core/seeds/forces.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
@@ -105,6 +106,7 @@ struct polish {
     struct vor_seeds *seeds;
     const struct aim *aim;
     struct vor_stage stage;
+    float *at;            /* n x 4, as forces.h has it */
     float *next;          /* n x 3 */
     float *step;          /* n x 3: the last one of each point */
     float *pull;          /* n x 3: towards the hole next to each point */
@@ -113,6 +115,7 @@ struct polish {
     double pitch;         /* of the hexagonal lattice of as many points on the same area */
     struct vor_repel_pace pace;
     struct vor_recall recall; /* of last fits */
+    struct vor_forces forces; /* of the step, if lists hold the points around a seed */
     int cells;                /* holes are looked for in this step */
     int covers;               /* this step leads to the centroids of cells */
     double hole;              /* pitches from the middle of a hole to the points around it */
@@ -217,6 +220,34 @@ static void repulsion(const struct polish *polish, const struct vor_scratch *scr
     }
 }
 
+/* How far the crowd of seed i has to reach for its forces. */
+static double crowd_reach(const struct polish *polish, size_t i)
+{
+    double grows = polish->seeds->wanted.value != NULL ? GROWTH : 1;
+
+    return grows * force_reach(polish) * spacing_of(polish, i);
+}
+
+/* Sums the forces on seed i of its list, if that holds all points that are near, and none of them
+ * coincides with it. Returns whether it did. */
+static int sum_forces(const struct polish *polish, size_t i, double force[3])
+{
+    const struct vor_seeds *seeds = polish->seeds;
+    double scale = polish->pace.gain / (2 * polish->pace.power);
+    unsigned listed = seeds->point_lists.listed;
+    const uint32_t *list;
+    float sum[3];
+
+    if (vor_stretched_are(&seeds->stretched) || listed % VOR_FORCES_BATCH > 0)
+        return 0;
+    list = vor_point_lists_all(&seeds->point_lists, &seeds->view, i, crowd_reach(polish, i));
+    if (list == NULL || !vor_forces_sum(sum, &polish->forces, polish->at, i, list, listed))
+        return 0;
+    for (int c = 0; c < 3; c++)
+        force[c] = scale * (double)sum[c];
+    return 1;
+}
+
 /* The way of a seed to the centroid of its cell; none where the
  * cell has no area. */
 static int towards_centroid(const struct polish *polish, const struct vor_scratch *scratch,
@@ -270,19 +301,32 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
     return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
-static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
+static void step_to(struct polish *polish, size_t i, const double x[3], const double y[3])
+{
+    for (size_t c = 0; c < 3; c++) {
+        polish->next[3 * i + c] = (float)y[c];
+        polish->step[3 * i + c] = (float)(y[c] - x[c]);
+    }
+}
+
+/* Adds to the forces on seed i what else moves it. */
+static void add_pull(const struct polish *polish, size_t i, double v[3])
+{
+    for (size_t c = 0; c < 3; c++)
+        v[c] += (double)polish->pull[3 * i + c] +
+                polish->pace.momentum * (double)polish->step[3 * i + c];
+}
+
+/* Moves seed i by v, along its surface and not out of the input. */
+static void move(struct polish *polish, struct vor_scratch *scratch, size_t i, double v[3])
 {
     const struct vor_seeds *seeds = polish->seeds;
-    double v[3], x[3] = {0}, y[3]; /* clang-analyzer cannot see that seeds->n > i */
+    double x[3] = {0}, y[3]; /* clang-analyzer cannot see that seeds->n > i */
     double foot[3], out[3];
     double length, h = spacing_of(polish, i), limit = VOR_REPEL_STEP_MAX * h;
 
     vor_seeds_position(seeds, i, x);
-    if (!polish->covers || !towards_centroid(polish, scratch, i, v))
-        repulsion(polish, scratch, i, v);
-    for (size_t c = 0; c < 3; c++)
-        v[c] += (double)polish->pull[3 * i + c] +
-                polish->pace.momentum * (double)polish->step[3 * i + c];
+    add_pull(polish, i, v);
     keep_on_surface(polish, scratch, h, x, v);
     length = sqrt(vor_stretched_length2(&seeds->stretched, i, i, v));
     for (int c = 0; c < 3; c++) {
@@ -303,35 +347,64 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i)
         (void)vor_attach_near(seeds, scratch, y);
     if (vor_seeds_fenced(seeds, scratch, i, x, y))
         memcpy(y, x, sizeof y);
-    for (size_t c = 0; c < 3; c++) {
-        polish->next[3 * i + c] = (float)y[c];
-        polish->step[3 * i + c] = (float)(y[c] - x[c]);
-    }
+    step_to(polish, i, x, y);
 }
 
+/* Moves seed i as move() does one that is far from where the input ends, and from seeds that do not
+ * move. */
+static void glide(struct polish *polish, const struct vor_surface *surface, size_t i, double v[3])
+{
+    double x[3], y[3];
+
+    vor_seeds_position(polish->seeds, i, x);
+    memcpy(y, x, sizeof y);
+    add_pull(polish, i, v);
+    vor_surface_glide(surface, v, VOR_REPEL_STEP_MAX * spacing_of(polish, i), y);
+    step_to(polish, i, x, y);
+}
+
+/* Mostly the last fit serves, the list has all that is near, and no hole is looked for. */
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
     struct polish *polish = ctx;
     struct vor_seeds *seeds = polish->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    int grows = seeds->wanted.value != NULL; /* the spacing, from one seed to another */
 
     for (size_t i = begin; i < end; i++) {
+        const struct vor_surface *last = vor_seeds_last(seeds, i, &polish->recall);
+        int cell =
+            polish->cells && !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet);
+        double v[3];
+        int summed = sum_forces(polish, i, v);
+
+        if (summed && last != NULL && !cell && seeds->fixed == 0) {
+            glide(polish, last, i, v);
+            continue;
+        }
         memcpy(&polish->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
         if (vor_seeds_recall(seeds, scratch, i, &polish->recall) == VOR_SURFACE_NONE)
             continue;
-        if (polish->cells &&
-            !(polish->quiet[i] && polish->stage.record.step % polish->aim->quiet)) {
+        if (cell) {
             vor_seeds_crowd(seeds, scratch, i);
             vor_seeds_clip(seeds, scratch, i, 0);
             find_hole(polish, scratch, i);
-        } else {
-            double reach = force_reach(polish) * spacing_of(polish, i);
-
-            vor_seeds_within(seeds, scratch, i, grows ? GROWTH * reach : reach);
-        }
+        } else if (!summed || seeds->fixed > 0)
+            vor_seeds_within(seeds, scratch, i, crowd_reach(polish, i));
         vor_stretched_distances(&scratch->crowd, &seeds->stretched, seeds->xyz, i);
-        move(polish, scratch, i);
+        if (!(polish->covers && towards_centroid(polish, scratch, i, v)) && !summed)
+            repulsion(polish, scratch, i, v);
+        move(polish, scratch, i, v);
+    }
+}
+
+static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    const struct polish *polish = ctx;
+    const struct vor_seeds *seeds = polish->seeds;
+
+    for (size_t i = begin; i < end; i++) {
+        memcpy(&polish->at[4 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
+        polish->at[4 * i + 3] = (float)vor_wanted_at(&seeds->wanted, i);
     }
 }
 
@@ -419,8 +492,17 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
     polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0 && done + FRESH < steps;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
+    polish->forces = (struct vor_forces){
+        .h2 = (float)(polish->h * polish->h),
+        .reach2 = (float)(force_reach(polish) * force_reach(polish)),
+        .overlap2 = (float)(OVERLAP * OVERLAP),
+        .most = (float)VOR_REPEL_FORCE_MAX,
+        .power = polish->pace.power,
+    };
     if (status == VOR_OK)
         status = vor_seeds_index(seeds, stage->run, err);
+    if (status == VOR_OK)
+        status = vor_run_for(stage->run, seeds->n, VOR_SEEDS_BLOCK, place_block, polish, err);
     if (status == VOR_OK)
         status = vor_run_for(stage->run, moving, vor_seeds_block(seeds->domain), move_block, polish,
                              err);
@@ -469,18 +551,20 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
     polish.stage.record.stage = VOR_RUN_STAGE_POLISH;
     polish.stage.record.of = vor_spec_polish(spec);
     polish.stage.record.step = polish.stage.record.ahead = 0;
+    polish.at = vor_malloc(memory, seeds->n, 4 * sizeof *polish.at);
     polish.next = vor_malloc(memory, seeds->n, row);
     polish.step = vor_calloc(memory, seeds->n, row);
     polish.pull = vor_calloc(memory, seeds->n, row);
     polish.quiet = vor_calloc(memory, seeds->n, 1);
-    if (polish.next == NULL || polish.step == NULL || polish.pull == NULL || polish.quiet == NULL)
+    if (polish.at == NULL || polish.next == NULL || polish.step == NULL || polish.pull == NULL ||
+        polish.quiet == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
     if (status == VOR_OK)
         status = vor_stage_run(&polish.stage, err);
     told->refined = polish.recall.refine;
-    VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next);
+    VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next, polish.at);
     vor_stage_free(&polish.stage);
     return status;
 }

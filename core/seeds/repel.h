@@ -106,7 +106,7 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
  *  @param[in]     run   may be stopped
  *
  *  @retval VOR_E_CANCELLED the watch answered VOR_CANCEL
- *  @retval VOR_E_NOMEM  52 n bytes do not fit
+ *  @retval VOR_E_NOMEM  68 n bytes do not fit
  *
  *  O(steps n), on the run's pool. The same positions for any number of threads. */
 VOR_NODISCARD vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,

@@ -303,10 +303,9 @@ enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scrat
                                        size_t i, const struct vor_recall *how)
 {
     struct vor_last_fit *last = &seeds->last_fit[i];
-    double most = how->slack * last->surface.spacing, x[3];
+    double x[3];
 
-    if ((last->interior || (last->inside && how->lazy)) && (last->refined || !how->refine) &&
-        vor_distance2f(&seeds->xyz[3 * i], last->place) <= most * most) {
+    if (vor_seeds_last(seeds, i, how) != NULL) {
         scratch->here.surface = scratch->onto = last->surface;
         scratch->interior = 1;
         return scratch->here.surface.kind;

@@ -7,6 +7,7 @@
 #ifndef VOR_SEEDS_H
 #define VOR_SEEDS_H
 
+#include "core/base/linalg.h"
 #include "core/base/run.h"
 #include "core/geom/boundary.h"
 #include "core/input/domain.h"
@@ -154,6 +155,19 @@ struct vor_recall {
     int refine;     /**< vor_seeds_refine is tried */
     int lazy;       /**< it also is where the input surrounded the seed, if not by near points */
 };
+
+/** The last fit of seed i, refined if that was asked for, if it may be used again; else NULL. */
+static inline const struct vor_surface *vor_seeds_last(const struct vor_seeds *seeds, size_t i,
+                                                       const struct vor_recall *how)
+{
+    const struct vor_last_fit *last = &seeds->last_fit[i];
+    double most = how->slack * last->surface.spacing;
+
+    return (last->interior || (last->inside && how->lazy)) && (last->refined || !how->refine) &&
+                   vor_distance2f(&seeds->xyz[3 * i], last->place) <= most * most
+               ? &last->surface
+               : NULL;
+}
 
 /** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it
  *  (or how->lazy) and the seed has moved by at most how->slack since. Sets scratch->interior: then

@@ -281,6 +281,32 @@ VT_TEST_LOOP(a_projected_point_is_the_foot_of_its_perpendicular, SEEDS)
     }
 }
 
+/* By a part of a vector, or as far as allowed. */
+VT_TEST_LOOP(what_glides_moves_along_the_surface_and_is_put_onto_it, SEEDS)
+{
+    float near[3 * K];
+    double x[3], v[3], y[3], local[3], normal[3], length, most;
+    struct vor_surface s;
+
+    sample_quadric(near, (uint64_t)_i, 0.25);
+    vor_surface_fit(&s, near, K);
+    for (unsigned c = 0; c < 3; c++) {
+        x[c] = s.origin[c] + 0.2 * s.reach * step((uint64_t)_i, 900 + c, 100);
+        v[c] = 0.3 * s.reach * step((uint64_t)_i, 910 + c, 100);
+    }
+    memcpy(y, x, sizeof y);
+    vor_surface_to_local(&s, x, local);
+    vor_surface_normal(&s, local, normal);
+    most = 0.1 * s.reach;
+    vor_surface_glide(&s, v, most, y);
+    vor_remove_along(v, normal, 0);
+    length = sqrt(vor_dot(v, v));
+    for (int c = 0; c < 3; c++)
+        x[c] += v[c] * (length > most ? most / length : 1);
+    vor_surface_put(&s, x);
+    ck_assert_double_le(gap2(x, y), 1e-24 * s.reach * s.reach);
+}
+
 VT_TEST_LOOP(a_weight_counts_like_so_many_points, SEEDS)
 {
     float near[3 * K], repeated[9 * K], weight[K], ones[K];
