@@ -15,11 +15,6 @@
  * 2,000 0.57: eta 0.025 / 0.028, 0.020 / 0.025 and 0.049 / 0.061 (old start / this one). */
 enum { DOUBTFUL = 4 };
 
-/* Coherence of subdivided seeds, which says how hard the steps of the polish begin. At 0.5 / 0.83 /
- * 1, a sphere, three seeds: largest gap 0.735 / 0.710 / 0.711 spacings, delta 0.0153 / 0.0152 /
- * 0.0148, eta 0.0052 / 0.0058 / 0.0062. */
-#define SUBDIVIDED 0.83
-
 static int applies(const struct vor_domain *domain, size_t n, const struct vor_spec *spec)
 {
     return n / 4 > VOR_DOMAIN_FEW && vor_spec_polish(spec) > 0 &&
@@ -157,7 +152,7 @@ vor_status vor_coarse_start(struct vor_seeds *out, const struct vor_domain *doma
     }
     status = start(out, domain, n, spec, &silent, err);
     if (status == VOR_OK && out->n > 0) {
-        out->coherence = SUBDIVIDED;
+        out->coherence = VOR_SEEDS_COHERENT;
         out->run = vor_run_unstoppable(run);
     }
     return status;

@@ -46,10 +46,10 @@ static vor_status start(struct vor_seeds *seeds, const struct vor_domain *domain
     return status;
 }
 
-/* After a warm start: fewer iterations, none at a coherence of 1, and a polish of down to half as
- * many steps. After a coarse start as at a coherence of one half: at 0.5 / 0.83, bunny to 20,000,
- * least distance to the nearest point over the mean 0.73 / 0.51, delta 0.0192 / 0.0205. Without a
- * polish all iterations are made. */
+/* After a warm start: fewer iterations, and a polish of down to half as many steps. After a coarse
+ * start as at a coherence of one half: at 0.5 / 0.83, bunny to 20,000, least distance to the
+ * nearest point over the mean 0.73 / 0.51, delta 0.0192 / 0.0205. Without a polish all iterations
+ * are made. */
 static struct vor_spec shorten(const struct vor_spec *spec, const struct vor_seeds *seeds)
 {
     double less = seeds->track != NULL ? seeds->coherence : seeds->coherence > 0 ? 0.5 : 0;

@@ -40,6 +40,14 @@ static inline size_t vor_seeds_block(const struct vor_domain *domain)
  *  cell that 256 do not secure is cut by those. */
 #define VOR_SEEDS_MORE_MAX 256
 
+/** Coherence of seeds that are even already, which says how hard the steps of the polish begin.
+ * After a start from coarse to fine at 0.5 / 0.83 / 1, a sphere, three seeds: largest gap 0.735 /
+ * 0.710 / 0.711 spacings, delta 0.0153 / 0.0152 / 0.0148, eta 0.0052 / 0.0058 / 0.0062. A body at
+ * rest of 20,000 points with noise of 0.2 spacings at 0.83 / 0.9 / 1: a point moves by 0.081 /
+ * 0.077 / 0.073 spacings from frame to frame, delta 0.0138 / 0.0138 / 0.0147; single runs have
+ * 0.0142. */
+#define VOR_SEEDS_COHERENT 0.83
+
 /** A seed's last fit. */
 struct vor_last_fit {
     struct vor_surface surface;
@@ -82,8 +90,9 @@ struct vor_seeds {
     uint32_t *track; /**< n: which points of a sequence they are, if there is an earlier result;
                         else NULL */
     uint32_t unused; /**< then the next number for a point that is born */
-    double coherence; /**< coherence of the request times the share of the seeds that live on from
-                           there; that of a start from coarse to fine (cvt/coarse.h); 0 else */
+    double coherence; /**< VOR_SEEDS_COHERENT times coherence of the request times the share of the
+                           seeds that live on from there; VOR_SEEDS_COHERENT after a start from
+                           coarse to fine (cvt/coarse.h); 0 else */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
     _Atomic double *foot; /**< of each point of the domain, room for those of the whole: spacing of

@@ -260,7 +260,7 @@ static vor_status take(struct warm *warm, struct vor_error *err)
     memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
     vor_free(seeds->run.memory, xyz);
     status = sort(seeds->xyz, seeds->track, seeds->n, &seeds->run, err);
-    seeds->coherence = warm->coherence * (double)living / (double)seeds->n;
+    seeds->coherence = VOR_SEEDS_COHERENT * warm->coherence * (double)living / (double)seeds->n;
     return status;
 }
 
