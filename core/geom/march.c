@@ -8,12 +8,6 @@
 /* Points that are done between two looks at whether to go on: some ms. */
 enum { POLL_EVERY = 4096 };
 
-/* Way along an edge: adds so much of its length to its cost, because it goes where the wave does
- * only by chance. At 0 / 0.1 / 0.2, worst of twelve runs (three seeds of square, sphere, cylinder
- * and fold, 20,000 points of white noise, lists of 20, beyond ten spacings): 2.6 % / 2.7 % / 2.7 %.
- */
-#define EDGE_COST 0.1
-
 /* Way between two points: least distance of both, in lengths of the segment between them, from
  * which on the wave there is a cubic. Nearer to the source it is a circle. At 1.5 / 3 / 6: 2.6 %
  * / 2.7 % / 2.4 %. */
@@ -277,12 +271,11 @@ static int through(struct way *way, const struct vor_march *march, uint32_t u, u
 static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 {
     struct way best, way;
-    double uv[3], length, before = (double)march->far[u];
+    double uv[3], length;
 
     between(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
     length = sqrt(vor_dot(uv, uv));
-    best.far = before + length;
-    best.cost = best.far + (before > 0 ? EDGE_COST * length : 0);
+    best.far = best.cost = (double)march->far[u] + length;
     for (int c = 0; c < 3; c++)
         best.heading[c] = length > 0 ? uv[c] / length : 0;
     for (size_t e = march->first[v]; e < march->first[v + 1]; e++) {

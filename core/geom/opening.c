@@ -1,6 +1,7 @@
 #include "core/geom/opening.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/metric.h"
 
 #include <assert.h>
 
@@ -136,16 +137,9 @@ unsigned vor_openings_find(struct vor_opening out[VOR_OPENINGS], const float *ne
                            const double x[3], const double normal[3], double radius)
 {
     struct ranges ranges = {.count = 0};
-    double across[3] = {0, 0, 0}, length;
-    int least = fabs(normal[0]) <= fabs(normal[1]) ? 0 : 1;
 
     assert(k <= VOR_OPENING_NEAR);
-    across[fabs(normal[2]) < fabs(normal[least]) ? 2 : least] = 1;
-    vor_cross(ranges.axis[0], across, normal);
-    length = sqrt(vor_dot(ranges.axis[0], ranges.axis[0]));
-    for (int c = 0; c < 3; c++)
-        ranges.axis[0][c] /= length;
-    vor_cross(ranges.axis[1], normal, ranges.axis[0]);
+    vor_metric_axes(ranges.axis, normal);
     for (unsigned j = 0; j < k; j++) {
         double d[3] = {(double)near[3 * j] - x[0], (double)near[3 * j + 1] - x[1],
                        (double)near[3 * j + 2] - x[2]};

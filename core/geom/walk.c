@@ -15,7 +15,6 @@
 /* Cosine of the normals at the ends of an edge: half of a right angle's turn. At 0.5 / 0.6 / 0.7:
  * cow 0.066 / 0.063 / 0.066, room 0.0466 / 0.0459 / 0.0488. */
 #define COSINE 0.6
-#define PI 3.14159265358979
 
 /* The length of the edge between two points of a walk, whose square is l2; infinite if it leaves
  * the surface. */
@@ -66,7 +65,7 @@ VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
 
 void vor_walk_go(struct vor_walk *walk)
 {
-    double reach2 = REACH * REACH * PI * (double)walk->distance2[walk->most - 1] / walk->most;
+    double reach2 = REACH * REACH * M_PI * (double)walk->distance2[walk->most - 1] / walk->most;
     double l2[VOR_WALK_MOST] = {0};
     unsigned next, sure = 0, found = 0;
 

@@ -19,7 +19,6 @@ enum {
 /* and times the fourth power of the support. Faces of a wedge and a tetrahedron that all edges hold
  * on the wrong side gain 0.53 and more; small patches that are right, among noise, up to 0.4. */
 #define GAIN_SURE 0.45
-#define PI 3.14159265358979
 
 /* Points of one piece that lie together. */
 struct block {
@@ -114,7 +113,7 @@ static void take_numbers(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
                 (float)((r2 <= FAR * FAR * block->radius2
                              ? near_number(winding, block, winding->at[k])
                              : vor_dot(to, block->sum) / (r2 * sqrt(r2))) /
-                        (4 * PI));
+                        (4 * M_PI));
         }
     }
 }

@@ -57,7 +57,6 @@ enum {
  * sheet lies over: with lists at creases too, gears with two spots of thin walls have .00132 of
  * their triangles across, without .0007. */
 #define PROBE_SHARE 0.0075
-#define PI 3.14159265358979
 /* Places of one task. */
 enum { PROBE_BLOCK = 64 };
 
@@ -430,7 +429,7 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
 /* Whether n points lie in a disc, and not along a few scan lines. */
 static int is_round(const struct vor_surface *own, unsigned n)
 {
-    return PI * own->reach * own->reach <
+    return M_PI * own->reach * own->reach <
            PROBE_ROUND * PROBE_ROUND * n * own->spacing * own->spacing;
 }
 

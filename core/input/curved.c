@@ -18,8 +18,6 @@ enum {
  * points cannot follow what bends within less. */
 #define CURVED_WITHIN (4 * VOR_HEXAGON_WITHIN)
 
-#define PI 3.14159265358979323846
-
 /* Length of the diagonal of the box around a domain's points. */
 static vor_status diagonal(double *out, const struct vor_domain *domain, const struct vor_run *run,
                            struct vor_error *err)
@@ -53,7 +51,7 @@ static double estimate_area(const struct vor_domain *domain)
         float distance2[VOR_CURVED_LISTED + 1];
 
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
-        sum += PI * (double)distance2[k - 1] / (k - 1);
+        sum += M_PI * (double)distance2[k - 1] / (k - 1);
     }
     return sum / (double)sampled * (double)domain->n;
 }

@@ -32,8 +32,6 @@ enum {
 /* Share of the number of points that the field may be off by. */
 #define FITS 1e-3
 
-#define PI 3.14159265358979323846
-
 static int is_none(const void *attribute, size_t i)
 {
     double value = vor_attribute_scalar(attribute, i);
@@ -193,7 +191,7 @@ static void density_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
         unsigned count = graph->count[i];
         double far = distance(work, i, graph->list[i * graph->most + count - 1]);
 
-        work->area[i] = (float)(PI * far * far / count);
+        work->area[i] = (float)(M_PI * far * far / count);
         work->rho[i] = density_at(work, i);
     }
 }

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-#define PI 3.14159265358979
-
 /* Share of the triangles below mesh.quality_p001. */
 #define LOW 0.001
 
@@ -74,7 +72,7 @@ static vor_status rate(struct vor_report *report, const struct vor_complex *comp
         report->mesh_quality_mean = sum / (double)rated;
         report->mesh_quality_p001 = vor_quantile(quality, rated, LOW);
         report->mesh_quality_min = (double)quality[0];
-        report->mesh_angle_min = acos(sharpest) * 180 / PI;
+        report->mesh_angle_min = acos(sharpest) * 180 / M_PI;
     }
     vor_free(complex->memory, quality);
     return VOR_OK;

@@ -5,8 +5,6 @@
 
 #include <string.h>
 
-#define PI 3.14159265358979
-
 /* Places of an open component at which winding numbers are taken, and what their mean has to be for
  * it to face outward: on a closed surface it is 0.5, on a half sphere 0.18, on a flat sheet 0. */
 enum { PLACES = 32 };
@@ -91,7 +89,7 @@ static double winding_of(const struct turning *turning)
             sum += r2 > 0 ? vor_dot(to, n) / 2 / (r2 * sqrt(r2)) : 0;
         }
     }
-    return sum / (4 * PI * (double)places);
+    return sum / (4 * M_PI * (double)places);
 }
 
 /* Whether the triangles of the component face inward, or where that is not clear downward. */

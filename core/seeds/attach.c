@@ -7,8 +7,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define PI 3.14159265358979
-
 struct attach {
     struct vor_seeds *seeds;
     int onto_whole;       /* the seeds change to the surface of the whole input */
@@ -87,7 +85,7 @@ static int draw_in(const struct vor_place *around, double least, double x[3])
 {
     const struct vor_surface *surface = &around->surface;
     double foot[3], way[3], length = vor_boundary_foot(around->near, around->k, x, foot, way);
-    double disc = sqrt(PI / around->k) * surface->reach; /* spacing if they filled it */
+    double disc = sqrt(M_PI / around->k) * surface->reach; /* spacing if they filled it */
     double most = fmax(least, VOR_OUTSIDE_BEYOND * disc);
 
     if (length <= most || surface->spacing < disc / 2 ||
@@ -323,7 +321,7 @@ static int is_beside_all(const struct vor_place *here, const double x[3], double
         for (int c = 0; c < 3; c++)
             sum[c] += to[c] / length;
     }
-    return sqrt(vor_dot(sum, sum)) > 2 / PI * count;
+    return sqrt(vor_dot(sum, sum)) > 2 / M_PI * count;
 }
 
 /* Moves the seeds of a block that hang in the air. */

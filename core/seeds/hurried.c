@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
-
 static unsigned few_of(const struct vor_domain *domain)
 {
     return domain->n < VOR_PLANE_POINTS ? (unsigned)domain->n : VOR_PLANE_POINTS;
@@ -18,7 +16,7 @@ double vor_hurried_area(const struct vor_domain *domain, const float x[3])
     float distance2[VOR_PLANE_POINTS];
 
     vor_knn_search(domain->knn, x, 1, k, index, distance2);
-    return PI * (double)distance2[k - 1] / (k - 1);
+    return M_PI * (double)distance2[k - 1] / (k - 1);
 }
 
 void vor_hurried_draw(float out[3], const struct vor_domain *domain, const float x[3],

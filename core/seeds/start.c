@@ -29,8 +29,6 @@ enum { PLENTY = 10 };
  * largest gap 0.88 / 0.89 / 0.97 spacings. */
 enum { DENSITY_K = 33, DENSITY_BLOCK = 64 };
 
-#define PI 3.14159265358979323846
-
 /* Figures are delta of igea, 12,000 points of white noise to 36,000, after one iteration (spread
  * 0.5 %). */
 enum {
@@ -234,7 +232,7 @@ static void density_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
         double points = (double)(stretch(to, i + 1) - stretch(to, i));
         double far2 = (double)distance2[(i - begin) * DENSITY_K + DENSITY_K - 1];
 
-        areas->end[i] = PI * far2 * points / (DENSITY_K - 1);
+        areas->end[i] = M_PI * far2 * points / (DENSITY_K - 1);
     }
 }
 
