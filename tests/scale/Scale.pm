@@ -6,11 +6,12 @@ use warnings;
 use Exporter 'import';
 use File::Temp qw(tempdir);
 use HTTP::Tiny;
+use IO::Select;
 use IO::Socket::INET;
 use POSIX ();
 use Vt;
 
-our @EXPORT = qw(free_port child end_child ask start_postgres stop_postgres start_swift objects);
+our @EXPORT = qw(free_port child end_child ask start_postgres stop_postgres start_swift start_cutter objects follow);
 
 our $dir = tempdir(CLEANUP => 1);
 our %pid;
@@ -134,7 +135,64 @@ sub config {
         . "devices = $dir/disks\nmount_check = false\nlog_address = /nonexistent\n[pipeline:main]\npipeline = $pipeline\n$more");
 }
 
+# Of the proxy that stands before Swift, or before the first of these ports that answers, and cuts each connection after as many bytes as
+# the sub says, now in a request, now in an answer.
+sub start_cutter {
+    my ($bytes, $port, @to) = @_;
+    $port //= free_port();
+    @to = $swift{proxy} if !@to;
+    child('cutter', sub {
+        my $listen = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => $port, Listen => 64, ReuseAddr => 1) or die "cutter: $!";
+        local $SIG{CHLD} = 'IGNORE';
+        srand 7;
+        while (1) {
+            my $client = $listen->accept or next;
+            my $left = $bytes->();
+            next if fork;
+            relay($client, $left, @to);
+            POSIX::_exit(0);
+        }
+    });
+    return $port;
+}
+
+sub relay {
+    my ($client, $left, @to) = @_;
+    my $server;
+    $server ||= IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $_) for @to;
+    return unless $server;
+    my $both = IO::Select->new($client, $server);
+    while ($left > 0) {
+        for my $from ($both->can_read) {
+            my $size = sysread $from, my $bytes, $left < 4096 ? $left : 4096 or return;
+            my $put = syswrite $from == $client ? $server : $client, $bytes or return;
+            $left -= $put;
+        }
+    }
+}
+
 sub objects { return grep { length } split /\n/, $http->get("$storage/bucket", { headers => \%token })->{content} }
 sub put_object { return $http->put("$storage/bucket/$_[0]", { headers => \%token, content => $_[1] }) }
+
+# --- streams ----------------------------------------------------------------------------------------------------------------------
+
+# Polls the events of a job up to the end, at any of the daemons, each time up to `most` and on from the last one. The number of the last
+# one, how often an answer was cut, and how many events were missed or came twice. (A stream leaves out progress that its reader is late for.)
+sub follow {
+    my ($id, $most, @daemons) = @_;
+    my ($last, $cuts, $bad, $at) = (0, 0, 0);
+    while (1) {
+        my $answer = $daemons[rand @daemons]->events("/v1/jobs/$id/events",
+            headers => { Prefer => 'wait=5', Connection => 'close', $at ? ('Last-Event-ID' => $at) : () });
+        my $left = 1 + int rand $most;
+        while ($left-- > 0 && (my $event = $answer->next_event)) {
+            my ($number) = ($at = $event->{id} // next) =~ /\.(\d+)$/;
+            $bad++ if $number != $last + 1;
+            $last = $number;
+            return ($last, $cuts, $bad) if $event->{event} eq 'end';
+        }
+        $cuts += $left < 0;
+    }
+}
 
 1;

@@ -69,6 +69,10 @@ like $end->{data}, qr/dismissed/, 'the stream ends with that';
 my @ids = map { $daemons[$_ % 3]->submit('points=500', $cloud) } 1 .. 30;
 is scalar(grep { $daemons[rand 3]->finish($_)->{status} eq 'successful' } @ids), @ids, 'jobs end well';
 is scalar(grep { $daemons[rand 3]->get("/v1/jobs/$_/results/cloud")->{content} eq $wanted } @ids), @ids, 'with the same bytes, from any';
+for my $id (map { $one->submit("points=300&iterations=600&delta=0&polish=0&seed=$_", $cloud) } 1 .. 3) {
+    my ($count, $cuts, $bad) = follow($id, 100, @daemons);
+    ok $count > 600 && !$bad, "who is cut $cuts times, and goes on at any, sees each of $count events once";
+}
 my @endless = map { $one->submit('points=5000&iterations=10000&delta=0', sphere_ply(20000)) } @daemons;
 ok wait_until(sub { 3 == grep { $other->status($_) eq 'running' } @endless }), 'each runs one at the same time, as it may run no more';
 is scalar(grep { $third->request('POST', "/v1/jobs/$_/stop")->{status} == 202 } @endless), 3, 'any stops them early';

@@ -4,45 +4,13 @@ use strict;
 use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
-use IO::Select;
-use IO::Socket::INET;
 use POSIX ();
 use Scale;
 use Test::More;
 use Vt;
 
 ok start_swift(), 'Swift serves' or BAIL_OUT Vt::slurp("$Scale::dir/proxy.out");
-my $cutter = free_port();
-
-# --- a proxy that cuts connections: each after some bytes, now in a request, now in an answer -------------------------------------
-
-sub relay {
-    my ($client, $left) = @_;
-    my $server = IO::Socket::INET->new(PeerAddr => '127.0.0.1', PeerPort => $Scale::swift{proxy}) or return;
-    my $both = IO::Select->new($client, $server);
-    while ($left > 0) {
-        for my $from ($both->can_read) {
-            my $size = sysread $from, my $bytes, $left < 4096 ? $left : 4096 or return;
-            my $to = $from == $client ? $server : $client;
-            my $put = syswrite $to, $bytes or return;
-            $left -= $put;
-        }
-    }
-}
-
-sub cut {
-    my $listen = IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => $cutter, Listen => 64, ReuseAddr => 1) or die "cutter: $!";
-    local $SIG{CHLD} = 'IGNORE';
-    srand 7;
-    while (1) {
-        my $client = $listen->accept or next;
-        my $left = 20_000 + int rand 200_000;
-        next if fork;
-        relay($client, $left);
-        POSIX::_exit(0);
-    }
-}
-child('cutter', \&cut);
+my $cutter = start_cutter(sub { 20_000 + int rand 200_000 });
 
 # --- daemons ----------------------------------------------------------------------------------------------------------------------
 
@@ -106,7 +74,7 @@ like json($ready)->{detail}, qr/^--blobs: S3 at .*(?:connect|refused)/, 'and say
 ok counted('blob_errors_total{reason="away"}'), 'as do its numbers';
 ok wait_until(sub { !counted('storage_up{part="blobs"}') }), 'in two places';
 ok wait_until(sub { $next->log_text =~ /"msg":"a job waits for its files","job":"$long"/ }), 'the job waits with its result';
-child('cutter', \&cut);
+start_cutter(sub { 20_000 + int rand 200_000 }, $cutter);
 ok wait_until(sub { $next->get("/v1/jobs/$ids[6]/results/cloud")->{content} eq $wanted }), 'which is there once S3 is';
 ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'the daemon is ready';
 like json($next->get("/v1/jobs/$long"))->{status}, qr/running|successful/, 'the job is not lost';

@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # usage: figures.pl [PART...]: what several daemons on one PostgreSQL and one S3 reach, with real servers that are started here; parts:
-# churn, finish, standby, workers, large, events. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
+# churn, finish, standby, workers, large, events, faults, eventsource. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
 use strict;
 use warnings;
 use FindBin;
@@ -10,7 +10,7 @@ use Scale;
 use Time::HiRes qw(time sleep);
 use Vt;
 
-my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events);
+my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events faults eventsource);
 my $cloud = sphere_ply(4000);
 $| = 1;
 start_postgres() or die Vt::slurp("$Scale::dir/postgres.out");
@@ -21,20 +21,21 @@ if ($want{churn}) {
     local @ENV{qw(VT_STORE VT_POSTGRES CK_FORK CK_DEFAULT_TIMEOUT)} = ('postgres', "host=127.0.0.1 port=$Scale::postgres user=voronoid", 'no', 0);
     ask('postgres', 'CREATE DATABASE churn');
     { local $ENV{VT_CHURN} = 1; `build/release/tests/by_hand/scale/churn` }
-    my $sizes = "SELECT pg_table_size('job'), (SELECT sum(pg_column_size(job.*)) FROM job), pg_table_size('round'), pg_table_size('ledger')";
+    my @tables = qw(job job_text job_end job_run round ledger);
+    my $sizes = 'SELECT ' . join ', ', map { "'$_ ' || pg_table_size('$_') || ' of ' || (SELECT coalesce(sum(pg_column_size($_.*)), 0) FROM $_)" } @tables;
     open my $idle, '|-', 'psql', '-Xq', "host=127.0.0.1 port=$Scale::postgres user=voronoid dbname=churn" or die "psql: $!";
     $idle->autoflush;
     print $idle "BEGIN ISOLATION LEVEL REPEATABLE READ; SELECT count(*) AS before FROM job;\n";
     sleep 1;
     my $began = time;
     print "churn: $count jobs\n", grep { /^#/ } `build/release/tests/by_hand/scale/churn`;
-    printf "  %.0f s; bytes of job, of its live rows, of round, of ledger: %s\n", time - $began, ask('churn', $sizes);
+    printf "  %.0f s; bytes of each table, and of its live rows: %s\n", time - $began, ask('churn', $sizes);
     close $idle;
     ask('churn', 'VACUUM');
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
     print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
 }
-exit unless grep { $want{$_} } qw(finish standby workers large events);
+exit unless grep { $want{$_} } qw(finish standby workers large events faults eventsource);
 
 start_swift() or die Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
@@ -81,18 +82,24 @@ if ($want{standby}) {
     start_postgres();
 }
 
-# The same jobs by one worker and by two, of one thread each.
+# The same jobs by one worker and by two, of one thread each: from the first start to the last end, by the rows. What a job takes beside
+# its engine, and what passes between two jobs of a worker, is time in which its core has nothing to do.
 if ($want{workers}) {
     my @rates;
     for my $count (1, 2) {
         my @workers = map { Vt->start(%place, role => 'worker', jobs => 1, threads => 1) } 1 .. $count;
         my @groups = ([map { $_->{pid} } @workers], [map { $_->{pid} } @api], [(Vt::slurp("$Scale::dir/data/postmaster.pid") =~ /^(\d+)/)], [values %Scale::pid]);
-        my ($began, @before) = (time, map { cpu(@$_) } @groups);
-        my @ids = map { $api[$_ % 2]->submit('points=2000&iterations=300&delta=0', $cloud) } 1 .. 12;
+        my @before = map { cpu(@$_) } @groups;
+        my $last = ask('daemons', 'SELECT coalesce(max(seq), 0) FROM job');
+        my @ids = map { $api[$_ % 2]->submit('points=2000&iterations=300&delta=0', $cloud) } 1 .. ($ENV{VT_JOBS} // 12);
         sleep 1 until ask('daemons', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") eq '0'; # each costs a process there
-        printf "  CPU s of %d workers, of the api daemons, of PostgreSQL, of Swift and pgbouncer: %s; %.1f s\n", $count,
-            join(', ', map { sprintf '%.2f', cpu(@{ $groups[$_] }) - $before[$_] } 0 .. $#groups), time - $began;
-        push @rates, @ids / (time - $began);
+        my ($ms, $beside, $between) = split /\|/, ask('daemons', "SELECT max(finished) - min(started), avg(finished - started - 1000 * seconds),"
+            . ' avg(started - before) FROM (SELECT started, finished, lag(finished) OVER (PARTITION BY owner ORDER BY started) AS before,'
+            . " (SELECT sum(value::float) FROM json_each_text(report::json -> 'seconds') WHERE key <> 'read') AS seconds FROM job JOIN job_end USING (seq) WHERE job.seq > $last) AS jobs");
+        printf "  CPU s of %d workers, of the api daemons, of PostgreSQL, of Swift and pgbouncer: %s; %.1f s; ms of a job beside its engine %.0f,"
+            . " between two of a worker %.0f\n", $count, join(', ', map { sprintf '%.2f', cpu(@{ $groups[$_] }) - $before[$_] } 0 .. $#groups),
+            $ms / 1000, $beside, $between;
+        push @rates, 1000 * @ids / $ms;
         $_->stop for @workers;
     }
     printf "workers: %.2f jobs/s by one, %.2f by two: %.2f x\n", @rates, $rates[1] / $rates[0];
@@ -107,36 +114,97 @@ if ($want{large}) {
     $api[0]->request('DELETE', "/v1/jobs/$id");
 }
 
-# Jobs write events; readers of other daemons are cut at random and go on from the last one.
+# Jobs write 100,000 events, eight at a time; readers of other daemons are cut at random and go on from the last one.
 if ($want{events}) {
-    my $worker = Vt->start(%place, role => 'worker', jobs => 8, threads => 1);
-    my @ids = map { $api[0]->submit('points=2000&iterations=2000&delta=0&seed=' . $_, $cloud) } 1 .. 8;
+    my $worker = Vt->start(%place, role => 'worker', jobs => 8, threads => 2);
+    my @ids = map { $api[0]->submit("points=300&iterations=6300&delta=0&polish=0&seed=$_", $cloud) } 1 .. 16;
     my @children;
     for my $reader (1 .. 20) {
         my $pid = fork // die "fork: $!";
         push @children, $pid;
         next if $pid;
         srand $reader;
-        my ($id, $last, $bad, $seen, $cuts, $over) = ($ids[$reader % 8], '', 0, 0, 0, 0);
-        while (!$over) {
-            my $stream = $api[rand 2]->events("/v1/jobs/$id/events", $last ? (headers => { 'Last-Event-ID' => $last }) : ());
-            my $left = 1 + int rand 40;
-            while ($left-- > 0 && (my $event = $stream->next_event)) {
-                $over ||= ($event->{event} // '') eq 'end' || ($event->{data} // '') =~ /"status":"successful"/;
-                next unless $event->{id};
-                my ($number) = $event->{id} =~ /\.(\d+)$/;
-                my ($before) = $last =~ /\.(\d+)$/;
-                $bad++ if defined $before && $number <= $before;
-                ($last, $seen) = ($event->{id}, $seen + 1);
-            }
-            $cuts++;
+        my $bad = 0;
+        for my $id (grep { $reader % 4 == $_ % 4 } 0 .. 15) {
+            my ($last, $cuts, $wrong) = follow($ids[$id], 400, @api);
+            print "events: reader $reader of job $id saw $last, cut $cuts times, $wrong missed or twice\n";
+            $bad += $wrong + ($last < 6300);
         }
-        print "events: reader $reader of $id saw $seen, cut $cuts times, $bad out of order or twice, last $last\n";
-        POSIX::_exit($bad ? 1 : 0);
+        POSIX::_exit($bad > 0);
     }
     my $failed = 0;
     for my $pid (@children) { waitpid $pid, 0; $failed += $? != 0 }
-    print "events: $failed of 20 readers saw one twice or out of order; stored: ", ask('daemons', 'SELECT count(*), sum(length(data)) FROM event'), "\n";
+    print "events: $failed of 20 readers missed one or saw one twice; numbers of the last ones: ",
+        ask('daemons', 'SELECT sum(last) FROM (SELECT max(last) AS last FROM event GROUP BY seq) AS jobs'), "\n";
+}
+
+# For a minute a worker is killed each 2 s and PostgreSQL is started anew each 20 s, with S3 behind a proxy that drops one connection of
+# ten at once and the others some time, and PostgreSQL behind pgbouncer. Each job is submitted until it is accepted.
+if ($want{faults}) {
+    ask('postgres', 'CREATE DATABASE faults');
+    my $cutter = start_cutter(sub { rand() < .1 ? 0 : 20_000 + int rand 200_000 });
+    my @of = (store => "postgresql://voronoid\@127.0.0.1:$Scale::pooler/faults", blobs => "s3:http://127.0.0.1:$cutter/bucket/faults");
+    my $wanted = Vt->start(jobs => 1)->post('/v1/resample?points=500', $cloud)->{content};
+    my @apis = map { Vt->start(@of, role => 'api') } 1 .. 2;
+    my @workers = (undef) x 3;
+    my ($count, $began, $killed, $stopped, %refused, @ids) = ($ENV{VT_JOBS} // 200, time, 0, 0);
+    while (@ids < $count || time - $began < 60) {
+        my $passed = time - $began;
+        if ($passed < 60 && $passed > 2 * $killed) {
+            my $one = $killed++ % 3;
+            $workers[$one]->stop('KILL') if $workers[$one];
+            $workers[$one] = eval { Vt->start(@of, role => 'worker', jobs => 2, threads => 1) };
+        }
+        if ($passed < 60 && $passed > 20 * ($stopped + 1)) {
+            $stopped++;
+            stop_postgres('immediate');
+            start_postgres();
+        }
+        my $number = @ids;
+        my $answer = $number < $count
+            ? $apis[rand 2]->post('/v1/resample?points=500', $cloud, Prefer => 'respond-async', 'Idempotency-Key' => "number-$number") : { status => 0 };
+        push @ids, json($answer)->{jobID} if $answer->{status} == 201;
+        $refused{"$answer->{status} $1"}++
+            if ($answer->{content} // '') =~ /"title":"(.*?)"/;
+        sleep .1;
+    }
+    $_ //= Vt->start(@of, role => 'worker', jobs => 2, threads => 1) for @workers;
+    my $left = wait_until(sub { (ask('faults', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") || 0) eq '0' }) ? 0 : 'some';
+    my $same = grep { my $id = $_; wait_until(sub { $apis[rand 2]->get("/v1/jobs/$id/results/cloud")->{content} eq $wanted }) } @ids;
+    printf "faults: %d workers killed, PostgreSQL stopped %d times, submits refused: %s; of %d jobs %s, %s stuck; %d with the same bytes; %s ran again\n",
+        $killed - 3, $stopped, join(', ', map { "$refused{$_} with $_" } sort keys %refused), $count, ask('faults', "SELECT string_agg(n || ' ' || status, ', ') FROM (SELECT count(*) AS n, status FROM job GROUP BY status) AS s"),
+        $left, $same, ask('faults', 'SELECT count(*) FROM job WHERE attempt > 1');
+    end_child('cutter');
+}
+
+# npm's eventsource follows a job by a balancer whose first daemon is killed meanwhile.
+if ($want{eventsource}) {
+    my $npm = "$Scale::dir/npm";
+    system('npm', 'install', '--silent', '--no-audit', '--no-fund', '--prefix', $npm, 'eventsource@3') == 0 or die 'npm cannot install eventsource';
+    my @replicas = map { Vt->start(%place, role => 'api') } 1 .. 2;
+    my $worker = Vt->start(%place, role => 'worker', jobs => 1);
+    my $balancer = start_cutter(sub { 1 << 40 }, undef, map { $_->{port} } @replicas);
+    my $id = $replicas[1]->submit('points=2000&iterations=4000&delta=0', $cloud);
+    Scale::write_file("$npm/follow.mjs", <<'JS');
+import { EventSource } from 'eventsource'
+const source = new EventSource(process.argv[2])
+let last = 0, bad = 0, seen = 0, opened = 0
+source.onopen = () => opened++
+const take = event => {
+    const number = Number(event.lastEventId.split('.')[1])
+    if (number <= last) bad++
+    last = number
+    if (++seen === 20) console.log('now')
+    if (event.type !== 'end') return
+    console.log(`saw ${seen}, opened ${opened} times, ${bad} twice or out of order, the end is ${event.data}`)
+    source.close()
+}
+for (const name of ['status', 'progress', 'replaced', 'end']) source.addEventListener(name, take)
+JS
+    open my $node, '-|', 'node', "$npm/follow.mjs", "http://127.0.0.1:$balancer/v1/jobs/$id/events" or die "node: $!";
+    <$node>;
+    $replicas[0]->stop('KILL');
+    print 'eventsource: ', <$node>;
 }
 
 sub programs { return (sort { $b cmp $a } glob '/usr/lib/postgresql/*/bin')[0] }
