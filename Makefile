@@ -94,7 +94,7 @@ TESTS := $(TEST_SCRIPTS) $(TEST_BIN)
 # with the release build. ThreadSanitizer: the server's programs, in which threads meet, and every method
 # at three threads.
 SANITIZE ?= some
-ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|output|baselines)/' $(TEST_SRC))
+ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|remesh|output|baselines)/' $(TEST_SRC))
 DRIVERS := $(addprefix tests/,property/methods_interrupted.c property/methods_threads.c unit/stages_test.c)
 THREADED := tests/unit/base_parallel.c tests/property/methods_threads.c
 # Their threads are those of worker_jobs and store_model; what they judge is files, and figures.

@@ -20,6 +20,7 @@
 #include "core/output/output.h"
 #include "core/output/transfer.h"
 #include "core/output/triangles.h"
+#include "core/remesh/remesh.h"
 #include "core/seeds/area.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/target.h"
@@ -29,10 +30,8 @@
 
 /* The methods, in the order of the words of parameter `method`. */
 static const struct vor_method methods[VOR_METHODS] = {
-    {"cvt", vor_cvt_run},
-    {"kmeans", vor_kmeans_run},
-    {"wlop", vor_wlop_run},
-    {"ear", vor_ear_run},
+    {"cvt", vor_cvt_run}, {"kmeans", vor_kmeans_run},    {"wlop", vor_wlop_run},
+    {"ear", vor_ear_run}, {"isotropic", vor_remesh_run},
 };
 
 /* A run of a process that spreads points. */

@@ -17,7 +17,9 @@
 /** Stages that a run may go through: identifier, name, what one of its steps is called, sentence.
  *  Traces keep the number of a row, so rows are only ever added, at the end. */
 #define VOR_RUN_STAGE_TABLE(X)                                                                     \
-    X(ITERATE, "iterate", "iteration", "Moves each point towards the centroid of its cell")        \
+    X(ITERATE, "iterate", "iteration",                                                             \
+      "Moves each point towards the centroid of its cell or, with method=isotropic, remeshes "     \
+      "the points")                                                                                \
     X(POLISH, "polish", "polish step", "Moves points away from their neighbours")                  \
     X(BASELINES, "baselines", "baseline", "Runs simple methods for comparison")                    \
     X(PROJECT, "project", "projection step",                                                       \

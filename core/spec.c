@@ -361,8 +361,8 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
     return VOR_OK;
 }
 
-/* Checks a request for a method that projects points: it follows nothing, and has no sites. */
-static vor_status check_projection(const struct vor_spec *spec, struct vor_error *err)
+/* Checks a request for a method that has no sites and follows no metric, or nothing at all. */
+static vor_status check_method(const struct vor_spec *spec, struct vor_error *err)
 {
     static const struct {
         enum vor_parameter parameter;
@@ -373,21 +373,23 @@ static vor_status check_projection(const struct vor_spec *spec, struct vor_error
                  {VOR_PARAM_EDGES, VOR_EDGES_SITES, VOR_EDGES_IGNORE}};
     double method = spec->value[VOR_PARAM_METHOD];
     char is[VOR_SPEC_VALUE_SIZE];
-    const char *want;
+    const char *want, *word;
 
-    if (method != VOR_METHOD_WLOP && method != VOR_METHOD_EAR)
+    if (method != VOR_METHOD_WLOP && method != VOR_METHOD_EAR && method != VOR_METHOD_ISOTROPIC)
         return VOR_OK;
-    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++) {
+    (void)vor_parameter_choice(vor_parameter_info(VOR_PARAM_METHOD), (unsigned)method, &word);
+    for (size_t i = method == VOR_METHOD_ISOTROPIC; /* that one follows a density */
+         i < sizeof rules / sizeof rules[0]; i++) {
         const struct vor_parameter_info *info = vor_parameter_info(rules[i].parameter);
         double value = spec->value[rules[i].parameter];
         size_t length = vor_parameter_choice(info, (unsigned)rules[i].wanted, &want);
 
         if (rules[i].refused == VOR_UNSET ? value != rules[i].wanted : value == rules[i].refused)
             return vor_fail_param(err, VOR_E_PARAM, info->name,
-                                  "%s=%.*s does not work with method=%s: use %.*s or method=cvt",
+                                  "%s=%.*s does not work with method=%.*s: use %.*s or method=cvt",
                                   info->name, SHOWN_SIZE,
                                   vor_spec_text(spec, rules[i].parameter, is),
-                                  method == VOR_METHOD_EAR ? "ear" : "wlop", (int)length, want);
+                                  (int)strcspn(word, " "), word, (int)length, want);
     }
     return VOR_OK;
 }
@@ -398,7 +400,7 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
     vor_status status = check_descent(spec, err);
 
     if (status == VOR_OK)
-        status = check_projection(spec, err);
+        status = check_method(spec, err);
     if (status == VOR_OK && spec->value[VOR_PARAM_LATTICE] == VOR_LATTICE_KEEP &&
         (vor_process_takes(spec->process, VOR_PARAM_SOUP) || vor_spec_only_filters(spec)))
         status = vor_fail_param(err, VOR_E_PARAM, "lattice",
@@ -568,7 +570,7 @@ int vor_spec_outliers(const struct vor_spec *spec)
 
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
-    enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100 };
+    enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100, REMESH = 10 };
     double method = spec->value[VOR_PARAM_METHOD];
 
     if (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
@@ -577,8 +579,8 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
         return (uint32_t)spec->value[VOR_PARAM_ROUNDS] * vor_spec_steps(spec);
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
-    if (vor_spec_descends(spec))
-        return DESCENT;
+    if (vor_spec_descends(spec) || method == VOR_METHOD_ISOTROPIC)
+        return method == VOR_METHOD_ISOTROPIC ? REMESH : DESCENT;
     return spec->value[VOR_PARAM_POLISH] > 0 ? BEFORE_POLISH : ALONE;
 }
 

@@ -23,8 +23,8 @@ static int has_filter(const struct vor_spec *spec, unsigned filter)
 
     if (named != 0 || filter == VOR_FILTER_THIN || spec->process != vor_process_find("denoise"))
         return vor_list_has(named, filter);
-    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT ||
-           spec->value[VOR_PARAM_METHOD] == VOR_METHOD_KMEANS;
+    return spec->value[VOR_PARAM_METHOD] != VOR_METHOD_WLOP &&
+           spec->value[VOR_PARAM_METHOD] != VOR_METHOD_EAR;
 }
 
 /* What is to be done with outliers: where filters alone make the result, only what they say. */

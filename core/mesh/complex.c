@@ -67,9 +67,9 @@ void vor_complex_remove(struct vor_complex *complex, uint32_t t)
     corner[0] = VOR_COMPLEX_GONE;
 }
 
-/* Gives the triangle of a, b and third the corner `to` in the place of a. */
-static void replace(struct vor_complex *complex, uint32_t a, uint32_t b, uint32_t third,
-                    uint32_t to)
+/* The triangle of three points, which there is. */
+static uint32_t triangle_of(const struct vor_complex *complex, uint32_t a, uint32_t b,
+                            uint32_t third)
 {
     const uint32_t *around = &complex->around[(size_t)a * VOR_AROUND_MOST];
     uint32_t other[2], t = around[0];
@@ -79,6 +79,15 @@ static void replace(struct vor_complex *complex, uint32_t a, uint32_t b, uint32_
         if ((other[0] == b && other[1] == third) || (other[0] == third && other[1] == b))
             t = around[at];
     }
+    return t;
+}
+
+/* Gives the triangle of a, b and third the corner `to` in the place of a. */
+static void replace(struct vor_complex *complex, uint32_t a, uint32_t b, uint32_t third,
+                    uint32_t to)
+{
+    uint32_t t = triangle_of(complex, a, b, third);
+
     for (int c = 0; c < 3; c++)
         if (complex->triangle[3 * (size_t)t + (size_t)c] == a)
             complex->triangle[3 * (size_t)t + (size_t)c] = to;
@@ -90,6 +99,82 @@ void vor_complex_flip(struct vor_complex *complex, uint32_t a, uint32_t b, const
 {
     replace(complex, b, a, third[0], third[1]);
     replace(complex, a, b, third[1], third[0]);
+}
+
+int vor_complex_collapses(const struct vor_complex *complex, uint32_t a, uint32_t b)
+{
+    uint32_t third[2], other[2], none[2];
+    unsigned have = vor_complex_edge(complex, a, b, third), common = 0;
+
+    if (have == 0 ||
+        (have == 2 && !vor_complex_surrounds(complex, a) && !vor_complex_surrounds(complex, b)))
+        return 0;
+    for (unsigned t = 0; t < complex->degree[b]; t++) {
+        vor_complex_others(complex, complex->around[(size_t)b * VOR_AROUND_MOST + t], b, other);
+        for (int e = 0; e < 2; e++)
+            common += other[e] != a && vor_complex_edge(complex, a, other[e], none) > 0;
+    }
+    for (unsigned k = 0; k < have; k++) {
+        common -= vor_complex_edge(complex, b, third[k], none);
+        if (complex->degree[third[k]] < (vor_complex_surrounds(complex, third[k]) ? 4 : 2))
+            return 0;
+    }
+    return common == 0 && complex->degree[a] + complex->degree[b] <= VOR_AROUND_MOST;
+}
+
+unsigned vor_complex_collapse(struct vor_complex *complex, uint32_t a, uint32_t b)
+{
+    uint32_t *around = &complex->around[(size_t)b * VOR_AROUND_MOST], gone[2];
+    unsigned went = 0;
+
+    for (unsigned t = complex->degree[b]; t-- > 0;) {
+        uint32_t at = around[t], other[2], *corner = &complex->triangle[3 * (size_t)at];
+
+        vor_complex_others(complex, at, b, other);
+        if (other[0] == a || other[1] == a) {
+            vor_complex_remove(complex, at);
+            gone[went++] = at;
+            continue;
+        }
+        for (int c = 0; c < 3; c++)
+            corner[c] = corner[c] == b ? a : corner[c];
+        complex->around[(size_t)a * VOR_AROUND_MOST + complex->degree[a]++] = at;
+    }
+    complex->degree[b] = 0;
+    memcpy(around, gone, went * sizeof *gone);
+    return went;
+}
+
+/* Adds a triangle at number t, which there is none at. */
+static void put(struct vor_complex *complex, uint32_t t, const uint32_t corner[3])
+{
+    memcpy(&complex->triangle[3 * (size_t)t], corner, 3 * sizeof *corner);
+    for (int c = 0; c < 3; c++)
+        complex->around[(size_t)corner[c] * VOR_AROUND_MOST + complex->degree[corner[c]]++] = t;
+}
+
+vor_status vor_complex_split(struct vor_complex *complex, uint32_t a, uint32_t b, uint32_t middle,
+                             unsigned spare, struct vor_error *err)
+{
+    uint32_t third[2], half[2][3], gone[2];
+    unsigned have = vor_complex_edge(complex, a, b, third);
+    vor_status status = VOR_OK;
+
+    memcpy(gone, &complex->around[(size_t)middle * VOR_AROUND_MOST], sizeof gone);
+    for (unsigned k = 0; k < have; k++) {
+        uint32_t t = triangle_of(complex, a, b, third[k]);
+
+        memcpy(half[k], &complex->triangle[3 * (size_t)t], sizeof half[k]);
+        for (int c = 0; c < 3; c++)
+            half[k][c] = half[k][c] == a ? middle : half[k][c];
+        replace(complex, b, a, third[k], middle);
+    }
+    for (unsigned k = 0; k < have && status == VOR_OK; k++)
+        if (k < spare)
+            put(complex, gone[k], half[k]);
+        else
+            status = vor_complex_add(complex, half[k], err);
+    return status;
 }
 
 void vor_complex_others(const struct vor_complex *complex, uint32_t t, uint32_t a,
@@ -182,6 +267,19 @@ int vor_complex_takes(const struct vor_complex *complex, const uint32_t corner[3
         if (!fan_takes(complex, corner[c], corner[(c + 1) % 3], corner[(c + 2) % 3]))
             return 0;
     return 1;
+}
+
+int vor_complex_surrounds(const struct vor_complex *complex, uint32_t i)
+{
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t other[2], third[2];
+
+        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + t], i, other);
+        if (vor_complex_edge(complex, i, other[0], third) != 2 ||
+            vor_complex_edge(complex, i, other[1], third) != 2)
+            return 0;
+    }
+    return complex->degree[i] > 0;
 }
 
 unsigned vor_complex_fans(const struct vor_complex *complex, uint32_t i,

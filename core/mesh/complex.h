@@ -49,6 +49,23 @@ void vor_complex_remove(struct vor_complex *complex, uint32_t t);
  *  triangles. The two triangles keep their numbers, and face as they did. O(1). */
 void vor_complex_flip(struct vor_complex *complex, uint32_t a, uint32_t b, const uint32_t third[2]);
 
+/** Whether all stays a manifold of the same kind if the edge from a to b shrinks to a point: its
+ *  ends have no neighbours in common but the third corners of its triangles, it does not join two
+ *  loops, and no point has too many or too few triangles then. O(1). */
+int vor_complex_collapses(const struct vor_complex *complex, uint32_t a, uint32_t b);
+
+/** Shrinks the edge from a to b: the triangles of b get a in its place, those of the edge go, and b
+ *  has none. Returns how many went; their numbers are the first that b's list has. O(1). */
+unsigned vor_complex_collapse(struct vor_complex *complex, uint32_t a, uint32_t b);
+
+/** Puts point `middle`, which has no triangles, on the edge from a to b: its triangles are halved.
+ *  Their third corners have fewer than VOR_AROUND_MOST. The halves get the numbers of `spare`
+ *  triangles that went, which the list of `middle` has.
+ *
+ *  @retval VOR_E_NOMEM  a triangle is missing */
+VOR_NODISCARD vor_status vor_complex_split(struct vor_complex *complex, uint32_t a, uint32_t b,
+                                           uint32_t middle, unsigned spare, struct vor_error *err);
+
 /** How many triangles have the edge from a to b, and the third corners of the first two. */
 unsigned vor_complex_edge(const struct vor_complex *complex, uint32_t a, uint32_t b,
                           uint32_t third[2]);
@@ -69,6 +86,9 @@ int vor_complex_runs(const uint32_t corner[3], uint32_t a, uint32_t b);
 /** Whether all stays a manifold with the triangle: none of its edges has two already, and the
  *  triangles at each corner are parts of one fan, which closes only with the last of them. O(1). */
 int vor_complex_takes(const struct vor_complex *complex, const uint32_t corner[3]);
+
+/** Whether triangles surround point i: it has some, and each of its edges has two. O(1). */
+int vor_complex_surrounds(const struct vor_complex *complex, uint32_t i);
 
 /** Numbers the fans at a point, runs of triangles of which each shares an edge at the point with
  *  the next: 0, 1 ... in `fan`, as the point's triangles come. Returns how many there are. */

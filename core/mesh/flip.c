@@ -11,10 +11,6 @@
  * it replaces is as steep: over a crease it would cut the corner off. */
 #define STEEP 0.35
 
-/* Cosine between the normal of a triangle and that of both together before: below it, the four
- * points are no convex quadrangle. */
-#define CONVEX 0.5
-
 static double worse(const float *xyz, const uint32_t corner[2][3])
 {
     return fmax(vor_triangle_strain(xyz, corner[0]), vor_triangle_strain(xyz, corner[1]));
@@ -49,27 +45,64 @@ static int face_alike(const float *xyz, const uint32_t before[2][3], const uint3
     length = sqrt(vor_dot(sum, sum));
     for (int t = 0; t < 2; t++) {
         vor_triangle_normal(n, xyz, after[t]);
-        if (!(vor_dot(n, sum) > CONVEX * length * sqrt(vor_dot(n, n))))
+        if (!(vor_dot(n, sum) > VOR_TRIANGLE_TURNED * length * sqrt(vor_dot(n, n))))
             return 0;
     }
     return 1;
 }
 
-/* Whether the edge from c to d is better than that from a to b. */
-static int pays(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
-                uint32_t b, const uint32_t third[2])
+/* Whether the edge from c to d may take the place of that from a to b. */
+static int may(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
+               uint32_t b, const uint32_t third[2])
 {
     uint32_t c = third[0], d = third[1], none[2];
     const uint32_t before[2][3] = {{a, b, c}, {b, a, d}}, after[2][3] = {{a, d, c}, {d, b, c}};
-    const float *xyz = sheet->seeds->xyz;
 
     return complex->degree[c] < VOR_AROUND_MOST && complex->degree[d] < VOR_AROUND_MOST &&
-           worse(xyz, after) < BETTER * worse(xyz, before) && face_alike(xyz, before, after) &&
+           face_alike(sheet->seeds->xyz, before, after) &&
            steepness(sheet, c, d) <= fmax(STEEP, steepness(sheet, a, b)) &&
            vor_complex_edge(complex, c, d, none) == 0 && vor_sheet_joins(sheet, c, d);
 }
 
-size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet)
+/* Whether the triangles at the edge from c to d are better than those at that from a to b. */
+static int pays(const struct vor_sheet *sheet, uint32_t a, uint32_t b, const uint32_t third[2])
+{
+    uint32_t c = third[0], d = third[1];
+    const uint32_t before[2][3] = {{a, b, c}, {b, a, d}}, after[2][3] = {{a, d, c}, {d, b, c}};
+    const float *xyz = sheet->seeds->xyz;
+
+    return worse(xyz, after) < BETTER * worse(xyz, before);
+}
+
+/* How far point i is from the triangles that it should have, six or at a loop three, squared, with
+ * `more` of them. */
+static int off(const struct vor_complex *complex, const unsigned char *surrounded, uint32_t i,
+               int more)
+{
+    int o = complex->degree[i] + more - (surrounded[i] ? 6 : 3);
+
+    return o * o;
+}
+
+/* By how much that falls for the ends of the two edges. */
+static int gain(const struct vor_complex *complex, const unsigned char *surrounded, uint32_t a,
+                uint32_t b, const uint32_t third[2])
+{
+    int sum = 0;
+
+    for (int k = 0; k < 2; k++) {
+        uint32_t from = k == 0 ? a : b;
+
+        if (complex->degree[from] <= (surrounded[from] ? 3 : 1))
+            return 0;
+        sum += off(complex, surrounded, from, 0) - off(complex, surrounded, from, -1);
+        sum += off(complex, surrounded, third[k], 0) - off(complex, surrounded, third[k], 1);
+    }
+    return sum;
+}
+
+size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet,
+                const unsigned char *surrounded)
 {
     size_t flipped = 0;
 
@@ -80,7 +113,9 @@ size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet)
             vor_complex_others(complex, complex->around[i * VOR_AROUND_MOST + e / 2], a, other);
             if (other[e % 2] < a || vor_complex_edge(complex, a, other[e % 2], third) != 2 ||
                 third[0] != other[1 - e % 2] || /* it is looked at from its first triangle */
-                !pays(complex, sheet, a, other[e % 2], third))
+                !(surrounded != NULL ? gain(complex, surrounded, a, other[e % 2], third) > 0
+                                     : pays(sheet, a, other[e % 2], third)) ||
+                !may(complex, sheet, a, other[e % 2], third))
                 continue;
             vor_complex_flip(complex, a, other[e % 2], third);
             flipped++;

@@ -1,4 +1,5 @@
-/** Flips edges of triangles whose other diagonal makes better ones.
+/** Flips edges of triangles whose other diagonal makes better ones, or leaves points nearer to six
+ *  triangles each.
  *
  *  Source: Lawson 1977, "Software for C1 surface interpolation", of a plane. Departure: on a
  * surface an edge is flipped where the worse of the two triangles becomes better, unless the new
@@ -14,8 +15,12 @@
  *
  *  @param[in,out] complex  no edge has more than two triangles
  *  @param[in]     sheet    its normals are those at the points
+ *  @param[in]     surrounded  whether triangles surround each point: an edge is flipped where its
+ *                          ends and those of the other come nearer to six triangles, or three at a
+ *                          loop, squared and summed; NULL: where the worse triangle becomes better
  *
  *  O(n), one thread. */
-size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet);
+size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet,
+                const unsigned char *surrounded);
 
 #endif

@@ -1,73 +1,42 @@
 #include "core/mesh/mesh.h"
 
-#include "core/mesh/close.h"
 #include "core/mesh/crossing.h"
-#include "core/mesh/crowded.h"
 #include "core/mesh/describe.h"
 #include "core/mesh/exact.h"
 #include "core/mesh/facing.h"
 #include "core/mesh/flip.h"
-#include "core/mesh/front.h"
+#include "core/mesh/join.h"
 #include "core/mesh/meeting.h"
 #include "core/mesh/relax.h"
 #include "core/seeds/attach.h"
 
 #include <string.h>
 
-/* Times that loops are closed after the front: pruning points of several fans opens some again. */
-enum { ROUNDS = 3 };
-
 /* Times that the front advances before points move, anew around loops that could not be closed, and
  * where edges are still open after they moved, which lie better then. Open edges of a screw and of
  * folds with as many input points without the latter / with it: 16 / 0, 1 / 0. */
 static const int fronts[] = {2, 1};
 
-/* Times that edges are flipped, and steps of points after each. Mean quality on fandisk, 10,000
- * points, creases moving too, after 0 / 2 / 4 / 6 / 12 steps: 0.930 / 0.950 / 0.954 / 0.956 /
- * 0.959.
- */
-enum { ROUNDS_BETTER = 2, STEPS = 3 };
+/* Times that edges are flipped and points move. */
+enum { ROUNDS_BETTER = 2 };
 
 struct making {
     struct vor_seeds *seeds;
     const struct vor_mesh_how *how;
     struct vor_report *report;
     struct vor_sheet sheet;
-    struct vor_balls balls;
     struct vor_complex complex;
     struct vor_mesh *out;
     vor_status status; /* of what ran on the pool's thread */
     struct vor_error *err;
 };
 
-static void close_loops(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                        VOR_UNUSED unsigned worker)
-{
-    struct making *making = ctx;
-    size_t closed = 0;
-
-    making->status =
-        vor_close(&making->complex, &closed, &making->balls, &making->seeds->run, making->err);
-    vor_complex_prune(&making->complex);
-    making->report->mesh_filled += closed;
-}
-
-static void advance(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                    VOR_UNUSED unsigned worker)
-{
-    struct making *making = ctx;
-
-    making->status =
-        vor_front_advance(&making->complex, &making->balls, &making->seeds->run, making->err);
-    vor_complex_prune(&making->complex);
-}
-
 static void flip(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                  VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
 
-    (void)vor_flip(&making->complex, &making->sheet);
+    (void)vor_flip(&making->complex, &making->sheet, NULL);
     making->status = VOR_OK;
 }
 
@@ -126,7 +95,10 @@ static vor_status on_one(struct making *making, vor_task task)
  * sheets are near each other. */
 static vor_status better(struct making *making, size_t since, struct vor_error *err)
 {
-    const struct vor_relax_how how = {STEPS, making->how->fixed, making->how->refine, since};
+    const struct vor_relax_how how = {.steps = VOR_RELAX_STEPS,
+                                      .fixed = making->how->fixed,
+                                      .refine = making->how->refine,
+                                      .since = since};
     vor_status status = VOR_OK;
 
     for (int round = 0; round < ROUNDS_BETTER && status == VOR_OK; round++) {
@@ -166,28 +138,6 @@ static vor_status leave_out(struct making *making, struct vor_error *err)
     return status;
 }
 
-/* Joins the points by triangles; the front advances so many times. */
-static vor_status join(struct making *making, int times, struct vor_error *err)
-{
-    const struct vor_run *run = &making->seeds->run;
-    vor_status status = vor_balls_make(&making->balls, &making->sheet, run, err);
-
-    for (int front = 0; front < times && status == VOR_OK; front++) {
-        status = on_one(making, advance);
-        for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
-            size_t before = making->complex.count;
-
-            status = on_one(making, close_loops);
-            if (making->complex.count == before)
-                break;
-        }
-    }
-    if (status == VOR_OK)
-        status = vor_crowded_find(&making->sheet, &making->complex, &making->balls, run, err);
-    vor_balls_free(&making->balls);
-    return status;
-}
-
 static int is_closed(const struct vor_complex *complex)
 {
     for (size_t t = 0; t < complex->count; t++)
@@ -216,7 +166,8 @@ static vor_status make(struct making *making, struct vor_error *err)
 
         if (since > 0 && is_closed(&making->complex))
             break;
-        status = join(making, fronts[k], err);
+        status = vor_join(&making->complex, &making->sheet, fronts[k], &making->report->mesh_filled,
+                          err);
         if (status == VOR_OK && moves)
             status = better(making, since, err);
     }

@@ -32,6 +32,8 @@ struct relax {
     float *next;           /* n x 3 */
     unsigned char *moves;  /* n: triangles surround the point */
     struct vor_recall how; /* last fits are used again */
+    enum vor_relax_aim aim;
+    double length; /* that edges are brought to */
 };
 
 /* The strain around a point in its tangent plane: slope and bend are the first and second
@@ -107,6 +109,65 @@ static void step_of(const struct relax *relax, const struct vor_frame *frame, si
         step[e] *= limit / length;
 }
 
+/* The step of point i towards where the edges to its neighbours, each of which two triangles have,
+ * are off their length least, squared and summed: Newton's, with the second derivative of edges in
+ * all directions, half of how many there are. */
+static void push_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
+                    double step[2])
+{
+    const struct vor_complex *complex = relax->complex;
+    const struct vor_wanted *wanted = &relax->seeds->wanted;
+    const float *x = &relax->seeds->xyz[3 * i];
+
+    step[0] = step[1] = 0;
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t other[2];
+
+        vor_complex_others(complex, complex->around[i * VOR_AROUND_MOST + t], (uint32_t)i, other);
+        for (int e = 0; e < 2; e++) {
+            const float *y = &relax->seeds->xyz[3 * (size_t)other[e]];
+            double to =
+                relax->length * (vor_wanted_at(wanted, i) + vor_wanted_at(wanted, other[e])) / 2;
+            double d[3] = {(double)x[0] - (double)y[0], (double)x[1] - (double)y[1],
+                           (double)x[2] - (double)y[2]};
+            double length = sqrt(vor_dot(d, d));
+
+            for (int a = 0; a < 2 && length > 0; a++)
+                step[a] +=
+                    DAMP * (to - length) / length * vor_dot(frame->axis[a], d) / complex->degree[i];
+        }
+    }
+}
+
+/* The step of point i to the mean of the middles of its triangles by their areas. */
+static void mean_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
+                    double step[2])
+{
+    const struct vor_complex *complex = relax->complex;
+    const struct vor_wanted *wanted = &relax->seeds->wanted;
+    const float *xyz = relax->seeds->xyz;
+    double sum = 0;
+
+    step[0] = step[1] = 0;
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[i * VOR_AROUND_MOST + t], other[2];
+        double normal[3], area, d[3], w;
+
+        vor_complex_others(complex, at, (uint32_t)i, other);
+        vor_triangle_normal(normal, xyz, &complex->triangle[3 * (size_t)at]);
+        w = (vor_wanted_at(wanted, other[0]) + vor_wanted_at(wanted, other[1])) / 2;
+        area = sqrt(vor_dot(normal, normal)) / (w * w);
+        for (size_t c = 0; c < 3; c++)
+            d[c] = (double)xyz[3 * (size_t)other[0] + c] + (double)xyz[3 * (size_t)other[1] + c] -
+                   2 * (double)xyz[3 * i + c];
+        for (int a = 0; a < 2; a++)
+            step[a] += area * vor_dot(frame->axis[a], d) / 3;
+        sum += area;
+    }
+    for (int a = 0; a < 2 && sum > 0; a++)
+        step[a] /= sum;
+}
+
 /* Sets the normal of the sheet at point i, which lies on `surface`. */
 static void set_normal(struct vor_sheet *sheet, const struct vor_surface *surface, size_t i,
                        const double x[3])
@@ -117,6 +178,27 @@ static void set_normal(struct vor_sheet *sheet, const struct vor_surface *surfac
     vor_surface_normal(surface, local, normal);
     vor_to_floats(&sheet->normal[3 * i], normal);
 }
+
+/* Whether a seed that moves to x leaves the input, or goes into a hole that is kept. */
+static int leaves(const struct vor_seeds *seeds, struct vor_scratch *scratch, size_t i,
+                  const struct vor_recall *how, const double x[3])
+{
+    const struct vor_place *here = &scratch->here;
+    struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
+    double from[3], to[3];
+
+    if (scratch->interior || !seeds->policy.keep_border)
+        return 0;
+    vor_seeds_position(seeds, i, from);
+    memcpy(to, x, sizeof to);
+    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, x));
+    return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, from, x) ||
+           (how->keep_holes && vor_seeds_hold(seeds, scratch, i, to));
+}
+
+/* The step of a point, by what it moves to. */
+static void (*const steps_of[])(const struct relax *, const struct vor_frame *, size_t,
+                                double[2]) = {step_of, mean_of, push_of};
 
 static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
 {
@@ -134,10 +216,12 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
             vor_seeds_position(relax->seeds, i, x);
             set_normal(relax->sheet, &scratch->onto, i, x);
             vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
-            step_of(relax, &frame, i, step);
+            steps_of[relax->aim](relax, &frame, i, step);
             for (int c = 0; c < 3; c++)
                 x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
             vor_surface_put(&scratch->onto, x);
+            if (relax->aim != VOR_RELAX_STRAIN && leaves(seeds, scratch, i, &relax->how, x))
+                continue;
             set_normal(relax->sheet, &scratch->onto, i, x);
             vor_to_floats(&relax->next[3 * i], x);
         }
@@ -166,20 +250,6 @@ static int is_free(const struct relax *relax, uint32_t i)
     return smooth;
 }
 
-/* Whether triangles surround point i: each of its edges has two. */
-static int is_surrounded(const struct vor_complex *complex, uint32_t i)
-{
-    for (unsigned t = 0; t < complex->degree[i]; t++) {
-        uint32_t other[2], third[2];
-
-        vor_complex_others(complex, complex->around[(size_t)i * VOR_AROUND_MOST + t], i, other);
-        if (vor_complex_edge(complex, i, other[0], third) != 2 ||
-            vor_complex_edge(complex, i, other[1], third) != 2)
-            return 0;
-    }
-    return complex->degree[i] > 0;
-}
-
 static vor_status steps(struct relax *relax, const struct vor_relax_how *how, struct vor_error *err)
 {
     struct vor_seeds *seeds = relax->seeds;
@@ -191,7 +261,7 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
             relax->moves[relax->complex->triangle[3 * t + (size_t)c]] = 1;
     for (size_t i = 0; i < seeds->n; i++)
         relax->moves[i] = (unsigned char)(relax->moves[i] && i + how->fixed < seeds->n &&
-                                          is_surrounded(relax->complex, (uint32_t)i) &&
+                                          vor_complex_surrounds(relax->complex, (uint32_t)i) &&
                                           is_free(relax, (uint32_t)i));
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
         status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, relax, err);
@@ -206,10 +276,13 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
                      struct vor_error *err)
 {
     struct vor_memory *memory = seeds->run.memory;
-    struct relax relax = {.sheet = sheet,
-                          .seeds = seeds,
-                          .complex = complex,
-                          .how = {.slack = VOR_RELAX_SLACK, .refine = how->refine}};
+    struct relax relax = {
+        .sheet = sheet,
+        .seeds = seeds,
+        .complex = complex,
+        .how = {.slack = VOR_RELAX_SLACK, .keep_holes = how->keep_holes, .refine = how->refine},
+        .aim = how->aim,
+        .length = how->length};
     vor_status status;
 
     relax.next = vor_malloc(memory, seeds->n, 3 * sizeof *relax.next);

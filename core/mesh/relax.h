@@ -16,12 +16,27 @@
 /** Input spacings that a point may move before its surface is fitted again. */
 #define VOR_RELAX_SLACK 0.5
 
+/** Steps after edges were flipped. Mean quality on fandisk, 10,000 points, creases moving too,
+ * after two times 0 / 1 / 2 / 3 / 6 steps: 0.930 / 0.950 / 0.954 / 0.956 / 0.959. */
+enum { VOR_RELAX_STEPS = 3 };
+
+/** Where points move to. */
+enum vor_relax_aim {
+    VOR_RELAX_STRAIN, /**< the least strain of the triangles; the input's border is not looked at */
+    VOR_RELAX_MIDDLE, /**< the mean of the triangles' middles by their areas, */
+    VOR_RELAX_LENGTH  /**< where edges are as long as one another: both inside the border */
+};
+
 /** What is done. */
 struct vor_relax_how {
     unsigned steps; /**< of all points at once */
     size_t fixed;   /**< that many of the last points stay */
     int refine;     /**< finer fits are tried (vor_seeds_refine) */
     size_t since;   /**< only corners of the triangles from this one on move */
+    enum vor_relax_aim aim;
+    double length;  /**< LENGTH: of the edges, over the spacing wanted; without a density normalised
+                     */
+    int keep_holes; /**< not STRAIN: holes are kept open (vor_attach) */
 };
 
 /** Moves the points.

@@ -49,6 +49,7 @@ struct finding {
     struct vor_sheet *sheet;
     struct vor_seeds *seeds;
     const struct vor_recall *how;
+    const unsigned char *moved; /* only these are looked at, and put onto the surface; NULL: all */
 };
 
 static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -61,6 +62,16 @@ static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         uint32_t nearest;
 
+        if (finding->moved != NULL && !finding->moved[i])
+            continue;
+        if (finding->moved != NULL &&
+            vor_seeds_recall(seeds, &seeds->scratch[worker], i, finding->how) != VOR_SURFACE_NONE) {
+            double x[3];
+
+            vor_seeds_position(seeds, i, x);
+            vor_surface_put(&seeds->scratch[worker].onto, x);
+            vor_to_floats(&seeds->xyz[3 * i], x);
+        }
         find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
         vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &nearest, &distance2);
         sheet->near[i] = sqrtf(distance2);
@@ -95,7 +106,7 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
                           const struct vor_recall *how, const struct vor_run *run,
                           struct vor_error *err)
 {
-    struct finding finding = {out, seeds, how};
+    struct finding finding = {out, seeds, how, NULL};
     vor_status status;
 
     memset(out, 0, sizeof *out);
@@ -108,6 +119,15 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
     if (status == VOR_OK)
         status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, find_block, &finding, err);
     return status;
+}
+
+vor_status vor_sheet_put(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                         const unsigned char *moved, const struct vor_recall *how,
+                         struct vor_error *err)
+{
+    struct finding finding = {sheet, seeds, how, moved};
+
+    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, find_block, &finding, err);
 }
 
 void vor_sheet_free(struct vor_sheet *sheet)

@@ -36,6 +36,18 @@ VOR_NODISCARD vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds 
                                         const struct vor_recall *how, const struct vor_run *run,
                                         struct vor_error *err);
 
+/** Puts the seeds that moved onto the surface, and finds again what is known of them.
+ *
+ *  @param[in] moved  n flags
+ *  @param[in] how    last fits are used again, finer ones where it says so
+ *
+ *  @retval VOR_E_CANCELLED  as vor_run_for
+ *
+ *  O(k) for each, on the run's pool. The same bytes for any number of threads. */
+VOR_NODISCARD vor_status vor_sheet_put(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                                       const unsigned char *moved, const struct vor_recall *how,
+                                       struct vor_error *err);
+
 /** sheet may be all zero. */
 void vor_sheet_free(struct vor_sheet *sheet);
 

@@ -86,12 +86,14 @@ enum vor_level {
     X(MAX_ASPECT, maxAspect, METRIC, "anisotropic lp attribute:NAME",                              \
       "if metric is not isotropic")                                                                \
     X(P, p, METRIC, "lp", "with metric=lp")                                                        \
-    X(ITERATIONS, iterations, METHOD, "cvt kmeans", "with method=cvt or kmeans")                   \
+    X(ITERATIONS, iterations, METHOD, "cvt kmeans isotropic",                                      \
+      "with method=cvt, kmeans or isotropic")                                                      \
     X(ETA, eta, DENSITY, "uniform", "with density=uniform")                                        \
     X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
     X(ANDERSON, anderson, METHOD, "cvt", "with method=cvt")                                        \
-    X(POLISH, polish, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                      \
-    X(EVENNESS, evenness, METHOD, "cvt wlop ear", "with method=cvt, wlop or ear")                  \
+    X(POLISH, polish, METHOD, "cvt wlop ear isotropic", "with method=cvt, wlop, ear or isotropic") \
+    X(EVENNESS, evenness, METHOD, "cvt wlop ear isotropic",                                        \
+      "with method=cvt, wlop, ear or isotropic")                                                   \
     X(SIGMA_N, sigmaN, METHOD, "ear", "with method=ear")                                           \
     X(SIGMA_P, sigmaP, METHOD, "wlop ear", "with method=wlop or ear")                              \
     X(MU, mu, METHOD, "wlop ear", "with method=wlop or ear")                                       \

@@ -100,6 +100,7 @@ enum vor_group {
     X(KMEANS, "kmeans")                                                                            \
     X(WLOP, "wlop")                                                                                \
     X(EAR, "ear")                                                                                  \
+    X(ISOTROPIC, "isotropic")                                                                      \
     VOR_EXTRA_METHOD_CHOICES(X)
 
 enum vor_method_choice {
@@ -132,10 +133,11 @@ enum vor_method_choice {
       "wlop: weighted locally optimal projection, in which points repel each other and input "     \
       "points attract them; ear: edge-aware resampling (Huang 2013), which first moves points "    \
       "onto the surface, but away from sharp edges, then inserts points up to the edges; "         \
-      "kmeans: a baseline that moves each point to the mean of the input points nearest to it. "   \
-      "A polish (see the parameter `polish`) follows cvt, wlop and ear, but not kmeans. The "      \
-      "result of kmeans is denser where the input is denser, and cannot have more points than "    \
-      "the input")                                                                                 \
+      "isotropic: isotropic remeshing (Lv 2022), which splits long edges of a "                    \
+      "triangulation, collapses short ones and flips others; kmeans: a baseline that moves "       \
+      "each point to the mean of the input points nearest to it. A polish (see the "               \
+      "parameter `polish`) follows every method but kmeans. The result of kmeans is denser "       \
+      "where the input is denser, and cannot have more points than the input")                     \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
       "flat surface, as in Chen 2018, which rounds sharp edges")                                   \
@@ -174,10 +176,10 @@ enum vor_method_choice {
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12; up to 100 without polish; up to 35 with "          \
-      "method=kmeans, metric=lp or cells=euclid; 6 on a smooth closed surface, where the run "     \
-      "starts with fewer points and splits them. The run stops earlier if further iterations "     \
-      "would not spread the points more evenly. If this parameter is given, the run starts with "  \
-      "all points")                                                                                \
+      "method=kmeans, metric=lp or cells=euclid; 10 with method=isotropic; 6 with "                \
+      "method=cvt on a smooth closed surface, where the run starts with fewer points and "         \
+      "splits them. The run stops earlier if further iterations would not spread the "             \
+      "points more evenly. If this parameter is given, the run starts with all points")            \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
       "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
       "distances to the nearest neighbour, divided by their mean")                                 \
@@ -276,7 +278,7 @@ enum vor_method_choice {
       "parameters `points`, `ratio` and `spacing`, its result is the filtered input: the points "  \
       "of the input in their order, with their attributes. upsample never returns the filtered "   \
       "input itself, because its parameter `ratio` always has a value. The process `denoise` "     \
-      "applies the filters `outliers` and `mls` by default with method=cvt and method=kmeans")     \
+      "applies the filters `outliers` and `mls` by default, but not with method=wlop or ear")      \
     X(INPUT_NORMALS, inputNormals, CHOICE, OUTPUT, "", 0, 0, VOR_INPUT_NORMALS_AUTO,               \
       "auto use estimate",                                                                         \
       "How the normals of the input are used. use: fitted normals are oriented like the normals "  \

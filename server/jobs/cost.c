@@ -86,7 +86,8 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
                           double limit, struct vor_error *err)
 {
     double seconds = vor_cost_seconds(spec, points, threads);
-    int cvt = spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
+    double method = spec->value[VOR_PARAM_METHOD];
+    int projects = method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR;
     char fits[64] = "";
 
     if (check_own_time(spec, vor_spec_target(spec, points), threads, err) != VOR_OK)
@@ -96,12 +97,13 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
     if (neighbors_of(spec) > USUAL_NEIGHBORS)
         (void)snprintf(fits, sizeof fits, ", with local surfaces fitted to %.0f points each",
                        neighbors_of(spec));
-    (void)vor_fail(err, VOR_E_WORK,
-                   "the job would take about %.0f seconds, %.0f times the limit of %.0f, because "
-                   "it has up to %u %ss and %u polish steps of %.0f points%s",
-                   seconds, seconds / limit, limit, vor_spec_iterations(spec),
-                   vor_run_stage_info(cvt ? VOR_RUN_STAGE_ITERATE : VOR_RUN_STAGE_PROJECT)->step,
-                   vor_spec_polish(spec), vor_spec_target(spec, points), fits);
+    (void)vor_fail(
+        err, VOR_E_WORK,
+        "the job would take about %.0f seconds, %.0f times the limit of %.0f, because "
+        "it has up to %u %ss and %u polish steps of %.0f points%s",
+        seconds, seconds / limit, limit, vor_spec_iterations(spec),
+        vor_run_stage_info(projects ? VOR_RUN_STAGE_PROJECT : VOR_RUN_STAGE_ITERATE)->step,
+        vor_spec_polish(spec), vor_spec_target(spec, points), fits);
     if (err != NULL) {
         err->limit = (uint64_t)limit;
         err->got = (uint64_t)seconds;

@@ -14,6 +14,8 @@
 #define START 10.0 /* placing them: 6.9 to 12.7 */
 #define FIRST 5.0  /* the first iteration, which makes the lists: 4.6 to 5.5 */
 #define ITERATION 2.5   /* the others: 1.9 to 4.4 with the first */
+#define JOIN 45.0       /* of isotropic, before its first iteration: 41 to 50 */
+#define REMESH 9.0      /* an iteration of it: 8 to 11 */
 #define POLISH_STEP 1.2 /* 0.6 to 2.0 */
 #define END 5.5         /* comparing, attributes, normals: 4.2 to 7.2 */
 
@@ -79,7 +81,8 @@ static double cost_before(const struct vor_pace_work *work)
 
     if (projects(work))
         each = work->method == VOR_METHOD_EAR ? EAR_IN : WLOP_IN;
-    return (projects(work) ? 0 : START) + each * work->points_in / work->points_out;
+    return (projects(work) ? 0 : START) + (work->method == VOR_METHOD_ISOTROPIC ? JOIN : 0) +
+           each * work->points_in / work->points_out;
 }
 
 /* What steps of a polish of `of` steps cost, after `from` up to `to`. */
@@ -109,6 +112,8 @@ static double cost_of_steps(const struct vor_pace_work *work, const struct vor_r
         return 0;
     if (record->stage == VOR_RUN_STAGE_POLISH)
         return cost_of_polish(work, from, to, record->of);
+    if (record->stage == VOR_RUN_STAGE_ITERATE && work->method == VOR_METHOD_ISOTROPIC)
+        return REMESH * (to - from);
     if (record->stage == VOR_RUN_STAGE_ITERATE && from < 1)
         return FIRST + ITERATION * (to - 1);
     if (projects(work) && record->stage == VOR_RUN_STAGE_PROJECT)
@@ -193,8 +198,8 @@ struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t poin
     double share = SAMPLES_SHARE;
 
     work.method = (enum vor_method_choice)spec->value[VOR_PARAM_METHOD];
-    if (spec->process->methods == 0 || !(target >= 1) ||
-        (work.method != VOR_METHOD_CVT && !projects(&work)))
+    if (spec->process->methods == 0 || !(target >= 1) || work.method == VOR_METHOD_KMEANS ||
+        work.method >= VOR_METHODS)
         return (struct vor_pace_work){0};
     if (spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES)
         points = vor_faces_samples(target, (size_t)points);

@@ -6,6 +6,7 @@
 #include "core/kmeans/kmeans.h"
 #include "core/lop/lop.h"
 #include "core/output/order.h"
+#include "core/remesh/remesh.h"
 #include "core/seeds/sites.h"
 #include "tests/support/vt_made.h"
 
@@ -139,7 +140,7 @@ static vor_status spread(struct vt_made *made)
     static vor_status (*const run[])(struct vor_seeds *, struct vor_outcome *,
                                      const struct vor_domain *, size_t, const struct vor_spec *,
                                      const struct vor_run *, struct vor_error *) = {
-        vor_cvt_run, vor_kmeans_run, vor_wlop_run, vor_ear_run};
+        vor_cvt_run, vor_kmeans_run, vor_wlop_run, vor_ear_run, vor_remesh_run};
     struct vor_seeds seeds = {.n = 0};
     struct vor_outcome told = {.stages = 0};
     vor_status status = make(made);
@@ -174,6 +175,7 @@ static const struct row rows[] = {
     {"k-means", ribbon, spread, 4000, {"method", "kmeans", "iterations", "5", "polish", "0"}},
     {"projection", ribbon, spread, 4000, {"method", "wlop", "rounds", "1", "polish", "5"}},
     {"iterations", folds, spread, 4000, {"iterations", "3", "polish", "5"}},
+    {"remeshing", ribbon, spread, 4000, {"method", "isotropic", "iterations", "3", "polish", "0"}},
 };
 
 static const struct row wide_hole = {

@@ -69,6 +69,7 @@ is_problem($daemon->post('/v1/upsample?method=ear&sigmaN=0', $cloud), 400, 'inva
 
 # What neither can do is refused by name.
 for my $case (['ear', 'density=curvature', 'density=curvature does not work with method=ear: use uniform or method=cvt'],
+    ['isotropic', 'boundary=sites', 'boundary=sites does not work with method=isotropic: use keep or method=cvt'],
     ['wlop', 'metric=anisotropic', 'metric=anisotropic does not work with method=wlop: use isotropic or method=cvt'],
     ['ear', 'rho=21', 'rho is 21, want a number from 0 to 20'], ['wlop', 'mu=0.5', 'mu is 0.5, want a number from 0 to 0.499']) {
     my ($method, $asked, $detail) = @$case;

@@ -132,7 +132,7 @@ for my $id (grep { $_ ne 'upsample' } sort keys %as) {
     is_deeply $report->{stages}[0]{steps}, 3, "$id: kmeans makes 3 steps";
     is scalar @{ $report->{stages} }, 1, "$id: of one stage";
 }
-like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear$/,
+like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear, isotropic$/,
     'upsample has no means of so many points';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';

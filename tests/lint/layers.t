@@ -6,9 +6,9 @@ use Test::More;
 
 # The rooms of each part, lowest first. A file may include its own room and lower ones; rooms on one line do not see each
 # other. A room is a folder, or a header with its source. The methods are seen by nobody but the engine.
-my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'method', 'cvt kmeans lop',
-    'mesh align', 'output', 'baselines', 'process', 'engine', 'voronoid');
-my %is_method = map { $_ => 1 } qw(cvt kmeans lop);
+my @core = ('base', 'cloud', 'spec', 'report', 'knn', 'geom', 'input', 'metrics', 'opt', 'seeds', 'mesh', 'method',
+    'cvt kmeans lop remesh', 'align', 'output', 'baselines', 'process', 'engine', 'voronoid');
+my %is_method = map { $_ => 1 } qw(cvt kmeans lop remesh);
 my @server = ('base', 'proc', 'store blob', 'jobs', 'work', 'http', 'api', 'cli', 'serve', 'main');
 # What proto and server see of core; the engine only where runs are made.
 my %open = map { $_ => 1 } qw(base cloud spec report);

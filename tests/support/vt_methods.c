@@ -159,6 +159,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("progressive order", make_carrying, 1200, 200, "resample order=progressive" SHORT),
     ROW("normals made", vt_cloud_torus, 1200, 200, "resample normals=oriented" SHORT),
     ROW("k-means", make_carrying, 1200, 200, "resample method=kmeans ratio=0.2 iterations=3"),
+    ROW("isotropic", make_punched, 1200, 200, "resample method=isotropic" SHORT),
     ROW("ear, one phase", make_oriented, 1000, 150,
         "resample method=ear ratio=3 phases=insert gaps=fill polish=2"),
     ROW("ear", make_carrying, 1000, 150,

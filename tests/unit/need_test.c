@@ -31,6 +31,7 @@ static const struct need_case cases[] = {
     {"resample", 1, 10000, "points=1000", 0.8, 1.5},
     {"resample", 0, 2000, "points=4000 neighbors=60", 0.8, 1.5},
     {"resample", 0, 5000, "points=5000 method=kmeans", 0.8, 1.5},
+    {"resample", 0, 5000, "points=5000 method=isotropic iterations=1", 0.8, 1.5},
     {"resample", 0, 3000, "points=3000 method=wlop rounds=1", 0.8, 1.5},
     {"resample", 0, 2000, "points=8000 method=ear rounds=1", 0.8, 1.5},
     {"resample", 0, 5000, "points=5000 method=wlop rounds=1 steps=1", 0.9, 1.5},
