@@ -32,10 +32,13 @@ enum {
 #define WITHIN_MEDIANS 6.0
 
 /* Where trust is 0.5. By what the score of the runner-up is lower: right poses of halves of office1
- * and scannet have 0.18 to 1, wrong ones of autzen and kitti 0.01 to 0.12. Conflict: at most 0.23
- * but for 3 of 20 against 0.25 to 0.5. Firmness: igea and its halves 0.011 and more, spheres, tori
- * and cylinders at most 0.0005. */
-#define MARGIN 0.13
+ * and scannet have 0.18 to 1, wrong ones of autzen and kitti 0.01 to 0.18 and, where less than a
+ * third overlaps, up to 0.33. Median distance of samples to what they lie on, over the roughness of
+ * the rougher cloud: right poses 0.2 to 0.6, also at noise of 0.3 spacings; wrong ones of autzen,
+ * kitti and redrocks mostly 0.75 to 4. Conflict: at most 0.23 but for 3 of 20 against 0.25 to 0.5.
+ * Firmness: igea and its halves 0.011 and more, spheres, tori and cylinders at most 0.0005. */
+#define MARGIN 0.2
+#define LOOSE 0.7
 #define CONFLICT 0.4
 #define FIRM 0.004
 #define OVERLAP 0.1
@@ -207,6 +210,9 @@ static void set_trust(struct vor_report *report, const struct align *align)
     double margin = fit->score > 0 ? 1 - rival / fit->score : 0;
     double overlap = fmax(fit->overlap[0], fit->overlap[1]);
     double conflict = report->pose_conflict / CONFLICT;
+    double rough = fmax(vor_align_roughness(&align->samples[0]) * fit->pose.scale,
+                        vor_align_roughness(&align->samples[1]));
+    double loose = rough > 0 ? fit->median / (LOOSE * rough) : 0;
     const struct {
         enum vor_doubt doubt;
         double trust;
@@ -214,6 +220,7 @@ static void set_trust(struct vor_report *report, const struct align *align)
                  {VOR_DOUBT_TURN, fit->turn / (fit->turn + FIRM)},
                  {VOR_DOUBT_SCALE, align->of.scales ? fit->grow / (fit->grow + FIRM) : 1},
                  {VOR_DOUBT_CONFLICT, 1 / (1 + conflict * conflict)},
+                 {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(loose, 4))},
                  {VOR_DOUBT_OVERLAP, overlap / (overlap + OVERLAP)},
                  {VOR_DOUBT_POSE, margin / (margin + MARGIN)}};
 

@@ -188,6 +188,26 @@ static double ranked(const struct histogram *h, double rank)
     return (bin + 1) * h->most / BINS;
 }
 
+double vor_align_roughness(const struct vor_align_samples *samples)
+{
+    struct vor_knn_last last = {.k = 0};
+    struct histogram h = {.most = samples->gap};
+
+    for (size_t i = 0; i < samples->n; i++) {
+        struct contact contact;
+        double normal[3];
+        float d2[2];
+        uint32_t at[2];
+
+        vor_to_doubles(contact.x, &samples->xyz[3 * i]);
+        vor_to_doubles(normal, &samples->normal[3 * i]);
+        vor_knn_search_next(samples->knn, &last, &samples->xyz[3 * i], 2, at, d2);
+        if (find_contact(&contact, samples, at[at[0] == i], normal, samples->gap))
+            tell(&h, fabs(contact.off));
+    }
+    return h.all > 0 ? ranked(&h, h.all / 2.0) : 0;
+}
+
 /* Adds all samples within that distance. Returns the distance for the next step. */
 static double add_all(struct equations *eq, const struct vor_align_fit *fit,
                       const struct vor_align_fit_of *of, double within)

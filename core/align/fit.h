@@ -40,4 +40,9 @@ void vor_align_refine(struct vor_align_fit *fit, const struct vor_align_fit_of *
  *  other cloud. Cannot fail. */
 void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *of, double within);
 
+/** Median distance of the samples to the plane of the one nearest to each: what noise and curvature
+ *  leave between samples of one surface. 0 where all of these face other ways. O(samples); one
+ *  thread. */
+double vor_align_roughness(const struct vor_align_samples *samples);
+
 #endif
