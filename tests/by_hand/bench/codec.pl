@@ -1,7 +1,7 @@
 #!/usr/bin/perl
 # usage: codec.pl VORONOID OUTDIR: what a cloud gains after a codec, in D1 and D2 beside bytes: through Draco at 7 to 10 bits a
 # coordinate, decoded alone, and then restored, filtered or denoised; and the bytes that restoring saves, and that a quarter of the points
-# saves that is upsampled. Writes OUTDIR/codec.md.
+# saves that is upsampled. Of coloured scans, the PSNR of their colours as well. Writes OUTDIR/codec.md.
 use strict;
 use warnings;
 use utf8;
@@ -14,6 +14,8 @@ my @after = (['restore'], ['denoise', '--filters', 'mls'], ['denoise']);
 my $slow = 8; # bits at which the last one is run too
 my @meshes = qw(igea armadillo cow fandisk);
 my @scans = qw(hippo1 b9_training building scannet office1);
+my @coloured = qw(b9_training scannet office1);
+my $exact = 100; # dB of a colour that nothing happened to: codec.py bounds it
 my ($voronoid) = @ARGV;
 my $out = begin('Codec');
 my ($folder) = yardstick() =~ m{^(.*)/};
@@ -30,13 +32,13 @@ sub python { return must('/usr/bin/python3', 'tests/by_hand/bench/codec.py', $fo
 
 # A cloud that draco_encoder reads.
 sub cloud_of {
-    my ($name) = @_;
+    my ($name, @coloured) = @_;
     my $cloud = "$out/codec.cloud.ply";
     my ($mesh, $scan) = (public("${name}_mesh"), public($name));
     if (-r $mesh) { python('sample', $mesh, $points, $cloud) }
     else {
         ($scan) = map { chomp; $_ } must('tests/demo/scan.sh', "$name.ply") if !-r $scan;
-        python('plain', $scan, $cloud);
+        python('plain', $scan, $cloud, @coloured);
     }
     return $cloud;
 }
@@ -99,6 +101,24 @@ for my $name (@meshes, @scans) {
     push @rates, [$name, $n, map({ saved($_, 'bytes', 'restore', @rows) } 0, 1), saved(1, 'few_bytes', 'few', @rows)];
     unlink $cloud, $quarter, @files, map { "$out/codec.$_.drc" } @bits;
 }
+
+# Colours are coded as they are; points move and merge, and new ones get them from their nearest point.
+my @colours;
+for my $name (grep { wanted("codec_$_") } @coloured) {
+    my $cloud = cloud_of($name, 'coloured');
+    my ($n) = map { /^element vertex (\d+)/ ? $1 : () } must('head', '-n', 20, $cloud);
+    my ($quarter, $drc) = ("$out/codec.quarter.ply", "$out/codec.drc");
+    my @files = map { "$out/codec.c$_.ply" } 0 .. @after + 1;
+    python('quarter', $cloud, $quarter);
+    for my $bits (@bits) {
+        code($quarter, $bits, $drc, $files[-1]);
+        must($voronoid, 'upsample', $files[-1], '-n', $n, '-f', '-q', '-o', "$files[-1].up.ply");
+        code($cloud, $bits, $drc, $files[0]);
+        must($voronoid, @{ $after[$_] }, $files[0], '-f', '-q', '-o', $files[$_ + 1]) for 0 .. $#after;
+        push @colours, [$name, $bits, map { (split)[2] > $exact ? 'exact' : sprintf '%.1f', (split)[2] } python('psnr', $cloud, @files[0 .. @after], "$files[-1].up.ply")];
+    }
+    unlink $cloud, $quarter, $drc, @files, "$files[-1].up.ply";
+}
 exit 0 if !@table;
 table(['cloud', 'bits', 'bytes', 'decoded', map { "@$_" } @after], \@table,
     "D1 / D2 in dB, peak as mpeg-pcc-dmetric's, and CPU time a point of the whole command, one thread. igea, armadillo, cow and fandisk: "
@@ -107,4 +127,6 @@ table(['cloud', 'points', 'saved by restore at equal D1', 'at equal D2', 'by ups
     "Bytes that restore saves over decoding alone, between $bits[0] and $bits[-1] bits (BD-rate); and that a quarter of the points saves, decoded "
     . "and upsampled to as many, over decoding all: none where that D2 stays below. igea, hippo1 and b9_training had no part in the "
     . "choice of restore's limits.");
+table(['cloud', 'bits', 'decoded', map({ "@$_" } @after), 'a quarter, upsampled'], \@colours,
+    'PSNR of the colours in dB, (6 Y + U + V) / 8, as mpeg-pcc-dmetric has them; colours are not rounded.') if @colours;
 finish('codec');

@@ -2,13 +2,15 @@
 """What the codec's table needs; shares no code with the product.
 
 usage: codec.py YARDSTICK sample MESH N OUT.ply   N points of the mesh, white noise by area
-       codec.py YARDSTICK plain CLOUD OUT.ply   its positions about their mean, as float32
+       codec.py YARDSTICK plain CLOUD OUT.ply [coloured]   its positions about their mean, as float32, and its colours
        codec.py YARDSTICK quarter CLOUD OUT.ply   every fourth of its points, drawn at random
-       codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1 and D2 in dB against the cloud
+       codec.py YARDSTICK psnr CLOUD.ply FILE.ply...   a line for each file: its D1, D2 and, where both have colours, YUV
+                                  in dB against the cloud
        codec.py YARDSTICK saved   of lines "bytes dB bytes dB" on standard input, of two ways to code: the share of bytes, in
                                   percent, that the second one saves at equal dB (Bjontegaard's BD-rate, cubics of log bytes);
                                   "none" where no dB is reached by both
-YARDSTICK: the folder with cloudio.py. D1 and D2: those of mpeg-pcc-dmetric, with normals of the quadric through 20 points."""
+YARDSTICK: the folder with cloudio.py. D1, D2 and YUV: those of mpeg-pcc-dmetric, with normals of the quadric through 20 points; YUV is (6 Y + U + V) / 8 by
+BT.709, and points in one place have the mean of their colours."""
 import sys
 import numpy as np
 from scipy.spatial import cKDTree
@@ -38,7 +40,26 @@ def normals(points, tree):
     return out
 
 
-def psnr(points, tree, normal, peak, decoded):
+COLOURS = ("red", "green", "blue")
+YUV = np.array([[.2126, .7152, .0722], [-.1146, -.3854, .5], [.5, -.4542, -.0458]])
+
+
+def colours_of(vertices):
+    return {k: vertices[k] for k in COLOURS} if "red" in vertices.dtype.names else {}
+
+
+def read(path):
+    """Its places, each once, and their YUV or None."""
+    vertices = read_ply(path)[0]
+    places, which = np.unique(xyz(vertices).astype(float), axis=0, return_inverse=True)
+    if not colours_of(vertices):
+        return places, None
+    yuv = np.zeros_like(places)
+    np.add.at(yuv, which.ravel(), np.stack([vertices[k].astype(float) for k in COLOURS], 1) @ YUV.T)
+    return places, yuv / np.bincount(which.ravel())[:, None]
+
+
+def psnr(points, tree, normal, peak, decoded, yuv, its_yuv):
     """The worse direction of each; a decoded point's normal is the mean of those whose nearest it is."""
     to = tree.query(decoded)[1]
     near = cKDTree(decoded).query(points)[1]
@@ -50,18 +71,24 @@ def psnr(points, tree, normal, peak, decoded):
     there, back = decoded - points[to], points - decoded[near]
     d1 = max((there ** 2).sum(1).mean(), (back ** 2).sum(1).mean())
     d2 = max(((there * normal[to]).sum(1) ** 2).mean(), ((back * mean[near]).sum(1) ** 2).mean())
-    return [10 * np.log10(3 * peak ** 2 / d) for d in (d1, d2)]
+    figures = [10 * np.log10(3 * peak ** 2 / d) for d in (d1, d2)]
+    if yuv is not None and its_yuv is not None:
+        worst = np.maximum(((its_yuv - yuv[to]) ** 2).mean(0), ((yuv - its_yuv[near]) ** 2).mean(0))
+        figures.append((10 * np.log10(255 ** 2 / np.maximum(worst, 1e-10))) @ [6 / 8, 1 / 8, 1 / 8])
+    return figures
 
 
 if sys.argv[2] == "sample":
     v, f = read_ply(sys.argv[3])
     write_ply(sys.argv[5], sample_mesh(xyz(v), f, int(sys.argv[4]), SEED)[0])
 elif sys.argv[2] == "plain":
-    points = xyz(read_ply(sys.argv[3])[0])
-    write_ply(sys.argv[4], points - points.mean(0))
+    vertices = read_ply(sys.argv[3])[0]
+    points = xyz(vertices)
+    write_ply(sys.argv[4], points - points.mean(0), colours_of(vertices) if len(sys.argv) > 5 else None)
 elif sys.argv[2] == "quarter":
-    points = xyz(read_ply(sys.argv[3])[0])
-    write_ply(sys.argv[4], points[np.random.default_rng(SEED).permutation(len(points))[:len(points) // 4]])
+    vertices = read_ply(sys.argv[3])[0]
+    vertices = vertices[np.random.default_rng(SEED).permutation(len(vertices))[:len(vertices) // 4]]
+    write_ply(sys.argv[4], xyz(vertices), colours_of(vertices))
 elif sys.argv[2] == "saved":
     a = np.array([line.split() for line in sys.stdin], float)
     low, high = max(a[:, 1].min(), a[:, 3].min()), min(a[:, 1].max(), a[:, 3].max())
@@ -72,8 +99,9 @@ elif sys.argv[2] == "saved":
     areas = [np.polyval(p, high - low) - np.polyval(p, 0) for p in (one, two)]
     print(100 * (1 - np.exp((areas[1] - areas[0]) / (high - low))))
 else:
-    points = np.unique(xyz(read_ply(sys.argv[3])[0]).astype(float), axis=0)
+    points, yuv = read(sys.argv[3])
     tree = cKDTree(points)
     normal, peak = normals(points, tree), tree.query(points, 2)[0][:, 1].max()
     for path in sys.argv[4:]:
-        print(*psnr(points, tree, normal, peak, np.unique(xyz(read_ply(path)[0]).astype(float), axis=0)))
+        places, its_yuv = read(path)
+        print(*psnr(points, tree, normal, peak, places, yuv, its_yuv))
