@@ -21,8 +21,7 @@ enum {
     BONDS = 24,                /* most pairs of a point that say anything */
     STIRRED = 200,             /* nearest points that look again where one changes */
     CANDIDATES = 4,            /* regions that a point is asked about */
-    SMALL = 30, /* a region of fewer points is none: they are asked where they belong */
-    ROUNDS = 8  /* that points are asked in, one bit each; 97 of them change in the last */
+    ROUNDS = 8 /* that points are asked in, one bit each; 97 of them change in the last */
 };
 
 _Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are heard");
@@ -360,7 +359,8 @@ static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             take_list(regions, (uint32_t)i);
 }
 
-/* Takes the regions that are large enough, by pairs of points. regions->next counts. */
+/* Takes the regions that have a list of points, by pairs of these; those in smaller ones are asked
+ * where they belong. regions->next counts. */
 static vor_status decide(struct regions *regions, const struct vor_run *run, struct vor_error *err)
 {
     size_t n = regions->domain->n, count = 0;
@@ -376,7 +376,7 @@ static vor_status decide(struct regions *regions, const struct vor_run *run, str
     for (size_t i = 0; i < n; i++)
         regions->next[regions->region[i]]++;
     for (size_t i = 0; i < n; i++)
-        if (regions->next[regions->region[i]] < SMALL)
+        if (regions->next[regions->region[i]] < VOR_ADJACENT_FEWEST)
             regions->region[i] = NONE;
     return VOR_OK;
 }
