@@ -490,7 +490,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         memset(polish->quiet, 0, seeds->n);
     }
     polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
-    polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0 && done + FRESH < steps;
+    polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     polish->forces = (struct vor_forces){
         .h2 = (float)(polish->h * polish->h),
