@@ -250,7 +250,8 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     vor_status status;
 
     policy.still = lop->ear && !lop->smooth;
-    policy.near_input = 0; /* samples were projected onto it */
+    if (policy.near_input != VOR_NEAR_NEVER) /* samples were projected onto the input */
+        policy.near_input = lop->ear && lop->smooth ? VOR_NEAR_IN_STEPS : VOR_NEAR_NEVER;
     status = vor_seeds_init(&seeds, lop->input, n, policy, lop->run, err);
     if (status != VOR_OK)
         return status;

@@ -47,7 +47,8 @@ static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
 /* Whether seeds are kept near the input (vor_attach_near). With sheets, layers part them better. */
 static int stay_near(const struct vor_seeds *seeds)
 {
-    return seeds->policy.near_input && !seeds->sheets && seeds->n < seeds->domain->n;
+    return seeds->policy.near_input != VOR_NEAR_NEVER && !seeds->sheets &&
+           seeds->n < seeds->domain->n;
 }
 
 /* How far from the input seeds may lie whatever it is like, if they are fewer than its points: half
@@ -196,7 +197,7 @@ static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
     double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
     double near2;
 
-    if (stay_near(seeds))
+    if (stay_near(seeds) && seeds->policy.near_input == VOR_NEAR_ALWAYS)
         near = fmin(near, least_allowed(seeds));
     near2 = near * near;
 

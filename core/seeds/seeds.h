@@ -61,6 +61,13 @@ struct vor_last_fit {
     unsigned char refined : 1;  /**< a finer fit was tried */
 };
 
+/** When points of a result are kept near the input. */
+enum vor_near {
+    VOR_NEAR_NEVER,
+    VOR_NEAR_IN_STEPS, /**< while they move, and not once more in the end */
+    VOR_NEAR_ALWAYS
+};
+
 /** How cells are made, the same for all seeds; chosen once. Whatever the policy, what is known of
  *  the input (its neighbours of a fit, sheets, lists, filters) and the area that spacing is turned
  *  into points with are found with quadrics. */
@@ -69,7 +76,7 @@ struct vor_seeds_policy {
     double widen;    /**< patches are this many times as wide as usual */
     int planes;      /**< fits are planes, and patches octagons; else quadrics and hexagons */
     int still;       /**< the seeds are where they stay, but for a few (knn/input_lists.h) */
-    int near_input;  /**< points do not stray from the input (vor_attach_near) */
+    enum vor_near near_input; /**< when points do not stray from the input (vor_attach_near) */
 };
 
 /** n points on the domain, in its normalised coordinates. */
@@ -126,7 +133,8 @@ static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec 
         .keep_border = spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FREE,
         .widen = 1,
         .planes = spec->value[VOR_PARAM_PATCH] == VOR_PATCH_PLANE,
-        .near_input = !vor_process_takes(spec->process, VOR_PARAM_SOUP)};
+        .near_input =
+            vor_process_takes(spec->process, VOR_PARAM_SOUP) ? VOR_NEAR_NEVER : VOR_NEAR_ALWAYS};
 }
 
 /** seeds may be all zero. */
