@@ -1,9 +1,7 @@
-/** What a store of rows is made of: a table of functions, one table for each kind of database. A
- *  driver's own header declares its table, and store.c lists it. Callers include store.h.
+/** What a store of rows is made of, and what it is asked with. Callers include store.h. A driver is
+ *  a table of functions, one table for each kind of database: its own header declares it, and
+ *  store.c lists it. Every function may be called from any thread.
  *
- *  A driver keeps its statements and its schema to itself. Every function may be called from any
- *  thread. A change is durable when its function returns, unless store.h says that a crash of the
- *  machine may undo it.
  *  Each change to a running job names its owner and its attempt, the number that claim_next
  *  returned. A change that names another owner or an older attempt does nothing, because another
  *  worker has the job by then, and says so. */
@@ -155,7 +153,7 @@ struct vor_store_copied {
     uint64_t jobs, were_there; /**< that are there now, and that were before */
 };
 
-/** The functions of a driver. Each does what the function of store.h with its name promises. */
+/** What differs between databases besides their SQL (sql.h). */
 struct vor_store_driver {
     const char *scheme; /**< "sqlite": what stands before the colon of --store */
     const char *place;  /**< "PATH": what stands after it, for messages */
@@ -164,51 +162,139 @@ struct vor_store_driver {
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
-    vor_status (*insert)(struct vor_store *store, struct vor_job_view *row,
-                         struct vor_ledger *ledger, struct vor_error *err);
-    vor_status (*claim_next)(struct vor_store *store, const struct vor_claim *claim,
-                             struct vor_job_view *out, int *found, struct vor_error *err);
-    vor_status (*renew)(struct vor_store *store, struct vor_renewal *renewal,
-                        struct vor_error *err);
-    vor_status (*append_events)(struct vor_store *store, const struct vor_job_view *row,
-                                const struct vor_lease *lease, const struct vor_event_piece *piece,
-                                int *changed, struct vor_error *err);
-    vor_status (*hand_back)(struct vor_store *store, const struct vor_uuid *id,
-                            struct vor_hand_back *run, struct vor_error *err);
-    /** ending is not NULL here. */
-    vor_status (*stop)(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                       struct vor_error *err);
-    vor_status (*finish)(struct vor_store *store, const struct vor_job_view *row,
-                         const struct vor_lease *lease, const struct vor_store_ending *ending,
-                         int *changed, struct vor_error *err);
-    vor_status (*remove)(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                         struct vor_error *err);
-    vor_status (*get)(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                      struct vor_job_view *out, int *found, struct vor_error *err);
-    vor_status (*brief)(struct vor_store *store, const struct vor_uuid *id,
-                        struct vor_job_brief *out, int *found, struct vor_error *err);
-    vor_status (*ledger)(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
-                         struct vor_error *err);
-    vor_status (*find_key)(struct vor_store *store, const struct vor_job_key *key,
-                           struct vor_job_view *out, int *found, struct vor_error *err);
-    vor_status (*report)(struct vor_store *store, const struct vor_uuid *id, char **report,
-                         struct vor_error *err);
-    vor_status (*events)(struct vor_store *store, const struct vor_uuid *id,
-                         const struct vor_event_query *query, struct vor_error *err);
-    vor_status (*list)(struct vor_store *store, const struct vor_job_filter *filter,
-                       int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
-                       struct vor_error *err);
-    vor_status (*waiting)(struct vor_store *store, struct vor_waiting *out, struct vor_error *err);
-    vor_status (*evict)(struct vor_store *store, enum vor_evict why, int64_t limit,
-                        struct vor_evictions *evictions, struct vor_error *err);
-    vor_status (*forget_uploads)(struct vor_store *store, const struct vor_uuid *id,
-                                 struct vor_error *err);
-    vor_status (*shift)(struct vor_store *store, int64_t by_ms, struct vor_error *err);
-    vor_status (*newest)(struct vor_store *store, int64_t *newest_ms, struct vor_error *err);
-    vor_status (*reap)(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
-                       uint64_t *reaped, struct vor_error *err);
-    vor_status (*copy)(struct vor_store *into, struct vor_store *from, struct vor_store_copied *out,
-                       struct vor_error *err);
 };
+
+/* --- the verbs, but for those that a full disk makes room for (store.h) ------------------------
+ */
+
+/** Adds an accepted job; sets row->seq. The blobs of its inputs must be durable before.
+ *
+ *  @param[in,out] ledger  what its principal may have with this job and the uploads that it keeps:
+ *                         if that is too much, is_over is set and nothing is added. NULL: anything
+ *
+ *  @retval VOR_E_IO also when the row's key is that of another job */
+VOR_NODISCARD vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
+                                          struct vor_ledger *ledger, struct vor_error *err);
+
+/** accepted -> running of the job that is next, if it may be claimed; no other goes before it.
+ *  Events of its former attempts go. A job of a later release than the claimer's, and one of
+ * another engine while a daemon that has a lease is of that engine, is left to others.
+ *
+ *  The queue goes in rounds. In each round every principal gets one job, and the jobs of one
+ *  principal start in the order of acceptance. A principal without waiting jobs joins the current
+ *  round, so that its job does not wait behind the many that others have queued. Each row gets its
+ *  round (turn) when it is inserted; jobs start by round, and within a round by acceptance.
+ *
+ *  @param[out] out    the row as it is now; its attempt is the number of this start, from 1
+ *  @param[out] found  0 when none waits, or the next one may not be claimed; *out is then untouched
+ *
+ *  Cost: one look at an index, however many wait. A crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_claim_next(struct vor_store *store,
+                                              const struct vor_claim *claim,
+                                              struct vor_job_view *out, int *found,
+                                              struct vor_error *err);
+
+/** Makes the lease of an owner longer, or begins it, and says which jobs are still its: any other
+ *  that it runs was dismissed, or is another owner's by now, and no change of its does anything to
+ *  it. Waits for no other daemon's change.
+ *
+ *  Cost: as many rows as it runs jobs. A crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
+                                         struct vor_error *err);
+
+/** Adds events to those of a running attempt, behind all that it has, and notes progress and record
+ *  of the row.
+ *
+ *  @param[out] changed  0 when the attempt is not this owner's any more
+ *
+ *  Cost: a crash of the machine may undo it. */
+VOR_NODISCARD vor_status vor_store_append_events(struct vor_store *store,
+                                                 const struct vor_job_view *row,
+                                                 const struct vor_lease *lease,
+                                                 const struct vor_event_piece *piece, int *changed,
+                                                 struct vor_error *err);
+
+/** Asks the owner of a running attempt to end it now, with what it has: vor_store_renew tells him.
+ *
+ *  @param[out] changed  0 when the job does not run */
+VOR_NODISCARD vor_status vor_store_stop(struct vor_store *store, const struct vor_uuid *id,
+                                        int *changed, struct vor_error *err);
+
+/** A job of this principal (NULL: of any).
+ *
+ *  @param[out] found  0 when there is no such job; *out is then untouched
+ *
+ *  Cost: of a job that waits also some hundred steps over an index, and one for each principal
+ *  that has jobs waiting, for its place in the queue. */
+VOR_NODISCARD vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id,
+                                       const char *tenant, struct vor_job_view *out, int *found,
+                                       struct vor_error *err);
+
+/** A few columns of a job, for who asks about very many.
+ *
+ *  @param[out] found  0 when there is no such job; *out is then untouched
+ *
+ *  Cost: one look at an index. */
+VOR_NODISCARD vor_status vor_store_brief(struct vor_store *store, const struct vor_uuid *id,
+                                         struct vor_job_brief *out, int *found,
+                                         struct vor_error *err);
+
+/** What a principal has: sets jobs and bytes.
+ *
+ *  Cost: a read of one row, however many jobs there are. */
+VOR_NODISCARD vor_status vor_store_ledger(struct vor_store *store, const char *tenant,
+                                          struct vor_ledger *ledger, struct vor_error *err);
+
+/** The job that has this key of this principal; key->fingerprint does not matter. A job has its key
+ *  until it expires or is removed.
+ *
+ *  @param[out] found  0 when there is none; *out is then untouched */
+VOR_NODISCARD vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
+                                            struct vor_job_view *out, int *found,
+                                            struct vor_error *err);
+
+/** The output of a job that is kept in its row (vor_output_in_row), as JSON: malloc, the caller
+ *  frees; NULL when there is none. All others are blobs.
+ *
+ *  @retval VOR_E_NOMEM, VOR_E_IO */
+VOR_NODISCARD vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id,
+                                          char **report, struct vor_error *err);
+
+/** Calls query->each for the events of an attempt, in the pieces that were appended, in order. It
+ *  must not call the store. A job has its events until it expires or is removed. */
+VOR_NODISCARD vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                                          const struct vor_event_query *query,
+                                          struct vor_error *err);
+
+/** Calls each for the jobs that match and have not expired, newest first. each must not call the
+ *  store and ends the list by returning 0. */
+VOR_NODISCARD vor_status vor_store_list(struct vor_store *store,
+                                        const struct vor_job_filter *filter,
+                                        int (*each)(void *ctx, const struct vor_job_view *row),
+                                        void *ctx, struct vor_error *err);
+
+/** How much waits. Cost: one step for each 256 jobs of the one who has most. */
+VOR_NODISCARD vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                                           struct vor_error *err);
+
+/** Notes that a job keeps no uploads any more. */
+VOR_NODISCARD vor_status vor_store_forget_uploads(struct vor_store *store,
+                                                  const struct vor_uuid *id, struct vor_error *err);
+
+/** The latest time that a row was changed, or nearly; 0 when there is none. */
+VOR_NODISCARD vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms,
+                                          struct vor_error *err);
+
+/** Copies all jobs of one store into another, whatever their drivers: rows, reports, events, and
+ *  whose turn is next. A job that was running is copied as such. No daemon may use either.
+ *
+ *  @param[in] into  empty, or with the first jobs of `from`, as a copy that was broken off leaves
+ *                   it: then it goes on from there
+ *
+ *  @retval VOR_E_IO also when `into` has other jobs, or not as many in the end
+ *
+ *  Cost: a durable change for each job. */
+VOR_NODISCARD vor_status vor_store_copy(struct vor_store *into, struct vor_store *from,
+                                        struct vor_store_copied *out, struct vor_error *err);
 
 #endif

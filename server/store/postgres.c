@@ -105,5 +105,4 @@ const struct vor_store_driver vor_store_postgres = {
     .open = open_store,
     .close = close_store,
     .check = check,
-    VOR_SQL_VERBS,
 };

@@ -155,8 +155,8 @@ static vor_status find_rest(struct vor_sql *from, struct vor_sql *into, int64_t 
     return status;
 }
 
-vor_status vor_sql_copy_all(struct vor_store *into_store, struct vor_store *from_store,
-                            struct vor_store_copied *out, struct vor_error *err)
+vor_status vor_store_copy(struct vor_store *into_store, struct vor_store *from_store,
+                          struct vor_store_copied *out, struct vor_error *err)
 {
     struct vor_sql *from = vor_sql_of(from_store), *into = vor_sql_of(into_store);
     struct copying copying = {.into = into, .err = err};

@@ -66,8 +66,8 @@ vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t li
     return status;
 }
 
-vor_status vor_sql_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
-                                  struct vor_error *err)
+vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
+                                    struct vor_error *err)
 {
     int changed;
 
@@ -86,7 +86,7 @@ vor_status vor_sql_shift(struct vor_store *store, int64_t by_ms, struct vor_erro
 
 /* By indexes. The newest is that of the last one to be accepted, of the last one to end, or of one
  * that ran. */
-vor_status vor_sql_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
+vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct vor_error *err)
 {
     *newest_ms = 0;
     return vor_sql_query(
@@ -108,8 +108,8 @@ static int take_piece(void *ctx, struct vor_sql_row *row)
     return query->each(query->ctx, &piece);
 }
 
-vor_status vor_sql_events(struct vor_store *store, const struct vor_uuid *id,
-                          const struct vor_event_query *query, struct vor_error *err)
+vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                            const struct vor_event_query *query, struct vor_error *err)
 {
     struct vor_event_query asked = *query;
 
@@ -129,7 +129,8 @@ static int take_waiting(void *ctx, struct vor_sql_row *row)
     return 1;
 }
 
-vor_status vor_sql_waiting(struct vor_store *store, struct vor_waiting *out, struct vor_error *err)
+vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                             struct vor_error *err)
 {
     *out = (struct vor_waiting){.jobs = 0};
     return vor_sql_query(
@@ -156,8 +157,8 @@ static int take_leased(void *ctx, struct vor_sql_row *row)
     return 1;
 }
 
-vor_status vor_sql_renew(struct vor_store *store, struct vor_renewal *renewal,
-                         struct vor_error *err)
+vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
+                           struct vor_error *err)
 {
     struct vor_sql *db = vor_sql_of(store);
     int rows;

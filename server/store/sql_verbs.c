@@ -62,8 +62,8 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
     return status;
 }
 
-vor_status vor_sql_insert(struct vor_store *store, struct vor_job_view *row,
-                          struct vor_ledger *ledger, struct vor_error *err)
+vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
+                            struct vor_ledger *ledger, struct vor_error *err)
 {
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
@@ -98,9 +98,10 @@ static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t atte
                           piece->size);
 }
 
-vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_view *row,
-                                 const struct vor_lease *lease, const struct vor_event_piece *piece,
-                                 int *changed, struct vor_error *err)
+vor_status vor_store_append_events(struct vor_store *store, const struct vor_job_view *row,
+                                   const struct vor_lease *lease,
+                                   const struct vor_event_piece *piece, int *changed,
+                                   struct vor_error *err)
 {
     struct vor_row_text text;
     int64_t seq = 0;
@@ -128,8 +129,8 @@ vor_status vor_sql_append_events(struct vor_store *store, const struct vor_job_v
     return status;
 }
 
-vor_status vor_sql_stop(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                        struct vor_error *err)
+vor_status vor_store_stop(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                          struct vor_error *err)
 {
     return vor_sql_change(vor_sql_of(store), changed, err,
                           "UPDATE job SET stop = attempt WHERE id = ? AND status = 'running'", "t",
@@ -357,8 +358,8 @@ static int take_row(void *ctx, struct vor_sql_row *row)
     return 0;
 }
 
-vor_status vor_sql_get(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
-                       struct vor_job_view *out, int *found, struct vor_error *err)
+vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id, const char *tenant,
+                         struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
     vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
@@ -387,8 +388,8 @@ static int take_brief(void *ctx, struct vor_sql_row *row)
     return 0;
 }
 
-vor_status vor_sql_brief(struct vor_store *store, const struct vor_uuid *id,
-                         struct vor_job_brief *out, int *found, struct vor_error *err)
+vor_status vor_store_brief(struct vor_store *store, const struct vor_uuid *id,
+                           struct vor_job_brief *out, int *found, struct vor_error *err)
 {
     struct brief brief = {.job = out};
     vor_status status = vor_sql_query(
@@ -399,8 +400,8 @@ vor_status vor_sql_brief(struct vor_store *store, const struct vor_uuid *id,
     return status;
 }
 
-vor_status vor_sql_find_key(struct vor_store *store, const struct vor_job_key *key,
-                            struct vor_job_view *out, int *found, struct vor_error *err)
+vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key *key,
+                              struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
     vor_status status =
@@ -428,8 +429,8 @@ static int take_report(void *ctx, struct vor_sql_row *row)
     return 0;
 }
 
-vor_status vor_sql_report(struct vor_store *store, const struct vor_uuid *id, char **report,
-                          struct vor_error *err)
+vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, char **report,
+                            struct vor_error *err)
 {
     struct report read = {.text = NULL};
     vor_status status = vor_sql_query(vor_sql_of(store), take_report, &read, err,
@@ -481,9 +482,9 @@ static void status_words(char *out, size_t size, unsigned statuses)
     " AND (?10 IS NULL OR name = ?10) AND (?11 IS NULL OR principal = ?11)"                        \
     " AND (?12 = 0 OR kept > 0) ORDER BY seq DESC LIMIT ?4) ORDER BY job.seq DESC"
 
-vor_status vor_sql_list(struct vor_store *store, const struct vor_job_filter *filter,
-                        int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
-                        struct vor_error *err)
+vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *filter,
+                          int (*each)(void *ctx, const struct vor_job_view *row), void *ctx,
+                          struct vor_error *err)
 {
     struct listing listing = {.each = each, .ctx = ctx};
     char statuses[64];
@@ -507,8 +508,8 @@ static void take_claimed(void *ctx, struct vor_sql_row *row)
 
 #define THIS " FROM job_text WHERE job_text.seq = job.seq"
 
-vor_status vor_sql_claim_next(struct vor_store *store, const struct vor_claim *claim,
-                              struct vor_job_view *out, int *found, struct vor_error *err)
+vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim *claim,
+                                struct vor_job_view *out, int *found, struct vor_error *err)
 {
     int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
     struct taken taken = {.row = out};
@@ -549,8 +550,8 @@ static int take_ledger_of(void *ctx, struct vor_sql_row *row)
     return 1;
 }
 
-vor_status vor_sql_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
-                          struct vor_error *err)
+vor_status vor_store_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
+                            struct vor_error *err)
 {
     ledger->jobs = ledger->bytes = 0;
     return vor_sql_query(vor_sql_of(store), take_ledger_of, ledger, err, SELECT_LEDGER, "t",

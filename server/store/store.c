@@ -3,6 +3,7 @@
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
 #include "server/store/postgres.h"
+#include "server/store/sql_verbs.h"
 #include "server/store/sqlite.h"
 
 #include <assert.h>
@@ -146,7 +147,7 @@ vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *i
     vor_status status;
 
     do
-        status = store->driver->hand_back(store, id, run, err);
+        status = vor_sql_hand_back(store, id, run, err);
     while (made_room(store->reserve, status, err));
     return status;
 }
@@ -161,7 +162,7 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
     assert(vor_job_status_over(row->status));
     ending = ending != NULL ? ending : &nothing;
     do
-        status = store->driver->finish(store, row, lease, ending, changed, err);
+        status = vor_sql_finish(store, row, lease, ending, changed, err);
     while (made_room(store->reserve, status, err));
     if (status == VOR_OK && *changed)
         vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
@@ -175,7 +176,7 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
     vor_status status;
 
     do
-        status = store->driver->remove(store, id, changed, err);
+        status = vor_sql_remove(store, id, changed, err);
     while (made_room(store->reserve, status, err));
     return status;
 }
@@ -186,7 +187,7 @@ vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t 
     vor_status status;
 
     do
-        status = store->driver->evict(store, why, limit, evictions, err);
+        status = vor_sql_evict(store, why, limit, evictions, err);
     while (made_room(store->reserve, status, err));
     return status;
 }
@@ -196,7 +197,7 @@ vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_er
     vor_status status;
 
     do
-        status = store->driver->shift(store, by_ms, err);
+        status = vor_sql_shift(store, by_ms, err);
     while (made_room(store->reserve, status, err));
     return status;
 }
@@ -207,7 +208,7 @@ vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alo
     vor_status status;
 
     do
-        status = store->driver->reap(store, owner, is_alone, now_ms, reaped, err);
+        status = vor_sql_reap(store, owner, is_alone, now_ms, reaped, err);
     while (made_room(store->reserve, status, err));
     return status;
 }

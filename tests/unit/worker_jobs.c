@@ -115,35 +115,32 @@ VT_TEST_LOOP(the_events_of_a_job_are_the_same_live_and_from_the_store, 2)
     vt_daemon_stop(&daemon);
 }
 
-/* A driver like the real one that counts the reads of single jobs. */
-static struct {
-    struct vor_store_driver driver;
-    const struct vor_store_driver *real;
-    atomic_int rows, traces;
-} counting;
+/* The reads of single jobs. */
+static atomic_int rows, traces;
+vor_status __real_vor_store_get(struct vor_store *store, const struct vor_uuid *id,
+                                const char *tenant, struct vor_job_view *out, int *found,
+                                struct vor_error *err);
+vor_status __wrap_vor_store_get(struct vor_store *store, const struct vor_uuid *id,
+                                const char *tenant, struct vor_job_view *out, int *found,
+                                struct vor_error *err);
+vor_status __real_vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                                   const struct vor_event_query *query, struct vor_error *err);
+vor_status __wrap_vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                                   const struct vor_event_query *query, struct vor_error *err);
 
-static vor_status counted_get(struct vor_store *store, const struct vor_uuid *id,
-                              const char *tenant, struct vor_job_view *out, int *found,
-                              struct vor_error *err)
+vor_status __wrap_vor_store_get(struct vor_store *store, const struct vor_uuid *id,
+                                const char *tenant, struct vor_job_view *out, int *found,
+                                struct vor_error *err)
 {
-    atomic_fetch_add(&counting.rows, 1);
-    return counting.real->get(store, id, tenant, out, found, err);
+    atomic_fetch_add(&rows, 1);
+    return __real_vor_store_get(store, id, tenant, out, found, err);
 }
 
-static vor_status counted_events(struct vor_store *store, const struct vor_uuid *id,
-                                 const struct vor_event_query *query, struct vor_error *err)
+vor_status __wrap_vor_store_events(struct vor_store *store, const struct vor_uuid *id,
+                                   const struct vor_event_query *query, struct vor_error *err)
 {
-    atomic_fetch_add(&counting.traces, 1);
-    return counting.real->events(store, id, query, err);
-}
-
-static void count_reads(struct vt_daemon *daemon)
-{
-    counting.real = daemon->store->driver;
-    counting.driver = *counting.real;
-    counting.driver.get = counted_get;
-    counting.driver.events = counted_events;
-    daemon->store->driver = &counting.driver;
+    atomic_fetch_add(&traces, 1);
+    return __real_vor_store_events(store, id, query, err);
 }
 
 /* Regression: a stream asked the store for the row at each of its events. */
@@ -156,24 +153,24 @@ VT_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
     struct vt_daemon daemon;
     struct vor_uuid id;
 
-    vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.prepare = count_reads});
+    vt_daemon_start(&daemon, vt_dir_make(), NULL);
     id = submit(&daemon, 300, vt_request(100, 50));
     ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &live, &vt_err), VOR_DONE);
     do /* its place in the queue is the store's */
         vor_worker_followed(daemon.worker, &live, &view);
     while (view.status == VOR_JOB_ACCEPTED);
-    atomic_store(&counting.rows, 0);
+    atomic_store(&rows, 0);
     while (!vor_job_is_over(live.job))
         vor_worker_followed(daemon.worker, &live, &view);
     vt_daemon_wait_idle(&daemon);
-    ck_assert_int_eq(atomic_load(&counting.rows), 0);
+    ck_assert_int_eq(atomic_load(&rows), 0);
     ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
     ck_assert_ptr_null(followed.job);
     vt_assert_ok(vor_worker_stored_events(daemon.worker, &followed.row, &batch, &vt_err));
     ck_assert_uint_gt(batch.count, 50);
     vor_worker_followed(daemon.worker, &followed, &stored);
-    ck_assert_int_eq(atomic_load(&counting.rows), 1);
-    ck_assert_int_eq(atomic_load(&counting.traces), 1);
+    ck_assert_int_eq(atomic_load(&rows), 1);
+    ck_assert_int_eq(atomic_load(&traces), 1);
     vor_worker_followed(daemon.worker, &live, &view); /* over, and still in hand */
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
     ck_assert_int_eq(stored.status, VOR_JOB_SUCCESSFUL);

@@ -214,37 +214,38 @@ VT_TEST_LOOP(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2)
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
 }
 
-/* A driver like the real one, whose disk is full at the first recovery and which breaks off behind
- * the second. */
-static struct {
-    struct vor_store_driver driver;
-    const struct vor_store_driver *real;
-    atomic_int recoveries, counts;
-} failing;
+/* Stands for a store whose disk is full at the first recovery, and which breaks off behind the
+ * second; once fail_first was called. */
+static atomic_int fails, recoveries, counts;
+vor_status __real_vor_store_reap(struct vor_store *store, const char *owner, int is_alone,
+                                 int64_t now_ms, uint64_t *reaped, struct vor_error *err);
+vor_status __wrap_vor_store_reap(struct vor_store *store, const char *owner, int is_alone,
+                                 int64_t now_ms, uint64_t *reaped, struct vor_error *err);
+vor_status __real_vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                                    struct vor_error *err);
+vor_status __wrap_vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                                    struct vor_error *err);
 
-static vor_status reap_late(struct vor_store *store, const char *owner, int is_alone,
-                            int64_t now_ms, uint64_t *reaped, struct vor_error *err)
+vor_status __wrap_vor_store_reap(struct vor_store *store, const char *owner, int is_alone,
+                                 int64_t now_ms, uint64_t *reaped, struct vor_error *err)
 {
-    if (atomic_fetch_add(&failing.recoveries, 1) == 0)
+    if (atomic_load(&fails) && atomic_fetch_add(&recoveries, 1) == 0)
         return vor_fail_errno(err, ENOSPC, "the job store");
-    return failing.real->reap(store, owner, is_alone, now_ms, reaped, err);
+    return __real_vor_store_reap(store, owner, is_alone, now_ms, reaped, err);
 }
 
-static vor_status count_waiting(struct vor_store *store, struct vor_waiting *out,
-                                struct vor_error *err)
+vor_status __wrap_vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
+                                    struct vor_error *err)
 {
-    if (atomic_fetch_add(&failing.counts, 1) == 0)
+    if (atomic_load(&fails) && atomic_fetch_add(&counts, 1) == 0)
         return vor_fail(err, VOR_E_IO, "broken off");
-    return failing.real->waiting(store, out, err);
+    return __real_vor_store_waiting(store, out, err);
 }
 
 static void fail_first(struct vt_daemon *daemon)
 {
-    failing.real = daemon->store->driver;
-    failing.driver = *failing.real;
-    failing.driver.reap = reap_late;
-    failing.driver.waiting = count_waiting;
-    daemon->store->driver = &failing.driver;
+    (void)daemon;
+    atomic_store(&fails, 1);
 }
 
 /* Regression: the second round set what ran in this life back to accepted, and ran it again. */
@@ -261,11 +262,11 @@ VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &options);
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    while (atomic_load(&failing.counts) < 2)
+    while (atomic_load(&counts) < 2)
         usleep(10000);
     while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK)
         usleep(10000);
-    ck_assert_int_eq(atomic_load(&failing.recoveries), 3);
+    ck_assert_int_eq(atomic_load(&recoveries), 3);
     vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
     ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
@@ -274,7 +275,11 @@ VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
 
 /* Stands for an allocation that fails: the first jobs are not made, and the store refuses to take
  * the first one back. */
-static atomic_int unmade, refused;
+static atomic_int unmade, refuses, refused;
+vor_status __real_vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                                      struct vor_hand_back *run, struct vor_error *err);
+vor_status __wrap_vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                                      struct vor_hand_back *run, struct vor_error *err);
 struct vor_job *__real_vor_job_create(const struct vor_job_view *row);
 struct vor_job *__wrap_vor_job_create(const struct vor_job_view *row);
 
@@ -283,19 +288,18 @@ struct vor_job *__wrap_vor_job_create(const struct vor_job_view *row)
     return atomic_fetch_sub(&unmade, 1) > 0 ? NULL : __real_vor_job_create(row);
 }
 
-static vor_status refuse_once(struct vor_store *store, const struct vor_uuid *id,
-                              struct vor_hand_back *run, struct vor_error *err)
+vor_status __wrap_vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                                      struct vor_hand_back *run, struct vor_error *err)
 {
-    return atomic_fetch_add(&refused, 1) == 0 ? vor_fail(err, VOR_E_IO, "refused")
-                                              : failing.real->hand_back(store, id, run, err);
+    if (atomic_load(&refuses) && atomic_fetch_add(&refused, 1) == 0)
+        return vor_fail(err, VOR_E_IO, "refused");
+    return __real_vor_store_hand_back(store, id, run, err);
 }
 
 static void fail_memory(struct vt_daemon *daemon)
 {
-    failing.real = daemon->store->driver;
-    failing.driver = *failing.real;
-    failing.driver.hand_back = refuse_once;
-    daemon->store->driver = &failing.driver;
+    (void)daemon;
+    atomic_store(&refuses, 1);
     atomic_store(&unmade, 2);
 }
 
