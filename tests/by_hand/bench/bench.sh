@@ -21,6 +21,9 @@ for part in engine density acceleration index scaling real order sheets edges ea
     "$here/$part.pl" "$voronoid" "$out"
 done
 "$here/profile.sh" "$voronoid" "$out"
+if [[ register =~ $ONLY ]]; then
+    "$here/register.py" "$voronoid" "$out"
+fi
 if [[ daemon =~ $ONLY ]]; then
     "$here/daemon.pl" "$voronoid" "$out"
     cat "$out/daemon.md"
