@@ -468,6 +468,11 @@ void vor_job_ask(struct vor_job *job, enum vor_answer answer)
         continue;
 }
 
+void vor_job_unask(struct vor_job *job)
+{
+    atomic_store(&job->asked, VOR_CONTINUE);
+}
+
 enum vor_answer vor_job_asked(struct vor_job *job)
 {
     return (enum vor_answer)atomic_load(&job->asked);

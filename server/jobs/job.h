@@ -124,5 +124,6 @@ void vor_job_end(struct vor_job *job, const struct vor_job_view *row);
 /** Flags for the watch of a run: the answer the next poll gets; it only grows. */
 void vor_job_ask(struct vor_job *job, enum vor_answer answer);
 enum vor_answer vor_job_asked(struct vor_job *job);
+void vor_job_unask(struct vor_job *job); /**< another run begins, of which nobody has asked */
 
 #endif

@@ -21,7 +21,8 @@ enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
 
-/* A claimed row becomes what its runner runs; false when memory is out. */
+/* A claimed row becomes what its runner runs; false when memory is out, or a runner here has not
+ * heard yet that it lost the job: it is told. */
 static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
 {
     struct vor_worker *worker = runner->worker;
@@ -32,8 +33,14 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     if (vor_store_is_shared(worker->config.store)) { /* its last attempt may have been elsewhere */
         struct vor_job_view waits = *row;
 
+        if (vor_worker_is_running(worker, job)) {
+            vor_job_ask(job, VOR_CANCEL);
+            vor_job_release(job);
+            return 0;
+        }
         waits.status = VOR_JOB_ACCEPTED;
         vor_job_mirror(job, &waits, 0);
+        vor_job_unask(job); /* who lost the lease was told to end */
     }
     pthread_mutex_lock(&worker->mutex);
     vor_capacity_run(worker, row);
@@ -43,14 +50,14 @@ static int take_job(struct vor_runner *runner, const struct vor_job_view *row)
     return 1;
 }
 
-/* There is no memory for a claimed row, which is to wait again. */
+/* A claimed row cannot be run, and is to wait again. */
 static void untake_job(struct vor_worker *worker, const struct vor_job_view *row)
 {
     struct vor_hand_back back = {.lease = {worker->owner.text, row->attempt},
                                  .now_ms = row->updated};
     struct vor_error err;
 
-    vor_log(VOR_LOG_ERROR, "no memory for a job; it keeps waiting", VOR_OF_JOB(row));
+    vor_log(VOR_LOG_WARN, "a job cannot begin here yet; it keeps waiting", VOR_OF_JOB(row));
     while (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK) {
         vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(row),
                 VOR_TEXT("error", err.message));
@@ -142,6 +149,15 @@ static void look_idle(struct vor_worker *worker)
     (void)kill(getpid(), SIGTERM);
 }
 
+/* Where others take the jobs of one that is late: whatever the sweeper waits for. */
+static void *keeper_main(void *arg)
+{
+    do
+        vor_worker_renew(arg);
+    while (!vor_worker_pause(arg, look_seconds));
+    return NULL;
+}
+
 static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
@@ -153,7 +169,8 @@ static void *sweeper_main(void *arg)
     do {
         double now = vor_clock_seconds();
 
-        vor_worker_renew(worker);
+        if (!worker->keeper_started)
+            vor_worker_renew(worker);
         vor_worker_follow_others(worker);
         vor_worker_recover_late(worker);
         vor_worker_look(worker);
@@ -181,6 +198,14 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
                             "on the number of processes",
                             worker->config.jobs);
         worker->runner_count++;
+    }
+    if (vor_store_is_shared(worker->config.store)) {
+        if (vor_machine_thread(&worker->keeper, "vor-keeper", keeper_main, worker) != 0)
+            return vor_fail(err, VOR_E_NOMEM,
+                            "cannot start the thread that renews leases: too "
+                            "little memory, or a limit on the number of "
+                            "processes");
+        worker->keeper_started = 1;
     }
     if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)
         return vor_fail(err, VOR_E_NOMEM,
@@ -262,6 +287,8 @@ void vor_worker_destroy(struct vor_worker *worker)
     vor_crew_destroy(worker->crew);
     for (unsigned i = 0; i < worker->runner_count; i++)
         pthread_join(worker->runners[i].thread, NULL);
+    if (worker->keeper_started)
+        pthread_join(worker->keeper, NULL);
     if (worker->sweeper_started)
         pthread_join(worker->sweeper, NULL);
     vor_found_free(&worker->found);

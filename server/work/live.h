@@ -66,8 +66,8 @@ struct vor_worker {
     int aborting; /* what runs was asked to end; its rows go back to accepted */
     struct vor_runner runners[VOR_WORKER_JOBS_MAX];
     unsigned runner_count;
-    pthread_t sweeper;
-    int sweeper_started;
+    pthread_t sweeper, keeper;
+    int sweeper_started, keeper_started;
     struct vor_found found; /* the sweeper's, once it runs, as all below */
     struct vor_calendar calendar;
     int is_away;               /* the blobs are, and the log says so */
@@ -104,7 +104,7 @@ void vor_worker_let_go(struct vor_runner *runner);
 int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
 
 /** Makes the lease on what runs longer, if that is due, and ends the runs that have lost theirs.
- * For the sweeper. */
+ * For one thread. */
 void vor_worker_renew(struct vor_worker *worker);
 
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
