@@ -145,7 +145,7 @@ if ($want{faults}) {
     my $cutter = start_cutter(sub { rand() < .1 ? 0 : 20_000 + int rand 200_000 });
     my @of = (store => "postgresql://voronoid\@127.0.0.1:$Scale::pooler/faults", blobs => "s3:http://127.0.0.1:$cutter/bucket/faults");
     my $wanted = Vt->start(jobs => 1)->post('/v1/resample?points=500', $cloud)->{content};
-    my @apis = map { Vt->start(@of, role => 'api') } 1 .. 2;
+    my @apis = map { wait_until(sub { eval { Vt->start(@of, role => 'api') } }) } 1 .. 2;
     my @workers = (undef) x 3;
     my ($count, $began, $killed, $stopped, %refused, @ids) = ($ENV{VT_JOBS} // 200, time, 0, 0);
     while (@ids < $count || time - $began < 60) {
@@ -165,10 +165,10 @@ if ($want{faults}) {
             ? $apis[rand 2]->post('/v1/resample?points=500', $cloud, Prefer => 'respond-async', 'Idempotency-Key' => "number-$number") : { status => 0 };
         push @ids, json($answer)->{jobID} if $answer->{status} == 201;
         $refused{"$answer->{status} $1"}++
-            if ($answer->{content} // '') =~ /"title":"(.*?)"/;
+            if $answer->{status} != 201 && ($answer->{content} // '') =~ /"title":"(.*?)"/;
         sleep .1;
     }
-    $_ //= Vt->start(@of, role => 'worker', jobs => 2, threads => 1) for @workers;
+    $_ //= wait_until(sub { eval { Vt->start(@of, role => 'worker', jobs => 2, threads => 1) } }) for @workers;
     my $left = wait_until(sub { (ask('faults', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") || 0) eq '0' }) ? 0 : 'some';
     my $same = grep { my $id = $_; wait_until(sub { $apis[rand 2]->get("/v1/jobs/$id/results/cloud")->{content} eq $wanted }) } @ids;
     printf "faults: %d workers killed, PostgreSQL stopped %d times, submits refused: %s; of %d jobs %s, %s stuck; %d with the same bytes; %s ran again\n",
