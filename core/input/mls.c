@@ -123,7 +123,7 @@ static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     const struct pass *pass = ctx;
     struct hood hood;
 
-    memset(&hood.surface, 0, sizeof hood.surface); /* clang-analyzer cannot see that k >= 1 */
+    memset(&hood, 0, sizeof hood); /* analyzers cannot see that k >= 1 */
     for (size_t i = begin; i < end; i++) {
         const float *from = &pass->domain->xyz[3 * i];
         double x[3] = {(double)from[0], (double)from[1], (double)from[2]};

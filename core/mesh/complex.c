@@ -124,7 +124,7 @@ int vor_complex_collapses(const struct vor_complex *complex, uint32_t a, uint32_
 
 unsigned vor_complex_collapse(struct vor_complex *complex, uint32_t a, uint32_t b)
 {
-    uint32_t *around = &complex->around[(size_t)b * VOR_AROUND_MOST], gone[2];
+    uint32_t *around = &complex->around[(size_t)b * VOR_AROUND_MOST], gone[2] = {0, 0};
     unsigned went = 0;
 
     for (unsigned t = complex->degree[b]; t-- > 0;) {
