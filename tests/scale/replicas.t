@@ -123,6 +123,11 @@ is Vt::reap(delete $worker->{pid}), 0, 'a worker that finds no job ends';
 $worker = Vt->start(%place, role => 'worker');
 is $worker->get('/readyz')->{status}, 200, 'one that waits for jobs is ready';
 is $worker->get('/v1/jobs')->{status}, 404, 'and answers nothing else';
+Scale::write_file("$Scale::dir/$_.ply", $cloud) for qw(a b c);
+my $frames = $api->request('POST', '/v1/processes/resample/frames?points=500', headers => { 'Content-Type' => 'application/x-tar' },
+    content => scalar qx(tar -C $Scale::dir -c a.ply b.ply c.ply))->{content};
+Scale::write_file("$Scale::dir/frames.tar", $frames);
+is join(' ', split ' ', qx(tar -tf $Scale::dir/frames.tar)), 'a.json a.ply b.json b.ply c.json c.ply', 'frames go from result to result elsewhere';
 for my $role (qw(api worker)) {
     ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--role', $role);
     is $status, 2, "a daemon that shares nothing is no $role";

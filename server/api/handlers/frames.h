@@ -7,6 +7,7 @@
 #include "proto/tar.h"
 #include "server/api/handlers/submission.h"
 #include "server/http/deferred.h"
+#include "server/work/fetch.h"
 
 /** Frames on their way at a time, that do not depend on each other. */
 enum { VOR_FLIGHTS = 4 };
@@ -102,6 +103,11 @@ void vor_sequence_advance(struct vor_sequence *sequence);
 /** Says of a frame why nothing comes of it. err is read unless the outcome says all. */
 void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
                                enum vor_job_outcome outcome, const struct vor_error *err);
+
+/** Brings the result of a job here from another machine. False when it is on its way: the request
+ * is woken then. err says why it failed. */
+bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id,
+                        enum vor_fetched *fetched, struct vor_error *err);
 
 /** Ends following the job of a frame, if there is one. */
 void vor_flight_leave(struct vor_flight *flight);

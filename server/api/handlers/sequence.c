@@ -19,8 +19,6 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
-#include "server/work/fetch.h"
-#include "server/work/verify.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -54,29 +52,19 @@ static void add_header(struct vor_text *text, const struct vor_frame *frame, con
     vor_text_add(text, (const char *)header, sizeof header);
 }
 
-static void wake(void *ctx)
-{
-    vor_waker_wake(ctx);
-    vor_waker_drop(ctx);
-}
-
 /* Opens the result of a frame. False when it is on its way here from another machine. */
 static bool open_result(struct vor_sequence *sequence, size_t index)
 {
     struct vor_app *app = sequence->app;
     struct vor_frame *frame = &sequence->frames[index];
     const char *name = sequence->head.spec.process->outputs[0].name;
-    struct vor_asker asker = {.wake = wake, .caller = sequence->caller};
     struct vor_error err;
     enum vor_fetched fetched;
     int found = 0;
     vor_status status = VOR_OK;
 
-    asker.ctx = vor_request_waker(sequence->request);
-    fetched = vor_fetch(vor_verify_fetcher(app->verify), &frame->id, name, &asker, NULL, &err);
-    if (fetched == VOR_FETCH_WAIT)
+    if (!vor_sequence_fetch(sequence, &frame->id, &fetched, &err))
         return false;
-    vor_waker_drop(asker.ctx);
     if (fetched == VOR_FETCH_FAILED)
         status = err.status;
     else if (fetched != VOR_FETCH_NONE)
@@ -342,7 +330,6 @@ static enum vor_next reply(struct vor_app *app, struct vor_request *request,
                            struct vor_sequence *sequence)
 {
     struct vor_error *err = &sequence->error;
-
     vor_status status = err->status;
 
     if (status == VOR_OK)

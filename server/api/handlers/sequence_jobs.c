@@ -4,6 +4,7 @@
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/rates.h"
+#include "server/work/verify.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -73,6 +74,19 @@ void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
     frame->is_over = true;
 }
 
+bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id,
+                        enum vor_fetched *fetched, struct vor_error *err)
+{
+    struct vor_asker asker = vor_asker_of(sequence->request);
+
+    *fetched = vor_fetch(vor_verify_fetcher(sequence->app->verify), id,
+                         sequence->head.spec.process->outputs[0].name, &asker, NULL, err);
+    if (*fetched == VOR_FETCH_WAIT)
+        return false;
+    vor_waker_drop(asker.ctx);
+    return true;
+}
+
 /* Adds the last result to the inputs of a frame. */
 static vor_status add_last(struct vor_sequence *sequence, struct vor_uploads *uploads,
                            struct vor_error *err)
@@ -113,7 +127,7 @@ static double wait_for_rate(const struct vor_sequence *sequence)
                           sequence->quota.rate, vor_clock_seconds());
 }
 
-/* Begins the next frame. False when it must wait for room. */
+/* Begins the next frame. False when it must wait for room, or for the result before. */
 static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *flight)
 {
     struct vor_app *app = sequence->app;
@@ -125,10 +139,16 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
                                      .whole = sequence->body.item[0].bytes,
                                      .offset = frame->offset,
                                      .size = frame->size};
-    enum vor_job_outcome outcome = vor_worker_book(app->worker);
-    double wait = outcome == VOR_DONE ? wait_for_rate(sequence) : 1;
+    enum vor_job_outcome outcome;
+    double wait;
     struct vor_error err = {.status = VOR_OK};
+    enum vor_fetched fetched;
 
+    if (sequence->last.text[0] != '\0' &&
+        !vor_sequence_fetch(sequence, &sequence->last, &fetched, &err))
+        return false;
+    outcome = vor_worker_book(app->worker);
+    wait = outcome == VOR_DONE ? wait_for_rate(sequence) : 1;
     if (outcome == VOR_DONE && wait > 0)
         vor_worker_unbook(app->worker);
     if (outcome == VOR_FULL || (outcome == VOR_DONE && wait > 0)) {
