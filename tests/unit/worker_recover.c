@@ -347,6 +347,37 @@ VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     vt_daemon_stop(&daemon);
 }
 
+static void share(struct vt_daemon *daemon)
+{
+    daemon->store->is_shared = 1;
+}
+
+/* Regression: what told the run before to end also ended the next one, "cancelled by the caller".
+ */
+VT_TEST(a_job_that_was_lost_and_comes_back_runs_again)
+{
+    struct life life = begin_life();
+    struct vor_uuid runs = leave_endless(&life);
+    struct vor_job_view row;
+    struct vt_daemon daemon;
+    uint64_t reaped;
+    int found;
+
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1, .prepare = share});
+    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
+    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, 1, 1, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 1);
+    do { /* a stop that comes before the second run begins counts for the first */
+        vt_nap();
+        vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
+        if (row.attempt == 2 && row.status == VOR_JOB_RUNNING)
+            (void)vor_worker_stop(daemon.worker, &runs, &vt_err);
+    } while (!vor_job_status_over(row.status));
+    ck_assert_msg(row.status == VOR_JOB_SUCCESSFUL && row.attempt == 2, "%s", row.message);
+    vt_daemon_stop(&daemon);
+}
+
 VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
 {
     struct vor_spec endless = vt_request(200, 10000), brief = vt_request(200, 3);
