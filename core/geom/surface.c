@@ -194,13 +194,14 @@ void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
     fit(out, near, NULL, k, VOR_SURFACE_QUADRIC);
 }
 
-void vor_surface_fit_to(struct vor_surface *out, const float *xyz, const uint32_t *index,
-                        unsigned k)
+enum vor_surface_kind vor_surface_fit_to(struct vor_surface *out, const float *xyz,
+                                         const uint32_t *index, unsigned k)
 {
     float near[3 * VOR_NEIGHBORS_MAX];
 
     vor_gather(near, xyz, index, k);
     vor_surface_fit(out, near, k);
+    return out->kind;
 }
 
 void vor_surface_fit_as(struct vor_surface *out, const float *near, unsigned k,

@@ -74,9 +74,9 @@ struct vor_surface {
  */
 void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k);
 
-/** vor_surface_fit to the points index[0 .. k - 1] of xyz. */
-void vor_surface_fit_to(struct vor_surface *out, const float *xyz, const uint32_t *index,
-                        unsigned k);
+/** vor_surface_fit to the points index[0 .. k - 1] of xyz. Returns the kind. */
+enum vor_surface_kind vor_surface_fit_to(struct vor_surface *out, const float *xyz,
+                                         const uint32_t *index, unsigned k);
 
 /** vor_surface_fit, where the surface may be of no higher kind than `highest`: as VOR_SURFACE_PLANE
  * it never bends, c[3] .. c[5] are 0. highest is not VOR_SURFACE_NONE.

@@ -82,6 +82,18 @@ VOR_NODISCARD vor_status vor_domain_index(struct vor_domain *domain, const struc
 VOR_NODISCARD vor_status vor_domain_check(const struct vor_domain *domain,
                                           const struct vor_run *run, struct vor_error *err);
 
+/** Where point i is. */
+static inline const float *vor_domain_point(const struct vor_domain *domain, size_t i)
+{
+    return &domain->xyz[3 * i];
+}
+
+/** k points, or all if they are fewer. */
+static inline unsigned vor_domain_most(const struct vor_domain *domain, unsigned k)
+{
+    return k < domain->n ? k : (unsigned)domain->n;
+}
+
 /** Where a point of the input, given by its relative position, lies in the domain's frame; in float
  *  as vor_domain_init has it. */
 static inline void vor_domain_normalise(const struct vor_domain *domain, const float in[3],

@@ -60,11 +60,6 @@ struct around {
     double own[3]; /* middle of those this side of all creases, from the point */
 };
 
-static const float *point(const struct vor_domain *domain, size_t i)
-{
-    return &domain->xyz[3 * i];
-}
-
 /* Spacing of a square lattice as dense as k points in a disc. */
 static double spacing_of(float far2, unsigned k)
 {
@@ -77,7 +72,7 @@ static double spacing_of(float far2, unsigned k)
 static int is_level(const struct vor_domain *domain, size_t i, size_t j, double off)
 {
     const float *m = domain->graph.normal + 3 * i, *n = domain->graph.normal + 3 * j;
-    const float *x = point(domain, i), *y = point(domain, j);
+    const float *x = vor_domain_point(domain, i), *y = vor_domain_point(domain, j);
     double cosine = 0, across = 0;
 
     for (int c = 0; c < 3; c++) {
@@ -125,8 +120,8 @@ static void find_own(struct around *around, const struct vor_domain *domain, siz
             continue;
         count++;
         for (int c = 0; c < 3; c++)
-            around->own[c] +=
-                (double)point(domain, around->index[j])[c] - (double)point(domain, i)[c];
+            around->own[c] += (double)vor_domain_point(domain, around->index[j])[c] -
+                              (double)vor_domain_point(domain, i)[c];
     }
     for (int c = 0; c < 3 && count > 0; c++)
         around->own[c] /= count;
@@ -153,7 +148,7 @@ static int find_crease(struct crease *out, const struct vor_domain *domain,
     vor_to_doubles(m, domain->graph.normal + 3 * j);
     for (int c = 0; c < 3; c++) {
         out->along[c] /= sine;
-        d[c] = (double)point(domain, j)[c] - (double)point(domain, i)[c];
+        d[c] = (double)vor_domain_point(domain, j)[c] - (double)vor_domain_point(domain, i)[c];
     }
     vor_cross(out->across, out->along, n);
     out->before = vor_dot(d, m) / vor_dot(out->across, m);
@@ -180,11 +175,12 @@ static void unfold(float out[3], const struct vor_domain *domain, const struct a
 {
     struct crease crease;
 
-    memcpy(out, point(domain, j), 3 * sizeof *out);
+    memcpy(out, vor_domain_point(domain, j), 3 * sizeof *out);
     if (find_crease(&crease, domain, around, i, j))
         for (int c = 0; c < 3; c++)
-            out[c] = (float)((double)point(domain, i)[c] + crease.shift * crease.along[c] +
-                             (crease.before + crease.after) * crease.across[c]);
+            out[c] =
+                (float)((double)vor_domain_point(domain, i)[c] + crease.shift * crease.along[c] +
+                        (crease.before + crease.after) * crease.across[c]);
 }
 
 /* Lays a place in the plane of i beyond the crease towards j back onto the plane of j. */
@@ -195,7 +191,7 @@ static void fold(float out[3], const double place[3], const struct vor_domain *d
     double d[3], far = 0;
 
     for (int c = 0; c < 3; c++)
-        d[c] = place[c] - (double)point(domain, i)[c];
+        d[c] = place[c] - (double)vor_domain_point(domain, i)[c];
     if (find_crease(&crease, domain, around, i, j))
         far = fmax(vor_dot(d, crease.across) - crease.before, 0);
     for (int c = 0; c < 3; c++)
@@ -208,7 +204,7 @@ static void search(struct around *out, const struct find *find, size_t i, unsign
     unsigned all = find->normals && domain->known.sheets ? SHEETS * k : k;
 
     out->k = all < domain->n ? all : (unsigned)domain->n;
-    vor_knn_search(domain->knn, point(domain, i), 1, out->k, out->index, out->distance2);
+    vor_knn_search(domain->knn, vor_domain_point(domain, i), 1, out->k, out->index, out->distance2);
     if (find->normals) {
         keep_level(out, domain, i, k);
         find_own(out, domain, i);
@@ -217,7 +213,8 @@ static void search(struct around *out, const struct find *find, size_t i, unsign
         if (find->normals)
             unfold(&out->near[3 * j], domain, out, i, out->index[j]);
         else
-            memcpy(&out->near[3 * j], point(domain, out->index[j]), 3 * sizeof *out->near);
+            memcpy(&out->near[3 * j], vor_domain_point(domain, out->index[j]),
+                   3 * sizeof *out->near);
 }
 
 /* The normal of the lists if there is one, else that of a plane. */
@@ -238,7 +235,7 @@ static void normal_of(double normal[3], const struct find *find, size_t i,
 static unsigned openings_at(struct vor_opening *out, const struct find *find, size_t i,
                             const struct around *around, double radius)
 {
-    const float *p = point(find->domain, i);
+    const float *p = vor_domain_point(find->domain, i);
     double x[3] = {(double)p[0], (double)p[1], (double)p[2]}, normal[3];
 
     normal_of(normal, find, i, around);
@@ -376,7 +373,8 @@ struct sums {
 static void add_line(struct sums *sums, const struct walk *walk, const struct vor_corner *from,
                      const struct vor_corner *to)
 {
-    const float *a = point(walk->domain, from->point), *b = point(walk->domain, to->point);
+    const float *a = vor_domain_point(walk->domain, from->point),
+                *b = vor_domain_point(walk->domain, to->point);
     double length = sqrt(vor_distance2f(a, b)), bend = 0;
 
     for (int c = 0; c < 3; c++) {

@@ -84,7 +84,7 @@ static int is_scattered(const struct look *look, const uint32_t *index, double r
 
     if (!(reach2 > look->sparse2))
         return 0;
-    vor_surface_fit_to(&surface, look->domain->xyz, index, NEIGHBORS + 1);
+    (void)vor_surface_fit_to(&surface, look->domain->xyz, index, NEIGHBORS + 1);
     return surface.kind != VOR_SURFACE_NONE && surface.off2 > THICK * THICK * reach2;
 }
 

@@ -338,7 +338,7 @@ static void take_list(struct regions *regions, uint32_t i)
     for (unsigned e = 0; e < AROUND && n <= graph->most; e++)
         if (index[e] != i && regions->region[index[e]] == regions->region[i])
             taken[n++] = index[e];
-    vor_surface_fit_to(&surface, regions->domain->xyz, taken, n);
+    (void)vor_surface_fit_to(&surface, regions->domain->xyz, taken, n);
     if (n < VOR_ADJACENT_FEWEST || surface.kind == VOR_SURFACE_NONE)
         return;
     memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);

@@ -16,9 +16,6 @@ const double vor_sheet_arcs[VOR_SHEET_ARCS] = {0.5, 0.35};
 /* A list must lower the variance about the surface VOR_FINER times. At 2.9 / 2 / 1.4: cow
  * 0.066, 4.07 / 0.063, 4.18 / 0.063, 4.24, room 0.0470 / 0.0459 / 0.0456. */
 
-/* VOR_FINER is the times less variance that a surface must have about the points of a short list.
- * At 1 / 2 / 4: cow 0.060, 3.88 / 0.056, 3.93 / 0.060, 4.02. */
-
 /* Least spacing on the list over that of all points. Two sheets are denser together than one; the
  * steps that depth is rounded to are not, and the lists of one step are denser. At 0 / 0.9: cow
  * 0.063 / 0.063; with one round and a cosine of 0.8, at 0.9 / 1.05: cow 0.074 / 0.076. */
@@ -33,16 +30,6 @@ const double vor_sheet_arcs[VOR_SHEET_ARCS] = {0.5, 0.35};
 /* Fewest points that were left out. */
 enum { OUT = 3 };
 
-static const float *point(const struct vor_domain *domain, uint32_t i)
-{
-    return &domain->xyz[3 * (size_t)i];
-}
-
-static unsigned at_most(const struct vor_domain *domain, unsigned k)
-{
-    return k < domain->n ? k : (unsigned)domain->n;
-}
-
 unsigned vor_sheet_walk_take(const struct vor_walk *walk, unsigned k, uint32_t *index)
 {
     unsigned taken = 0;
@@ -53,23 +40,18 @@ unsigned vor_sheet_walk_take(const struct vor_walk *walk, unsigned k, uint32_t *
     return taken;
 }
 
-static int fit_to(struct vor_surface *out, const struct vor_domain *domain, const uint32_t *index,
-                  unsigned n)
-{
-    vor_surface_fit_to(out, domain->xyz, index, n);
-    return out->kind != VOR_SURFACE_NONE;
-}
-
 int vor_sheet_walk_begin(struct vor_walk *walk, struct vor_surface *plain,
                          const struct vor_domain *domain, uint32_t i)
 {
-    walk->most = at_most(domain, VOR_WALK_MOST);
+    walk->most = vor_domain_most(domain, VOR_WALK_MOST);
     walk->is_signed = 0;
-    vor_knn_search(domain->knn, point(domain, i), 1, walk->most, walk->index, walk->distance2);
+    vor_knn_search(domain->knn, vor_domain_point(domain, i), 1, walk->most, walk->index,
+                   walk->distance2);
     for (unsigned j = 0; j < walk->most; j++)
         for (int c = 0; c < 3; c++)
-            walk->x[c][j] = point(domain, walk->index[j])[c];
-    return fit_to(plain, domain, walk->index, at_most(domain, VOR_ADJACENT)) &&
+            walk->x[c][j] = vor_domain_point(domain, walk->index[j])[c];
+    return vor_surface_fit_to(plain, domain->xyz, walk->index,
+                              vor_domain_most(domain, VOR_ADJACENT)) &&
            vor_layers_possible(plain);
 }
 
@@ -81,10 +63,10 @@ unsigned vor_sheet_walk_go(struct vor_walk *walk, struct vor_surface *own,
         unsigned n;
 
         walk->arc = vor_sheet_arcs[a];
-        walk->enough = at_most(domain, VOR_ADJACENT);
+        walk->enough = vor_domain_most(domain, VOR_ADJACENT);
         vor_walk_go(walk);
-        n = vor_sheet_walk_take(walk, at_most(domain, VOR_ADJACENT), index);
-        if (n >= VOR_ADJACENT_FEWEST && fit_to(own, domain, index, n) &&
+        n = vor_sheet_walk_take(walk, vor_domain_most(domain, VOR_ADJACENT), index);
+        if (n >= VOR_ADJACENT_FEWEST && vor_surface_fit_to(own, domain->xyz, index, n) &&
             own->spacing >= SPARSER * plain->spacing && VOR_FINER * own->off2 < plain->off2)
             return n;
     }
@@ -99,7 +81,7 @@ static int lies_over(const struct vor_surface *own, const struct vor_domain *dom
     double su = 0, sv = 0;
 
     for (unsigned j = 0; j < n; j++) {
-        const float *p = point(domain, index[j]);
+        const float *p = vor_domain_point(domain, index[j]);
         double at[3] = {(double)p[0], (double)p[1], (double)p[2]}, local[3], u, v, l2;
 
         vor_surface_to_local(own, at, local);
@@ -129,13 +111,13 @@ int vor_sheet_walk_left_over(const struct vor_walk *walk, const struct vor_surfa
 {
     unsigned out = 0, far = 0, over = 0;
 
-    for (unsigned j = 0; j < at_most(domain, VOR_ADJACENT); j++) {
+    for (unsigned j = 0; j < vor_domain_most(domain, VOR_ADJACENT); j++) {
         double local[3];
 
         if (walk->reached[j])
             continue;
         out++;
-        far += (unsigned)lies_far(own, point(domain, walk->index[j]), local);
+        far += (unsigned)lies_far(own, vor_domain_point(domain, walk->index[j]), local);
         over += (unsigned)lies_over(own, domain, index, n, local);
     }
     return out >= OUT && 2 * far >= out && over >= OVER * out;
@@ -160,13 +142,13 @@ unsigned vor_sheet_walk_carried(struct vor_walk *walk, struct vor_surface *own,
     walk->is_signed = 1;
     n = vor_sheet_walk_go(walk, own, plain, domain, index);
     walk->is_signed = 0;
-    for (unsigned j = 1; j < at_most(domain, VOR_ADJACENT) && n > 0; j++) {
+    for (unsigned j = 1; j < vor_domain_most(domain, VOR_ADJACENT) && n > 0; j++) {
         float(*m)[VOR_WALK_MOST] = walk->normal;
 
         if (m[0][j] * m[0][0] + m[1][j] * m[1][0] + m[2][j] * m[2][0] >= 0)
             continue;
         other++;
-        if (!lies_far(own, point(domain, walk->index[j]), local))
+        if (!lies_far(own, vor_domain_point(domain, walk->index[j]), local))
             n = 0;
     }
     return other >= OUT ? n : 0;

@@ -172,7 +172,7 @@ static void fit_normal(struct side *side, size_t i)
     double normal[3];
 
     vor_knn_search(side->knn, &side->xyz[3 * i], 1, k, index, distance2);
-    vor_surface_fit_to(&surface, side->xyz, index, k);
+    (void)vor_surface_fit_to(&surface, side->xyz, index, k);
     if (surface.kind == VOR_SURFACE_NONE)
         return;
     vor_surface_normal(&surface, foot, normal);

@@ -18,6 +18,7 @@
  * Kobbelt 2004, Sec. 4. */
 #define SPLIT (4.0 / 3)
 #define COLLAPSE (4.0 / 5)
+enum { POLL_EVERY = 256 }; /* edges */
 
 /* An edge: its length over the spacing wanted there, its ends. */
 struct edge {
@@ -230,7 +231,10 @@ static vor_status trade(struct remesh *remesh, struct vor_scratch *scratch)
         const struct edge *to = NULL;
         uint32_t i, third[2];
 
-        if (!collapses(remesh, &from, x))
+        status = e % POLL_EVERY == 0
+                     ? vor_run_answered(vor_run_poll(&remesh->seeds->run), remesh->err)
+                     : VOR_OK;
+        if (status != VOR_OK || !collapses(remesh, &from, x))
             continue;
         i = from.end[1];
         while (to == NULL && left > e + 1 &&
