@@ -197,7 +197,9 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
                             "cannot start %u threads that run jobs: too little memory, or a limit "
                             "on the number of processes",
                             worker->config.jobs);
-        worker->runner_count++;
+        pthread_mutex_lock(&worker->mutex);
+        worker->runner_count++; /* which those before it read */
+        pthread_mutex_unlock(&worker->mutex);
     }
     if (vor_store_is_shared(worker->config.store)) {
         if (vor_machine_thread(&worker->keeper, "vor-keeper", keeper_main, worker) != 0)
