@@ -73,6 +73,16 @@ void vor_text_puts(struct vor_text *text, const char *string)
     vor_text_add(text, string, strlen(string));
 }
 
+void vor_text_escape(struct vor_text *text, const char *string)
+{
+    static const char plain[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
+
+    for (; *string != '\0'; string++)
+        vor_text_printf(text, strchr(plain, *string) != NULL ? "%c" : "%%%02X",
+                        (unsigned char)*string);
+}
+
 static void print(struct vor_text *text, size_t length, const char *format, va_list args)
 {
     if (!grow(text, length)) {

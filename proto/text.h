@@ -33,6 +33,8 @@ void vor_text_clear(struct vor_text *text);
 void vor_text_append(struct vor_text *text, const void *bytes, size_t size);
 void vor_text_add(struct vor_text *text, const void *bytes, size_t size);
 void vor_text_puts(struct vor_text *text, const char *string);
+/** Appends a string as a part of a URL: all but letters, digits and "-._~" is escaped. */
+void vor_text_escape(struct vor_text *text, const char *string);
 void vor_text_printf(struct vor_text *text, const char *format, ...) VOR_PRINTF(2, 3);
 
 /** The write of a sink (struct vor_sink) whose ctx is a text; -1 once something was dropped. */

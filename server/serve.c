@@ -138,6 +138,7 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     vor_tickets_share(daemon->app.tickets, vor_store_secret(daemon->app.store));
     vor_store_set_reserve(daemon->app.store, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
     vor_blobs_set_reserve(daemon->app.blobs, (uint64_t)config->number[VOR_SET_DISK_RESERVE]);
+    vor_blobs_set_public_url(daemon->app.blobs, config->text[VOR_SET_BLOBS_PUBLIC_URL]);
     return VOR_OK;
 }
 

@@ -47,7 +47,7 @@
     X(GET, "/v1/jobs/{jobID}/results", READ, vor_handle_results,                                   \
       "200 400 401 403 404 406 410 413 422 500 503")                                               \
     X(GET, "/v1/jobs/{jobID}/results/{output}", READ, vor_handle_result,                           \
-      "200 206 304 400 401 403 404 406 410 413 416 422 429 500 503 507")                           \
+      "200 206 304 307 400 401 403 404 406 410 413 416 422 429 500 503 507")                       \
     X(POST, "/v1/jobs/{jobID}/tickets", READ, vor_handle_ticket,                                   \
       "201 400 401 403 404 410 413 422 500 503")                                                   \
     X(GET, "/v1/jobs/{jobID}/trace", READ, vor_handle_trace, "200 401 403 404 503")

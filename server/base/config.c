@@ -330,9 +330,10 @@ static size_t origin_length(const char *text)
 }
 
 /* A wrong one would only show as links that lead nowhere. */
-static vor_status check_public_url(struct vor_config *config, struct vor_error *err)
+static vor_status check_url(const struct vor_config *config, enum vor_setting setting,
+                            struct vor_error *err)
 {
-    const char *url = config->text[VOR_SET_PUBLIC_URL];
+    const char *url = config->text[setting], *flag = vor_setting_infos[setting].flag;
     size_t scheme = strncmp(url, "https://", 8) == 0 ? 8 : strncmp(url, "http://", 7) == 0 ? 7 : 0;
     size_t host = strcspn(url + scheme, "/");
     char copy[VOR_HOST_MAX + 1] = "";
@@ -343,10 +344,23 @@ static vor_status check_public_url(struct vor_config *config, struct vor_error *
         (scheme > 0 && vor_host_is_sound(copy) &&
          (url[scheme + host] == '\0' || vor_prefix_is_sound(url + scheme + host))))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, "public-url",
-                          "--public-url is \"%.80s\", want http://HOST or https://HOST. A port "
+    return vor_fail_param(err, VOR_E_PARAM, flag,
+                          "--%s is \"%.80s\", want http://HOST or https://HOST. A port "
                           "and a path may follow (%d bytes at most), but no query",
-                          url, VOR_PREFIX_MAX);
+                          flag, strchr(url, '@') == NULL ? url : "...", VOR_PREFIX_MAX);
+}
+
+static vor_status check_urls(struct vor_config *config, struct vor_error *err)
+{
+    vor_status status = check_url(config, VOR_SET_PUBLIC_URL, err);
+
+    if (status == VOR_OK)
+        status = check_url(config, VOR_SET_BLOBS_PUBLIC_URL, err);
+    if (status == VOR_OK && config->text[VOR_SET_BLOBS_PUBLIC_URL][0] != '\0' &&
+        strncmp(config->text[VOR_SET_BLOBS], "s3:", 3) != 0)
+        status = vor_fail_param(err, VOR_E_PARAM, "blobs-public-url",
+                                "--blobs-public-url needs --blobs s3:https://HOST/BUCKET/PREFIX");
+    return status;
 }
 
 /* A wrong one would only show as pages that are let in nowhere. */
@@ -497,7 +511,7 @@ static void blame(struct reading *reading, struct vor_error *why)
 static void work_out(struct reading *reading, char *(*get)(const char *))
 {
     static vor_status (*const checks[])(struct vor_config * config, struct vor_error * err) = {
-        split_listen, split_admin,   check_public_url, check_origins,
+        split_listen, split_admin,   check_urls, check_origins,
         check_hosts,  read_networks, check_role,
     };
     struct vor_config *config = reading->config;

@@ -54,6 +54,10 @@ enum vor_setting_kind {
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Uploads and results: dir:PATH for a folder, or s3:https://HOST/BUCKET/PREFIX. Default: "    \
       "folder blobs in --data")                                                                    \
+    X(BLOBS_PUBLIC_URL, "blobs-public-url", TEXT, "URL", 0, 0, "",                                 \
+      "URL at which clients reach the bucket of --blobs s3:..., such as https://HOST/BUCKET. "     \
+      "Requests for results then get a redirect to a link that is valid for two minutes. "         \
+      "Default: the daemon sends the results itself")                                              \
     X(ROLE, "role", CHOICE, "all api worker", 0, 0, "all",                                         \
       "What the daemon does. api: it answers requests and runs no jobs; worker: it runs jobs and " \
       "answers only /livez, /readyz and /metrics; all: both. api and worker need --store "         \

@@ -407,6 +407,20 @@ int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const c
     return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name);
 }
 
+void vor_blobs_set_public_url(struct vor_blobs *blobs, const char *url)
+{
+    blobs->public_url = url;
+}
+
+vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                         const struct vor_blob_reading *reading, struct vor_text *out,
+                         struct vor_error *err)
+{
+    if (blobs->driver->link == NULL || blobs->public_url == NULL || blobs->public_url[0] == '\0')
+        return VOR_OK;
+    return blobs->driver->link(blobs, id, name, reading, out, err);
+}
+
 vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                          struct vor_error *err)
 {

@@ -233,6 +233,21 @@ VOR_NODISCARD vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vo
                                         const char *name, const struct vor_blob_watch *watch,
                                         int *found, struct vor_error *err);
 
+/** Where clients find the blobs, as --blobs-public-url says ("": nowhere); borrowed. Before other
+ *  threads know the blobs. */
+void vor_blobs_set_public_url(struct vor_blobs *blobs, const char *url);
+
+/** Writes the URL by which anybody can read a blob where it lies, for a short time. Asks nobody:
+ * the blob may not be there. Nothing is checked for the reader, who knows its digest from
+ * elsewhere.
+ *
+ *  @param[out] out  nothing is added where there is no such URL
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor_uuid *id,
+                                       const char *name, const struct vor_blob_reading *reading,
+                                       struct vor_text *out, struct vor_error *err);
+
 /** Removes a blob; it is no error when there is none.
  *
  *  @retval VOR_E_IO */

@@ -8,6 +8,7 @@
 #define VOR_SERVER_BLOB_DRIVER_H
 
 #include "core/base/status.h"
+#include "proto/text.h"
 #include "server/base/digest.h"
 #include "server/base/uuid.h"
 
@@ -21,6 +22,7 @@ enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
 struct vor_blobs {
     const struct vor_blob_driver *driver;
     uint64_t reserve;          /**< bytes of the disk that stay free */
+    const char *public_url;    /**< where clients find the blobs; "" or NULL: nowhere. Borrowed */
     atomic_int is_broken;      /**< an fsync failed */
     _Atomic uint64_t promised; /**< bytes that writers may still write (vor_blob_promise) */
     _Atomic uint64_t bytes;    /**< of all blobs; the driver's */
@@ -69,6 +71,14 @@ struct vor_blob_watch {
     void *ctx;
 };
 
+enum { VOR_BLOB_LINK_SECONDS = 120 }; /**< for which a link to a blob is good */
+
+/** Who reads a blob where it lies, and how the answer is to name it. */
+struct vor_blob_reading {
+    const char *method; /**< "GET" or "HEAD": the link is good for that alone */
+    const char *media_type, *disposition;
+};
+
 /** The functions of a driver. Each does what the function of blob.h with its name promises. */
 struct vor_blob_driver {
     const char *scheme; /**< "dir": what stands before the colon of --blobs */
@@ -98,6 +108,10 @@ struct vor_blob_driver {
     int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
     /** NULL: blobs are never away. */
     vor_status (*reach)(struct vor_blobs *blobs, struct vor_error *err);
+    /** NULL: clients cannot read blobs where they lie. */
+    vor_status (*link)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                       const struct vor_blob_reading *reading, struct vor_text *out,
+                       struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err);
     vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

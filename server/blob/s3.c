@@ -256,6 +256,16 @@ static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *
     return status;
 }
 
+static vor_status link_to(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                          const struct vor_blob_reading *reading, struct vor_text *out,
+                          struct vor_error *err)
+{
+    char key[VOR_S3_KEY_MAX + 1];
+
+    return vor_s3_link(((struct bucket *)blobs)->s3, blobs->public_url, key_of(key, KEEP, id, name),
+                       reading, out, err);
+}
+
 static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err)
 {
@@ -364,6 +374,7 @@ const struct vor_blob_driver vor_blob_s3 = {
     .bring = bring,
     .is_near = is_near,
     .reach = reach,
+    .link = link_to,
     .drop = drop,
     .set_aside = set_aside,
     .trim_lost = trim_lost,

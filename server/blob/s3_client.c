@@ -4,6 +4,7 @@
 #include "server/base/disk.h"
 #include "server/blob/s3_multipart.h"
 #include "server/blob/s3_request.h"
+#include "server/blob/s3_sign.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -20,6 +21,8 @@ enum {
 
 /* The characters of buckets and keys. */
 #define PLAIN "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/-"
+
+#define TOKEN "x-amz-security-token: "
 
 /* --- opening ---------------------------------------------------------------------------------- */
 
@@ -77,9 +80,10 @@ static vor_status read_keys(struct vor_s3 *s3, struct vor_error *err)
                               "AWS_SECRET_ACCESS_KEY, or name files with them in "
                               "AWS_ACCESS_KEY_ID_FILE and AWS_SECRET_ACCESS_KEY_FILE");
     if (token[0] != '\0')
-        (void)snprintf(s3->token, sizeof s3->token, "x-amz-security-token: %s", token);
-    (void)snprintf(s3->sign, sizeof s3->sign, "aws:amz:%.64s:s3",
+        (void)snprintf(s3->token, sizeof s3->token, TOKEN "%s", token);
+    (void)snprintf(s3->region, sizeof s3->region, "%s",
                    region != NULL && region[0] != '\0' ? region : "us-east-1");
+    (void)snprintf(s3->sign, sizeof s3->sign, "aws:amz:%s:s3", s3->region);
     return VOR_OK;
 }
 
@@ -258,6 +262,38 @@ vor_status vor_s3_delete(struct vor_s3 *s3, const char *key, struct vor_error *e
     int found;
 
     return ask(&call, key, &found, err);
+}
+
+vor_status vor_s3_link(struct vor_s3 *s3, const char *base, const char *key,
+                       const struct vor_blob_reading *reading, struct vor_text *out,
+                       struct vor_error *err)
+{
+    struct vor_s3_signing signing = {.method = reading->method,
+                                     .key_id = s3->key_id,
+                                     .secret = s3->secret,
+                                     .token = s3->token[0] != '\0' ? s3->token + strlen(TOKEN) : "",
+                                     .region = s3->region,
+                                     .at = vor_clock_wall_ms() / 1000,
+                                     .seconds = VOR_BLOB_LINK_SECONDS};
+    struct vor_text url, query;
+
+    vor_text_init(&url, 0);
+    vor_text_init(&query, 0);
+    vor_text_printf(&url, "%s%s%s%s", base, base[strlen(base) - 1] == '/' ? "" : "/", s3->prefix,
+                    key);
+    vor_text_puts(&query, "&response-content-disposition=");
+    vor_text_escape(&query, reading->disposition);
+    vor_text_puts(&query, "&response-content-type=");
+    vor_text_escape(&query, reading->media_type);
+    signing.url = url.data;
+    signing.query = query.data;
+    if (url.failed || query.failed)
+        out->failed = 1;
+    else
+        vor_s3_sign(&signing, out);
+    vor_text_free(&url);
+    vor_text_free(&query);
+    return vor_text_status(out, err);
 }
 
 /* The time of "2026-11-27T04:58:22.000Z"; 0 when it is none. */

@@ -16,7 +16,9 @@
 #include <stdint.h>
 
 struct vor_s3;
-struct vor_blob_watch; /* driver.h */
+struct vor_blob_watch;   /* driver.h */
+struct vor_blob_reading; /* driver.h */
+struct vor_text;
 
 enum { VOR_S3_KEY_MAX = 128 }; /**< bytes of a key behind the prefix */
 
@@ -54,6 +56,15 @@ VOR_NODISCARD vor_status vor_s3_copy(struct vor_s3 *s3, const char *from, const 
 VOR_NODISCARD vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd,
                                     const struct vor_blob_watch *watch, uint64_t *size, int *found,
                                     struct vor_error *err);
+
+/** Writes the URL by which anybody can read an object for VOR_BLOB_LINK_SECONDS. Asks nobody.
+ *
+ *  @param[in] base  "https://HOST[/PATH]": where the bucket is found
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_s3_link(struct vor_s3 *s3, const char *base, const char *key,
+                                     const struct vor_blob_reading *reading, struct vor_text *out,
+                                     struct vor_error *err);
 
 /** Removes an object; it is no error when there is none. */
 VOR_NODISCARD vor_status vor_s3_delete(struct vor_s3 *s3, const char *key, struct vor_error *err);

@@ -122,6 +122,7 @@ static int receive(struct vor_follow *follow, struct result *result)
     char url[VOR_REMOTE_URL_MAX + NAME_MAX_BYTES + 16];
     struct vor_remote_call call = {.method = "GET",
                                    .url = url,
+                                   .goes_there = 1,
                                    .take = on_bytes,
                                    .ctx = result,
                                    .stall_seconds = VOR_FOLLOW_STALL_SECONDS};

@@ -59,7 +59,7 @@ int vor_follow_no_answer(struct vor_follow *follow)
         return vor_cli_interrupted();
     }
     vor_cli_say(follow->job[0] != '\0' ? follow->job : follow->server, follow->err.message);
-    return VOR_EXIT_UNREACHABLE;
+    return follow->err.status == VOR_E_DAMAGED ? VOR_EXIT_FAILED : VOR_EXIT_UNREACHABLE;
 }
 
 const char *vor_follow_text(const struct vor_json *json, const char *name)

@@ -1,9 +1,11 @@
 #include "server/cli/remote.h"
 
 #include "server/base/curl_library.h"
+#include "server/base/digest.h"
 #include "server/base/endpoint.h"
 #include "server/cli/interrupt.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -23,6 +25,9 @@ struct vor_remote {
 struct exchange {
     struct vor_remote *remote;
     struct vor_remote_call *call;
+    const char *url;
+    char link[VOR_REMOTE_URL_MAX]; /* to where a file comes from, if that is elsewhere */
+    struct vor_digest *digest;     /* of that file; else NULL */
 };
 
 /* A command speaks to one daemon: "" for one that its URL names. */
@@ -125,6 +130,8 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     long http = 0;
 
     (void)curl->easy_getinfo(exchange->remote->handle, CURLINFO_RESPONSE_CODE, &http);
+    if (exchange->digest != NULL)
+        vor_digest_update(exchange->digest, bytes, size);
     if (call->take != NULL && http >= 200 && http < 300) {
         call->was_stopped = call->take(call->ctx, bytes, size) != 0;
         return call->was_stopped ? CURL_WRITEFUNC_ERROR : size;
@@ -153,17 +160,31 @@ static void keep_location(struct vor_remote_call *call, const char *value, size_
     curl->url_cleanup(url);
 }
 
+/* The value of a header, *size bytes; NULL where the line is another one. */
+static const char *value_of(const char *line, size_t *size, const char *name)
+{
+    size_t at = strlen(name);
+
+    if (*size <= at || strncasecmp(line, name, at) != 0)
+        return NULL;
+    while (at < *size && line[at] == ' ')
+        at++;
+    *size -= at;
+    return line + at;
+}
+
 static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
 {
-    static const char name[] = "location:";
     struct exchange *exchange = ctx;
-    size_t size = unit * count, at = sizeof name - 1;
+    size_t size = unit * count, length = size;
+    const char *value = value_of(line, &length, "location:");
 
-    if (size > at && strncasecmp(line, name, at) == 0) {
-        while (at < size && line[at] == ' ')
-            at++;
-        keep_location(exchange->call, line + at, size - at);
-    }
+    if (value != NULL)
+        keep_location(exchange->call, value, length);
+    value = exchange->digest == NULL ? value_of(line, &length, "etag: \"") : NULL;
+    if (value != NULL)
+        (void)snprintf(exchange->call->etag, sizeof exchange->call->etag, "%.*s",
+                       (int)strcspn(value, "\"\r\n"), value);
     return size;
 }
 
@@ -199,8 +220,8 @@ static void set_up(CURL *handle, struct exchange *exchange)
     const struct vor_remote_call *call = exchange->call;
 
     curl->easy_reset(handle);
-    curl->easy_setopt(handle, CURLOPT_URL, call->url);
-    if (socket_path[0] != '\0')
+    curl->easy_setopt(handle, CURLOPT_URL, exchange->url);
+    if (socket_path[0] != '\0' && exchange->digest == NULL)
         curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
     curl->easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
     curl->easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
@@ -280,10 +301,11 @@ static int add_header(struct curl_slist **list, const char *header)
     return longer != NULL;
 }
 
-static int send_headers(const struct vor_remote *remote, const struct vor_remote_call *call,
-                        struct curl_slist **out)
+static int send_headers(const struct exchange *exchange, struct curl_slist **out)
 {
-    const char *authorization = authorization_for(remote, call->url);
+    const struct vor_remote *remote = exchange->remote;
+    const struct vor_remote_call *call = exchange->call;
+    const char *authorization = authorization_for(remote, exchange->url);
 
     *out = NULL;
     for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++)
@@ -294,10 +316,10 @@ static int send_headers(const struct vor_remote *remote, const struct vor_remote
     return curl->easy_setopt(remote->handle, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
 
-vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
-                              struct vor_error *err)
+static vor_status perform_once(struct exchange *exchange, struct vor_error *err)
 {
-    struct exchange exchange = {remote, call};
+    struct vor_remote *remote = exchange->remote;
+    struct vor_remote_call *call = exchange->call;
     struct curl_slist *headers = NULL;
     curl_mime *form = NULL;
     CURLcode code = CURLE_OUT_OF_MEMORY;
@@ -305,17 +327,53 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
 
     call->http = 0;
     call->was_stopped = 0;
-    call->location[0] = '\0';
     vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
     remote->why[0] = '\0';
-    set_up(remote->handle, &exchange);
-    if (send_headers(remote, call, &headers) && send_files(remote->handle, call, &form))
+    set_up(remote->handle, exchange);
+    if (send_headers(exchange, &headers) && send_files(remote->handle, call, &form))
         code = curl->easy_perform(remote->handle);
     (void)curl->easy_getinfo(remote->handle, CURLINFO_RESPONSE_CODE, &http);
     call->http = (int)http;
     curl->slist_free_all(headers);
     curl->mime_free(form);
-    return outcome(&exchange, code, err);
+    return outcome(exchange, code, err);
+}
+
+/* Gets the bytes from where the daemon says that they lie. */
+static vor_status go_there(struct exchange *exchange, struct vor_error *err)
+{
+    struct vor_remote_call *call = exchange->call;
+    char sha256[VOR_DIGEST_SIZE];
+    vor_status status;
+
+    memcpy(exchange->link, call->location, sizeof exchange->link);
+    exchange->url = exchange->link;
+    exchange->digest = vor_digest_create();
+    if (exchange->digest == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
+    vor_text_free(&call->text);
+    status = perform_once(exchange, err);
+    vor_digest_hex(exchange->digest, sha256);
+    vor_digest_destroy(exchange->digest);
+    if (status == VOR_OK && call->http == 200 && !call->was_stopped &&
+        strcmp(sha256, call->etag) != 0)
+        status = vor_fail(err, VOR_E_DAMAGED,
+                          "the file is damaged: its SHA-256 is %s, and not %s as the server said",
+                          sha256, call->etag);
+    return status;
+}
+
+vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,
+                              struct vor_error *err)
+{
+    struct exchange exchange = {.remote = remote, .call = call, .url = call->url};
+    vor_status status;
+
+    call->location[0] = call->etag[0] = '\0';
+    status = perform_once(&exchange, err);
+    return status == VOR_OK && call->goes_there && call->http == 307 && call->location[0] != '\0'
+               ? go_there(&exchange, err)
+               : status;
 }
 
 struct vor_json *vor_remote_json(const struct vor_remote_call *call)

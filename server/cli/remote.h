@@ -37,10 +37,13 @@ struct vor_remote_call {
     unsigned stall_seconds;   /**< without a byte; 0 for none */
     int is_last_word;         /**< a signal does not end the call */
     int ends_to_stop;         /**< a ^C that asks for the best result ends it too */
+    int goes_there;           /**< an answer of 307 is followed once; what comes from there has to
+                               *  have the SHA-256 that is its ETag */
 
     int http;                          /**< status */
     int was_stopped;                   /**< take ended the call */
     char location[VOR_REMOTE_URL_MAX]; /**< absolute; "" when there is none */
+    char etag[80];                     /**< without quotes; likewise */
     struct vor_text text; /**< the answer where take does not get it; the caller frees it */
 };
 
@@ -61,9 +64,10 @@ void vor_remote_close(struct vor_remote *remote);
 VOR_NODISCARD vor_status vor_remote_authorize(struct vor_remote *remote, const char *url,
                                               const char *key, struct vor_error *err);
 
-/** Makes a call and waits for the answer, whatever its status. Redirects are not followed.
+/** Makes a call and waits for the answer, whatever its status.
  *
  *  @retval VOR_E_IO        no answer, or not all of it (the message says why)
+ *  @retval VOR_E_DAMAGED   other bytes than were meant came from elsewhere
  *  @retval VOR_E_LIMIT     more text than VOR_JSON_SIZE_MAX
  *  @retval VOR_E_CANCELLED a signal came */
 VOR_NODISCARD vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call *call,

@@ -23,24 +23,11 @@ struct remote_run {
     struct vor_input in_memory[VOR_INPUTS_MAX]; /* inputs whose length no file tells */
 };
 
-static void append_escaped(struct vor_text *url, const char *text)
-{
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-
-    for (; *text != '\0'; text++) {
-        if (strchr(plain, *text) != NULL)
-            vor_text_add(url, text, 1);
-        else
-            vor_text_printf(url, "%%%02X", (unsigned char)*text);
-    }
-}
-
 static void add_pair(struct vor_text *url, const char *separator, enum vor_parameter parameter,
                      const char *value)
 {
     vor_text_printf(url, "%s%s=", separator, vor_parameter_info(parameter)->name);
-    append_escaped(url, value);
+    vor_text_escape(url, value);
 }
 
 /* The job's name: that of --name, else that of its input's file where a job may have it; NULL for
@@ -83,7 +70,7 @@ static void build_url(struct vor_text *url, const struct vor_follow *follow)
     }
     if (name != NULL) {
         vor_text_printf(url, "%sname=", separator);
-        append_escaped(url, name);
+        vor_text_escape(url, name);
     }
 }
 
@@ -208,6 +195,7 @@ static int fetch_main(struct remote_run *t)
     char url[VOR_REMOTE_URL_MAX + 64];
     struct vor_remote_call call = {.method = "GET",
                                    .url = url,
+                                   .goes_there = 1,
                                    .take = in_lines ? NULL : vor_output_write,
                                    .ctx = &t->output,
                                    .stall_seconds = VOR_FOLLOW_STALL_SECONDS};

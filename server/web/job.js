@@ -66,7 +66,7 @@ async function showResult(id, isProgressive) {
         if (isFirst) setLayout(layoutOf());
         return undefined;
     };
-    const answer = await ask(`v1/jobs/${id}/results/cloud?format=ply`);
+    const answer = await ask(`v1/jobs/${id}/results/cloud?format=ply&link=false`);
     let coarse = null;
     const buffer = await arrive(answer, isProgressive, (first) => { coarse = readCloud(first, origin).then(put); });
     await coarse;
@@ -113,7 +113,7 @@ async function showEnd(status) {
         return;
     }
     const told = outputs.find((name) => name !== 'cloud' && name !== 'soup');
-    const report = told ? await askJson(`v1/jobs/${status.jobID}/results/${told}`) : null;
+    const report = told ? await askJson(`v1/jobs/${status.jobID}/results/${told}?link=false`) : null;
     if (shown?.jobID !== status.jobID) return;
     if (report) await showReport(status.processID, told, report);
     show($('report-box'), Boolean(report));

@@ -50,7 +50,7 @@ async function convert(file, mine) {
     const last = await ended(status);
     if (last.status !== 'successful') throw Object.assign(new Error(last.exception?.detail || 'The daemon could not read the file.'), { status: 422 });
     if (mine === turn) source.job = last.jobID;
-    return (await ask(`v1/jobs/${last.jobID}/results/cloud`)).arrayBuffer();
+    return (await ask(`v1/jobs/${last.jobID}/results/cloud?link=false`)).arrayBuffer();
 }
 
 async function read(file, mine, origin) {

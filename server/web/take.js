@@ -47,8 +47,8 @@ export function showTakers(status) {
         const ending = ENDINGS[item.type.split('/')[1]] || 'bin', what = item.title === 'cloud' ? status.processID : item.title;
         if (item.title === 'cloud') {
             for (const format of ['ply', 'drc'])
-                buttons.push(taker(`Download ${format === 'ply' ? 'PLY' : 'Draco'}`, `${at}/results/cloud?format=${format}`, format, status.processID));
-        } else others.push(taker(`Download ${item.title} (${bytes(item.length)})`, `${at}/results/${item.title}`, ending, what));
+                buttons.push(taker(`Download ${format === 'ply' ? 'PLY' : 'Draco'}`, `${at}/results/cloud?link=false&format=${format}`, format, status.processID));
+        } else others.push(taker(`Download ${item.title} (${bytes(item.length)})`, `${at}/results/${item.title}?link=false`, ending, what));
     }
     if (items.some((item) => item.title === 'report'))
         others.push(taker('Download metrics (CSV)', `${at}/trace`, 'csv', 'metrics', { more: { Accept: 'text/csv' } }), chartTaker());

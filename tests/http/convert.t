@@ -133,8 +133,9 @@ is scalar(grep { /result converted/ } map { $_->{msg} } $daemon->log_lines), 2, 
 # --- what a result may be asked -------------------------------------------------------------------
 
 my $results = job_of($direct{ply}) . '/results';
-for my $case (["$results/cloud?format=las", qr/^format is "las", want one of ply, drc$/], ["$results/cloud?fromat=ply", qr/fromat.*want format/],
-    ["$results/cloud?format=ply&format=ply", qr/more than once/], ["$results/report?format=ply", qr/^unknown parameter "format"; want none$/],
+for my $case (["$results/cloud?format=las", qr/^format is "las", want one of ply, drc$/], ["$results/cloud?fromat=ply", qr/fromat.*want format or link$/],
+    ["$results/cloud?format=ply&format=ply", qr/more than once/], ["$results/report?format=ply", qr/^unknown parameter "format"; want link$/],
+    ["$results/report?link=no", qr/^link must be true or false$/],
     ["$results?format=ply", qr/^unknown parameter "format"; want none$/]) {
     my ($path, $detail) = @$case;
     my $answer = $daemon->get($path);

@@ -46,6 +46,7 @@ for my $case (
     [['--allowed-hosts', 'cloud.example:80'], qr/without scheme and port/],
     [['--public-url', 'https://cloud.example/a/../b'], qr/want http:/],
     [['--public-url', 'https://cloud.example:port/'], qr/want http:/],
+    [['--blobs-public-url', 'https://a:secret@host'], qr/--blobs-public-url is "...", want http:/], [['--blobs-public-url', 'http://host'], qr/needs --blobs s3:/],
     [['--public-url', 'https://user@cloud.example'], qr/want http:/],
     [['--public-url', 'https://cloud.example/' . 'a' x 130], qr/a path may follow \(128 bytes at most\)/],
     [['--public-url', "https://cloud.example/\x01"], qr/want http:/],

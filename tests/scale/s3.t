@@ -2,6 +2,7 @@
 # Blobs in S3: a Swift with its S3 interface is started here, which checks signatures, and a proxy before it that cuts connections.
 use strict;
 use warnings;
+use Digest::SHA qw(hmac_sha256 sha256_hex);
 use FindBin;
 use lib "$FindBin::Bin/../support", $FindBin::Bin;
 use POSIX ();
@@ -80,6 +81,50 @@ ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'the daemon is re
 like json($next->get("/v1/jobs/$long"))->{status}, qr/running|successful/, 'the job is not lost';
 is $next->finish($long)->{status}, 'successful', 'and ends';
 is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'as does a new one';
+
+# With an address of the bucket for clients, a result is a link to it, which is good for two minutes and for nothing else.
+my $linked = Vt->start(dir => do { $next->stop; $next->{dir} }, blobs => $place, 'blobs-public-url' => "http://127.0.0.1:$Scale::swift{proxy}/bucket/");
+my $path = "/v1/jobs/$ids[6]/results/cloud";
+sub link_of { return $linked->request($_[0], $path, $_[1] ? (headers => $_[1]) : ())->{headers}{location} }
+my ($outside, $answer) = (HTTP::Tiny->new, $linked->get($path));
+is $answer->{status}, 307, 'a result is elsewhere';
+is $answer->{headers}{etag}, '"' . sha256_hex($wanted) . '"', 'with this digest';
+like $answer->{headers}{location}, qr{\Ahttp://127.0.0.1:\d+/bucket/some/prefix/keep/$ids[6]\.cloud\?.*&X-Amz-Expires=120&}, 'under a link';
+my $there = $outside->get($answer->{headers}{location});
+same($there, $wanted, 'which has the bytes');
+like $there->{headers}{'content-disposition'}, qr/\Aattachment; filename="[\w.-]+\.ply"\z/, 'and the name of the file';
+is $there->{headers}{'content-type'}, 'application/ply', 'and its type';
+same($outside->get(link_of('GET', { Range => 'bytes=100-199' }), { headers => { Range => 'bytes=100-199' } }), substr($wanted, 100, 100), 'a range');
+is $outside->head(link_of('HEAD'))->{headers}{'content-length'}, length $wanted, 'a HEAD';
+is $outside->delete(link_of('GET'))->{status}, 403, 'it is good for nothing else';
+is $outside->get(link_of('GET') =~ s/Expires=120/Expires=121/r)->{status}, 403, 'nor when it is changed';
+is $outside->get(signed_at(time - $_->[0], link_of('GET')))->{status}, $_->[1], "$_->[0] s later: $_->[1]" for [60, 200], [180, 403];
+same($linked->get("$path?link=false"), $wanted, 'who wants to has the bytes from the daemon');
+is $linked->get($path, headers => { 'If-None-Match' => $answer->{headers}{etag} })->{status}, 304, 'as does one who has them already';
+is $linked->get("$path?format=drc")->{status}, 200, 'another format';
+is $linked->get("/v1/jobs/$ids[6]/results/report")->{status}, 200, 'and what is no file';
+my $fetch = "@{[$ENV{VORONOID} // 'build/release/voronoid']} fetch --server $linked->{url} $ids[6] --result cloud -qfo $Scale::dir/fetched.ply 2>&1";
+is `$fetch` . $?, '0', 'our own client follows';
+ok Vt::slurp("$Scale::dir/fetched.ply") eq $wanted, 'to the bytes';
+Scale::put_object("some/prefix/keep/$ids[6].cloud", $wanted =~ s/.\z/!/sr);
+like `$fetch` . ($? >> 8), qr/the file is damaged: its SHA-256 is .*\n1\z/, 'and sees when they are others';
+unlike $linked->log_text, qr/X-Amz-Signature|secret-word/, 'the log has no link';
+$linked->stop;
+$next = Vt->start(dir => $linked->{dir}, blobs => $place, 'admin-listen' => '127.0.0.1:0');
+
+# The same link as of another time, signed as the documentation of AWS has it.
+sub signed_at {
+    my ($time, $link) = @_;
+    my ($host, $file, $query) = $link =~ m{\Ahttp://([^/]+)([^?]+)\?(.*)&X-Amz-Signature=};
+    my $date = POSIX::strftime('%Y%m%dT%H%M%SZ', gmtime $time);
+    my ($day, $key) = (substr($date, 0, 8), 'AWS4secret-word');
+    $query =~ s/(X-Amz-Date=)\w+/$1$date/;
+    $query =~ s/%2F\d{8}%2F/%2F$day%2F/;
+    $key = hmac_sha256($_, $key) for $day, qw(us-east-1 s3 aws4_request);
+    my $digest = sha256_hex("GET\n$file\n$query\nhost:$host\n\nhost\nUNSIGNED-PAYLOAD");
+    my $signature = unpack 'H*', hmac_sha256("AWS4-HMAC-SHA256\n$date\n$day/us-east-1/s3/aws4_request\n$digest", $key);
+    return "http://$host$file?$query&X-Amz-Signature=$signature";
+}
 
 # A file above 64 MiB goes part by part; the bucket may be a part of the host's name.
 my $host = "s3:http://localhost:$Scale::swift{proxy}/bucket/large?style=host";

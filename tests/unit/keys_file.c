@@ -5,6 +5,7 @@
 #include "server/base/key_line.h"
 #include "server/base/keys.h"
 #include "server/base/log.h"
+#include "server/blob/s3_sign.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
@@ -62,6 +63,34 @@ VT_TEST(signatures_are_the_published_ones)
                         out);
         ck_assert_mem_eq(out, vectors[i].begins, 4);
     }
+}
+
+/* Vector: the example of docs.aws.amazon.com/AmazonS3/latest/API/sigv4-query-string-auth.html. */
+VT_TEST(a_link_to_s3_is_the_published_one)
+{
+    const struct vor_s3_signing signing = {
+        .method = "GET",
+        .url = "https://ExampleBucket.s3.amazonaws.com:443/test.txt",
+        .query = "",
+        .key_id = "AKIAIOSFODNN7EXAMPLE",
+        .secret = "wJalrXUtnFEMI/K7MDENG/bPxRfiCYEXAMPLEKEY",
+        .region = "us-east-1",
+        .token = "",
+        .at = 1369353600,
+        .seconds = 86400};
+    struct vor_text text;
+
+    vor_text_init(&text, 0);
+    vor_s3_sign(&signing, &text);
+    vt_assert_ok(vor_text_status(&text, &vt_err));
+    ck_assert_str_eq(
+        text.data,
+        "https://examplebucket.s3.amazonaws.com/test.txt?X-Amz-Algorithm=AWS4-HMAC-SHA256"
+        "&X-Amz-Credential=AKIAIOSFODNN7EXAMPLE%2F20130524%2Fus-east-1%2Fs3%2Faws4_request"
+        "&X-Amz-Date=20130524T000000Z&X-Amz-Expires=86400&X-Amz-SignedHeaders=host"
+        "&X-Amz-Signature="
+        "aeeed9bbccd4d02ee5c0109b86d86835f995330da4c265957d157751f604d404");
+    vor_text_free(&text);
 }
 
 /* Vector: RFC 4648, section 10, without padding; and the two characters that differ in URLs. */

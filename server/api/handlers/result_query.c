@@ -31,19 +31,18 @@ static const char *read_format(struct vor_result_query *ask, const char *value, 
         return "format is given more than once";
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         if (strcmp(vor_format(i)->name, value) == 0) {
-            *ask = (struct vor_result_query){true, i};
+            ask->has_format = true;
+            ask->format = i;
             return NULL;
         }
     return refuse_format(value, out, size);
 }
 
-/* True for the ticket of a request for one result: it says who sends it, and is checked by then. */
-static bool has_ticket(const struct vor_request *request, const char *name)
+/* Reads the value of link; NULL, or what is wrong with it. */
+static const char *read_link(struct vor_result_query *ask, const char *value)
 {
-    const char *output;
-
-    return strcmp(name, "ticket") == 0 &&
-           vor_path_segment(vor_request_path(request), 4, &output) > 0;
+    ask->stays = strcmp(value, "false") == 0;
+    return ask->stays || strcmp(value, "true") == 0 ? NULL : "link must be true or false";
 }
 
 bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
@@ -52,18 +51,24 @@ bool vor_result_query_read(struct vor_app *app, struct vor_request *request, boo
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
     const char *name;
     char detail[256], shown[SHOWN];
+    bool is_for_one = vor_path_segment(vor_request_path(request), 4, &name) > 0;
 
     *out = (struct vor_result_query){.has_format = false};
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
-        if (has_ticket(request, name))
-            continue;
+        const char *value = vor_request_query_value(request, i);
+
+        if (is_for_one && strcmp(name, "ticket") == 0)
+            continue; /* it says who sends the request, and is checked by then */
         if (takes_format && strcmp(name, "format") == 0) {
-            problem.detail =
-                read_format(out, vor_request_query_value(request, i), detail, sizeof detail);
+            problem.detail = read_format(out, value, detail, sizeof detail);
+        } else if (is_for_one && strcmp(name, "link") == 0) {
+            problem.detail = read_link(out, value);
         } else {
             (void)snprintf(detail, sizeof detail, "unknown parameter \"%s\"; want %s",
                            vor_quote(shown, sizeof shown, name, strlen(name)),
-                           takes_format ? "format" : "none");
+                           takes_format ? "format or link"
+                           : is_for_one ? "link"
+                                        : "none");
             problem.detail = detail;
         }
         if (problem.detail == NULL)

@@ -8,12 +8,13 @@
 struct vor_result_query {
     bool has_format;
     unsigned format; /**< index of vor_format */
+    bool stays;      /**< link=false: the bytes come from here, wherever they lie */
 };
 
 /** Reads the query of a request for a result.
  *
- *  @param[in] takes_format  it may have the parameter format; it may have no other, but for a
- * ticket to one result
+ *  @param[in] takes_format  it may have the parameter format; one for one result may have link
+ *                           and a ticket, and no other
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */
 bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,

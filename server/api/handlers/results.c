@@ -136,29 +136,34 @@ static bool open_output(struct vor_app *app, struct vor_request *request,
                : open_blob(app, request, view, index, out);
 }
 
-static void add_headers(struct vor_request *request, const struct output *out)
+/* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read that.
+ */
+static void put_disposition(struct vor_text *text, const char *name)
 {
-    static const char plain[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~";
-    char header[5 * VOR_RESULT_NAME_SIZE];
-    size_t at;
     int is_ascii = 1;
 
-    vor_reply_header(request, "ETag", out->etag);
-    /* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read
-     * that.
-     */
-    at = (size_t)snprintf(header, sizeof header, "attachment; filename=\"");
-    for (const char *c = out->name; *c != '\0'; c++) {
-        is_ascii &= (unsigned char)*c < 0x80;
-        header[at++] = (unsigned char)*c < 0x80 ? *c : '_';
+    vor_text_puts(text, "attachment; filename=\"");
+    for (const char *c = name; *c != '\0'; c++) {
+        int is_plain = (unsigned char)*c < 0x80;
+
+        is_ascii &= is_plain;
+        vor_text_add(text, is_plain ? c : "_", 1);
     }
-    at += (size_t)snprintf(header + at, sizeof header - at, "\"%s",
-                           is_ascii ? "" : "; filename*=UTF-8''");
-    for (const char *c = out->name; !is_ascii && *c != '\0'; c++)
-        at += (size_t)snprintf(header + at, sizeof header - at,
-                               strchr(plain, *c) != NULL ? "%c" : "%%%02X", (unsigned char)*c);
-    vor_reply_header(request, "Content-Disposition", header);
+    vor_text_puts(text, is_ascii ? "\"" : "\"; filename*=UTF-8''");
+    if (!is_ascii)
+        vor_text_escape(text, name);
+}
+
+static void add_headers(struct vor_request *request, const struct output *out)
+{
+    struct vor_text disposition;
+
+    vor_text_init(&disposition, 0);
+    put_disposition(&disposition, out->name);
+    vor_reply_header(request, "ETag", out->etag);
+    if (!disposition.failed)
+        vor_reply_header(request, "Content-Disposition", disposition.data);
+    vor_text_free(&disposition);
     vor_reply_header(request, "Cache-Control", "private, no-cache");
     vor_reply_header(request, "Accept-Ranges", "bytes");
     if (out->origin[0] != '\0')
@@ -311,6 +316,57 @@ static enum vor_next reply_converted(struct vor_app *app, struct vor_request *re
     return next;
 }
 
+/* Whether a client may be sent to where a result lies: conditions compare ETags, and there it has
+ * another one; while S3 is away, the bytes may be here. */
+static bool may_be_sent_there(struct vor_app *app, struct vor_request *request,
+                              const struct vor_result_query *ask)
+{
+    static const char *const conditions[] = {"If-Match", "If-None-Match", "If-Modified-Since",
+                                             "If-Unmodified-Since", "If-Range"};
+
+    for (size_t i = 0; i < sizeof conditions / sizeof conditions[0]; i++)
+        if (vor_request_header(request, conditions[i]) != NULL)
+            return false;
+    return !ask->stays && vor_blobs_reach(app->blobs, NULL) == VOR_OK;
+}
+
+/* Replies with a link to where a result lies; false where there is none. */
+static bool reply_link(struct vor_app *app, struct vor_request *request,
+                       const struct vor_job_view *view, unsigned index)
+{
+    const struct vor_job_output *output = &view->output[index];
+    struct vor_blob_reading reading = {.method =
+                                           vor_request_method(request) == VOR_HEAD ? "HEAD" : "GET",
+                                       .media_type = vor_output_media_type(view, index)};
+    struct output out = {.fd = -1};
+    struct vor_text link, disposition;
+    bool done;
+
+    if (reading.media_type == NULL)
+        return false;
+    vor_text_init(&link, 0);
+    vor_text_init(&disposition, 0);
+    name_file(view, index, vor_format(output->format), &out);
+    put_disposition(&disposition, out.name);
+    reading.disposition = disposition.failed ? "attachment" : disposition.data;
+    done = vor_blob_link(app->blobs, &view->id, view->spec.process->outputs[index].name, &reading,
+                         &link, NULL) == VOR_OK &&
+           link.size > 0;
+    if (done) {
+        (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", output->sha256);
+        if (output->has_origin)
+            vor_reply_header(request, "Voronoid-Origin",
+                             vor_origin_text(output->origin, out.origin));
+        vor_reply_header(request, "ETag", out.etag);
+        vor_reply_header(request, "Location", link.data);
+        vor_reply_header(request, "Cache-Control", "no-store");
+        vor_reply_bytes(request, 307, NULL, "", 0);
+    }
+    vor_text_free(&link);
+    vor_text_free(&disposition);
+    return done;
+}
+
 enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
 {
     const struct vor_artefact_info *outputs, *output;
@@ -352,6 +408,9 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
         return vor_result_missing(app, request, &view);
     if (ask.has_format && ask.format != view.output[output - outputs].format)
         return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
+    if (!vor_output_in_row(output) && may_be_sent_there(app, request, &ask) &&
+        reply_link(app, request, &view, (unsigned)(output - outputs)))
+        return VOR_NEXT_REPLY;
     here.may_flow = may_flow(request, view.output[output - outputs].sha256,
                              view.output[output - outputs].bytes);
     if (!vor_output_in_row(output) && !vor_blob_is_here(app, request, &view.id, name, &here, &next))
