@@ -18,45 +18,6 @@ enum { SCHEMA_VERSION = 5 };
     "CREATE FUNCTION instr(text, text) RETURNS bigint IMMUTABLE LANGUAGE sql"                      \
     " AS 'SELECT strpos($1, $2)';"
 
-#define TABLES                                                                                     \
-    "CREATE TABLE voronoid_schema (version bigint NOT NULL);"                                      \
-    "CREATE TABLE job ("                                                                           \
-    " seq bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY, id text NOT NULL UNIQUE,"               \
-    " process_id text NOT NULL, status text NOT NULL"                                              \
-    "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"                \
-    " progress bigint NOT NULL DEFAULT 0, message text NOT NULL DEFAULT '',"                       \
-    " request text NOT NULL, metrics text, problem text,"                                          \
-    " input_format bigint NOT NULL, input_points bigint NOT NULL, input_bytes bigint NOT NULL,"    \
-    " input_sha256 text NOT NULL, input_seconds double precision NOT NULL,"                        \
-    " output_format bigint NOT NULL DEFAULT 0, output_points bigint NOT NULL DEFAULT 0,"           \
-    " output_bytes bigint NOT NULL DEFAULT 0, output_sha256 text NOT NULL DEFAULT '',"             \
-    " report_bytes bigint NOT NULL DEFAULT 0,"                                                     \
-    " attempt bigint NOT NULL DEFAULT 0, crashes bigint NOT NULL DEFAULT 0,"                       \
-    " created bigint NOT NULL, started bigint NOT NULL DEFAULT 0, updated bigint NOT NULL,"        \
-    " finished bigint NOT NULL DEFAULT 0, expires bigint NOT NULL DEFAULT 0,"                      \
-    " expired bigint NOT NULL DEFAULT 0, inputs text, outputs text,"                               \
-    " name text NOT NULL DEFAULT '', principal text NOT NULL DEFAULT '', idem_key text,"           \
-    " fingerprint text NOT NULL DEFAULT '', kept bigint NOT NULL DEFAULT 0,"                       \
-    " held bigint NOT NULL DEFAULT 0, alone bigint NOT NULL DEFAULT 0,"                            \
-    " traceparent text NOT NULL DEFAULT '', turn bigint NOT NULL DEFAULT 0,"                       \
-    " memory bigint NOT NULL DEFAULT 0, decoded bigint NOT NULL DEFAULT 0,"                        \
-    " owner text NOT NULL DEFAULT '');"                                                            \
-    "CREATE TABLE job_blob (seq bigint PRIMARY KEY, report text);"                                 \
-    "CREATE TABLE event (seq bigint, attempt bigint, last bigint, data bytea NOT NULL,"            \
-    " PRIMARY KEY (seq, attempt, last));"                                                          \
-    "CREATE TABLE ledger (principal text PRIMARY KEY, jobs bigint NOT NULL, kept bigint NOT NULL," \
-    " held bigint NOT NULL, turn bigint NOT NULL DEFAULT -1);"                                     \
-    "CREATE INDEX ledger_turn ON ledger (turn);"                                                   \
-    "CREATE TABLE round (number bigint PRIMARY KEY, jobs bigint NOT NULL,"                         \
-    " decoded bigint NOT NULL);"
-
-/* Leases are a row of each daemon, not of each job. */
-#define FROM_1                                                                                     \
-    "CREATE TABLE daemon (owner text PRIMARY KEY, lease bigint NOT NULL, engine text NOT NULL);"   \
-    "ALTER TABLE job ADD COLUMN engine text NOT NULL DEFAULT '',"                                  \
-    " ADD COLUMN release bigint NOT NULL DEFAULT 0, DROP COLUMN IF EXISTS lease;"                  \
-    "UPDATE voronoid_schema SET version = 2;"
-
 #define WAITS(row) "(" row ".status = 'accepted')::int"
 #define LIVES(row) "(" row ".status IN ('accepted', 'running'))::int"
 #define COUNT(row, by)                                                                             \
@@ -74,11 +35,18 @@ enum { SCHEMA_VERSION = 5 };
  * change of the ledger is a new row of a higher number, and the highest of a principal, or of all,
  * is read; no waiting job has a turn below the head, from which the queue is read. A plan that was
  * made while tables were short must not last: it would read them whole. */
-#define FROM_2                                                                                     \
-    "ALTER TABLE ledger DROP CONSTRAINT ledger_pkey,"                                              \
-    " ADD COLUMN version bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,"                         \
-    " ADD COLUMN head bigint NOT NULL DEFAULT 0, ADD COLUMN served bigint NOT NULL DEFAULT 0;"     \
-    "DROP INDEX ledger_turn; UPDATE ledger SET served = (SELECT max(turn) FROM ledger);"           \
+#define BESIDE                                                                                     \
+    "CREATE TABLE voronoid_schema (version bigint NOT NULL, secret text NOT NULL DEFAULT"          \
+    " gen_random_uuid()::text || gen_random_uuid()::text);"                                        \
+    "CREATE TABLE event (seq bigint, attempt bigint, last bigint, data bytea NOT NULL,"            \
+    " PRIMARY KEY (seq, attempt, last));"                                                          \
+    "CREATE TABLE daemon (owner text PRIMARY KEY, lease bigint NOT NULL, engine text NOT NULL);"   \
+    "CREATE TABLE round (number bigint PRIMARY KEY, jobs bigint NOT NULL,"                         \
+    " decoded bigint NOT NULL);"                                                                   \
+    "CREATE TABLE ledger (principal text NOT NULL, jobs bigint NOT NULL, kept bigint NOT NULL,"    \
+    " held bigint NOT NULL, turn bigint NOT NULL DEFAULT -1,"                                      \
+    " version bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,"                                    \
+    " head bigint NOT NULL DEFAULT 0, served bigint NOT NULL DEFAULT 0);"                          \
     "CREATE INDEX ledger_newest ON ledger (principal, version);"                                   \
     "CREATE VIEW queue AS SELECT head, served FROM ledger ORDER BY version DESC LIMIT 1;"          \
     "CREATE FUNCTION ledger_add(who text, job_more bigint, kept_more bigint, held_more bigint,"    \
@@ -92,32 +60,21 @@ enum { SCHEMA_VERSION = 5 };
     "  coalesce(had.jobs, 0) + job_more, coalesce(had.kept, 0) + kept_more,"                       \
     "  coalesce(had.held, 0) + held_more, greatest(had.turn, started, -1),"                        \
     "  least(coalesce(first, 0), waits), greatest(last, started, 0));"                             \
-    " DELETE FROM ledger WHERE principal = who AND version = had.version; END $$;"                 \
+    " DELETE FROM ledger WHERE principal = who AND version = had.version; END $$;"
+
+#define ENDED " DELETE FROM job_run WHERE seq = new.seq AND " LIVES("new") " = 0;"
+
+#define JOBS                                                                                       \
+    VOR_SQL_TABLES("bigint GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY", "bigint PRIMARY KEY")
+
+#define INDEXES_AND_TRIGGERS                                                                       \
+    VOR_SQL_INDEXES                                                                                \
+    "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
+    "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"                            \
     FUNCTION("job_added",                                                                          \
              " PERFORM ledger_add(new.principal, " LIVES("new") ", new.kept, new.held, NULL,"      \
              " CASE new.status WHEN 'accepted' THEN new.turn END, NULL);"                          \
              COUNT("new", WAITS("new")))                                                           \
-    "UPDATE voronoid_schema SET version = 3;"
-
-#define FROM_3                                                                                     \
-    "ALTER TABLE voronoid_schema ADD COLUMN secret text NOT NULL DEFAULT"                          \
-    " gen_random_uuid()::text || gen_random_uuid()::text;"                                         \
-    "ALTER TABLE job ADD COLUMN stop bigint NOT NULL DEFAULT 0;"                                   \
-    "UPDATE voronoid_schema SET version = 4;"
-
-#define ENDED " DELETE FROM job_run WHERE seq = new.seq AND " LIVES("new") " = 0;"
-
-/* Before, a row of job had all of it. */
-#define FROM_4                                                                                     \
-    "ALTER TABLE job RENAME TO job_before;"                                                        \
-    VOR_SQL_TABLES("bigint GENERATED BY DEFAULT AS IDENTITY PRIMARY KEY", "bigint PRIMARY KEY")    \
-    VOR_SQL_SPLIT                                                                                  \
-    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"                                          \
-    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"                               \
-    "DROP TABLE job_before, job_blob;"                                                             \
-    VOR_SQL_INDEXES                                                                                \
-    "CREATE INDEX job_named ON job (name, seq) WHERE expired = 0;"                                 \
-    "CREATE INDEX job_owned ON job (principal, seq) WHERE expired = 0;"                            \
     "CREATE TRIGGER job_added AFTER INSERT ON job FOR EACH ROW EXECUTE FUNCTION job_added();"      \
     FUNCTION("job_changed",                                                                        \
              " PERFORM ledger_add(new.principal, " LIVES("new") " - " LIVES("old") ","             \
@@ -140,15 +97,25 @@ enum { SCHEMA_VERSION = 5 };
              " DELETE FROM job_end WHERE seq = old.seq; DELETE FROM event WHERE seq = old.seq;")   \
     "CREATE TRIGGER job_removed AFTER DELETE ON job FOR EACH ROW EXECUTE FUNCTION job_removed();"  \
     "ALTER TABLE job SET (autovacuum_vacuum_scale_factor = 0.02);"                                 \
-    "ALTER TABLE job_run SET (fillfactor = 50, autovacuum_vacuum_scale_factor = 0.02);"            \
-    "UPDATE voronoid_schema SET version = 5;"
+    "ALTER TABLE job_run SET (fillfactor = 50, autovacuum_vacuum_scale_factor = 0.02);"
+
+static const char first[] =
+    FUNCTIONS BESIDE JOBS INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (5);";
+
+/* Before, a row of job had all of it. */
+static const char from_4[] =
+    "ALTER TABLE job RENAME TO job_before;" JOBS VOR_SQL_SPLIT
+    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"
+    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"
+    "DROP TABLE job_before, job_blob;" INDEXES_AND_TRIGGERS
+    "UPDATE voronoid_schema SET version = 5;";
 
 /* clang-format on */
 
 static const struct {
     int64_t from;
     const char *sql;
-} steps[] = {{1, FROM_1}, {2, FROM_2}, {3, FROM_3}, {4, FROM_4}};
+} steps[] = {{4, from_4}};
 
 static vor_status read_version(struct vor_sql *sql, int64_t *version, struct vor_error *err)
 {
@@ -174,10 +141,7 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "the job store: the table \"job\" of this database belongs to another program; "
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
-        made = vor_postgres_run(
-            db,
-            FUNCTIONS TABLES "INSERT INTO voronoid_schema VALUES (1);" FROM_1 FROM_2 FROM_3 FROM_4,
-            &failure);
+        made = vor_postgres_run(db, first, &failure);
     if (status == VOR_OK)
         status = read_version(sql, &version, err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {

@@ -38,15 +38,13 @@ like $text, qr/another daemon is already using the job store/, 'and says so';
 my $long = $daemon->submit('points=2000&iterations=200', $cloud);
 ok wait_until(sub { $daemon->status($long) eq 'running' }), 'a job runs';
 $daemon->stop('KILL');
-ask('daemons', 'DROP VIEW queue; DROP FUNCTION ledger_add; ALTER TABLE ledger DROP COLUMN version, DROP COLUMN head, DROP COLUMN served,'
-    . ' ADD PRIMARY KEY (principal); CREATE INDEX ledger_turn ON ledger (turn); ALTER TABLE voronoid_schema DROP COLUMN secret;'
-    . ' CREATE TABLE wide AS SELECT job.*, request, inputs, input_format, input_points, input_bytes, input_seconds, input_sha256, fingerprint, memory,'
-    . ' engine, release, traceparent, job_text.message, coalesce(job_end.progress, 0) AS progress, metrics, problem, report_bytes, output_format, output_points,'
-    . ' output_bytes, output_sha256, outputs FROM job JOIN job_text USING (seq) LEFT JOIN job_end USING (seq);'
+ask('daemons', 'CREATE TABLE wide AS SELECT job.*, request, inputs, input_format, input_points, input_bytes, input_seconds, input_sha256, fingerprint,'
+    . ' memory, engine, release, traceparent, job_text.message, coalesce(job_end.progress, 0) AS progress, metrics, problem, report_bytes, output_format,'
+    . ' output_points, output_bytes, output_sha256, outputs FROM job JOIN job_text USING (seq) LEFT JOIN job_end USING (seq);'
     . ' CREATE TABLE job_blob AS SELECT seq, report FROM job_end; DROP TABLE job, job_text, job_end, job_run;'
-    . ' ALTER TABLE wide RENAME TO job; ALTER TABLE job DROP COLUMN stop, ALTER COLUMN seq SET NOT NULL,'
-    . ' ALTER COLUMN seq ADD GENERATED ALWAYS AS IDENTITY (START 100); UPDATE voronoid_schema SET version = 2');
-is ask('daemons', 'SELECT version, (SELECT count(*) FROM job WHERE request IS NOT NULL) FROM voronoid_schema'), '2|2', 'tables are as they were';
+    . ' ALTER TABLE wide RENAME TO job; ALTER TABLE job ALTER COLUMN seq SET NOT NULL,'
+    . ' ALTER COLUMN seq ADD GENERATED ALWAYS AS IDENTITY (START 100); UPDATE voronoid_schema SET version = 4');
+is ask('daemons', 'SELECT version, (SELECT count(*) FROM job WHERE request IS NOT NULL) FROM voronoid_schema'), '4|2', 'tables are as they were';
 my $next = Vt->start(dir => $daemon->{dir}, store => "postgres:host=127.0.0.1 port=$port user=voronoid dbname=daemons", jobs => 1);
 is $next->finish($long)->{status}, 'successful', 'the next daemon runs what the killed one ran, from tables of the version before';
 is $next->finish($report->{jobID})->{status}, 'successful', 'and has its results';
