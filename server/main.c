@@ -1,4 +1,3 @@
-#include "server/base/config_help.h"
 #include "server/cli/cli.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/help.h"
@@ -18,12 +17,6 @@ static int help(const char *command)
 {
     if (command == NULL || strcmp(command, "help") == 0) {
         vor_cli_overview(stdout);
-    } else if (strcmp(command, "serve") == 0) {
-        fputs("usage: voronoid serve [SETTING]...\nRun the daemon.\n\nSettings:\n", stdout);
-        vor_config_help(stdout);
-        fputs("\nExit codes:\n", stdout);
-        vor_help_exit_codes(stdout, 1);
-        vor_cli_examples(stdout, command);
     } else {
         int code = vor_cli_topic(stdout, command);
 

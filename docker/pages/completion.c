@@ -12,7 +12,7 @@ struct script {
     const char *command;
 };
 
-/* Calls visit for every command with options: serve, the others, submit with each process. */
+/* Calls visit for every command with options, and for submit with each process. */
 static void each_command(struct script *script,
                          void (*visit)(struct script *script, const struct vor_command *command))
 {
@@ -20,8 +20,6 @@ static void each_command(struct script *script,
     struct vor_command command;
     char name[64];
 
-    script->command = "serve";
-    visit(script, NULL);
     for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++) {
         script->command = command.name;
         visit(script, &command);
@@ -38,22 +36,12 @@ static void each_command(struct script *script,
     }
 }
 
-static void each_option(struct script *script, const struct vor_command *command,
-                        void (*visit)(void *ctx, const struct vor_page_option *option))
-{
-    if (command == NULL)
-        vor_page_serve(visit, script);
-    else
-        vor_page_command(command, visit, script);
-}
-
 static void print_names(FILE *out)
 {
     struct vor_command command;
 
-    fputs("serve", out);
     for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++)
-        fprintf(out, " %s", command.name);
+        fprintf(out, "%s%s", i > 0 ? " " : "", command.name);
 }
 
 static void print_submittable(FILE *out)
@@ -83,7 +71,7 @@ static void bash_name(void *ctx, const struct vor_page_option *option)
 static void bash_names(struct script *script, const struct vor_command *command)
 {
     fprintf(script->out, "    \"%s\") echo \"", script->command);
-    each_option(script, command, bash_name);
+    vor_page_command(command, bash_name, script);
     fputs("\" ;;\n", script->out);
 }
 
@@ -107,7 +95,7 @@ static void bash_value(void *ctx, const struct vor_page_option *option)
 
 static void bash_values(struct script *script, const struct vor_command *command)
 {
-    each_option(script, command, bash_value);
+    vor_page_command(command, bash_value, script);
 }
 
 static void print_bash(FILE *out)
@@ -194,8 +182,8 @@ static void zsh_command(struct script *script, const struct vor_command *command
     const char *operand = "'*:IN:_files'";
 
     fprintf(script->out, "  '%s')\n    _arguments -S \\\n", script->command);
-    each_option(script, command, zsh_spec);
-    if (command == NULL || command->operands[0] == '\0')
+    vor_page_command(command, zsh_spec, script);
+    if (command->operands[0] == '\0')
         operand = "";
     else if ((command->does & VOR_COMMAND_JOBS) != 0)
         operand = "'*:JOB:_voronoid_jobs'";
@@ -270,9 +258,7 @@ static void fish_command(struct script *script, const struct vor_command *comman
 {
     FILE *out = script->out;
 
-    each_option(script, command, fish_option);
-    if (command == NULL)
-        return;
+    vor_page_command(command, fish_option, script);
     if ((command->does & VOR_COMMAND_JOBS) != 0)
         fprintf(out, "complete -c voronoid -n '__voronoid_is %s' -a '(__voronoid_jobs)'\n",
                 script->command);

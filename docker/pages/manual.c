@@ -130,8 +130,6 @@ static void print_commands(FILE *out)
         fprintf(out, ".TP\n\\fB%s\\fR\n", command.name);
         print_text(out, command.sentence);
     }
-    fputs(".TP\n\\fBserve\\fR\n", out);
-    print_text(out, "Runs the daemon; see voronoid(8)");
 }
 
 /* The names of what `takes` is true for, in a line of their own. */
@@ -160,13 +158,17 @@ static int takes_option(const struct vor_command *command, int row)
 
 static void print_options(FILE *out)
 {
+    char range[VOR_OPTION_RANGE_SIZE];
+
     print_heading(out, ".SH", "OPTIONS");
     print_text(out, VOR_HELP_WORDS);
     for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        const struct vor_option_info *o = vor_option_info((enum vor_option)i);
+        const struct vor_option_row *o = vor_option_info((enum vor_option)i);
 
-        print_tag(out, o->letter, o->name, o->value);
+        print_tag(out, o->letter, o->name, vor_option_value(o));
         print_text(out, o->sentence);
+        if (vor_option_range(o, range)[0] != '\0')
+            fprintf(out, "(%s)\n", range);
         if (o->variable[0] != '\0')
             fprintf(out, "(environment: %s)\n", o->variable);
         if (o->commands != ~0u)

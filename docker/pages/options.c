@@ -1,6 +1,5 @@
 #include "docker/pages/options.h"
 
-#include "server/base/config_help.h"
 #include "server/base/reference.h"
 #include "server/store/row.h"
 
@@ -95,26 +94,31 @@ static void add_presets(char out[VOR_VALUE_WORDS_SIZE], const struct vor_command
         add_word(out, preset->name, strlen(preset->name));
 }
 
-static struct vor_page_option of_option(const struct vor_command *command, enum vor_option option)
+static struct vor_page_option of_option(const struct vor_command *command,
+                                        const struct vor_option_row *info)
 {
-    const struct vor_option_info *info = vor_option_info(option);
     struct vor_page_option out = {.name = info->name,
                                   .sentence = info->sentence,
                                   .letter = info->letter,
-                                  .value = info->value,
+                                  .value = vor_option_value(info),
                                   .kind = VOR_VALUE_ANY};
 
-    if (info->value[0] == '\0')
+    if (info->type == VOR_TYPE_FLAG)
         out.kind = VOR_VALUE_NONE;
-    else if (strcmp(info->value, "OUT") == 0 || strcmp(info->value, "FILE") == 0)
+    else if (strcmp(info->unit, "OUT") == 0 || strcmp(info->unit, "FILE") == 0)
         out.kind = VOR_VALUE_FILE;
-    if (option == VOR_OPTION_RESULT) {
+    else if (strcmp(info->unit, "DIR") == 0)
+        out.kind = VOR_VALUE_FOLDER;
+    if (info->type == VOR_TYPE_CHOICE) {
+        out.kind = VOR_VALUE_WORD;
+        add_word(out.words, info->unit, strlen(info->unit));
+    } else if (info == vor_option_info(VOR_OPTION_RESULT)) {
         out.kind = VOR_VALUE_WORD;
         add_results(out.words);
-    } else if (option == VOR_OPTION_STATUS) {
+    } else if (info == vor_option_info(VOR_OPTION_STATUS)) {
         out.kind = VOR_VALUE_LIST;
         add_statuses(out.words);
-    } else if (option == VOR_OPTION_PRESET) {
+    } else if (info == vor_option_info(VOR_OPTION_PRESET)) {
         out.kind = VOR_VALUE_WORD;
         add_presets(out.words, command);
     }
@@ -125,6 +129,7 @@ void vor_page_command(const struct vor_command *command,
                       void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx)
 {
     const struct vor_process_info *process = command->process;
+    const struct vor_option_row *info;
     struct vor_page_option option;
     char name[VOR_REFERENCE_NAME_SIZE];
 
@@ -135,34 +140,13 @@ void vor_page_command(const struct vor_command *command,
                                           .kind = VOR_VALUE_FILE};
         visit(ctx, &option);
     }
-    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        option = of_option(command, (enum vor_option)i);
-        if (vor_command_takes(command, (enum vor_option)i))
-            visit(ctx, &option);
+    for (unsigned i = 0; (info = vor_command_option(command, i)) != NULL; i++) {
+        option = of_option(command, info);
+        visit(ctx, &option);
     }
     for (int i = 0; process != NULL && i < VOR_PARAMETER_COUNT; i++) {
         option = of_parameter(process, (enum vor_parameter)i, name);
         if (vor_process_takes(process, (enum vor_parameter)i))
             visit(ctx, &option);
-    }
-}
-
-void vor_page_serve(void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx)
-{
-    struct vor_page_option option = {
-        .name = "help", .sentence = "Print this help", .letter = 'h', .value = ""};
-    struct vor_setting_text setting;
-
-    visit(ctx, &option);
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
-        option = (struct vor_page_option){
-            .name = setting.flag, .sentence = setting.sentence, .value = setting.value};
-        add_word(option.words, setting.words, strlen(setting.words));
-        option.kind = setting.value[0] == '\0'             ? VOR_VALUE_NONE
-                      : setting.words[0] != '\0'           ? VOR_VALUE_WORD
-                      : strcmp(setting.value, "DIR") == 0  ? VOR_VALUE_FOLDER
-                      : strcmp(setting.value, "FILE") == 0 ? VOR_VALUE_FILE
-                                                           : VOR_VALUE_ANY;
-        visit(ctx, &option);
     }
 }

@@ -32,7 +32,4 @@ struct vor_page_option {
 void vor_page_command(const struct vor_command *command,
                       void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx);
 
-/** The same for each setting of serve. */
-void vor_page_serve(void (*visit)(void *ctx, const struct vor_page_option *option), void *ctx);
-
 #endif

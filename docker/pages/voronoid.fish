@@ -22,7 +22,6 @@ function __voronoid_jobs
 end
 
 complete -c voronoid -f
-complete -c voronoid -n '__voronoid_is' -a serve -d 'Run the daemon'
 complete -c voronoid -n '__voronoid_is' -a help -d 'Explain a command or a topic'
 complete -c voronoid -n '__voronoid_is' -l help -d 'List the commands'
 complete -c voronoid -n '__voronoid_is' -l version -d 'Print the version'

@@ -11,7 +11,7 @@ _voronoid() {
   local -a commands
   local command
   if (( CURRENT == 2 )); then
-    commands=('serve:Run the daemon' 'help:Explain a command' $_voronoid_commands)
+    commands=('help:Explain a command' $_voronoid_commands)
     _describe -t commands command commands
     return
   fi

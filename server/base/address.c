@@ -1,6 +1,6 @@
 #include "server/base/address.h"
 
-#include "server/base/command_line.h"
+#include "server/base/option.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

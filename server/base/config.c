@@ -1,8 +1,8 @@
 #include "server/base/config.h"
 
 #include "core/base/nearest.h"
-#include "server/base/command_line.h"
 #include "server/base/config_file.h"
+#include "server/base/option.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -14,67 +14,26 @@ enum {
     LONG_SETTING = 256 /* and for a setting, above every letter: its row behind this */
 };
 
-const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT] = {
+const struct vor_option_row vor_setting_infos[VOR_SETTING_COUNT] = {
 #define INFO_ROW(id, flag, kind, unit, min, max, fallback, sentence)                               \
-    {flag, VOR_SETTING_##kind, unit, min, max, fallback, sentence},
+    {flag, VOR_TYPE_##kind, unit, min, max, fallback, sentence, "VORONOID_" #id, 0, 0},
     VOR_SETTING_TABLE(INFO_ROW)
 #undef INFO_ROW
 };
-
-static vor_status bad_number(const struct vor_setting_info *info, const char *text,
-                             struct vor_error *err)
-{
-    return vor_fail_param(err, VOR_E_PARAM, info->flag,
-                          "--%s is \"%.60s\", want %s from %.10g to %.10g", info->flag, text,
-                          info->kind == VOR_SETTING_TIME    ? "seconds"
-                          : info->kind == VOR_SETTING_BYTES ? "bytes (K, M, G, T)"
-                                                            : "a whole number",
-                          info->min, info->max);
-}
-
-static vor_status set_number(double *out, const struct vor_setting_info *info, const char *text,
-                             struct vor_error *err)
-{
-    double number = vor_number_read(text, strlen(text), info->kind == VOR_SETTING_BYTES);
-
-    if (!(number >= info->min && number <= info->max) ||
-        (info->kind != VOR_SETTING_TIME && number != rint(number)))
-        return bad_number(info, text, err);
-    *out = number;
-    return VOR_OK;
-}
-
-static vor_status set_choice(double *out, const struct vor_setting_info *info, const char *text,
-                             struct vor_error *err)
-{
-    const char *at = info->unit;
-
-    for (int i = 0; *at != '\0'; i++) {
-        size_t length = strcspn(at, " ");
-
-        if (strlen(text) == length && memcmp(at, text, length) == 0) {
-            *out = i;
-            return VOR_OK;
-        }
-        at += length + (at[length] == ' ');
-    }
-    return vor_fail_param(err, VOR_E_PARAM, info->flag, "--%s is \"%.60s\", want one of %s",
-                          info->flag, text, info->unit);
-}
 
 /* A list grows with every flag, any other text is the last one's. */
 static vor_status set_text(struct vor_config *config, int setting, const char *text,
                            struct vor_error *err)
 {
-    const struct vor_setting_info *info = &vor_setting_infos[setting];
+    const struct vor_option_row *info = &vor_setting_infos[setting];
     char *to = config->text[setting];
-    size_t before = info->kind == VOR_SETTING_LIST ? strlen(to) : 0;
+    size_t before = info->type == VOR_TYPE_LIST ? strlen(to) : 0;
 
     if (before > 0)
         before++;
     if (before + strlen(text) >= VOR_CONFIG_TEXT_MAX)
-        return vor_fail_param(err, VOR_E_PARAM, info->flag, "--%s has %zu bytes, want at most %d",
-                              info->flag, before + strlen(text), VOR_CONFIG_TEXT_MAX - 1);
+        return vor_fail_param(err, VOR_E_PARAM, info->name, "--%s has %zu bytes, want at most %d",
+                              info->name, before + strlen(text), VOR_CONFIG_TEXT_MAX - 1);
     if (before > 0)
         to[before - 1] = ',';
     memcpy(to + before, text, strlen(text) + 1);
@@ -84,28 +43,11 @@ static vor_status set_text(struct vor_config *config, int setting, const char *t
 static vor_status set(struct vor_config *config, int setting, const char *text,
                       struct vor_error *err)
 {
-    const struct vor_setting_info *info = &vor_setting_infos[setting];
+    const struct vor_option_row *info = &vor_setting_infos[setting];
 
-    switch (info->kind) {
-    case VOR_SETTING_TEXT:
-    case VOR_SETTING_LIST:
-        return set_text(config, setting, text, err);
-    case VOR_SETTING_CHOICE:
-        return set_choice(&config->number[setting], info, text, err);
-    case VOR_SETTING_COUNT_OF:
-    case VOR_SETTING_BYTES:
-    case VOR_SETTING_TIME:
-    case VOR_SETTING_FLAG:
-        break;
-    }
-    return set_number(&config->number[setting], info, text, err);
-}
-
-void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX])
-{
-    (void)snprintf(out, VOR_VARIABLE_MAX, "VORONOID_%s", flag);
-    for (char *c = out; *c != '\0'; c++)
-        *c = *c == '-' ? '_' : (char)toupper((unsigned char)*c);
+    return info->type == VOR_TYPE_TEXT || info->type == VOR_TYPE_LIST
+               ? set_text(config, setting, text, err)
+               : vor_option_read(&config->number[setting], info, text, err);
 }
 
 /* A setting from its variable, or from the file that its variable with _FILE names. What is a file
@@ -113,17 +55,16 @@ void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX])
 static vor_status read_variable(struct vor_config *config, int setting, char *(*get)(const char *),
                                 struct vor_error *err)
 {
-    char name[VOR_VARIABLE_MAX], file[VOR_VARIABLE_MAX + 8], held[VOR_CONFIG_TEXT_MAX];
-    const char *value, *path = NULL;
+    const char *name = vor_setting_infos[setting].variable, *value, *path = NULL;
+    char file[64], held[VOR_CONFIG_TEXT_MAX];
     vor_status status = VOR_OK;
 
-    vor_config_variable(vor_setting_infos[setting].flag, name);
     (void)snprintf(file, sizeof file, "%s_FILE", name);
     value = get(name);
     if (setting != VOR_SET_CONFIG)
         path = get(file);
     if (value != NULL && path != NULL)
-        return vor_fail_param(err, VOR_E_PARAM, vor_setting_infos[setting].flag,
+        return vor_fail_param(err, VOR_E_PARAM, vor_setting_infos[setting].name,
                               "%s and %s are both given, want only one", name, file);
     if (path != NULL)
         status = vor_config_file_value(held, sizeof held, file, path, err);
@@ -181,7 +122,7 @@ static vor_status no_setting(const char *name, struct vor_error *err)
 
     vor_nearest_init(&nearest, name, strlen(name));
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        vor_nearest_try(&nearest, vor_setting_infos[i].flag, strlen(vor_setting_infos[i].flag));
+        vor_nearest_try(&nearest, vor_setting_infos[i].name, strlen(vor_setting_infos[i].name));
     return vor_fail(err, VOR_E_PARAM, "no setting \"%.60s\"%s", name,
                     is_address(name)    ? the_address
                     : nearest.count > 0 ? vor_nearest_text(&nearest, "", meant)
@@ -191,7 +132,7 @@ static vor_status no_setting(const char *name, struct vor_error *err)
 static int find_setting(const char *flag)
 {
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        if (strcmp(vor_setting_infos[i].flag, flag) == 0)
+        if (strcmp(vor_setting_infos[i].name, flag) == 0)
             return i;
     return -1;
 }
@@ -207,7 +148,7 @@ static vor_status take_setting(void *ctx, unsigned line, const char *name, const
         return no_setting(name, err);
     if (config->given[setting] && config->line[setting] == 0)
         return VOR_OK;
-    if (config->line[setting] > 0 && vor_setting_infos[setting].kind != VOR_SETTING_LIST)
+    if (config->line[setting] > 0 && vor_setting_infos[setting].type != VOR_TYPE_LIST)
         return vor_fail(err, VOR_E_PARAM, "%s is set twice, first on line %u", name,
                         config->line[setting]);
     config->given[setting] = 1;
@@ -237,10 +178,10 @@ static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
 {
     memset(longs, 0, (VOR_SETTING_COUNT + 1) * sizeof *longs);
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        longs[i] = (struct option){
-            vor_setting_infos[i].flag,
-            vor_setting_infos[i].kind == VOR_SETTING_FLAG ? optional_argument : required_argument,
-            NULL, LONG_SETTING + i};
+        longs[i] = (struct option){vor_setting_infos[i].name,
+                                   vor_setting_infos[i].type == VOR_TYPE_FLAG ? optional_argument
+                                                                              : required_argument,
+                                   NULL, LONG_SETTING + i};
 }
 
 /* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
@@ -264,7 +205,7 @@ static void read_arguments(struct reading *reading, int argc, char **argv)
             status = no_setting(optarg, &why);
         } else if (got == ':') {
             status = vor_fail(&why, VOR_E_PARAM, "--%s needs a value",
-                              vor_setting_infos[optopt - LONG_SETTING].flag);
+                              vor_setting_infos[optopt - LONG_SETTING].name);
         } else if (got == '?') {
             const char *word = optopt == 0 ? argv[optind - 1] : letter;
 
@@ -333,7 +274,7 @@ static size_t origin_length(const char *text)
 static vor_status check_url(const struct vor_config *config, enum vor_setting setting,
                             struct vor_error *err)
 {
-    const char *url = config->text[setting], *flag = vor_setting_infos[setting].flag;
+    const char *url = config->text[setting], *flag = vor_setting_infos[setting].name;
     size_t scheme = strncmp(url, "https://", 8) == 0 ? 8 : strncmp(url, "http://", 7) == 0 ? 7 : 0;
     size_t host = strcspn(url + scheme, "/");
     char copy[VOR_HOST_MAX + 1] = "";
@@ -440,10 +381,10 @@ static vor_status check_callers(const struct vor_config *config, struct vor_erro
     if (by == VOR_SETTING_COUNT || has_keys || is_free)
         return VOR_OK;
     return vor_fail_param(
-        err, VOR_E_PARAM, vor_setting_infos[by].flag,
+        err, VOR_E_PARAM, vor_setting_infos[by].name,
         "with --%s %.80s the daemon is open to other machines: give --api-keys FILE (voronoid "
         "key NAME makes a line for the file), or --no-auth to allow requests without a key",
-        vor_setting_infos[by].flag, config->text[by]);
+        vor_setting_infos[by].name, config->text[by]);
 }
 
 /* prefix, directory and suffix as a setting's text; false when they do not fit. */

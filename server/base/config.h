@@ -5,25 +5,16 @@
 #include "core/base/status.h"
 #include "server/base/address.h"
 #include "server/base/endpoint.h"
+#include "server/base/option.h"
 
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
-enum vor_setting_kind {
-    VOR_SETTING_TEXT,
-    VOR_SETTING_LIST,     /**< text with commas between entries; flags given again add to it */
-    VOR_SETTING_COUNT_OF, /**< whole number */
-    VOR_SETTING_BYTES,    /**< whole number, with K, M, G or T (1024) behind it or not */
-    VOR_SETTING_TIME,     /**< seconds */
-    VOR_SETTING_FLAG,     /**< given or not; 1 or 0 in the environment */
-    VOR_SETTING_CHOICE    /**< one word of those in the unit column */
-};
-
 /** The file of settings that is read unless CONFIG names another. */
 #define VOR_CONFIG_PLACE "/etc/voronoid/voronoid.conf"
 
-/** Settings: identifier, flag, kind, unit, min, max, default, sentence. The environment variable of
+/** Settings: identifier, flag, type, unit, min, max, default, sentence. The environment variable of
  *  "http-threads" is VORONOID_HTTP_THREADS, or VORONOID_HTTP_THREADS_FILE for a file that holds the
  *  value; in the file of settings it is http-threads. A flag wins over the environment, and that
  *  over the file. */
@@ -175,16 +166,7 @@ enum vor_setting {
         VOR_SETTING_COUNT
 };
 
-/** A row of the table. */
-struct vor_setting_info {
-    const char *flag;
-    enum vor_setting_kind kind;
-    const char *unit;
-    double min, max;
-    const char *fallback, *sentence;
-};
-
-extern const struct vor_setting_info vor_setting_infos[VOR_SETTING_COUNT];
+extern const struct vor_option_row vor_setting_infos[VOR_SETTING_COUNT];
 
 enum { VOR_CONFIG_TEXT_MAX = 1024, VOR_CONFIG_FAULTS_SIZE = 16384 };
 
@@ -221,12 +203,6 @@ struct vor_config {
  */
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
-
-/** Bytes of the name of a setting's variable, with the NUL. */
-#define VOR_VARIABLE_MAX 64
-
-/** VORONOID_ and the flag in capitals. */
-void vor_config_variable(const char *flag, char out[VOR_VARIABLE_MAX]);
 
 /** True when LIST (separated by commas, blanks ignored) holds item of that length, byte for byte.
  */

@@ -1,6 +1,6 @@
 #include "server/base/endpoint.h"
 
-#include "server/base/command_line.h"
+#include "server/base/option.h"
 
 #include <string.h>
 #include <strings.h>

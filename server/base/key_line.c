@@ -1,7 +1,7 @@
 #include "server/base/key_line.h"
 
 #include "core/base/quote.h"
-#include "server/base/command_line.h"
+#include "server/base/option.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "server/base/reference.h"
 
 #include "core/spec/shown.h"
-#include "server/base/config_help.h"
+#include "server/base/config.h"
 #include "server/base/metrics.h"
 
 #include <assert.h>
@@ -109,15 +109,16 @@ static void add_presets(struct vor_text *text)
 
 static void add_settings(struct vor_text *text)
 {
-    struct vor_setting_text setting;
+    char range[VOR_OPTION_RANGE_SIZE];
 
-    for (unsigned i = 0; vor_config_describe(&setting, i); i++) {
-        int length = (int)strlen(setting.range); /* with a blank at its end */
+    for (int i = 0; i < VOR_SETTING_COUNT; i++) {
+        const struct vor_option_row *info = &vor_setting_infos[i];
+        const char *value = vor_option_value(info);
 
-        vor_text_printf(text, "  --%s%s%s\n      %s (%.*s%senvironment: %s).\n", setting.flag,
-                        setting.value[0] != '\0' ? " " : "", setting.value, setting.sentence,
-                        length > 0 ? length - 1 : 0, setting.range, length > 0 ? "; " : "",
-                        setting.variable);
+        vor_option_range(info, range);
+        vor_text_printf(text, "  --%s%s%s\n      %s (%s%senvironment: %s).\n", info->name,
+                        value[0] != '\0' ? " " : "", value, info->sentence, range,
+                        range[0] != '\0' ? "; " : "", info->variable);
     }
 }
 

@@ -29,6 +29,8 @@ static int run_process(const struct vor_cli *cli);
 
 /* The commands that are no process. */
 static const struct vor_command others[] = {
+    {"serve", "Run the daemon", "Runs the daemon. Its manual page is voronoid(8)",
+     VOR_COMMAND_SERVES, "", 0, 0, NULL, NULL},
     {"submit", "Send clouds to a daemon",
      "Sends each cloud to a daemon and prints the ID of its job",
      VOR_COMMAND_ASKS | VOR_COMMAND_SUBMITS, " PROCESS" FILES, 0, INT_MAX, NULL, no_process},
@@ -67,7 +69,7 @@ static const struct vor_command others[] = {
      run_process},
 };
 
-enum { OTHERS = sizeof others / sizeof others[0], SUBMIT = 0 };
+enum { OTHERS = sizeof others / sizeof others[0], SERVE = 0, SUBMIT };
 
 static struct vor_command other(unsigned index)
 {
@@ -133,7 +135,7 @@ static void choose_submit(struct chosen *out, const struct vor_process_info *pro
 
 static void refuse_name(const char *name, int may_be_topic)
 {
-    static const char *const more[] = {"serve", "help", "version"};
+    static const char *const more[] = {"help", "version"};
     char meant[VOR_NEAREST_TEXT_SIZE], line[sizeof meant + 64];
     const struct vor_process_info *process;
     struct vor_nearest nearest;
@@ -224,8 +226,12 @@ const struct vor_command *vor_cli_command(struct vor_command *out, unsigned inde
     const struct vor_process_info *process;
     unsigned i = 0;
 
+    if (index == 0) {
+        *out = others[SERVE];
+        return out;
+    }
     for (; (process = vor_process_info(i)) != NULL; i++)
-        if (i == index) {
+        if (i + 1 == index) {
             *out = command_of(process);
             return out;
         }
@@ -240,7 +246,6 @@ void vor_cli_overview(FILE *out)
     struct vor_command command;
 
     vor_help_begin(out);
-    vor_help_line(out, "serve", "Run the daemon");
     for (unsigned i = 0; vor_cli_command(&command, i) != NULL; i++)
         vor_help_line(out, command.name, command.title);
     vor_help_end(out);

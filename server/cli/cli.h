@@ -14,8 +14,8 @@ int vor_cli_main(int argc, char **argv);
 /** Prints the help of one command. Returns the exit code, as vor_cli_main. */
 int vor_cli_help(FILE *out, const char *command);
 
-/** Command number `index`: those that run a process, then the others. Writes it to *out and returns
- *  that; NULL past the last. */
+/** Command number `index`: serve, those that run a process, then the others. Writes it to *out and
+ *  returns that; NULL past the last. serve is not run by vor_cli_main. */
 const struct vor_command *vor_cli_command(struct vor_command *out, unsigned index);
 
 /** Prints the list of commands. */

@@ -22,8 +22,10 @@ enum { SENTENCE_SIZE = 2048, MEANING_COLUMN = 6, PRESET_COLUMN = 12 };
 static void print_option(FILE *out, char letter, const char *name, const char *value,
                          const char *sentence)
 {
-    fprintf(out, "  %c%c%c --%s%s\n", letter != 0 ? '-' : ' ', letter != 0 ? letter : ' ',
-            letter != 0 ? ',' : ' ', name, value);
+    fputs("  ", out);
+    if (letter != 0)
+        fprintf(out, "-%c, ", letter);
+    fprintf(out, "--%s%s\n", name, value);
     vor_markup_wrap_string(out, sentence, MEANING_COLUMN);
 }
 
@@ -31,24 +33,23 @@ static void print_option(FILE *out, char letter, const char *name, const char *v
 static void print_options(FILE *out, const struct vor_command *command)
 {
     const struct vor_process_info *process = command->process;
-    char sentence[SENTENCE_SIZE];
+    const struct vor_option_row *o;
+    char sentence[SENTENCE_SIZE], value[32], range[VOR_OPTION_RANGE_SIZE];
 
     for (unsigned i = 1; process != NULL && process->inputs[i].name != NULL; i++) {
         (void)snprintf(sentence, sizeof sentence, "%s%s", process->inputs[i].sentence,
                        process->inputs[i].is_required ? " (required)" : "");
         print_option(out, 0, process->inputs[i].name, " FILE", sentence);
     }
-    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
-        const struct vor_option_info *o = vor_option_info((enum vor_option)i);
-        char value[32];
-
-        if (!vor_command_takes(command, (enum vor_option)i))
-            continue;
-        (void)snprintf(value, sizeof value, "%s%s", o->value[0] != '\0' ? " " : "", o->value);
-        (void)snprintf(sentence, sizeof sentence, "%s%s%s%s", o->sentence,
-                       o->variable[0] != '\0' ? " (env: " : "", o->variable,
-                       o->variable[0] != '\0' ? ")" : "");
-        print_option(out, o->letter, o->name, value, sentence);
+    for (unsigned i = 0; (o = vor_command_option(command, i)) != NULL; i++) {
+        (void)snprintf(value, sizeof value, " %s", vor_option_value(o));
+        print_option(out, o->letter, o->name, value[1] != '\0' ? value : "", o->sentence);
+        vor_option_range(o, range);
+        if (range[0] != '\0' || o->variable[0] != '\0')
+            fprintf(out, "%*s%s%s%s%s%s\n", MEANING_COLUMN, "", range,
+                    range[0] != '\0' && o->variable[0] != '\0' ? " " : "",
+                    o->variable[0] != '\0' ? "(env: " : "", o->variable,
+                    o->variable[0] != '\0' ? ")" : "");
     }
 }
 
@@ -104,6 +105,17 @@ static void print_presets(FILE *out, const struct vor_process_info *process)
     }
 }
 
+/* The table of exit codes as lines: of commands, or of serve. */
+static void print_exit_codes(FILE *out, int of_serve)
+{
+    for (size_t i = 0; i < sizeof exits / sizeof exits[0]; i++) {
+        const char *sentence = of_serve ? exits[i].serve : exits[i].command;
+
+        if (sentence[0] != '\0')
+            fprintf(out, "  %3d  %s\n", exits[i].code, sentence);
+    }
+}
+
 void vor_help_command(FILE *out, const struct vor_command *command)
 {
     const struct vor_process_info *process = command->process;
@@ -132,8 +144,15 @@ void vor_help_command(FILE *out, const struct vor_command *command)
     }
     fputc('\n', out);
     vor_markup_wrap_string(out, VOR_HELP_WORDS, 0);
+    if ((command->does & VOR_COMMAND_SERVES) != 0)
+        vor_markup_wrap_string(out,
+                               "A flag overrides the environment variable of the same setting, and "
+                               "the variable overrides the file of --config. A variable with a "
+                               "name that ends in _FILE has the path of a file that contains the "
+                               "value. See also voronoid help settings.",
+                               0);
     fputs("\nExit codes:\n", out);
-    vor_help_exit_codes(out, 0);
+    print_exit_codes(out, (command->does & VOR_COMMAND_SERVES) != 0);
     vor_cli_examples(out, command->name);
 }
 
@@ -159,16 +178,6 @@ void vor_help_line(FILE *out, const char *name, const char *title)
     fprintf(out, "  %-9s %s\n", name, title);
 }
 
-void vor_help_exit_codes(FILE *out, int of_serve)
-{
-    for (size_t i = 0; i < sizeof exits / sizeof exits[0]; i++) {
-        const char *sentence = of_serve ? exits[i].serve : exits[i].command;
-
-        if (sentence[0] != '\0')
-            fprintf(out, "  %3d  %s\n", exits[i].code, sentence);
-    }
-}
-
 void vor_help_end(FILE *out)
 {
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
@@ -178,7 +187,7 @@ void vor_help_end(FILE *out)
           "voronoid --man 1|8 a manual page, voronoid --completion bash|zsh|fish a completion "
           "script.\n\nExit codes:\n",
           out);
-    vor_help_exit_codes(out, 0);
+    print_exit_codes(out, 0);
     fputs("\nExit codes of serve:\n", out);
-    vor_help_exit_codes(out, 1);
+    print_exit_codes(out, 1);
 }

@@ -27,7 +27,4 @@ void vor_help_begin(FILE *out);
 void vor_help_line(FILE *out, const char *name, const char *title);
 void vor_help_end(FILE *out);
 
-/** The table of exit codes (server/cli/cli_log.h) as lines: of commands, or of serve. */
-void vor_help_exit_codes(FILE *out, int of_serve);
-
 #endif

@@ -2,7 +2,6 @@
 
 #include "core/base/quote.h"
 #include "server/base/clock.h"
-#include "server/base/command_line.h"
 #include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/job_list.h"
@@ -13,8 +12,6 @@
 #include <time.h>
 
 enum {
-    LIMIT_DEFAULT = 20,
-    LIMIT_MAX = 10000,
     STATUSES_MAX = 100 /* bytes of all five with commas between */
 };
 
@@ -140,20 +137,12 @@ static int show_one(const struct vor_cli *cli, const char *id, void *rows)
     return code;
 }
 
-/* What the two options of the list say.
- *
- * @retval VOR_E_PARAM one of them is wrong */
-static vor_status read_list_options(const struct vor_cli *cli, unsigned *limit,
-                                    struct vor_error *err)
+/* @retval VOR_E_PARAM the option --status is wrong */
+static vor_status check_statuses(const struct vor_cli *cli, struct vor_error *err)
 {
-    const char *text = cli->option[VOR_OPTION_LIMIT];
     const char *statuses = cli->option[VOR_OPTION_STATUS];
     char quoted[64];
 
-    *limit = LIMIT_DEFAULT;
-    if (text != NULL && !vor_whole_read(limit, text, 1, LIMIT_MAX))
-        return vor_fail(err, VOR_E_PARAM, "limit is %s, want a whole number from 1 to %d",
-                        vor_quote(quoted, sizeof quoted, text, strlen(text)), LIMIT_MAX);
     if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||
                              statuses[strspn(statuses, "abcdefghijklmnopqrstuvwxyz,")] != '\0'))
         return vor_fail(
@@ -167,12 +156,12 @@ int vor_cli_jobs(const struct vor_cli *cli)
 {
     struct rows rows = {cli, 0};
     struct vor_error err;
-    unsigned limit;
     int code;
 
-    if (read_list_options(cli, &limit, &err) != VOR_OK)
+    if (check_statuses(cli, &err) != VOR_OK)
         return vor_cli_fail(cli->command->name, &err);
-    code = cli->operand_count > 0 ? vor_cli_each(cli, show_one, &rows) : list_all(cli, limit);
+    code = cli->operand_count > 0 ? vor_cli_each(cli, show_one, &rows)
+                                  : list_all(cli, (unsigned)cli->number[VOR_OPTION_LIMIT]);
     if (fflush(stdout) != 0 && code == VOR_EXIT_OK)
         code = VOR_EXIT_FAILED;
     return code;

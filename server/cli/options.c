@@ -6,29 +6,73 @@
 #include "core/spec/decimal.h"
 #include "proto/codec.h"
 #include "proto/text.h"
-#include "server/base/command_line.h"
+#include "server/base/config.h"
 #include "server/base/machine.h"
+#include "server/base/option.h"
+#include "server/base/reference.h"
 #include "server/base/uuid.h"
-#include "server/cli/menu.h"
 
+#include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+/* What getopt_long returns for a long option is its row behind one of the last, above every letter.
+ */
 enum {
-    OPERAND = 1,     /* what it returns for an operand, and for letters */
+    OPERAND = 1, /* what it returns for an operand, and for letters */
+    LONG_OPTION = 256,
+    LONG_INPUT = LONG_OPTION + VOR_OPTION_COUNT,
+    LONG_PARAMETER = LONG_INPUT + VOR_INPUTS_MAX,
+    LONGS_MAX = VOR_OPTION_COUNT + VOR_INPUTS_MAX + 2 * VOR_PARAMETER_COUNT,
     SHOWN_SIZE = 48, /* of what a caller wrote, in a message */
     NAMES_SIZE = 256 /* of the names that an ambiguous one may stand for */
+};
+
+static const struct vor_option_row options[VOR_OPTION_COUNT] = {
+#define OPTION_ROW(id, name, letter, type, unit, min, max, fallback, variable, commands, sentence) \
+    {name, VOR_TYPE_##type, unit, min, max, fallback, sentence, variable, commands, letter},
+    VOR_OPTION_TABLE(OPTION_ROW)
+#undef OPTION_ROW
 };
 
 /* The word that is being read, and where it goes. */
 struct reader {
     struct vor_cli *cli;
     char **argv;
-    struct vor_menu menu;
     struct vor_error *err;
+    struct option longs[LONGS_MAX + 1]; /* the last one is zero */
+    int count;
+    char parameters[VOR_PARAMETER_COUNT][VOR_REFERENCE_NAME_SIZE];
+    char letters[2 * VOR_OPTION_COUNT + 8];
 };
+
+const struct vor_option_row *vor_option_info(enum vor_option option)
+{
+    return &options[option];
+}
+
+int vor_command_takes(const struct vor_command *command, enum vor_option option)
+{
+    if (option == VOR_OPTION_PRESET &&
+        (command->process == NULL || vor_named_preset(command->process->id, 0) == NULL))
+        return 0;
+    return (options[option].commands & command->does) != 0;
+}
+
+const struct vor_option_row *vor_command_option(const struct vor_command *command, unsigned index)
+{
+    if ((command->does & VOR_COMMAND_SERVES) != 0) {
+        if (index < VOR_SETTING_COUNT)
+            return &vor_setting_infos[index];
+        index -= VOR_SETTING_COUNT;
+    }
+    for (int i = 0; i < VOR_OPTION_COUNT; i++)
+        if (vor_command_takes(command, (enum vor_option)i) && index-- == 0)
+            return &options[i];
+    return NULL;
+}
 
 int vor_cli_into_folder(const struct vor_cli *cli)
 {
@@ -59,6 +103,19 @@ static vor_status refuse_parameter(const struct reader *r, const char *shown,
                     r->cli->command->process->id);
 }
 
+/* The parameter of a name, with capitals or with dashes; VOR_PARAMETER_COUNT when there is none. */
+static enum vor_parameter find_parameter(const char *name)
+{
+    char option[VOR_REFERENCE_NAME_SIZE];
+    int i = 0;
+
+    while (i < VOR_PARAMETER_COUNT &&
+           strcmp(name, vor_parameter_info((enum vor_parameter)i)->name) != 0 &&
+           strcmp(name, vor_reference_option(option, (enum vor_parameter)i)) != 0)
+        i++;
+    return (enum vor_parameter)i;
+}
+
 /* A word that getopt_long does not know. */
 static vor_status refuse_word(const struct reader *r, const char *word)
 {
@@ -68,14 +125,61 @@ static vor_status refuse_word(const struct reader *r, const char *word)
     enum vor_parameter parameter;
 
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), word);
-    parameter = vor_menu_parameter(exact + strspn(exact, "-"));
+    parameter = find_parameter(exact + strspn(exact, "-"));
     if (word[1] == '-' && process != NULL && parameter != VOR_PARAMETER_COUNT &&
         !vor_process_takes(process, parameter))
         return refuse_parameter(r, vor_quote(shown, sizeof shown, word, length), parameter);
-    return vor_option_refuse(r->menu.longs, word, r->cli->command->name, r->err);
+    return vor_option_refuse(r->longs, word, r->cli->command->name, r->err);
 }
 
 /* Reading. */
+
+static void add_long(struct reader *r, const char *name, int argument, int value)
+{
+    r->longs[r->count++] = (struct option){name, argument, NULL, value};
+}
+
+static void add_letter(struct reader *r, char letter, int has_value)
+{
+    size_t at = strlen(r->letters);
+
+    (void)snprintf(r->letters + at, sizeof r->letters - at, "%c%s", letter, has_value ? ":" : "");
+}
+
+/* What getopt_long takes. "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":"
+ * tells a missing value from an unknown option, and prints nothing. A parameter whose name has
+ * capitals has two rows, one behind the other: "max-aspect", "maxAspect". */
+static void name_options(struct reader *r)
+{
+    const struct vor_command *command = r->cli->command;
+    const struct vor_process_info *process = command->process;
+
+    memcpy(r->letters, "-:", sizeof "-:");
+    for (int i = 0; i < VOR_OPTION_COUNT; i++) {
+        int has_value = options[i].type != VOR_TYPE_FLAG;
+
+        if (!vor_command_takes(command, (enum vor_option)i))
+            continue;
+        add_long(r, options[i].name, has_value ? required_argument : no_argument, LONG_OPTION + i);
+        if (options[i].letter != 0)
+            add_letter(r, options[i].letter, has_value);
+    }
+    for (int i = 1; process != NULL && process->inputs[i].name != NULL; i++)
+        add_long(r, process->inputs[i].name, required_argument, LONG_INPUT + i);
+    for (int i = 0; process != NULL && i < VOR_PARAMETER_COUNT; i++) {
+        const struct vor_parameter_info *info = vor_parameter_info((enum vor_parameter)i);
+        int argument = info->kind == VOR_KIND_FLAG ? optional_argument : required_argument;
+
+        if (!vor_process_takes(process, (enum vor_parameter)i))
+            continue;
+        add_long(r, vor_reference_option(r->parameters[i], (enum vor_parameter)i), argument,
+                 LONG_PARAMETER + i);
+        if (strcmp(r->parameters[i], info->name) != 0)
+            add_long(r, info->name, argument, LONG_PARAMETER + i);
+        if (i == VOR_PARAM_POINTS)
+            add_letter(r, 'n', 1);
+    }
+}
 
 /* A flag that stands alone is true; what follows it is not its value. A ratio may be in percent. */
 static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, const char *value)
@@ -108,8 +212,8 @@ static int option_of_letter(const struct vor_command *command, int letter)
 {
     int i = 0;
 
-    while (i < VOR_OPTION_COUNT && !(vor_option_info((enum vor_option)i)->letter == letter &&
-                                     vor_command_takes(command, (enum vor_option)i)))
+    while (i < VOR_OPTION_COUNT &&
+           !(options[i].letter == letter && vor_command_takes(command, (enum vor_option)i)))
         i++;
     return i;
 }
@@ -117,18 +221,17 @@ static int option_of_letter(const struct vor_command *command, int letter)
 /* Takes what getopt_long returned. */
 static vor_status take(struct reader *r, int got)
 {
-    int option = VOR_LONG_OPTION <= got && got < VOR_LONG_INPUT
-                     ? got - VOR_LONG_OPTION
-                     : option_of_letter(r->cli->command, got);
+    int option = LONG_OPTION <= got && got < LONG_INPUT ? got - LONG_OPTION
+                                                        : option_of_letter(r->cli->command, got);
 
     if (got == '?' || got == ':') {
         const char letter[] = {'-', (char)optopt, '\0'};
-        const char *word = 0 < optopt && optopt < VOR_LONG_OPTION ? letter : r->argv[optind - 1];
+        const char *word = 0 < optopt && optopt < LONG_OPTION ? letter : r->argv[optind - 1];
         char shown[SHOWN_SIZE];
 
         /* '?', or ':' for a value that is missing. optopt is then what it would have returned, or 0
          * for a long option that it does not know. One that it knows is shown as it was written. */
-        if (got == '?' && optopt < VOR_LONG_OPTION)
+        if (got == '?' && optopt < LONG_OPTION)
             return refuse_word(r, word);
         return vor_fail(r->err, VOR_E_PARAM, "%s %s",
                         vor_quote(shown, sizeof shown, word, strcspn(word, "=")),
@@ -136,10 +239,10 @@ static vor_status take(struct reader *r, int got)
     }
     if (got == OPERAND)
         return add_operand(r, optarg);
-    if (got >= VOR_LONG_PARAMETER)
-        return set_parameter(r, (enum vor_parameter)(got - VOR_LONG_PARAMETER), optarg);
-    if (got >= VOR_LONG_INPUT)
-        r->cli->input[got - VOR_LONG_INPUT] = optarg;
+    if (got >= LONG_PARAMETER)
+        return set_parameter(r, (enum vor_parameter)(got - LONG_PARAMETER), optarg);
+    if (got >= LONG_INPUT)
+        r->cli->input[got - LONG_INPUT] = optarg;
     else if (option == VOR_OPTION_COUNT)
         return set_parameter(r, VOR_PARAM_POINTS, optarg);
     else
@@ -147,17 +250,30 @@ static vor_status take(struct reader *r, int got)
     return VOR_OK;
 }
 
-static vor_status resolve_threads(struct vor_cli *cli, struct vor_error *err)
+/* What no option has given is its variable's; what is a number, or has a default that is one, is
+ * read. */
+static vor_status take_values(struct vor_cli *cli, struct vor_error *err)
 {
-    const char *text = cli->option[VOR_OPTION_THREADS];
-    char quoted[SHOWN_SIZE];
+    vor_status status = VOR_OK;
 
-    if (text != NULL && !vor_whole_read(&cli->threads, text, 0, VOR_THREADS_MAX))
-        return vor_fail(err, VOR_E_PARAM, "threads is %s, want a whole number from 0 to %d",
-                        vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_THREADS_MAX);
+    for (int i = 0; i < VOR_OPTION_COUNT && status == VOR_OK; i++) {
+        const struct vor_option_row *info = &options[i];
+
+        if (!vor_command_takes(cli->command, (enum vor_option)i))
+            continue;
+        if (cli->option[i] == NULL && info->variable[0] != '\0')
+            cli->option[i] = getenv(info->variable);
+        if (info->type == VOR_TYPE_COUNT_OF)
+            status = vor_option_read(&cli->number[i], info,
+                                     cli->option[i] != NULL ? cli->option[i] : info->fallback, err);
+    }
+    /* An empty URL is none, so that the variable can be overridden. */
+    if (cli->option[VOR_OPTION_SERVER] != NULL && cli->option[VOR_OPTION_SERVER][0] == '\0')
+        cli->option[VOR_OPTION_SERVER] = NULL;
+    cli->threads = (unsigned)cli->number[VOR_OPTION_THREADS];
     if (cli->threads == 0)
         cli->threads = vor_machine_cores();
-    return VOR_OK;
+    return status;
 }
 
 /* Checks. */
@@ -393,25 +509,17 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
     out->command = command;
     if (command->process != NULL)
         vor_spec_preset(&out->spec, command->process);
-    vor_menu_make(&r.menu, command);
+    name_options(&r);
     out->operands = argv + 1;
     optind = 0; /* glibc's word for a new command line */
-    while (status == VOR_OK &&
-           (got = getopt_long(argc, argv, r.menu.letters, r.menu.longs, NULL)) != -1)
+    while (status == VOR_OK && (got = getopt_long(argc, argv, r.letters, r.longs, NULL)) != -1)
         status = take(&r, got);
     while (status == VOR_OK && optind < argc)
         status = add_operand(&r, argv[optind++]);
     if (out->option[VOR_OPTION_HELP] != NULL)
         return VOR_OK;
-    for (int i = 0; i < VOR_OPTION_COUNT; i++)
-        if (out->option[i] == NULL && vor_command_takes(out->command, (enum vor_option)i) &&
-            vor_option_info((enum vor_option)i)->variable[0] != '\0')
-            out->option[i] = getenv(vor_option_info((enum vor_option)i)->variable);
-    /* An empty URL is none, so that the variable can be overridden. */
-    if (out->option[VOR_OPTION_SERVER] != NULL && out->option[VOR_OPTION_SERVER][0] == '\0')
-        out->option[VOR_OPTION_SERVER] = NULL;
     if (status == VOR_OK)
-        status = resolve_threads(out, err);
+        status = take_values(out, err);
     if (status == VOR_OK && command->process != NULL) {
         status = check_files(out, err);
         if (status == VOR_OK && (command->does & VOR_COMMAND_RUNS) != 0)

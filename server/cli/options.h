@@ -20,8 +20,9 @@ struct vor_cli {
                                                the first is the first operand */
     const char *option[VOR_OPTION_COUNT]; /**< text, "" for a flag that is there, or NULL */
     char folder[PATH_MAX]; /**< the output, if it is a folder's name without a slash at its end */
-    unsigned threads;      /**< resolved: 1 .. VOR_THREADS_MAX */
-    struct vor_spec spec;  /**< of a process; checked, with its inputs */
+    double number[VOR_OPTION_COUNT];        /**< of those that are counts, or their default */
+    unsigned threads;                       /**< resolved: 1 .. VOR_THREADS_MAX */
+    struct vor_spec spec;                   /**< of a process; checked, with its inputs */
     int given[VOR_PARAMETER_COUNT];         /**< the parameters of spec that were named */
     const struct vor_attribute_names *keep; /**< attributes of the input to be kept; NULL: all */
 };

@@ -1,6 +1,6 @@
 #include "server/cli/server.h"
 
-#include "server/base/command_line.h"
+#include "server/base/option.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -126,7 +126,7 @@ subtest 'jobs' => sub {
     (undef, $stdout) = run(['jobs', '--json', $done, @there]);
     is decode_json($stdout)->{jobID}, $done, 'one that is named';
     for my $case (
-        [['--limit', 0], qr/limit is 0, want a whole number from 1 to 10000/], [['--limit', '2x'], qr/limit is 2x/],
+        [['--limit', 0], qr/--limit is "0", want a whole number from 1 to 10000/], [['--limit', '2x'], qr/--limit is "2x"/],
         [['--status', 'lost'], qr/status|lost/], [['--status', 'a&b'], qr/status is "a&b", want some of accepted,/],
         [['x'], qr/"x" is not a job, want an ID such as/], [['../jobs'], qr/is not a job/], [["$done-"], qr/is not a job/], [[''], qr/"" is not a job/],
     ) {

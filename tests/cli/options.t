@@ -47,8 +47,8 @@ for my $command (qw(denoise upsample simplify resample)) {
 }
 my (undef, $of_measure) = run(['measure', '--help']);
 like $of_measure, qr/^usage: voronoid measure IN\.\.\. /, 'the help of measure names its operand';
-like $of_measure, qr/^      --reference FILE\n/m, 'and its other input';
-like $of_measure, qr/^      --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+30, in the unit of the cloud \| auto, default auto\n/m, 'and its parameter';
+like $of_measure, qr/^  --reference FILE\n/m, 'and its other input';
+like $of_measure, qr/^  --peak VALUE\n(?: {6}\S[^\n]+\n)+      1e-30 to 1e\+30, in the unit of the cloud \| auto, default auto\n/m, 'and its parameter';
 unlike $of_measure, qr/--(?:points|listen|seed|format)\b/, 'and nothing that it does not take';
 unlike $help, qr/--(?:peak|reference)\b/, 'nor does that of resample';
 like $help, qr/6 to 500 points \| auto, default auto/, 'it shows range, auto and default';
@@ -165,9 +165,9 @@ refused 'a wrong word', ['resample', $in, '-fo', $out, @points, '--boundary', 'o
 refused 'a method of another process', ['upsample', $in, '-fo', $out, '--method', 'kmeans'], 2,
     'upsample: method is "kmeans", want one of cvt, wlop, ear, isotropic';
 refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads', 257], 2,
-    'resample: threads is 257, want a whole number from 0 to 256';
+    'resample: --threads is "257", want a whole number from 0 to 256';
 refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,
-    'resample: threads is two, want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
+    'resample: --threads is "two", want a whole number from 0 to 256', env => { VORONOID_THREADS => 'two' };
 refused 'two clouds from one stdin', ['measure', '-', '--reference', '-'], 2,
     'measure: both clouds are given as - (stdin), but stdin has only one cloud: want a file for one of them';
 

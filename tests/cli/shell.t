@@ -27,7 +27,7 @@ cmp_ok scalar(@commands), '>', 10, 'there are commands';
 # The options that the help of a command has: "--points", and with letters "-n".
 sub options_of {
     my ($text) = @_;
-    return sort map { grep { defined } @$_ } map { [m/^(?:(-\w), |    )(--[A-Za-z-]+)/] } $text =~ /^  ((?:-\w,|   ) --.*)$/mg;
+    return sort map { grep { defined } @$_ } map { [m/^(?:(-\w), )?(--[A-Za-z-]+)/] } $text =~ /^  ((?:-\w, )?--.*)$/mg;
 }
 my %options = map { $_ => [options_of(printed($_, '--help'))] } grep { $_ ne 'serve' } @commands;
 my @settings = sort { $a cmp $b } printed('serve', '--help') =~ /^  (--[a-z-]+)/mg;

@@ -56,7 +56,7 @@ like $printed, qr{^POST /v1/resample submit 200 }m, '--print-routes prints the r
 
 my ($helped, undef, $help) = Vt::run('--help');
 is $helped, 0, '--help is no mistake';
-for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Settings:\n//msr =~ s/^A flag overrides.*//msr) {
+for my $entry (split /^  (?=--)/m, $help =~ s/\A.*?^Options:\n//msr =~ s/^  -h, --help.*//msr) {
     my ($flag) = $entry =~ /\A(--[a-z-]+)/ or next;
     like $entry, qr/\A--[a-z-]+(?: [A-Z]+(?::[A-Z]+)?| (?:sqlite|dir):PATH)?\n/, "$flag: its value has a name";
     my $variable = 'VORONOID_' . uc(substr $flag, 2) =~ tr/-/_/r;

@@ -86,8 +86,8 @@ VT_TEST_LOOP(a_store_of_another_version_is_refused_and_left_alone, 2)
     ck_assert_int_eq(fputc(versions[_i], file), versions[_i]);
     fclose(file);
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, where, 0, &holder, &vt_err));
-    (void)snprintf(wanted, sizeof wanted, "schema %d, but this version reads only 6, 13 and 14: ",
-                   versions[_i]);
+    (void)snprintf(wanted, sizeof wanted,
+                   "schema %d, but this version reads only 6, 13 and 14: ", versions[_i]);
     ck_assert_ptr_nonnull(strstr(vt_err.message, wanted));
     ck_assert_ptr_null(store);
 }

@@ -3,7 +3,7 @@
 #include "core/base/quote.h"
 #include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
-#include "server/base/command_line.h"
+#include "server/base/option.h"
 
 #include <string.h>
 
