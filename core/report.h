@@ -215,7 +215,7 @@ struct vor_stage_done {
       "density")                                                                                   \
     X(REAL, density_span, "density.span", "",                                                      \
       "Ratio of the 95th to the 5th percentile of the density on the surface, after the "          \
-      "parameters `contrast` and `grading` were applied")                                          \
+      "parameters `contrast`, `grading` and `groups` were applied")                                \
     X(REAL, density_least, "density.spacing_min", "unit of the cloud", "Smallest target spacing")  \
     X(REAL, density_most, "density.spacing_max", "unit of the cloud", "Largest target spacing")    \
     X(OPTIONAL, has_metric, "metric", "",                                                          \

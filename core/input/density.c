@@ -9,6 +9,7 @@
 #include "core/input/grading.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -263,6 +264,71 @@ static void take_contrast(struct work *work, double contrast)
     }
 }
 
+/* A point's density and its share of the surface. */
+struct share {
+    double rho, area;
+};
+
+static int lower_first(const void *a, const void *b)
+{
+    const struct share *x = a, *y = b;
+    int order = (x->rho > y->rho) - (x->rho < y->rho);
+
+    return order != 0 ? order : (x->area > y->area) - (x->area < y->area);
+}
+
+/* The lowest density of each group but the first, so that all have the same share of the surface.
+ */
+static vor_status find_bounds(double *bound, unsigned groups, const struct work *work,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = work->field->n;
+    struct share *share = vor_malloc(run->memory, n, sizeof *share);
+    double total = 0, below = 0;
+    unsigned group = 1;
+
+    if (share == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    for (size_t i = 0; i < n; i++) {
+        share[i] = (struct share){work->rho[i], (double)work->area[i]};
+        total += share[i].area;
+    }
+    qsort(share, n, sizeof *share, lower_first);
+    for (size_t i = 0; i < n; i++) {
+        for (; group < groups && below >= group * total / groups; group++)
+            bound[group] = share[i].rho;
+        below += share[i].area;
+    }
+    for (; group < groups; group++)
+        bound[group] = share[n - 1].rho;
+    vor_free(run->memory, share);
+    return VOR_OK;
+}
+
+/* Turns densities into relative spacings, one for each group. If contrast is less than the ratio of
+ * the paper's, their distances from 1 shrink. */
+static vor_status take_groups(struct work *work, double asked_groups, double contrast,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    static const double of3[] = {VOR_GROUPS_OF_3}, of5[] = {VOR_GROUPS_OF_5};
+    int five = asked_groups == VOR_GROUPS_5;
+    const double *spacing = five ? of5 : of3;
+    unsigned last = (unsigned)((five ? sizeof of5 : sizeof of3) / sizeof *of5) - 1;
+    double bound[sizeof of5 / sizeof *of5] = {0}; /* clang-analyzer cannot see that all are set */
+    double share;
+    vor_status status = find_bounds(bound, last + 1, work, run, err);
+
+    share = fmin((contrast - 1) / (spacing[0] - 1 + contrast * (1 - spacing[last])), 1);
+    for (size_t i = 0; i < work->field->n && status == VOR_OK; i++) {
+        unsigned group = 0;
+
+        while (group < last && work->rho[i] >= bound[group + 1])
+            group++;
+        work->given[i] = (float)(1 + share * (spacing[group] - 1));
+    }
+    return status;
+}
+
 /* How many points the values ask for over how many there are: the mean of their power -2 over the
  * area. */
 static double asked(const struct work *work)
@@ -361,11 +427,30 @@ static vor_status mark_edges(struct work *work, const struct vor_run *run, struc
     return VOR_OK;
 }
 
+/* Makes the densities of edges those of the distance to the nearest one along the points. */
+static vor_status measure_edges(struct work *work, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = work->field->n;
+    struct vor_grading grading;
+    vor_status status = vor_grading_init(&grading, &work->graph, work->field->xyz, err);
+
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < n; i++)
+        work->given[i] = work->on_edge[i] ? 0 : INFINITY;
+    status = vor_grading_apply(&grading, work->given, 1, run, err);
+    for (size_t i = 0; i < n; i++)
+        work->rho[i] = -(double)work->given[i];
+    vor_grading_free(&grading);
+    return status;
+}
+
 /* Fills the field, of which n and even are set. */
 static vor_status fill(struct work *work, const struct vor_spec *spec, const struct vor_run *run,
                        struct vor_error *err)
 {
     struct vor_field *field = work->field;
+    double groups = spec->value[VOR_PARAM_GROUPS];
     vor_status status = alloc_work(work, run->memory, err);
 
     if (status == VOR_OK)
@@ -381,8 +466,14 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
     status = find_densities(work, run, err);
     if (status != VOR_OK)
         return status;
-    take_contrast(work, spec->value[VOR_PARAM_CONTRAST]);
-    status = grade(work, run, err);
+    if (groups == VOR_GROUPS_NONE)
+        take_contrast(work, spec->value[VOR_PARAM_CONTRAST]);
+    else if (work->edges.n > 0)
+        status = measure_edges(work, run, err);
+    if (status == VOR_OK && groups != VOR_GROUPS_NONE)
+        status = take_groups(work, groups, spec->value[VOR_PARAM_CONTRAST], run, err);
+    if (status == VOR_OK)
+        status = grade(work, run, err);
     if (status == VOR_OK)
         note_range(work);
     return status;

@@ -9,6 +9,16 @@
  *  lie on a sharp edge (input/edges.h) and 0 elsewhere: the spacing is smallest along edges, and
  *  grows away from them as grading allows, up to contrast times as much.
  *
+ *  With groups, those of Lv 2022, "Intrinsic and isotropic resampling for 3D point clouds", Sec.
+ *  4.2, Eq. 10: the points of the field are put into groups of equal area by their density, or by
+ *  the distance from the nearest edge, and all points of a group have one spacing. The paper does
+ *  not say where groups end; its authors' program has the same number of points in each. Of the
+ *  paper's lists of spacings, the widest ones are used; less contrast comes within 0.05 of the
+ *  others. Grading smooths the steps between groups, where the paper averages neighbours (Eq. 8).
+ *  Measured on 200,000 points of armadillo to 10,000 by curvature, none / 3 / 5: largest and mean
+ *  geometric error (the paper's Table 3) over those of an even spread 0.75 / 0.72 / 0.64 and 0.91 /
+ *  1.00 / 0.99.
+ *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no
  *  spacing can follow that: the largest spacing is at most `contrast` times the smallest one, and
  *  from one place to another it changes by at most `grading` times their distance.
@@ -34,7 +44,7 @@ VOR_NODISCARD vor_status vor_density_check(const struct vor_cloud *in, const str
  *  spread.
  *
  *  @param[in] in    the cloud that the domain was made of; its attribute was checked
- *  @param[in] spec  read: density, contrast, grading
+ *  @param[in] spec  read: density, groups, contrast, grading
  *  @param[in] run   a stop must not interrupt this: pass vor_run_unstoppable
  *
  *  @retval VOR_E_DENSITY  that of edges is asked for, and the input has none

@@ -29,6 +29,7 @@ enum vor_level {
     X(DENSITY, BASIC, "Density")                                                                   \
     X(CONTRAST, ADVANCED, "Contrast of the density")                                               \
     X(GRADING, ADVANCED, "Grading of the density")                                                 \
+    X(GROUPS, ADVANCED, "Groups of the density")                                                   \
     X(METRIC, ADVANCED, "Shape of cells")                                                          \
     X(MAX_ASPECT, ADVANCED, "Longest cells")                                                       \
     X(P, ADVANCED, "Power of the metric")                                                          \
@@ -83,6 +84,7 @@ enum vor_level {
 #define VOR_WHEN_TABLE(X)                                                                          \
     X(CONTRAST, contrast, DENSITY, "curvature edges attribute:NAME", "if density is not uniform")  \
     X(GRADING, grading, DENSITY, "curvature edges attribute:NAME", "if density is not uniform")    \
+    X(GROUPS, groups, DENSITY, "curvature edges attribute:NAME", "if density is not uniform")      \
     X(MAX_ASPECT, maxAspect, METRIC, "anisotropic lp attribute:NAME",                              \
       "if metric is not isotropic")                                                                \
     X(P, p, METRIC, "lp", "with metric=lp")                                                        \

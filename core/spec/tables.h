@@ -155,6 +155,14 @@ enum vor_method_choice {
       "How fast the distance between neighbours may change along the surface: largest change "     \
       "per unit of length. The parameter has an effect only if the parameter `density` is not "    \
       "uniform")                                                                                   \
+    X(GROUPS, groups, CHOICE, SPREAD, "", 0, 0, VOR_GROUPS_NONE, "none 3 5",                       \
+      "Number of groups of points with the same distance between neighbours (Lv 2022). none: the " \
+      "distance changes smoothly with the density; 3 or 5: the surface is divided by density "     \
+      "into groups of equal area, and the distances are in the ratio 1.5 : 1 : 0.6 or "            \
+      "2 : 1.5 : 1 : 0.8 : 0.6, or closer together with a small `contrast`. The parameter "        \
+      "`grading` limits how fast they change from one group to the next. With density=edges, "     \
+      "the groups depend on the distance from the nearest edge. The parameter has an effect only " \
+      "if the parameter `density` is not uniform")                                                 \
     X(METRIC, metric, CHOICE_OR_NAME, SPREAD, "", 1, 60, VOR_METRIC_ISOTROPIC,                     \
       "isotropic anisotropic attribute:NAME lp",                                                   \
       "Shape of the Voronoi cells around the points. isotropic: as long as wide; anisotropic: "    \
@@ -358,6 +366,11 @@ enum vor_parameter {
 
 enum { VOR_PATCH_QUADRIC, VOR_PATCH_PLANE };
 enum { VOR_DENSITY_UNIFORM, VOR_DENSITY_CURVATURE, VOR_DENSITY_EDGES, VOR_DENSITY_ATTRIBUTE };
+enum { VOR_GROUPS_NONE, VOR_GROUPS_3, VOR_GROUPS_5 };
+/** Distances between neighbours in each group, from the lowest density to the highest, over that of
+ *  an even spread: Lv 2022, Fig. 10, D and A. */
+#define VOR_GROUPS_OF_3 1.5, 1, 0.6
+#define VOR_GROUPS_OF_5 2, 1.5, 1, 0.8, 0.6
 enum { VOR_METRIC_ISOTROPIC, VOR_METRIC_ANISOTROPIC, VOR_METRIC_ATTRIBUTE, VOR_METRIC_LP };
 enum { VOR_CELLS_METRIC, VOR_CELLS_EUCLID };
 enum { VOR_EVENNESS_SPACING, VOR_EVENNESS_COVER };

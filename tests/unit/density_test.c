@@ -79,6 +79,34 @@ VT_TEST_LOOP(no_neighbors_differ_by_more_than_contrast_and_grading_allow, 2)
     vt_made_close(&made);
 }
 
+static float along(const float *x)
+{
+    return x[0];
+}
+
+/* Lv 2022, Sec. 4.2: groups of equal area, and of spacings in the paper's ratios. */
+VT_TEST_LOOP(groups_have_equal_areas_and_the_ratios_of_the_paper, 2)
+{
+    static const double ratio[2][5] = {{1.5, 1, 0.6}, {2, 1.5, 1, 0.8, 0.6}};
+    size_t groups = _i ? 5 : 3, count[5] = {0};
+    struct vt_made made;
+
+    open_square(&made, N, along);
+    vt_engine_set(&made.engine, "groups", _i ? "5" : "3");
+    vt_engine_set(&made.engine, "grading", "1");
+    vt_assert_ok(vt_made_make(&made, TO));
+    for (size_t i = 0; i < made.domain.field.n; i++)
+        for (size_t q = 0; q < groups; q++)
+            count[q] += fabs((double)made.domain.field.value[i] / made.domain.field.least -
+                             ratio[_i][q] / 0.6) < 0.01;
+    for (size_t q = 0; q < groups; q++) {
+        double share = (double)(groups * count[q]) / (double)made.domain.field.n;
+
+        ck_assert_msg(share > 0.7 && share < 1.2, "group %zu: %g", q, share);
+    }
+    vt_made_close(&made);
+}
+
 /* What a request comes to on a square whose scalar has one value of its own at point 5. */
 static vor_status with_value(float value, float others, const char *density)
 {
