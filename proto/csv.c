@@ -13,18 +13,9 @@ void vor_csv_head(struct vor_text *text, const struct vor_members *members)
     vor_text_puts(text, "\n");
 }
 
-static void put_real(struct vor_text *text, double value)
-{
-    char number[VOR_JSON_NUMBER_MAX];
-
-    if (!isfinite(value))
-        return;
-    (void)vor_json_format_double(number, value);
-    vor_text_puts(text, number);
-}
-
 static void put_value(struct vor_text *text, const struct vor_member *row, const void *value)
 {
+    char number[VOR_JSON_NUMBER_MAX];
     unsigned word;
 
     switch (row->kind) {
@@ -35,7 +26,10 @@ static void put_value(struct vor_text *text, const struct vor_member *row, const
         vor_text_printf(text, "%" PRIu64, *(const uint64_t *)value);
         return;
     case VOR_MEMBER_REAL:
-        put_real(text, *(const double *)value);
+        if (isfinite(*(const double *)value)) {
+            (void)vor_json_format_double(number, *(const double *)value);
+            vor_text_puts(text, number);
+        }
         return;
     case VOR_MEMBER_WORD:
         word = *(const unsigned *)value;

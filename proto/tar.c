@@ -63,14 +63,6 @@ static uint64_t sum_of(const uint8_t header[VOR_TAR_BLOCK])
     return sum;
 }
 
-static int is_zero(const uint8_t header[VOR_TAR_BLOCK])
-{
-    for (size_t i = 0; i < VOR_TAR_BLOCK; i++)
-        if (header[i] != 0)
-            return 0;
-    return 1;
-}
-
 /* Puts a path together: PREFIX/NAME, where the header has a prefix. */
 static vor_status take_path(struct vor_tar *scanner, struct vor_error *err)
 {
@@ -195,7 +187,7 @@ static vor_status take_header(struct vor_tar *scanner, struct vor_error *err)
     char type = (char)header[type_field.at];
 
     scanner->have = 0;
-    if (is_zero(header)) {
+    if (header[0] == 0 && memcmp(header, header + 1, VOR_TAR_BLOCK - 1) == 0) {
         scanner->state = VOR_TAR_CLOSED;
         return VOR_OK;
     }

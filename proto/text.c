@@ -83,35 +83,23 @@ void vor_text_escape(struct vor_text *text, const char *string)
                         (unsigned char)*string);
 }
 
-static void print(struct vor_text *text, size_t length, const char *format, va_list args)
-{
-    if (!grow(text, length)) {
-        text->failed = 1;
-        return;
-    }
-    (void)vsnprintf(text->data + text->size, length + 1, format, args);
-    text->size += length;
-}
-
-static size_t print_length(const char *format, va_list args)
-{
-    int length = vsnprintf(NULL, 0, format, args);
-
-    return length < 0 ? SIZE_MAX : (size_t)length;
-}
-
 void vor_text_printf(struct vor_text *text, const char *format, ...)
 {
-    size_t length;
+    int length;
     va_list args;
 
     text->comma = 0;
     va_start(args, format);
-    length = print_length(format, args);
+    length = vsnprintf(NULL, 0, format, args);
     va_end(args);
+    if (length < 0 || !grow(text, (size_t)length)) {
+        text->failed = 1;
+        return;
+    }
     va_start(args, format);
-    print(text, length, format, args);
+    (void)vsnprintf(text->data + text->size, (size_t)length + 1, format, args);
     va_end(args);
+    text->size += (size_t)length;
 }
 
 vor_status vor_text_status(const struct vor_text *text, struct vor_error *err)

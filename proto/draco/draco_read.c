@@ -110,15 +110,6 @@ static vor_status copy_values(const struct load *load, unsigned index, void *out
     return VOR_OK;
 }
 
-static void restore_origin(const struct load *load)
-{
-    if (!load->has_origin)
-        return;
-    memcpy(load->cloud->origin, load->origin, sizeof load->origin);
-    load->cloud->position_type =
-        strcmp(load->type, vor_type_name_sized(VOR_FLOAT64)) == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
-}
-
 /* Turns count scalars of a type into doubles. */
 static void widen(double *out, const void *in, enum vor_type type, size_t count)
 {
@@ -176,8 +167,11 @@ static vor_status load_positions(const struct load *load)
     status = copy_values(load, load->position, load->cloud->xyz);
     if (status == VOR_OK)
         status = vor_cloud_sift(load->cloud, NULL, load->limits->drop_invalid, load->err);
-    if (status == VOR_OK)
-        restore_origin(load);
+    if (status == VOR_OK && load->has_origin) {
+        memcpy(load->cloud->origin, load->origin, sizeof load->origin);
+        load->cloud->position_type =
+            strcmp(load->type, vor_type_name_sized(VOR_FLOAT64)) == 0 ? VOR_FLOAT64 : VOR_FLOAT32;
+    }
     return status;
 }
 

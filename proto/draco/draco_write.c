@@ -29,31 +29,6 @@ struct plan {
     int reorders; /* kd-tree, or edgebreaker for a mesh; else sequential */
 };
 
-static enum vor_draco_kind kind_of(enum vor_semantic semantic)
-{
-    static const enum vor_draco_kind kinds[] = {
-        [VOR_GENERIC] = VOR_DRACO_GENERIC,
-        [VOR_NORMAL] = VOR_DRACO_NORMAL,
-        [VOR_COLOR] = VOR_DRACO_COLOR,
-        [VOR_TEX_COORD] = VOR_DRACO_TEX_COORD,
-    };
-
-    return kinds[semantic];
-}
-
-/* What the reader calls an attribute without a name. */
-static const char *implied_name(enum vor_semantic semantic)
-{
-    static const char *const names[] = {
-        [VOR_GENERIC] = "generic",
-        [VOR_NORMAL] = "normal",
-        [VOR_COLOR] = "color",
-        [VOR_TEX_COORD] = "tex_coord",
-    };
-
-    return names[semantic];
-}
-
 /* Moves the positions into the frame that is asked for. A coordinate whose origin stays is not
  * touched: adding 0 would turn -0 into 0. */
 static vor_status choose_frame(struct plan *plan, const struct vor_write_options *options,
@@ -102,6 +77,16 @@ static vor_status choose_faces(struct plan *plan, const struct vor_mesh *mesh,
 
 static void add_columns(struct plan *plan)
 {
+    /* By semantic; the name is what the reader calls an attribute without one. */
+    static const struct {
+        enum vor_draco_kind kind;
+        const char *name;
+    } rows[] = {
+        [VOR_GENERIC] = {VOR_DRACO_GENERIC, "generic"},
+        [VOR_NORMAL] = {VOR_DRACO_NORMAL, "normal"},
+        [VOR_COLOR] = {VOR_DRACO_COLOR, "color"},
+        [VOR_TEX_COORD] = {VOR_DRACO_TEX_COORD, "tex_coord"},
+    };
     const struct vor_cloud *cloud = plan->cloud;
 
     plan->columns[0] =
@@ -112,10 +97,10 @@ static void add_columns(struct plan *plan)
     plan->count = 1 + (unsigned)cloud->attribute_count;
     for (unsigned i = 1; i < plan->count; i++) {
         const struct vor_attribute *attribute = &cloud->attributes[i - 1];
-        int implied = strcmp(attribute->name, implied_name(attribute->semantic)) == 0;
+        int implied = strcmp(attribute->name, rows[attribute->semantic].name) == 0;
 
         plan->columns[i] =
-            (struct vor_draco_column){.kind = kind_of(attribute->semantic),
+            (struct vor_draco_column){.kind = rows[attribute->semantic].kind,
                                       .scalar = (enum vor_draco_scalar)attribute->type,
                                       .components = attribute->components,
                                       .data = attribute->data,
@@ -248,12 +233,6 @@ static int kd_tree_possible(const struct plan *plan)
         scalars += plan->columns[i].components;
     }
     return scalars > 0 && scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
-}
-
-/* Edgebreaker loses points of no face, which there are where faces are filled up. */
-static int can_reorder(const struct plan *plan)
-{
-    return plan->mesh != NULL ? plan->mesh != &plan->filled : kd_tree_possible(plan);
 }
 
 /* Outside of the kd-tree a quantised normal becomes a direction: that loses any other length. */
@@ -447,7 +426,9 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
     status = quantize(plan, options, err);
     if (status != VOR_OK)
         goto done;
-    plan->reorders = !options->keep_order && can_reorder(plan);
+    /* Edgebreaker loses points of no face, which there are where faces are filled up. */
+    plan->reorders = !options->keep_order &&
+                     (plan->mesh != NULL ? plan->mesh != &plan->filled : kd_tree_possible(plan));
     status = encode_readably(plan, sink, options->compression, err);
 done:
     for (unsigned i = 0; i < plan->count; i++)

@@ -133,19 +133,13 @@ static void put_member(struct vor_text *text, const char *name, const struct vor
     }
 }
 
-/* Whether an optional object is left out. */
-static int is_left_out(const struct vor_member *row, const void *values)
-{
-    return row->kind == VOR_MEMBER_OPTIONAL && *(const int *)vor_member_at(row, values) == 0;
-}
-
 void vor_json_members(struct vor_text *text, const struct vor_members *members, const void *values)
 {
     struct rows rows;
 
     for (const struct vor_member *at = members->rows; at < end_of(members); at = rows.end) {
         rows = rows_from(members, at);
-        if (is_left_out(at, values))
+        if (at->kind == VOR_MEMBER_OPTIONAL && *(const int *)vor_member_at(at, values) == 0)
             continue;
         if (rows.object > 0)
             begin_object_of(text, &rows);
@@ -167,14 +161,6 @@ static double number_of(const struct vor_json *value)
 
     (void)vor_json_get_number(value, &number);
     return number;
-}
-
-/* The number that a REAL was written as: null is one that is not finite. */
-static double real_of(const struct vor_json *value)
-{
-    int is_null = value != NULL && vor_json_kind(value) == VOR_JSON_NULL;
-
-    return is_null ? (double)NAN : number_of(value);
 }
 
 /* A whole number of 0 .. max; anything else is 0. */
@@ -227,7 +213,9 @@ void vor_json_members_read(void *values, const struct vor_members *members,
             *(uint64_t *)member = count_of(value, COUNT_MAX);
             break;
         case VOR_MEMBER_REAL:
-            *(double *)member = real_of(value);
+            *(double *)member = value != NULL && vor_json_kind(value) == VOR_JSON_NULL
+                                    ? (double)NAN /* one that is not finite */
+                                    : number_of(value);
             break;
         case VOR_MEMBER_WORD:
             *(unsigned *)member = word_of(value, row);

@@ -100,15 +100,6 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     vor_json_end_object(text);
 }
 
-static void put_outputs(struct vor_text *text, const struct vor_process_info *process)
-{
-    vor_json_key(text, "outputs");
-    vor_json_begin_object(text);
-    for (unsigned i = 0; process->outputs[i].name != NULL; i++)
-        put_artefact(text, &process->outputs[i]);
-    vor_json_end_object(text);
-}
-
 /* The values of a preset as a request has them. The table is ours: they are taken. */
 static void put_preset_values(struct vor_text *text, const struct vor_process_info *process,
                               const struct vor_named_preset *preset)
@@ -196,7 +187,11 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
         if (vor_process_takes(process, (enum vor_parameter)i))
             put_parameter(text, process, (enum vor_parameter)i);
     vor_json_end_object(text);
-    put_outputs(text, process);
+    vor_json_key(text, "outputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; process->outputs[i].name != NULL; i++)
+        put_artefact(text, &process->outputs[i]);
+    vor_json_end_object(text);
     put_presets(text, process);
     /* What is told while it runs. */
     vor_json_key(text, "x-record");

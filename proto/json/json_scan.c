@@ -201,16 +201,6 @@ static vor_status scan_number(struct scan *s)
     return VOR_OK;
 }
 
-static vor_status scan_word(struct scan *s, const char *word)
-{
-    size_t length = strlen(word);
-
-    if (s->size - s->at < length || memcmp(s->bytes + s->at, word, length) != 0)
-        return unexpected(s, "a value");
-    s->at += length;
-    return VOR_OK;
-}
-
 static vor_status scan_value(struct scan *s);
 
 static vor_status scan_key(struct scan *s)
@@ -270,6 +260,7 @@ static vor_status scan_nested(struct scan *s, int object)
 static vor_status scan_value(struct scan *s)
 {
     vor_status status = count_token(s);
+    const char *word;
     int c = peek(s);
 
     if (status != VOR_OK)
@@ -280,7 +271,11 @@ static vor_status scan_value(struct scan *s)
         return scan_string(s);
     if (c == '-' || (c >= '0' && c <= '9'))
         return scan_number(s);
-    return scan_word(s, c == 't' ? "true" : c == 'f' ? "false" : "null");
+    word = c == 't' ? "true" : c == 'f' ? "false" : "null";
+    if (s->size - s->at < strlen(word) || memcmp(s->bytes + s->at, word, strlen(word)) != 0)
+        return unexpected(s, "a value");
+    s->at += strlen(word);
+    return VOR_OK;
 }
 
 vor_status vor_json_scan(const char *bytes, size_t size, struct vor_json_keys *keys,

@@ -251,13 +251,6 @@ vor_status vor_ply_ascii_skip(struct vor_ply_body *body, const struct vor_ply_el
     return VOR_OK;
 }
 
-/* Moves past a scalar of a row, whatever it says. */
-static vor_status skip_scalar(struct vor_ply_body *body, const struct vor_ply_property *property,
-                              size_t row, struct vor_error *err)
-{
-    return next_token(body).length > 0 ? VOR_OK : too_few(body, property, row, err);
-}
-
 static vor_status take_row(struct vor_ply_body *body, const struct vor_ply_element *element,
                            size_t row, unsigned list, const struct vor_ply_items *items,
                            struct vor_error *err)
@@ -275,9 +268,10 @@ static vor_status take_row(struct vor_ply_body *body, const struct vor_ply_eleme
             status = read_count(&count, body, &column, row, err);
             for (uint64_t i = 0; status == VOR_OK && i < count; i++)
                 status = take_item(body, &column, row, i, items, err);
-        } else {
-            status = column.property->list ? skip_list(body, &column, row, err)
-                                           : skip_scalar(body, column.property, row, err);
+        } else if (column.property->list) {
+            status = skip_list(body, &column, row, err);
+        } else if (next_token(body).length == 0) { /* whatever it says */
+            status = too_few(body, column.property, row, err);
         }
     }
     return status == VOR_OK ? end_row(body, row, element->property_count, err) : status;

@@ -22,15 +22,6 @@ static void reverse(uint8_t *to, const uint8_t *from, size_t size)
         to[i] = from[size - 1 - i];
 }
 
-static void copy_swapped(struct vor_ply_strided to, struct vor_ply_source from, size_t n,
-                         size_t size, size_t run)
-{
-    for (size_t i = 0; i < n; i++)
-        for (size_t k = 0; k < run; k++)
-            reverse(to.base + i * to.stride + k * size, from.base + i * from.stride + k * size,
-                    size);
-}
-
 /* A memcpy of constant size is a move or two. */
 #define COPY_CASE(bytes)                                                                           \
     case bytes:                                                                                    \
@@ -44,7 +35,10 @@ void vor_ply_copy(struct vor_ply_strided to, struct vor_ply_source from, size_t 
     size_t all = size * run;
 
     if (swap && size > 1) {
-        copy_swapped(to, from, n, size, run);
+        for (size_t i = 0; i < n; i++)
+            for (size_t k = 0; k < run; k++)
+                reverse(to.base + i * to.stride + k * size, from.base + i * from.stride + k * size,
+                        size);
         return;
     }
     if (to.stride == all && from.stride == all) {
@@ -361,22 +355,10 @@ static void check_row(struct vor_ply_body *body, const struct vor_ply_rows *rows
     }
 }
 
-/* Checks rows first .. first + n - 1, which begin where the body is read. */
-static void check_block(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t first,
-                        size_t n, size_t row)
-{
-    int finite = 1;
-
-    for (unsigned k = 0; k < rows->column_count; k++)
-        finite &= all_finite(&rows->columns[k], first, n);
-    for (size_t i = 0; !finite && i < n && body->not_finite == 0; i++)
-        check_row(body, rows, first + i, body->at + i * row);
-}
-
 vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,
                                struct vor_error *err)
 {
-    int has_list = 0;
+    int has_list = 0, finite;
     size_t row = 0, block, n;
 
     for (unsigned k = 0; k < rows->column_count; k++) {
@@ -391,7 +373,11 @@ vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_r
         n = rows->n - first < block ? rows->n - first : block;
         assert(n * row <= body->size - body->at);
         read_block(rows, first, n, body->bytes + body->at, row, vor_ply_swaps(body->encoding));
-        check_block(body, rows, first, n, row);
+        finite = 1;
+        for (unsigned k = 0; k < rows->column_count; k++)
+            finite &= all_finite(&rows->columns[k], first, n);
+        for (size_t i = 0; !finite && i < n && body->not_finite == 0; i++)
+            check_row(body, rows, first + i, body->at + i * row);
         body->at += n * row;
     }
     return VOR_OK;

@@ -176,22 +176,6 @@ static enum vor_ply_number read_real(const uint8_t *token, size_t length, int si
     return status;
 }
 
-/* Bits of the magnitude a type of integers holds; one more for the negative end. */
-static uint64_t largest(enum vor_type type)
-{
-    static const uint64_t most[VOR_TYPE_COUNT] = {
-        [VOR_INT8] = INT8_MAX,   [VOR_UINT8] = UINT8_MAX,   [VOR_INT16] = INT16_MAX,
-        [VOR_INT32] = INT32_MAX, [VOR_UINT16] = UINT16_MAX, [VOR_UINT32] = UINT32_MAX,
-        [VOR_INT64] = INT64_MAX, [VOR_UINT64] = UINT64_MAX};
-
-    return most[type];
-}
-
-static int is_signed(enum vor_type type)
-{
-    return type == VOR_INT8 || type == VOR_INT16 || type == VOR_INT32 || type == VOR_INT64;
-}
-
 static void store_integer(uint64_t bits, enum vor_type type, void *out)
 {
     uint8_t b8 = (uint8_t)bits;
@@ -247,6 +231,11 @@ static int parse_whole(const uint8_t *at, const uint8_t *end, uint64_t *value, i
 enum vor_ply_number vor_ply_number_read(const uint8_t *token, size_t length, enum vor_type type,
                                         void *out)
 {
+    /* The magnitude that a type of integers holds; one more for the negative end. */
+    static const uint64_t largest[VOR_TYPE_COUNT] = {
+        [VOR_INT8] = INT8_MAX,   [VOR_UINT8] = UINT8_MAX,   [VOR_INT16] = INT16_MAX,
+        [VOR_INT32] = INT32_MAX, [VOR_UINT16] = UINT16_MAX, [VOR_UINT32] = UINT32_MAX,
+        [VOR_INT64] = INT64_MAX, [VOR_UINT64] = UINT64_MAX};
     int negative, over;
     size_t sign;
     uint64_t value, most;
@@ -257,12 +246,14 @@ enum vor_ply_number vor_ply_number_read(const uint8_t *token, size_t length, enu
         return read_real(token, length, type == VOR_FLOAT32, out);
     negative = token[0] == '-';
     sign = token[0] == '-' || token[0] == '+';
-    most = largest(type);
+    most = largest[type];
     if (sign == length || token[sign] == '-' || token[sign] == '+' ||
         !parse_whole(token + sign, token + length, &value, &over))
         return VOR_PLY_NUMBER_JUNK;
     if (negative)
-        most = is_signed(type) ? most + 1 : 0;
+        most = type == VOR_INT8 || type == VOR_INT16 || type == VOR_INT32 || type == VOR_INT64
+                   ? most + 1
+                   : 0;
     if (over || value > most)
         return VOR_PLY_NUMBER_RANGE;
     store_integer(negative ? 0 - value : value, type, out); /* two's complement */

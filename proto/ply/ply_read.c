@@ -6,6 +6,7 @@
 #include "proto/ply/ply_faces.h"
 #include "proto/ply/ply_notes.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* An attribute of several properties. */
@@ -99,11 +100,6 @@ static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
     return VOR_OK;
 }
 
-static int fits_float32(enum vor_type type)
-{
-    return type == VOR_FLOAT32 || (type != VOR_FLOAT64 && vor_type_size(type) <= 2);
-}
-
 static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
 {
     const struct vor_ply_property *properties = reader->vertex->properties;
@@ -119,8 +115,9 @@ static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     for (int c = 0; c < 3; c++)
-        if (!fits_float32(properties[at[c]].type))
-            type = VOR_FLOAT64;
+        if (properties[at[c]].type != VOR_FLOAT32 &&
+            (properties[at[c]].type == VOR_FLOAT64 || vor_type_size(properties[at[c]].type) > 2))
+            type = VOR_FLOAT64; /* floats do not hold all of it */
     if (type == VOR_FLOAT64) {
         reader->wide = vor_malloc(reader->cloud.memory, n, 3 * sizeof *reader->wide);
         if (reader->wide == NULL)
@@ -179,21 +176,14 @@ static vor_status add_columns(struct reader *reader, const char *name, enum vor_
     return status;
 }
 
-static vor_status add_generic(struct reader *reader, unsigned k, struct vor_error *err)
-{
-    const struct vor_ply_property *property = &reader->vertex->properties[k];
-    char name[VOR_PLY_LINE_MAX + 1];
-
-    memcpy(name, property->name, property->name_length);
-    name[property->name_length] = '\0';
-    return add_columns(reader, name, VOR_GENERIC, &k, 1, err);
-}
-
 /* Adds the attribute that property k begins, unless it is a coordinate, a list, or taken. */
 static vor_status plan_property(struct reader *reader, unsigned k, unsigned taken[GROUP_COUNT],
                                 struct vor_error *err)
 {
-    if (reader->vertex->properties[k].list || reader->rows.columns[k].to != NULL)
+    const struct vor_ply_property *property = &reader->vertex->properties[k];
+    char name[VOR_PLY_LINE_MAX + 1];
+
+    if (property->list || reader->rows.columns[k].to != NULL)
         return VOR_OK;
     for (unsigned g = 0; g < GROUP_COUNT; g++) {
         unsigned at[4], count = taken[g] ? 0 : match_group(reader->vertex, &groups[g], at);
@@ -205,7 +195,8 @@ static vor_status plan_property(struct reader *reader, unsigned k, unsigned take
             return add_columns(reader, groups[g].attribute, groups[g].semantic, at, count, err);
         }
     }
-    return add_generic(reader, k, err);
+    (void)snprintf(name, sizeof name, "%.*s", (int)property->name_length, property->name);
+    return add_columns(reader, name, VOR_GENERIC, &k, 1, err);
 }
 
 /* Whether the vertex has a property of the name that a part of the group would be written under, or
@@ -219,21 +210,10 @@ static int is_ruled_out(const struct vor_ply_element *vertex, unsigned g)
     return 0;
 }
 
-static vor_status plan_attributes(struct reader *reader, struct vor_error *err)
-{
-    unsigned taken[GROUP_COUNT] = {0};
-    vor_status status = VOR_OK;
-
-    for (unsigned g = 0; g < GROUP_COUNT; g++)
-        taken[g] = (unsigned)is_ruled_out(reader->vertex, g);
-    for (unsigned k = 0; status == VOR_OK && k < reader->vertex->property_count; k++)
-        status = plan_property(reader, k, taken, err);
-    return status;
-}
-
 static vor_status plan(struct reader *reader, struct vor_error *err)
 {
     struct vor_ply_rows *rows = &reader->rows;
+    unsigned taken[GROUP_COUNT];
     vor_status status;
 
     rows->n = (size_t)reader->vertex->count;
@@ -244,7 +224,11 @@ static vor_status plan(struct reader *reader, struct vor_error *err)
         rows->columns[k].coordinate = -1;
     }
     status = plan_coordinates(reader, err);
-    return status == VOR_OK ? plan_attributes(reader, err) : status;
+    for (unsigned g = 0; g < GROUP_COUNT; g++)
+        taken[g] = (unsigned)is_ruled_out(reader->vertex, g);
+    for (unsigned k = 0; status == VOR_OK && k < reader->vertex->property_count; k++)
+        status = plan_property(reader, k, taken, err);
+    return status;
 }
 
 static int is_kept(const struct reader *reader, const struct vor_ply_element *element)

@@ -140,24 +140,6 @@ static void add_attribute(struct writer *writer, const struct vor_attribute *att
     }
 }
 
-static size_t count_fields(const struct vor_cloud *cloud)
-{
-    size_t count = 3;
-
-    for (size_t i = 0; i < cloud->attribute_count; i++)
-        count += cloud->attributes[i].components;
-    return count;
-}
-
-static size_t row_bytes(const struct writer *writer)
-{
-    size_t bytes = 0;
-
-    for (size_t i = 0; i < writer->field_count; i++)
-        bytes += vor_type_size(writer->fields[i].type);
-    return bytes;
-}
-
 /* The header always fits into the buffer: a field's line has at most NAME_SIZE + 17 bytes, and the
  * buffer has LINE_BYTES for each field and for two lines of faces, or at least BUFFER_BYTES, beside
  * the remarks. */
@@ -270,8 +252,12 @@ static void put_rows(struct writer *writer, size_t first, size_t n, size_t row)
 /* What put_header left goes first: rows begin at the buffer's. */
 static vor_status write_rows(struct writer *writer, struct vor_error *err)
 {
-    size_t row = row_bytes(writer), block = writer->capacity / row, n;
+    size_t row = 0, block, n;
     vor_status status = flush(writer, err);
+
+    for (size_t i = 0; i < writer->field_count; i++)
+        row += vor_type_size(writer->fields[i].type);
+    block = writer->capacity / row;
 
     for (size_t first = 0; status == VOR_OK && first < writer->cloud->n; first += n) {
         n = writer->cloud->n - first < block ? writer->cloud->n - first : block;
@@ -315,8 +301,12 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
                          const struct vor_write_options *options, struct vor_error *err)
 {
     struct writer writer = {.sink = sink, .cloud = cloud};
-    size_t count = count_fields(cloud), lines = count + FACE_LINES;
+    size_t count = 3, lines;
     vor_status status;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++)
+        count += cloud->attributes[i].components;
+    lines = count + FACE_LINES;
 
     if (options != NULL && options->mesh != NULL && options->mesh->count > 0)
         writer.mesh = options->mesh;

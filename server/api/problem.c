@@ -88,15 +88,6 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     }
 }
 
-/* A strict client of OGC's standard that asks for application/json takes nothing else. */
-static const char *media_type_for(const struct vor_request *request)
-{
-    return vor_accepts(request, "application/json") &&
-                   !vor_accepts(request, "application/problem+json")
-               ? "application/json"
-               : "application/problem+json";
-}
-
 void vor_problem_write(const struct vor_app *app, const struct vor_request *request,
                        const struct vor_problem *problem, struct vor_text *text)
 {
@@ -129,8 +120,13 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
     vor_text_init(&text, 0);
     vor_json_problem(&text, &doc);
     vor_text_puts(&text, "\n");
-    vor_reply_bytes(request, doc.status, media_type_for(request), text.data,
-                    text.failed ? 0 : text.size);
+    /* A strict client of OGC's standard that asks for application/json takes nothing else. */
+    vor_reply_bytes(request, doc.status,
+                    vor_accepts(request, "application/json") &&
+                            !vor_accepts(request, "application/problem+json")
+                        ? "application/json"
+                        : "application/problem+json",
+                    text.data, text.failed ? 0 : text.size);
     vor_text_free(&text);
     return VOR_NEXT_REPLY;
 }

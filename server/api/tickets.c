@@ -61,22 +61,14 @@ const char *vor_ticket_write(const struct vor_tickets *tickets, const struct vor
     return out;
 }
 
-/* The second at which a signed text ends; 0 when it is to another output. */
-static double end_of(const char *text, const struct vor_uuid *job, const char *output,
-                     size_t length)
-{
-    char want[VOR_TICKET_BYTES_MAX];
-    int begins = snprintf(want, sizeof want, "%s|results/%.*s|", job->text, (int)length, output);
-
-    return strncmp(text, want, (size_t)begins) == 0 ? strtod(text + begins, NULL) : 0;
-}
-
 bool vor_ticket_check(const struct vor_tickets *tickets, const char *ticket,
                       const struct vor_uuid *job, const char *output, size_t length, double now)
 {
     uint8_t bytes[VOR_TICKET_BYTES_MAX + 1], want[VOR_DIGEST_BYTES];
     long size = vor_base64_read(ticket, bytes, VOR_TICKET_BYTES_MAX);
+    char head[VOR_TICKET_BYTES_MAX];
     size_t text;
+    int begins;
 
     if (size <= VOR_DIGEST_BYTES || length >= VOR_TICKET_OUTPUT_MAX)
         return false;
@@ -85,5 +77,7 @@ bool vor_ticket_check(const struct vor_tickets *tickets, const char *ticket,
     if (!vor_digest_same(want, bytes + text))
         return false;
     bytes[text] = '\0'; /* the signature is read */
-    return now < end_of((const char *)bytes, job, output, length);
+    begins = snprintf(head, sizeof head, "%s|results/%.*s|", job->text, (int)length, output);
+    return strncmp((const char *)bytes, head, (size_t)begins) == 0 &&
+           now < strtod((const char *)bytes + begins, NULL); /* the second at which it ends */
 }

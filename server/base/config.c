@@ -96,16 +96,6 @@ static void note(void *ctx, const struct vor_error *why)
     config->faults_size += size;
 }
 
-/* What no flag has given. */
-static void read_environment(struct reading *reading, char *(*get)(const char *))
-{
-    struct vor_error why;
-
-    for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        if (!reading->config->given[i] && read_variable(reading->config, i, get, &why) != VOR_OK)
-            note(reading, &why);
-}
-
 static const char the_address[] = "; the address is --listen HOST:PORT";
 
 static int is_address(const char *name)
@@ -163,27 +153,6 @@ static const char *config_place(const struct vor_config *config)
     return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
 }
 
-static void read_file(struct reading *reading)
-{
-    const struct vor_config_lines lines = {take_setting, note, reading};
-    struct vor_error why;
-
-    if (vor_config_file_read(config_place(reading->config), reading->config->given[VOR_SET_CONFIG],
-                             &lines, &why) != VOR_OK)
-        note(reading, &why);
-}
-
-/* What getopt_long wants; it returns a setting's row behind LONG_SETTING. */
-static void make_longs(struct option longs[VOR_SETTING_COUNT + 1])
-{
-    memset(longs, 0, (VOR_SETTING_COUNT + 1) * sizeof *longs);
-    for (int i = 0; i < VOR_SETTING_COUNT; i++)
-        longs[i] = (struct option){vor_setting_infos[i].name,
-                                   vor_setting_infos[i].type == VOR_TYPE_FLAG ? optional_argument
-                                                                              : required_argument,
-                                   NULL, LONG_SETTING + i};
-}
-
 /* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
  * from an unknown setting, and prints nothing. */
 static void read_arguments(struct reading *reading, int argc, char **argv)
@@ -194,7 +163,12 @@ static void read_arguments(struct reading *reading, int argc, char **argv)
     struct vor_error why;
     int got, before = 0;
 
-    make_longs(longs);
+    memset(longs, 0, sizeof longs);
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        longs[i] = (struct option){vor_setting_infos[i].name,
+                                   vor_setting_infos[i].type == VOR_TYPE_FLAG ? optional_argument
+                                                                              : required_argument,
+                                   NULL, LONG_SETTING + i};
     optind = 0; /* glibc's word for a new command line */
     for (; (got = getopt_long(argc, argv, "-:", longs, NULL)) != -1; before = got) {
         const char letter[] = {'-', (char)optopt, '\0'};
@@ -353,7 +327,6 @@ static enum vor_setting widened_by(const struct vor_config *config)
     return config->text[VOR_SET_PUBLIC_URL][0] != '\0' ? VOR_SET_PUBLIC_URL : VOR_SETTING_COUNT;
 }
 
-/* Needs loopback and trusted. */
 /* Who shares no store with others has to do everything. */
 static vor_status check_role(struct vor_config *config, struct vor_error *err)
 {
@@ -472,6 +445,7 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                            char *(*getenv)(const char *name), struct vor_error *err)
 {
     struct reading reading = {.config = out, .first = {.status = VOR_OK}};
+    const struct vor_config_lines lines = {take_setting, note, &reading};
     struct vor_error why;
 
     memset(out, 0, sizeof *out);
@@ -480,8 +454,11 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         if (set(reading.config, i, vor_setting_infos[i].fallback, &why) != VOR_OK)
             note(&reading, &why);
     read_arguments(&reading, argc, argv);
-    read_environment(&reading, getenv);
-    read_file(&reading);
+    for (int i = 0; i < VOR_SETTING_COUNT; i++)
+        if (!out->given[i] && read_variable(out, i, getenv, &why) != VOR_OK)
+            note(&reading, &why);
+    if (vor_config_file_read(config_place(out), out->given[VOR_SET_CONFIG], &lines, &why) != VOR_OK)
+        note(&reading, &why);
     work_out(&reading, getenv);
     if (reading.first.status != VOR_OK && err != NULL)
         *err = reading.first;

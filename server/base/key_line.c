@@ -25,16 +25,6 @@ static vor_status read_name(struct vor_principal *out, const char *text, size_t 
     return VOR_OK;
 }
 
-static enum vor_scope scope_of(const char *text, size_t length)
-{
-    int i = VOR_SCOPE_OPEN + 1;
-
-    while (i < VOR_SCOPES && (strlen(vor_scope_word((enum vor_scope)i)) != length ||
-                              memcmp(vor_scope_word((enum vor_scope)i), text, length) != 0))
-        i++;
-    return (enum vor_scope)i;
-}
-
 static vor_status read_scopes(struct vor_principal *out, const char *text, size_t length,
                               struct vor_error *err)
 {
@@ -43,10 +33,13 @@ static vor_status read_scopes(struct vor_principal *out, const char *text, size_
     out->scopes = 0;
     for (size_t at = 0; at <= length;) {
         size_t word = strcspn(text + at, ",:");
-        enum vor_scope scope;
+        int scope = VOR_SCOPE_OPEN + 1;
 
         word = word < length - at ? word : length - at;
-        scope = scope_of(text + at, word);
+        while (scope < VOR_SCOPES &&
+               (strlen(vor_scope_word((enum vor_scope)scope)) != word ||
+                memcmp(vor_scope_word((enum vor_scope)scope), text + at, word) != 0))
+            scope++;
         if (scope == VOR_SCOPES)
             return vor_fail_param(err, VOR_E_PARAM, "scopes",
                                   "the scopes are \"%s\", want one or more of read, submit and "
@@ -134,19 +127,6 @@ static vor_status read_quota(struct vor_quota *out, const char *text, size_t len
     return VOR_OK;
 }
 
-static vor_status read_quotas(struct vor_quota *out, const char *text, struct vor_error *err)
-{
-    vor_status status = VOR_OK;
-
-    while (*text != '\0' && status == VOR_OK) {
-        size_t word = strcspn(text, ",");
-
-        status = read_quota(out, text, word, err);
-        text += word + (text[word] == ',');
-    }
-    return status;
-}
-
 vor_status vor_key_line_read(struct vor_key_line *out, const char *line, struct vor_error *err)
 {
     struct vor_key_line read = {
@@ -156,6 +136,8 @@ vor_status vor_key_line_read(struct vor_key_line *out, const char *line, struct 
     size_t scopes_length = strcspn(scopes, ":");
     const char *digest = scopes + scopes_length + (scopes[scopes_length] == ':');
     size_t digest_length = strcspn(digest, ":");
+    const char *quota;
+    size_t word;
     vor_status status;
 
     if (line[name] != ':' || scopes[scopes_length] != ':')
@@ -168,7 +150,11 @@ vor_status vor_key_line_read(struct vor_key_line *out, const char *line, struct 
     if (status == VOR_OK)
         status = read_digest(read.digest, digest, digest_length, err);
     if (status == VOR_OK && digest[digest_length] == ':')
-        status = read_quotas(&read.principal.quota, digest + digest_length + 1, err);
+        for (quota = digest + digest_length + 1; *quota != '\0' && status == VOR_OK;
+             quota += word + (quota[word] == ',')) {
+            word = strcspn(quota, ",");
+            status = read_quota(&read.principal.quota, quota, word, err);
+        }
     if (status == VOR_OK)
         *out = read;
     return status;

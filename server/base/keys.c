@@ -200,27 +200,19 @@ bool vor_keys_find(struct vor_keys *keys, const char *key, struct vor_principal 
 
 /* --- a new one -------------------------------------------------------------------------------- */
 
-static vor_status draw(char key[VOR_KEY_SIZE], struct vor_error *err)
-{
-    uint8_t bytes[RANDOM_BYTES];
-
-    if (vor_random_fill(bytes, sizeof bytes, err) != VOR_OK)
-        return VOR_E_IO;
-    memcpy(key, VOR_KEY_PREFIX, sizeof VOR_KEY_PREFIX - 1);
-    vor_base64_write(bytes, sizeof bytes, key + sizeof VOR_KEY_PREFIX - 1);
-    return VOR_OK;
-}
-
 vor_status vor_key_make(const char *name, const char *scopes, const char *quotas,
                         char key[VOR_KEY_SIZE], char line[VOR_KEY_LINE_SIZE], struct vor_error *err)
 {
     char text[VOR_KEY_SIZE], digest[VOR_ETAG_SIZE];
     struct vor_key_line read;
-    vor_status status = draw(text, err);
+    uint8_t bytes[RANDOM_BYTES];
+    vor_status status = vor_random_fill(bytes, sizeof bytes, err);
     int length;
 
     if (status != VOR_OK)
         return status;
+    memcpy(text, VOR_KEY_PREFIX, sizeof VOR_KEY_PREFIX - 1);
+    vor_base64_write(bytes, sizeof bytes, text + sizeof VOR_KEY_PREFIX - 1);
     vor_digest_etag(text, strlen(text), digest);
     length = snprintf(line, VOR_KEY_LINE_SIZE, "%s:%s:%.*s%s%s", name, scopes, VOR_DIGEST_SIZE - 1,
                       digest + 1, quotas != NULL ? ":" : "", quotas != NULL ? quotas : "");

@@ -85,12 +85,6 @@ static uint32_t hash(const struct series *key)
     return value;
 }
 
-static int is_same(const struct series *series, const struct series *key)
-{
-    return series->metric == key->metric &&
-           memcmp(series->label, key->label, sizeof key->label) == 0;
-}
-
 /* NULL when memory is out or the table full: the value is not counted. */
 static struct series *find(enum vor_metric metric, const char *const *labels)
 {
@@ -110,7 +104,7 @@ static struct series *find(enum vor_metric metric, const char *const *labels)
         }
         if (found == NULL && atomic_compare_exchange_strong(&table[at % SERIES_MAX], &found, made))
             return made;
-        if (is_same(found, &key)) {
+        if (found->metric == metric && memcmp(found->label, key.label, sizeof key.label) == 0) {
             free(made);
             return found;
         }

@@ -60,19 +60,11 @@ static void add_values(struct vor_text *text, enum vor_parameter parameter)
     vor_text_puts(text, ".\n");
 }
 
-static void add_takers(struct vor_text *text, enum vor_parameter parameter)
-{
-    const struct vor_process_info *process;
-    int count = 0;
-
-    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
-        if (vor_process_takes(process, parameter))
-            vor_text_printf(text, "%s %s", count++ > 0 ? "," : "      Applies to:", process->id);
-    vor_text_puts(text, ".\n");
-}
-
 static void add_parameters(struct vor_text *text)
 {
+    const struct vor_process_info *process;
+    int count;
+
     for (int group = 0; group < VOR_GROUP_COUNT; group++) {
         const char *title = vor_group_title((enum vor_group)group);
 
@@ -89,7 +81,12 @@ static void add_parameters(struct vor_text *text)
                             vor_reference_option(option, parameter),
                             info->kind == VOR_KIND_FLAG ? "[=VALUE]" : " VALUE", info->sentence);
             add_values(text, parameter);
-            add_takers(text, parameter);
+            count = 0;
+            for (unsigned k = 0; (process = vor_process_info(k)) != NULL; k++)
+                if (vor_process_takes(process, parameter))
+                    vor_text_printf(text, "%s %s",
+                                    count++ > 0 ? "," : "      Applies to:", process->id);
+            vor_text_puts(text, ".\n");
         }
         vor_text_puts(text, "\n");
     }

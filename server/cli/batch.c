@@ -83,13 +83,6 @@ static const char *new_suffix(const struct vor_cli *cli)
     return NULL;
 }
 
-static const char *base_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-
-    return slash != NULL ? slash + 1 : path;
-}
-
 /* FOLDER/BASE with the suffix in the place of that of a format; NULL without memory. */
 static char *name_output(const char *folder, const char *base, const char *suffix)
 {
@@ -114,7 +107,8 @@ static vor_status name_results(struct result *results, const struct vor_cli *cli
     struct vor_error why;
 
     for (int i = 0; i < cli->operand_count; i++) {
-        const char *input = cli->operands[i], *base = base_of(input);
+        const char *input = cli->operands[i], *slash = strrchr(input, '/');
+        const char *base = slash != NULL ? slash + 1 : input;
 
         if (strcmp(input, "-") == 0 || base[0] == '\0')
             return vor_fail(err, VOR_E_PARAM,

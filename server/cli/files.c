@@ -201,23 +201,13 @@ static int take_name(const struct vor_output *output)
     return rename(output->temporary, output->path);
 }
 
-/* Syncs the bytes before the file takes its name: a crash in between leaves the old file. */
-static int complete(struct vor_output *output)
-{
-    if (fflush(output->file) != 0)
-        return -1;
-    if (output->is_temporary && fsync(fileno(output->file)) != 0)
-        return -1;
-    if (vor_interrupt_seen())
-        return -1;
-    return output->is_temporary ? take_name(output) : 0;
-}
-
 vor_status vor_output_commit(struct vor_output *output, struct vor_error *err)
 {
     vor_status status = VOR_OK;
 
-    if (complete(output) == 0) {
+    /* Syncs the bytes before the file takes its name: a crash in between leaves the old file. */
+    if (fflush(output->file) == 0 && (!output->is_temporary || fsync(fileno(output->file)) == 0) &&
+        !vor_interrupt_seen() && (!output->is_temporary || take_name(output) == 0)) {
         output->is_temporary = 0;
     } else {
         if (output->error == 0)

@@ -99,12 +99,6 @@ static void add_line(struct vor_text *out, const char *name, const struct vor_me
     vor_text_puts(out, "\n");
 }
 
-/* True for a list whose elements have ids. */
-static int is_of_ids(const struct vor_member *row)
-{
-    return row->kind == VOR_MEMBER_LIST && strcmp(row->inner->rows[0].name, "id") == 0;
-}
-
 /* A line for each element of such a list: "loops.1  length 6.28 unit of the cloud, points 40 ...".
  */
 static void add_elements(struct vor_text *out, const struct vor_member *row,
@@ -135,7 +129,8 @@ static void add_member(struct vor_text *out, const struct vor_member *row,
 {
     char name[2 * NAME_SIZE];
 
-    if (is_of_ids(row) && vor_json_first(value) != NULL) {
+    if (row->kind == VOR_MEMBER_LIST && strcmp(row->inner->rows[0].name, "id") == 0 &&
+        vor_json_first(value) != NULL) { /* whose elements have ids */
         add_elements(out, row, value);
         return;
     }

@@ -392,17 +392,12 @@ static vor_status check_files(struct vor_cli *cli, struct vor_error *err)
     return VOR_OK;
 }
 
-/* The three that say how many points: one of them stands for all. */
-static int is_target(enum vor_parameter parameter)
-{
-    return parameter == VOR_PARAM_POINTS || parameter == VOR_PARAM_RATIO ||
-           parameter == VOR_PARAM_SPACING;
-}
-
 /* Whether a parameter was named, or one that says the same in its place. */
 static int is_given(const struct vor_cli *cli, enum vor_parameter parameter)
 {
-    if (is_target(parameter))
+    /* One of the three that say how many points stands for all. */
+    if (parameter == VOR_PARAM_POINTS || parameter == VOR_PARAM_RATIO ||
+        parameter == VOR_PARAM_SPACING)
         return cli->given[VOR_PARAM_POINTS] || cli->given[VOR_PARAM_RATIO] ||
                cli->given[VOR_PARAM_SPACING];
     return cli->given[parameter];

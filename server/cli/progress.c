@@ -115,13 +115,6 @@ static double number_at(const struct vor_json *json, const char *name)
     return number;
 }
 
-static uint32_t count_at(const struct vor_json *json, const char *name)
-{
-    double number = number_at(json, name);
-
-    return number >= 0 && number <= UINT32_MAX ? (uint32_t)number : 0;
-}
-
 void vor_progress_event(struct vor_progress *progress, const struct vor_json *event)
 {
     struct vor_record record;
@@ -140,7 +133,8 @@ static void read_stages(struct vor_report *out, const struct vor_json *report)
         enum vor_run_stage stage = vor_run_stage_find(name != NULL ? name : "");
 
         if (stage != VOR_RUN_STAGE_COUNT)
-            vor_report_stage(out, stage, count_at(s, "steps"), 0);
+            vor_report_stage(out, stage, (uint32_t)fmin(fmax(number_at(s, "steps"), 0), UINT32_MAX),
+                             0);
     }
 }
 

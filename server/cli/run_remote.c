@@ -167,15 +167,6 @@ static int submit(struct remote_run *t, struct vor_json **info)
     return code;
 }
 
-/* A document of a daemon is one line without its end, as the body of an answer. */
-static int end_line(struct remote_run *t)
-{
-    const struct vor_artefact_info *output = &t->follow.cli->spec.process->outputs[0];
-
-    return output->kind != VOR_ARTEFACT_DOCUMENT || vor_output_write(&t->output, "\n", 1) == 0 ? 0
-                                                                                               : -1;
-}
-
 /* Writes the document that came as lines. */
 static vor_status save_lines(struct remote_run *t, struct vor_text *document)
 {
@@ -210,7 +201,9 @@ static int fetch_main(struct remote_run *t)
         code = vor_follow_refused(follow, &call);
     else if ((call.was_stopped && vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
              (in_lines && save_lines(t, &call.text) != VOR_OK) ||
-             (!in_lines && end_line(t) != 0 &&
+             /* A document of a daemon is one line without its end, as the body of an answer. */
+             (!in_lines && cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT &&
+              vor_output_write(&t->output, "\n", 1) != 0 &&
               vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
              vor_output_commit(&t->output, &follow->err) != VOR_OK)
         code = vor_cli_fail(cli->option[VOR_OPTION_OUTPUT], &follow->err);

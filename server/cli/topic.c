@@ -8,17 +8,9 @@
 
 enum { MEANING_COLUMN = 6, CODE_COLUMN = 4, EXAMPLES_MAX = 3 };
 
-static void print_code(FILE *out, struct vor_span_of_text text)
-{
-    struct vor_span_of_text line;
-
-    fputc('\n', out);
-    while (vor_markup_line(&line, &text))
-        fprintf(out, "%*s%.*s\n", line.length > 0 ? CODE_COLUMN : 0, "", (int)line.length, line.at);
-}
-
 static void print_block(void *ctx, const struct vor_markup_block *block)
 {
+    struct vor_span_of_text line, text = block->text;
     FILE *out = ctx;
 
     switch (block->kind) {
@@ -34,7 +26,10 @@ static void print_block(void *ctx, const struct vor_markup_block *block)
         vor_markup_wrap(out, block->text, MEANING_COLUMN, MEANING_COLUMN);
         break;
     case VOR_MARKUP_CODE:
-        print_code(out, block->text);
+        fputc('\n', out);
+        while (vor_markup_line(&line, &text))
+            fprintf(out, "%*s%.*s\n", line.length > 0 ? CODE_COLUMN : 0, "", (int)line.length,
+                    line.at);
         break;
     case VOR_MARKUP_TABLE:
         break;

@@ -25,14 +25,6 @@ static void add_hop(struct hops *hops, const struct hop *hop)
     hops->ring[hops->count++ % VOR_HOPS_MAX] = *hop;
 }
 
-/* Number `back` from the last one, from 0; NULL when there are not as many. */
-static const struct hop *hop_from_end(const struct hops *hops, size_t back)
-{
-    if (back >= hops->count || back >= VOR_HOPS_MAX)
-        return NULL;
-    return &hops->ring[(hops->count - 1 - back) % VOR_HOPS_MAX];
-}
-
 static const char *skip_blanks(const char *text)
 {
     return text + strspn(text, " \t");
@@ -279,9 +271,9 @@ static struct vor_address walk(struct vor_via *out, const struct hops *hops,
     char text[VOR_HOST_MAX + 1];
 
     for (size_t i = 0; vor_networks_hold(trusted, &client); i++) {
-        hop = hop_from_end(hops, i);
-        if (hop == NULL)
+        if (i >= hops->count || i >= VOR_HOPS_MAX)
             break;
+        hop = &hops->ring[(hops->count - 1 - i) % VOR_HOPS_MAX];
         if (hop->scheme.at != NULL && take_text(&hop->scheme, text, sizeof text))
             take_scheme(out, text);
         if (hop->host.at != NULL && take_text(&hop->host, text, sizeof text))

@@ -16,13 +16,6 @@
 
 enum { STREAM_BLOCK = 1024 /* bytes of a reply in HTTP/1.0 at a time; held for its whole life */ };
 
-/* libmicrohttpd 0.9.75 does not copy the header block: names and values point into it (framing.t
- * holds that). Of later versions it is not known. */
-static const char *block_of(const struct vor_request *request)
-{
-    return MHD_VERSION < 0x00097600 ? request->block : NULL;
-}
-
 /* Suspends the request; false when it should go on at once, because it was woken already or the
  * daemon closes. A request that stays is not woken when its peer leaves. Closing sets its flag
  * first and wakes all then, so a request that misses the flag here has the wake kept for it. */
@@ -334,7 +327,9 @@ static enum MHD_Result take_turn(struct vor_request *request, const char *method
          * request without a body is answered in the second one. */
         request->method = vor_method_find(method);
         request->head.version = version;
-        request->head.block = block_of(request);
+        /* 0.9.75 does not copy the header block: names and values point into it (framing.t holds
+         * that). Of later versions it is not known. */
+        request->head.block = MHD_VERSION < 0x00097600 ? request->block : NULL;
         if (request->head.block != NULL)
             request->line = request->block - strlen(method) - 1;
         request->stage = VOR_AT_HEAD;
@@ -381,17 +376,6 @@ static void request_free(struct vor_request *request)
     free(request);
 }
 
-/* Notes where the connection comes from. */
-static void note_peer(struct vor_request *request)
-{
-    const union MHD_ConnectionInfo *info =
-        vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
-
-    if (info != NULL && info->client_addr != NULL &&
-        vor_address_of_socket(&request->from, info->client_addr))
-        (void)vor_address_text(&request->from, request->via.client);
-}
-
 enum MHD_Result vor_mhd_step(void *cls, struct MHD_Connection *connection, const char *url,
                              const char *method, const char *version, const char *data,
                              size_t *size, void **con_cls)
@@ -434,7 +418,10 @@ void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connec
         free(request);
         return NULL;
     }
-    note_peer(request);
+    info = vor_mhd->get_connection_info(request->connection, MHD_CONNECTION_INFO_CLIENT_ADDRESS);
+    if (info != NULL && info->client_addr != NULL &&
+        vor_address_of_socket(&request->from, info->client_addr))
+        (void)vor_address_text(&request->from, request->via.client);
     vor_conn_request(request->conn, request->waker);
     vor_conn_phase(request->conn, VOR_PHASE_HEAD);
     return request;

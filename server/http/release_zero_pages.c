@@ -6,11 +6,6 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-static bool is_zero(const uint8_t *page, size_t size)
-{
-    return page[0] == 0 && memcmp(page, page + 1, size - 1) == 0;
-}
-
 void vor_release_zero_pages(void *start, size_t bytes)
 {
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -20,7 +15,7 @@ void vor_release_zero_pages(void *start, size_t bytes)
     if (((uintptr_t)start & (page - 1)) != 0)
         return;
     for (size_t at = 0; at + page <= bytes; at += page) {
-        if (is_zero(memory + at, page))
+        if (memory[at] == 0 && memcmp(memory + at, memory + at + 1, page - 1) == 0)
             continue;
         if (at > from)
             (void)madvise(memory + from, at - from, MADV_DONTNEED);

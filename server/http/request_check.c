@@ -89,31 +89,6 @@ static size_t block_length(const struct vor_head *head)
     return length;
 }
 
-static const char *check_fields(const struct vor_head *head)
-{
-    for (size_t i = 0; i < head->field_count; i++) {
-        if (!is_token(head->fields[i].name))
-            return "a header name holds a byte that is not allowed in names";
-        if (has_control(head->fields[i].value))
-            return "a header value holds a control byte";
-    }
-    return NULL;
-}
-
-/* Bytes from the end of one string of the block to the beginning of another. Theirs is one block,
- * but nothing tells the compiler so. */
-static uintptr_t gap(const char *before, const char *after)
-{
-    return (uintptr_t)after - ((uintptr_t)before + strlen(before));
-}
-
-static bool all_digits(const char *text)
-{
-    size_t length = strlen(text);
-
-    return length > 0 && length <= 18 && strspn(text, "0123456789") == length;
-}
-
 static const char *check_framing(const struct vor_head *head)
 {
     const char *coding = vor_head_find(head, "Transfer-Encoding");
@@ -130,7 +105,8 @@ static const char *check_framing(const struct vor_head *head)
         return "a Transfer-Encoding other than chunked";
     if (coding != NULL && strcmp(head->version, "HTTP/1.1") != 0)
         return "Transfer-Encoding in HTTP/1.0";
-    if (length != NULL && !all_digits(length))
+    if (length != NULL &&
+        (length[0] == '\0' || strlen(length) > 18 || length[strspn(length, "0123456789")] != '\0'))
         return "Content-Length is not a whole number";
     if (count_fields(head, "Host") > 1)
         return "more than one Host";
@@ -138,7 +114,9 @@ static const char *check_framing(const struct vor_head *head)
      */
     before = head->version;
     for (size_t i = 0; i < head->field_count && head->block != NULL; i++) {
-        uintptr_t between = gap(before, head->fields[i].name);
+        /* Bytes from the end of one string to the beginning of another. Theirs is one block, but
+         * nothing tells the compiler so. */
+        uintptr_t between = (uintptr_t)head->fields[i].name - ((uintptr_t)before + strlen(before));
 
         if (between == 1)
             return "a line ends with a line feed alone";
@@ -173,7 +151,14 @@ const char *vor_head_check(const struct vor_head *head, const char **detail)
         *detail = "more than 100 header fields";
         return "malformed-request";
     }
-    if ((*detail = check_fields(head)) != NULL || (*detail = check_framing(head)) != NULL)
+    *detail = NULL;
+    for (size_t i = 0; i < head->field_count && *detail == NULL; i++) {
+        if (!is_token(head->fields[i].name))
+            *detail = "a header name holds a byte that is not allowed in names";
+        else if (has_control(head->fields[i].value))
+            *detail = "a header value holds a control byte";
+    }
+    if (*detail != NULL || (*detail = check_framing(head)) != NULL)
         return "smuggled-framing";
     return (*detail = check_form(head)) != NULL ? "malformed-request" : NULL;
 }

@@ -12,7 +12,8 @@ struct vor_waker {
     pthread_mutex_t lock;
     atomic_uint holds;
     struct MHD_Connection *connection;
-    bool suspended, pending, gone, over;
+    bool suspended, pending, over;
+    atomic_bool gone;
 };
 
 struct vor_waker *vor_waker_create(struct MHD_Connection *connection)
@@ -58,7 +59,7 @@ bool vor_waker_sleep(struct vor_waker *waker, bool stays)
     bool sleeps;
 
     (void)pthread_mutex_lock(&waker->lock);
-    sleeps = !waker->pending && (stays || !waker->gone);
+    sleeps = !waker->pending && (stays || !atomic_load(&waker->gone));
     waker->pending = false;
     if (sleeps) {
         waker->suspended = true;
@@ -66,23 +67,6 @@ bool vor_waker_sleep(struct vor_waker *waker, bool stays)
     }
     (void)pthread_mutex_unlock(&waker->lock);
     return sleeps;
-}
-
-void vor_waker_gone(struct vor_waker *waker)
-{
-    (void)pthread_mutex_lock(&waker->lock);
-    waker->gone = true;
-    (void)pthread_mutex_unlock(&waker->lock);
-}
-
-bool vor_waker_is_gone(struct vor_waker *waker)
-{
-    bool gone;
-
-    (void)pthread_mutex_lock(&waker->lock);
-    gone = waker->gone;
-    (void)pthread_mutex_unlock(&waker->lock);
-    return gone;
 }
 
 bool vor_waker_is_pending(struct vor_waker *waker)
@@ -93,6 +77,16 @@ bool vor_waker_is_pending(struct vor_waker *waker)
     pending = waker->pending;
     (void)pthread_mutex_unlock(&waker->lock);
     return pending;
+}
+
+void vor_waker_gone(struct vor_waker *waker)
+{
+    atomic_store(&waker->gone, true);
+}
+
+bool vor_waker_is_gone(struct vor_waker *waker)
+{
+    return atomic_load(&waker->gone);
 }
 
 void vor_waker_end(struct vor_waker *waker)

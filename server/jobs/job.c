@@ -169,13 +169,6 @@ void vor_job_read_end(const struct vor_job_view *row, uint32_t last, struct vor_
         (void)vor_event_batch_add(batch, &end);
 }
 
-/* The reader was at another daemon, which knows more; the caller holds job->state. */
-static int is_ahead(const struct vor_job *job, const struct vor_position *position)
-{
-    return position->attempt > job->view.attempt ||
-           (position->attempt == job->view.attempt && position->number > job->newest);
-}
-
 int vor_job_read(struct vor_job *job, struct vor_event_batch *batch)
 {
     struct vor_event_piece piece;
@@ -183,7 +176,9 @@ int vor_job_read(struct vor_job *job, struct vor_event_batch *batch)
 
     pthread_mutex_lock(&job->state);
     over = vor_job_status_over(job->view.status);
-    if (over || job->is_here || !is_ahead(job, &batch->position)) {
+    /* The reader may have been at another daemon, which knows more. */
+    if (over || job->is_here || batch->position.attempt < job->view.attempt ||
+        (batch->position.attempt == job->view.attempt && batch->position.number <= job->newest)) {
         vor_event_batch_begin(batch, job->view.attempt, job->newest + (uint32_t)over);
         is_at_hand = batch->position.number >= job->stored;
         piece = vor_job_piece(job);
@@ -336,13 +331,6 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
     end_change(job);
 }
 
-/* 0.3 of 80 comes to 23.999...; the small addend makes it 24. */
-static int progress_of(const struct vor_job *job)
-{
-    return PREPARED +
-           (int)((OPTIMIZED - PREPARED) * vor_pace_done(&job->pace, &job->view.spec) + 1e-9);
-}
-
 void vor_job_tell_stop(struct vor_job *job, int64_t now_ms)
 {
     int preparing;
@@ -374,7 +362,10 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     job->view.has_record = 1;
     job->view.record = *record;
     job->view.updated = vor_job_now(&job->view, now_ms);
-    raise_progress(&job->view, progress_of(job));
+    /* 0.3 of 80 comes to 23.999...; the small addend makes it 24. */
+    raise_progress(&job->view, PREPARED + (int)((OPTIMIZED - PREPARED) *
+                                                    vor_pace_done(&job->pace, &job->view.spec) +
+                                                1e-9));
     pthread_mutex_unlock(&job->state);
     if (entered)
         publish(job, VOR_EVENT_STATUS, now_ms);
@@ -425,23 +416,18 @@ uint32_t vor_job_newest(struct vor_job *job, uint32_t attempt)
     return newest;
 }
 
-/* A job that waits is told as here: its attempt's first events are not in the store before it runs.
- */
-static void mirror_waiting(struct vor_job *job, const struct vor_job_view *row)
-{
-    struct vor_job_view view;
-
-    do
-        vor_job_view(job, &view);
-    while (view.attempt < row->attempt && vor_job_restart(job, row->alone, row->updated));
-}
-
 void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_t last)
 {
     int is_new;
 
     if (row->status == VOR_JOB_ACCEPTED) {
-        mirror_waiting(job, row);
+        struct vor_job_view view;
+
+        /* A job that waits is told as here: its attempt's first events are not in the store before
+         * it runs. */
+        do
+            vor_job_view(job, &view);
+        while (view.attempt < row->attempt && vor_job_restart(job, row->alone, row->updated));
         return;
     }
     if (!begin_change(job))

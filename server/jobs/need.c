@@ -46,29 +46,9 @@
 /* An input of so many points for each of the result is thinned, and starts from no cells. */
 #define DENSE 10.0
 
-/* Attributes of a point are as wide as the upload had them; in Draco's, which is compressed, that
- * cannot be seen. A number in text is taken for as much as it takes there. */
-static double attributes_of(const struct vor_job_input *input)
-{
-    const double positions = 3 * sizeof(float);
-    double each = input->points > 0 ? (double)input->bytes / (double)input->points : 0;
-
-    return fmax(each - positions, 0);
-}
-
 static int has_metric(const struct vor_spec *spec)
 {
     return spec->value[VOR_PARAM_METRIC] != VOR_METRIC_ISOTROPIC;
-}
-
-/* Of each point of the result, besides what goes with its neighbours. */
-static double extra_of(const struct vor_spec *spec)
-{
-    double extra = has_metric(spec) ? METRIC : 0;
-
-    if (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM)
-        extra += DENSITY;
-    return extra;
 }
 
 /* Points that begin evenly by area, of out in the end. */
@@ -86,7 +66,10 @@ static double starting(const struct vor_spec *spec, double in, double out)
 /* Of all points of the result, beside the input's index and lists. */
 static double spreading(const struct vor_spec *spec, double in, double out)
 {
-    double given = spec->value[VOR_PARAM_NEIGHBORS], extra = extra_of(spec);
+    double given =
+        spec->value[VOR_PARAM_NEIGHBORS]; /* then, of each point, besides its neighbours */
+    double extra = (has_metric(spec) ? METRIC : 0) +
+                   (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM ? DENSITY : 0);
     double lists = 6 * (given > 0 ? given : USUAL_NEIGHBORS);
     double first = starting(spec, in, out);
     double cells = in >= DENSE * first ? first : first + fmin(in, first);
@@ -132,7 +115,10 @@ uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
 
     for (unsigned i = 0; spec->process->inputs[i].name != NULL; i++) {
         double points = (double)input[i].points;
-        double attributes = attributes_of(&input[i]);
+        /* Attributes are as wide as the upload had them; in Draco's, which is compressed, that
+         * cannot be seen. A number in text is taken for as much as it takes there. */
+        double each = points > 0 ? (double)input[i].bytes / points : 0;
+        double attributes = fmax(each - 3 * sizeof(float), 0);
 
         if ((inputs >> i & 1) == 0)
             continue;

@@ -187,19 +187,10 @@ static vor_status make_program(struct vor_error *err)
     return VOR_OK;
 }
 
-static vor_status set_filter(struct vor_error *err)
-{
-    const struct sock_fprog list = {.len = program_length, .filter = program};
-
-    if (program_length > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &list) == 0)
-        return VOR_OK;
-    return vor_fail(err, VOR_E_INTERNAL,
-                    "the kernel does not accept a filter for system calls: error %d", errno);
-}
-
 vor_status vor_sandbox_enter(const struct vor_sandbox *sandbox, enum vor_sandbox_kind kind,
                              struct vor_error *err)
 {
+    const struct sock_fprog list = {.len = program_length, .filter = program};
     vor_status status = set_limits(sandbox, err);
 
     if (status != VOR_OK)
@@ -207,22 +198,19 @@ vor_status vor_sandbox_enter(const struct vor_sandbox *sandbox, enum vor_sandbox
     (void)prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0)
         return vor_fail(err, VOR_E_INTERNAL, "cannot set no_new_privs: error %d", errno);
-    return kind == VOR_SANDBOX_FULL ? set_filter(err) : VOR_OK;
+    if (kind != VOR_SANDBOX_FULL ||
+        (program_length > 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &list) == 0))
+        return VOR_OK;
+    return vor_fail(err, VOR_E_INTERNAL,
+                    "the kernel does not accept a filter for system calls: error %d", errno);
 }
 
 /* --- what holds ------------------------------------------------------------------------------- */
 
-static _Noreturn void try_it(void)
-{
-    const struct vor_sandbox sandbox = {.cpu_seconds = 10};
-    struct vor_error err;
-
-    _exit(vor_sandbox_enter(&sandbox, VOR_SANDBOX_FULL, &err) == VOR_OK ? EXIT_SUCCESS
-                                                                        : EXIT_FAILURE);
-}
-
 enum vor_sandbox_kind vor_sandbox_probe(struct vor_error *why)
 {
+    const struct vor_sandbox tried = {.cpu_seconds = 10};
+    struct vor_error err;
     int status = -1;
     pid_t pid;
 
@@ -236,7 +224,8 @@ enum vor_sandbox_kind vor_sandbox_probe(struct vor_error *why)
         return VOR_SANDBOX_PARTIAL;
     pid = fork();
     if (pid == 0)
-        try_it();
+        _exit(vor_sandbox_enter(&tried, VOR_SANDBOX_FULL, &err) == VOR_OK ? EXIT_SUCCESS
+                                                                          : EXIT_FAILURE);
     while (pid > 0 && waitpid(pid, &status, 0) < 0 && errno == EINTR)
         continue;
     if (pid > 0 && WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS)

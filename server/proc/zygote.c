@@ -232,14 +232,6 @@ static void tend(struct nursery *nursery)
     }
 }
 
-static void ignore_signals(void)
-{
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE};
-
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-        (void)signal(numbers[i], SIG_IGN);
-}
-
 /* Nothing is read from standard input nor written to standard output. */
 static void mute(void)
 {
@@ -255,12 +247,14 @@ static void mute(void)
 
 static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
 {
+    static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE};
     sigset_t child;
 
     die_with(parent);
     keep_fds(&nursery->socket, 1);
     mute();
-    ignore_signals();
+    for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++)
+        (void)signal(ignored[i], SIG_IGN);
     (void)signal(SIGCHLD, SIG_DFL);
     (void)sigemptyset(&child);
     (void)sigaddset(&child, SIGCHLD);

@@ -23,15 +23,6 @@ static void put_artefact(struct vor_text *text, unsigned format, uint64_t points
     vor_json_put_u64(text, "bytes", bytes);
 }
 
-static void put_origin(struct vor_text *text, const double origin[3])
-{
-    vor_json_key(text, "origin");
-    vor_json_begin_array(text);
-    for (int c = 0; c < 3; c++)
-        vor_json_double(text, origin[c]);
-    vor_json_end_array(text);
-}
-
 static void write_inputs(struct vor_text *text, const struct vor_job_view *row)
 {
     vor_json_begin_object(text);
@@ -69,8 +60,13 @@ static void write_outputs(struct vor_text *text, const struct vor_job_view *row)
             put_artefact(text, output->format, output->points, output->bytes);
             vor_json_put_string(text, "sha256", output->sha256);
         }
-        if (output->has_origin)
-            put_origin(text, output->origin);
+        if (output->has_origin) {
+            vor_json_key(text, "origin");
+            vor_json_begin_array(text);
+            for (int c = 0; c < 3; c++)
+                vor_json_double(text, output->origin[c]);
+            vor_json_end_array(text);
+        }
         vor_json_end_object(text);
     }
     if (any)

@@ -35,11 +35,6 @@ struct vor_sqlite {
 
 enum { BUSY_MS = 5000 };
 
-static int is_disk_full(int number)
-{
-    return number == ENOSPC || number == EDQUOT;
-}
-
 /* One thread at a time, as all that use a connection: the reason is the connection's last one. */
 static vor_status fail(struct vor_sqlite *db, struct connection *connection, int code,
                        struct vor_error *err)
@@ -50,7 +45,8 @@ static vor_status fail(struct vor_sqlite *db, struct connection *connection, int
         number = ENOSPC;
     else if (kind == SQLITE_IOERR || kind == SQLITE_CANTOPEN)
         number = sqlite3_system_errno(connection->handle);
-    if ((kind == SQLITE_IOERR && code != SQLITE_IOERR_NOMEM && !is_disk_full(number)) ||
+    if ((kind == SQLITE_IOERR && code != SQLITE_IOERR_NOMEM && number != ENOSPC &&
+         number != EDQUOT) ||
         kind == SQLITE_CORRUPT)
         atomic_store(&db->broken, 1);
     (void)vor_fail(err, VOR_E_IO, "the job database reports: %s",

@@ -35,18 +35,6 @@ static void put_text(struct vor_text *out, struct vor_span_of_text text)
     }
 }
 
-static void put_code(struct vor_text *out, struct vor_span_of_text text)
-{
-    struct vor_span_of_text line;
-
-    vor_text_puts(out, "<pre>");
-    while (vor_markup_line(&line, &text)) {
-        put_text(out, line);
-        vor_text_puts(out, "\n");
-    }
-    vor_text_puts(out, "</pre>\n");
-}
-
 static void put_element(struct vor_text *out, const char *name, struct vor_span_of_text text)
 {
     vor_text_printf(out, "<%s>", name);
@@ -63,6 +51,7 @@ static void keep_list(struct page *page, int in_list)
 
 static void put_block(void *ctx, const struct vor_markup_block *block)
 {
+    struct vor_span_of_text line, text = block->text;
     struct page *page = ctx;
 
     keep_list(page, block->kind == VOR_MARKUP_ITEM);
@@ -78,22 +67,16 @@ static void put_block(void *ctx, const struct vor_markup_block *block)
         put_element(page->text, "dd", block->text);
         break;
     case VOR_MARKUP_CODE:
-        put_code(page->text, block->text);
+        vor_text_puts(page->text, "<pre>");
+        while (vor_markup_line(&line, &text)) {
+            put_text(page->text, line);
+            vor_text_puts(page->text, "\n");
+        }
+        vor_text_puts(page->text, "</pre>\n");
         break;
     case VOR_MARKUP_TABLE:
         break;
     }
-}
-
-static void put_contents(struct vor_text *out)
-{
-    struct vor_topic topic;
-
-    vor_text_puts(out, "<nav>\n<p><a href=\".\">voronoid " VOR_VERSION "</a></p>\n<ul>\n");
-    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
-        vor_text_printf(out, "<li><a href=\"#%s\">%.*s</a></li>\n", topic.name, topic.title_length,
-                        topic.title);
-    vor_text_puts(out, "<li><a href=\"#contract\">The contract</a></li>\n</ul>\n</nav>\n");
 }
 
 enum vor_next vor_handle_docs(void *ctx, struct vor_request *request, enum vor_step step)
@@ -109,8 +92,12 @@ enum vor_next vor_handle_docs(void *ctx, struct vor_request *request, enum vor_s
                          "<link rel=\"icon\" href=\"assets/icon.svg\">\n"
                          "<link rel=\"stylesheet\" href=\"assets/docs.css\">\n"
                          "<script type=\"module\" src=\"assets/docs.js\"></script>\n");
-    put_contents(&text);
-    vor_text_puts(&text, "<main>\n");
+    vor_text_puts(&text, "<nav>\n<p><a href=\".\">voronoid " VOR_VERSION "</a></p>\n<ul>\n");
+    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
+        vor_text_printf(&text, "<li><a href=\"#%s\">%.*s</a></li>\n", topic.name,
+                        topic.title_length, topic.title);
+    vor_text_puts(&text,
+                  "<li><a href=\"#contract\">The contract</a></li>\n</ul>\n</nav>\n<main>\n");
     for (unsigned i = 0; vor_topic_at(&topic, i); i++) {
         struct page page = {&text, 0};
 

@@ -75,20 +75,15 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
     return VOR_NEXT_REPLY;
 }
 
-/* True when the page is asked for by its name, and JSON not more so. Stars stand for no page:
- * programs send them as well. */
-static bool wants_page(const struct vor_request *request)
-{
-    double page = vor_accept_named(request, "text/html");
-
-    return page > 0 && page >= vor_accept_named(request, "application/json");
-}
-
 enum vor_next vor_handle_root(void *ctx, struct vor_request *request, enum vor_step step)
 {
+    double wanted = vor_accept_named(request, "text/html");
     struct vor_asset page;
 
-    if (wants_page(request) && vor_asset_find(&page, VOR_ASSET_PAGE, strlen(VOR_ASSET_PAGE)))
+    /* The page has to be asked for by its name, and JSON not more so. Stars stand for no page:
+     * programs send them as well. */
+    if (wanted > 0 && wanted >= vor_accept_named(request, "application/json") &&
+        vor_asset_find(&page, VOR_ASSET_PAGE, strlen(VOR_ASSET_PAGE)))
         return reply_asset(ctx, request, &page, "Accept, Accept-Encoding");
     vor_reply_header(request, "Vary", "Accept");
     return vor_handle_landing(ctx, request, step);

@@ -427,23 +427,11 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
     return VOR_NEXT_WAIT;
 }
 
-static enum vor_next start_wait(struct vor_app *app, struct vor_request *request,
-                                struct submission *submission)
-{
-    enum vor_job_outcome outcome = subscribe(app, NULL, submission, &submission->view.id);
-
-    if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &submission->error, &submission->view.id);
-    submission->waits = true;
-    if (submission->head.wait_seconds >= 0)
-        submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
-    return wait_for_end(app, request, submission);
-}
-
 static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
                               struct submission *submission)
 {
     struct vor_uuid id = submission->view.id;
+    enum vor_job_outcome outcome;
 
     if (submission->outcome == VOR_FAILED && submission->error.status == VOR_E_CANCELLED)
         submission->outcome = VOR_DRAINING;
@@ -464,7 +452,13 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
     case VOR_SUBMIT_SYNC:
         break;
     }
-    return start_wait(app, request, submission);
+    outcome = subscribe(app, NULL, submission, &id);
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(app, request, outcome, &submission->error, &id);
+    submission->waits = true;
+    if (submission->head.wait_seconds >= 0)
+        submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
+    return wait_for_end(app, request, submission);
 }
 
 /* Answers a request whose key is that of a job, and admits any other. */

@@ -21,16 +21,6 @@ struct acceptance {
     double quality;  /* of it, 0 for none */
 };
 
-/* A request for the process that the path names, at its defaults. */
-static bool begin_spec(struct vor_app *app, struct vor_request *request, struct vor_spec *spec)
-{
-    const struct vor_process_info *process = vor_process_of_submit(app, request);
-
-    if (process != NULL)
-        vor_spec_preset(spec, process);
-    return process != NULL;
-}
-
 int vor_submit_coding(const char *coding)
 {
     if (strcasecmp(coding, "gzip") == 0 || strcasecmp(coding, "x-gzip") == 0)
@@ -106,17 +96,6 @@ static vor_status read_pairs(struct vor_request *request, struct vor_submit_head
             return status;
     }
     return VOR_OK;
-}
-
-static bool read_spec(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
-{
-    struct vor_error err;
-
-    if (read_pairs(request, out, &err) == VOR_OK &&
-        vor_submit_options_read_key(&out->options, request, &err) == VOR_OK)
-        return true;
-    vor_problem_error(app, request, &err, NULL);
-    return false;
 }
 
 static void take_range(struct acceptance *accept, const struct vor_accept_range *range)
@@ -226,9 +205,21 @@ bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
 bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
                           struct vor_submit_head *out)
 {
+    const struct vor_process_info *process = vor_process_of_submit(app, request);
+    struct vor_error err;
+
     memset(out, 0, sizeof *out);
-    return begin_spec(app, request, &out->spec) && read_body(app, request, out) &&
-           (out->body == VOR_SUBMIT_JSON || read_spec(app, request, out));
+    if (process == NULL)
+        return false;
+    vor_spec_preset(&out->spec, process);
+    if (!read_body(app, request, out))
+        return false;
+    if (out->body == VOR_SUBMIT_JSON ||
+        (read_pairs(request, out, &err) == VOR_OK &&
+         vor_submit_options_read_key(&out->options, request, &err) == VOR_OK))
+        return true;
+    vor_problem_error(app, request, &err, NULL);
+    return false;
 }
 
 bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)

@@ -59,11 +59,6 @@ bool vor_submit_options_has(const struct vor_process_info *process, const char *
            (strcmp(name, "previous") == 0 && vor_artefact_find(process->inputs, name) != NULL);
 }
 
-static int is_key_character(char c)
-{
-    return c > ' ' && c < 0x7F && strchr("\",\\", c) == NULL;
-}
-
 vor_status vor_submit_options_read_key(struct vor_submit_options *out,
                                        const struct vor_request *request, struct vor_error *err)
 {
@@ -80,7 +75,7 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
         return VOR_OK;
     is_quoted = *at == '"';
     at += is_quoted;
-    while (is_key_character(at[length]))
+    while (at[length] > ' ' && at[length] < 0x7F && strchr("\",\\", at[length]) == NULL)
         length++;
     if (length < 1 || length >= sizeof out->key.text ||
         strcmp(at + length, is_quoted ? "\"" : "") != 0 ||
@@ -213,16 +208,6 @@ void vor_submit_inputs_of_admitted(struct vor_submit_inputs *out,
     }
 }
 
-/* "cloud SHA-256", a line an input, in the order of the process's. */
-static void list_inputs(struct vor_text *text, const struct vor_artefact_info *info,
-                        const struct vor_submit_inputs *inputs)
-{
-    for (; info->name != NULL; info++)
-        for (unsigned i = 0; i < inputs->count; i++)
-            if (strcmp(inputs->item[i].name, info->name) == 0)
-                vor_text_printf(text, "%s %s\n", info->name, inputs->item[i].sha256);
-}
-
 static vor_status print(struct vor_submit_options *options, const struct vor_spec *spec,
                         const struct vor_submit_inputs *inputs, struct vor_error *err)
 {
@@ -234,7 +219,11 @@ static vor_status print(struct vor_submit_options *options, const struct vor_spe
     vor_text_printf(&text, "%s\n", spec->process->id);
     vor_json_spec(&text, spec);
     vor_text_printf(&text, "\n%s\n", options->name);
-    list_inputs(&text, spec->process->inputs, inputs);
+    /* "cloud SHA-256", a line an input, in the order of the process's. */
+    for (const struct vor_artefact_info *info = spec->process->inputs; info->name != NULL; info++)
+        for (unsigned i = 0; i < inputs->count; i++)
+            if (strcmp(inputs->item[i].name, info->name) == 0)
+                vor_text_printf(&text, "%s %s\n", info->name, inputs->item[i].sha256);
     vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
     if (status == VOR_OK && digest == NULL)
