@@ -47,7 +47,16 @@ struct life {
     struct vor_job_view row[ROWS];
 };
 
-/* Successful jobs with a result each; then a kill, so that the log stays. */
+static const char *path_in(const struct life *life, const char *name)
+{
+    static char path[512];
+
+    (void)snprintf(path, sizeof path, "%s/%s", life->dir, name);
+    return path;
+}
+
+/* Successful jobs with a result each; then a kill, so that the log stays. The file "middle" is as
+ * long as the log was behind half of them. */
 static void live_and_die(void *ctx)
 {
     struct life *life = ctx;
@@ -56,8 +65,10 @@ static void live_and_die(void *ctx)
 
     for (int i = 0; i < ROWS; i++) {
         struct vor_job_view *row = &life->row[i];
-        int changed;
+        int changed, middle = i == ROWS / 2 ? creat(path_in(life, "middle"), 0600) : -1;
 
+        if (middle >= 0)
+            ck_assert_int_eq(ftruncate(middle, size_of(path_in(life, "jobs.sqlite-wal"))), 0);
         vt_assert_ok(vor_blob_commit(vt_upload(blobs, "result", 6), &row->id, "cloud", &vt_err));
         vt_assert_ok(vor_store_insert(store, row, NULL, &vt_err));
         row->status = VOR_JOB_SUCCESSFUL;
@@ -76,14 +87,6 @@ static struct life dead_life(void)
         life.row[i] = vt_row(10);
     vt_killed(live_and_die, &life);
     return life;
-}
-
-static const char *path_in(const struct life *life, const char *name)
-{
-    static char path[512];
-
-    (void)snprintf(path, sizeof path, "%s/%s", life->dir, name);
-    return path;
 }
 
 VT_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
@@ -166,9 +169,10 @@ VT_TEST(results_whose_rows_are_lost_are_set_aside)
 {
     struct life life = dead_life();
     struct vt_daemon daemon;
+    off_t middle = size_of(path_in(&life, "middle"));
     size_t left;
 
-    flip_at(path_in(&life, "jobs.sqlite-wal"), size_of(path_in(&life, "jobs.sqlite-wal")) / 2);
+    flip_at(path_in(&life, "jobs.sqlite-wal"), middle + 40);
     vt_daemon_start(&daemon, life.dir, NULL);
     left = rows_left(&daemon, &life);
     ck_assert_uint_lt(left, ROWS);
