@@ -2,7 +2,6 @@
 #include "server/cli/cli_log.h"
 #include "server/cli/help.h"
 #include "server/cli/pages.h"
-#include "server/cli/topic.h"
 #include "server/serve.h"
 
 #include <stdio.h>

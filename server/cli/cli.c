@@ -4,16 +4,11 @@
 #include "server/base/topics.h"
 #include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
-#include "server/cli/fetch.h"
-#include "server/cli/health.h"
+#include "server/cli/commands.h"
 #include "server/cli/help.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/jobs.h"
 #include "server/cli/key.h"
-#include "server/cli/migrate.h"
 #include "server/cli/options.h"
-#include "server/cli/run_local.h"
-#include "server/cli/run_remote.h"
 
 #include <limits.h>
 #include <signal.h>

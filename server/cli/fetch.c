@@ -1,4 +1,4 @@
-#include "server/cli/fetch.h"
+#include "server/cli/commands.h"
 
 #include "core/base/quote.h"
 #include "proto/codec.h"
@@ -7,7 +7,6 @@
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/job_list.h"
-#include "server/cli/overwrite.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #define VOR_CLI_FILES_H
 
 #include "core/base/status.h"
+#include "server/cli/options.h"
 
 #include <limits.h>
 #include <stddef.h>
@@ -62,5 +63,14 @@ void vor_output_abandon(struct vor_output *output);
  *
  *  @retval VOR_E_IO it cannot be made (the message names it and says why) */
 VOR_NODISCARD vor_status vor_folder_make(const char *path, struct vor_error *err);
+
+/** Checks an output before it is opened. An input is never written, under whatever name. Any other
+ *  regular file needs --force, or a yes: asked for on stderr if that and stdin are terminals and
+ *  stdin is no input. Pipes and devices are written as they are.
+ *
+ *  @param[out] replace  set if a file is there and may be replaced; else 0
+ *  @retval VOR_E_PARAM  it is an input, or exists and may not be replaced */
+VOR_NODISCARD vor_status vor_overwrite_check(const struct vor_cli *cli, const char *path,
+                                             int *replace, struct vor_error *err);
 
 #endif

@@ -1,4 +1,4 @@
-#include "server/cli/jobs.h"
+#include "server/cli/commands.h"
 
 #include "core/base/quote.h"
 #include "server/base/clock.h"

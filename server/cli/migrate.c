@@ -1,4 +1,4 @@
-#include "server/cli/migrate.h"
+#include "server/cli/commands.h"
 
 #include "server/base/disk.h"
 #include "server/blob/blob.h"

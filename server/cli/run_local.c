@@ -1,4 +1,4 @@
-#include "server/cli/run_local.h"
+#include "server/cli/commands.h"
 
 #include "proto/json/json.h"
 #include "server/base/clock.h"
@@ -7,7 +7,6 @@
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
-#include "server/cli/overwrite.h"
 #include "server/cli/sequence.h"
 #include "server/cli/work.h"
 

@@ -1,7 +1,7 @@
 /* voronoid PROCESS --server URL: the same job, done by a daemon. The body goes up, the events come
  * back, and when they end, the result; ^C dismisses the job. voronoid submit: only the first of
  * these. */
-#include "server/cli/run_remote.h"
+#include "server/cli/commands.h"
 
 #include "core/base/utf8.h"
 #include "proto/codec.h"
@@ -11,7 +11,6 @@
 #include "server/cli/follow.h"
 #include "server/cli/interrupt.h"
 #include "server/cli/lines.h"
-#include "server/cli/overwrite.h"
 #include "server/store/row.h"
 
 #include <string.h>

@@ -1,6 +1,9 @@
 #include "server/cli/server.h"
 
 #include "server/base/option.h"
+#include "server/cli/cli_log.h"
+#include "server/cli/commands.h"
+#include "server/cli/remote.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,6 +13,7 @@
 #define ADMIN_VARIABLE "VORONOID_ADMIN_LISTEN"
 #define LISTEN_DEFAULT "127.0.0.1:8080"
 #define PORT_MAX 65535
+#define HEALTH_SECONDS 5
 
 /* Room for what a command appends to the URL: a path, and a query of one parameter. */
 enum { PATH_ROOM = 256 };
@@ -81,12 +85,61 @@ vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cl
     return VOR_OK;
 }
 
-vor_status vor_cli_health_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
-                                 struct vor_error *err)
+/* The same for a health check, which asks the listener that VORONOID_ADMIN_LISTEN names where there
+ * is one: that answers while the other is overrun. */
+static vor_status health_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
+                                struct vor_error *err)
 {
     const char *admin = getenv(ADMIN_VARIABLE);
 
     if (cli->option[VOR_OPTION_SERVER] == NULL && admin != NULL && admin[0] != '\0')
         return from_setting(out, ADMIN_VARIABLE, admin, err);
     return vor_cli_server(out, cli, err);
+}
+
+static int report(const char *server, const struct vor_remote_call *call)
+{
+    struct vor_json *json;
+    struct vor_text line;
+    const char *detail;
+
+    if (call->http == 200) {
+        printf("%s: ready\n", server);
+        return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
+    }
+    json = vor_remote_json(call);
+    detail = vor_json_get_string(vor_json_get(json, "detail"));
+    vor_text_init(&line, 0);
+    vor_text_printf(&line, "not ready: the server responded with %d%s%s", call->http,
+                    detail != NULL ? ": " : "", detail != NULL ? detail : "");
+    vor_cli_say(server, line.data != NULL ? line.data : "not ready");
+    vor_text_free(&line);
+    vor_json_free(json);
+    return VOR_EXIT_UNREACHABLE;
+}
+
+int vor_cli_health(const struct vor_cli *cli)
+{
+    char server[VOR_REMOTE_URL_MAX], url[VOR_REMOTE_URL_MAX + 16];
+    struct vor_remote_call call = {.method = "GET", .url = url, .timeout_seconds = HEALTH_SECONDS};
+    struct vor_remote *remote = NULL;
+    struct vor_error err;
+    int code;
+
+    if (health_server(server, cli, &err) != VOR_OK)
+        return vor_cli_fail(cli->command->name, &err);
+    (void)snprintf(url, sizeof url, "%s/readyz", server);
+    if (vor_remote_open(&remote, &err) != VOR_OK)
+        return vor_cli_fail(NULL, &err);
+    if (vor_remote_perform(remote, &call, &err) == VOR_OK) {
+        code = report(server, &call);
+    } else if (err.status == VOR_E_CANCELLED) {
+        code = vor_cli_fail(server, &err);
+    } else {
+        vor_cli_say(server, err.message);
+        code = VOR_EXIT_UNREACHABLE;
+    }
+    vor_text_free(&call.text);
+    vor_remote_close(remote);
+    return code;
 }

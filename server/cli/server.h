@@ -13,9 +13,4 @@
 VOR_NODISCARD vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
                                         struct vor_error *err);
 
-/** The same for a health check, which asks the listener that VORONOID_ADMIN_LISTEN names where
- * there is one: that answers while the other is overrun. */
-VOR_NODISCARD vor_status vor_cli_health_server(char out[VOR_REMOTE_URL_MAX],
-                                               const struct vor_cli *cli, struct vor_error *err);
-
 #endif

@@ -4,7 +4,6 @@
 #include "server/http/mhd_callbacks.h"
 #include "server/http/mhd_library.h"
 #include "server/http/state.h"
-#include "server/http/unix_socket.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,6 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 enum {
@@ -23,6 +24,71 @@ enum {
 };
 
 static const double grace_seconds = 0.5; /* a client far away needs as long to send its head */
+
+static vor_status refuse(struct vor_error *err, const char *path, const char *why)
+{
+    return vor_fail(err, VOR_E_IO, "cannot listen on unix:%.110s: %s", path, why);
+}
+
+/* Removes a socket whose daemon is gone: nobody accepts on it. */
+static vor_status remove_stale(const struct sockaddr_un *at, struct vor_error *err)
+{
+    struct stat info;
+    int fd, answered;
+
+    if (lstat(at->sun_path, &info) != 0)
+        return VOR_OK;
+    if (!S_ISSOCK(info.st_mode))
+        return refuse(err, at->sun_path, "there is a file that is not a socket");
+    fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0)
+        return refuse(err, at->sun_path, strerror(errno));
+    answered = connect(fd, (const struct sockaddr *)at, sizeof *at) == 0 || errno == EAGAIN;
+    (void)close(fd);
+    if (answered)
+        return refuse(err, at->sun_path, "a daemon answers there already");
+    if (unlink(at->sun_path) != 0)
+        return refuse(err, at->sun_path, strerror(errno));
+    return VOR_OK;
+}
+
+/* The file is made for nobody but its owner, and opened to others once it listens. */
+static int open_at(const struct sockaddr_un *at, unsigned mode)
+{
+    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    int failed;
+
+    if (fd < 0)
+        return -1;
+    if (fchmod(fd, S_IRUSR | S_IWUSR) == 0 &&
+        bind(fd, (const struct sockaddr *)at, sizeof *at) == 0 && listen(fd, BACKLOG) == 0 &&
+        chmod(at->sun_path, (mode_t)mode) == 0)
+        return fd;
+    failed = errno;
+    (void)close(fd);
+    errno = failed;
+    return -1;
+}
+
+/* Listens on a path. A socket that nobody answers on is replaced. */
+static vor_status open_unix_socket(int *out, const char *path, unsigned mode, struct vor_error *err)
+{
+    struct sockaddr_un at = {.sun_family = AF_UNIX};
+    int fd;
+    vor_status status;
+
+    if (strlen(path) >= sizeof at.sun_path)
+        return refuse(err, path, "the path is too long");
+    memcpy(at.sun_path, path, strlen(path) + 1);
+    status = remove_stale(&at, err);
+    if (status != VOR_OK)
+        return status;
+    fd = open_at(&at, mode);
+    if (fd < 0)
+        return refuse(err, path, strerror(errno));
+    *out = fd;
+    return VOR_OK;
+}
 
 static int open_listener(const struct addrinfo *at)
 {
@@ -49,7 +115,7 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
     int fd = -1, failed;
 
     if (options->path != NULL && options->path[0] != '\0')
-        return vor_unix_socket_open(out, options->path, options->mode, err);
+        return open_unix_socket(out, options->path, options->mode, err);
     (void)snprintf(port, sizeof port, "%u", options->port);
     failed = getaddrinfo(options->host, port, &hints, &list);
     if (failed != 0)
@@ -267,7 +333,8 @@ void vor_http_stop(struct vor_http *http)
     }
     if (http->fd >= 0)
         (void)close(http->fd);
-    vor_unix_socket_remove(http->address);
+    if (strncmp(http->address, "unix:", 5) == 0)
+        (void)unlink(http->address + 5);
     vor_conn_guard_stop(http->guard);
     free(http);
 }

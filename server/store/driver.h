@@ -164,6 +164,20 @@ struct vor_store_driver {
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
 };
 
+/** In a file of SQLite: WAL mode with synchronous=FULL. PATH.lock says that the file is ours. One
+ *  connection writes and others read, so that no reader waits for an fsync.
+ *
+ *  Cost: a change is one transaction and one fsync, 0.2 to 5 ms; a read some 20 microseconds. */
+extern const struct vor_store_driver vor_store_sqlite;
+
+/** In a database of PostgreSQL, from version 13 on: its tables stand in the first schema of the
+ *  search path, and one daemon at a time has them, unless they are shared. So jobs outlive the
+ *  machine, and a daemon that starts elsewhere goes on with them.
+ *
+ *  Cost: a change is one transaction, of three to five round trips; a read one round trip. libpq is
+ *  loaded when such a store is opened. */
+extern const struct vor_store_driver vor_store_postgres;
+
 /* --- the verbs, but for those that a full disk makes room for (store.h) ------------------------
  */
 

@@ -1,7 +1,4 @@
-#include "server/store/postgres.h"
-
 #include "server/store/postgres_database.h"
-#include "server/store/postgres_schema.h"
 #include "server/store/sql_verbs.h"
 
 #include <stdio.h>

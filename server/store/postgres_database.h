@@ -46,4 +46,11 @@ void vor_postgres_share(struct vor_postgres *db);
 VOR_NODISCARD vor_status vor_postgres_hold(struct vor_postgres *db, int *held,
                                            struct vor_error *err);
 
+/** Gives an empty schema its tables, in one transaction.
+ *
+ *  @retval VOR_E_IO they are of another version or program (message: which), or the server refuses
+ */
+VOR_NODISCARD vor_status vor_postgres_prepare_schema(struct vor_postgres *db,
+                                                     struct vor_error *err);
+
 #endif

@@ -1,9 +1,6 @@
-#include "server/store/sqlite.h"
-
 #include "server/base/disk.h"
 #include "server/store/sql_verbs.h"
 #include "server/store/sqlite_database.h"
-#include "server/store/sqlite_schema.h"
 #include "server/store/sqlite_wal.h"
 
 #include <errno.h>

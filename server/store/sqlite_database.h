@@ -29,4 +29,9 @@ VOR_NODISCARD vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql,
 /** The database, for statements. */
 struct vor_sql *vor_sqlite_sql(struct vor_sqlite *db);
 
+/** Gives an empty database its table, in one transaction.
+ *
+ *  @retval VOR_E_IO it is of another version (message: both), or the disk refuses */
+VOR_NODISCARD vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err);
+
 #endif

@@ -1,4 +1,4 @@
-#include "server/store/sqlite_schema.h"
+#include "server/store/sqlite_database.h"
 
 #include "server/store/sql_verbs.h"
 

@@ -2,9 +2,7 @@
 
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
-#include "server/store/postgres.h"
 #include "server/store/sql_verbs.h"
-#include "server/store/sqlite.h"
 
 #include <assert.h>
 #include <errno.h>
