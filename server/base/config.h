@@ -43,8 +43,9 @@
       "Database of jobs: sqlite:PATH, or postgresql://USER@HOST/DATABASE. Default: jobs.sqlite "   \
       "in --data")                                                                                 \
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
-      "Uploads and results: dir:PATH for a folder, or s3:https://HOST/BUCKET/PREFIX. Default: "    \
-      "folder blobs in --data")                                                                    \
+      "Uploads and results: dir:PATH for a folder, s3:https://HOST/BUCKET/PREFIX, or "             \
+      "postgresql://USER@HOST/DATABASE, which may be that of --store. Default: folder blobs in "   \
+      "--data")                                                                                    \
     X(BLOBS_PUBLIC_URL, "blobs-public-url", TEXT, "URL", 0, 0, "",                                 \
       "URL at which clients reach the bucket of --blobs s3:..., such as https://HOST/BUCKET. "     \
       "Requests for results then get a redirect to a link that is valid for two minutes. "         \
@@ -52,11 +53,11 @@
     X(ROLE, "role", CHOICE, "all api worker", 0, 0, "all",                                         \
       "What the daemon does. api: it answers requests and runs no jobs; worker: it runs jobs and " \
       "answers only /livez, /readyz and /metrics; all: both. api and worker need --store "         \
-      "postgresql://... and --blobs s3:...")                                                       \
+      "postgresql://... and --blobs s3:... or postgresql://...")                                   \
     X(EXIT_WHEN_IDLE, "exit-when-idle", TIME, "seconds", 0, 31536000, "0",                         \
       "Exit with status 0 after this time without a waiting or running job. 0: never")             \
     X(BLOBS_CACHE, "blobs-cache", BYTES, "bytes", 0, 1e15, "1G",                                   \
-      "Disk space in --data for copies of files that are in S3")                                   \
+      "Disk space in --data for copies of files that are in S3 or PostgreSQL")                     \
     X(THREADS, "threads", COUNT_OF, "threads", 0, 256, "0",                                        \
       "Number of threads for computations, shared by all jobs. 0: one thread per core")            \
     X(JOBS, "jobs", COUNT_OF, "jobs", 1, 64, "2", "Number of jobs that may run at the same time")  \

@@ -84,11 +84,13 @@
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
       "SQL statements that failed in the job database")                                            \
     X(BLOB_SECONDS, "blob_operation_duration_seconds", TIMES, "seconds", "driver op",              \
-      "Duration of each attempt at a request to S3")                                               \
-    X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "", "Requests to S3 that were sent again")  \
+      "Duration of each attempt at a request to S3, or to PostgreSQL for a file")                  \
+    X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "",                                         \
+      "Requests to S3, or to PostgreSQL for files, that were sent again")                          \
     X(BLOB_ERRORS, "blob_errors_total", COUNTER, "", "reason",                                     \
-      "Requests to S3 that failed after all tries. Values of the label reason: away (S3 did not "  \
-      "answer), refused (S3 refused the keys or has no such bucket) and other (any other error)")  \
+      "Requests to S3, or to PostgreSQL for files, that failed after all tries. Values of the "    \
+      "label reason: away (no answer), refused (wrong keys or rights, no such bucket or table) "   \
+      "and other (any other error)")                                                               \
     X(STORAGE_UP, "storage_up", GAUGE, "", "part",                                                 \
       "1 while the job database (label part=store) and the storage of files (label part=blobs) "   \
       "can be reached, else 0")                                                                    \

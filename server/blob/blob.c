@@ -2,7 +2,7 @@
 
 #include "server/base/disk.h"
 #include "server/blob/dir.h"
-#include "server/blob/s3.h"
+#include "server/blob/remote.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -15,9 +15,10 @@
 /* Bytes whose length nobody told have room kept for so many at a time. */
 enum { PROMISE_STEP = 1 << 20 };
 
-static const struct vor_blob_driver *const drivers[] = {&vor_blob_dir, &vor_blob_s3};
+enum { DIR, S3, POSTGRES, DRIVERS };
 
-enum { DRIVERS = sizeof drivers / sizeof drivers[0] };
+static const struct vor_blob_driver *const drivers[] = {
+    [DIR] = &vor_blob_dir, [S3] = &vor_blob_s3, [POSTGRES] = &vor_blob_postgres};
 
 static const char *name_of(const char *prefix, const char *input, char out[VOR_BLOB_NAME_MAX + 1])
 {
@@ -57,13 +58,32 @@ const char *vor_blob_of_converted(const char *output, const char *format,
 
 static vor_status refuse(const char *where, struct vor_error *err)
 {
-    char forms[128] = "";
+    char forms[160] = "";
     size_t at = 0;
 
     for (unsigned i = 0; i < DRIVERS && at < sizeof forms; i++)
         at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
                                drivers[i]->scheme, drivers[i]->place);
-    return vor_fail_param(err, VOR_E_PARAM, "blobs", "blobs is \"%.80s\", want %s", where, forms);
+    /* What follows the scheme may hold a password. */
+    return vor_fail_param(err, VOR_E_PARAM, "blobs", "blobs is \"%.*s%s\", want %s",
+                          (int)strcspn(where, ":"), where,
+                          strchr(where, ':') == NULL      ? ""
+                          : strchr(where, ':')[1] == '\0' ? ":"
+                                                          : ":...",
+                          forms);
+}
+
+/* The index of the driver of a place, and what stands behind its scheme; DRIVERS for none. */
+static unsigned driver_of(const char *where, const char **place)
+{
+    unsigned i = 0;
+
+    *place = where;
+    if (strncmp(where, "postgresql://", 13) == 0) /* the other form of its URIs */
+        return POSTGRES;
+    while (i < DRIVERS && (*place = vor_storage_place(where, drivers[i]->scheme)) == NULL)
+        i++;
+    return i;
 }
 
 static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blobs **out,
@@ -84,19 +104,19 @@ static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blo
 vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
                           const struct vor_blob_cache *cache, long *holder, struct vor_error *err)
 {
-    *holder = 0;
-    for (unsigned i = 0; i < DRIVERS; i++) {
-        const char *place = vor_storage_place(where, drivers[i]->scheme);
+    const char *place;
+    unsigned i = driver_of(where, &place);
 
-        if (place != NULL)
-            return open_with(drivers[i], out, place, cache, holder, err);
-    }
-    return refuse(where, err);
+    *holder = 0;
+    return i < DRIVERS ? open_with(drivers[i], out, place, cache, holder, err) : refuse(where, err);
 }
 
 int vor_blobs_are_shared(const char *where)
 {
-    return vor_storage_place(where, vor_blob_s3.scheme) != NULL;
+    const char *place;
+    unsigned i = driver_of(where, &place);
+
+    return i > DIR && i < DRIVERS;
 }
 
 void vor_blobs_close(struct vor_blobs *blobs)

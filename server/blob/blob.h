@@ -40,7 +40,8 @@ const char *vor_blob_of_converted(const char *output, const char *format,
  *  way can end. */
 #define VOR_BLOBS_RESERVE ((uint64_t)16 << 20)
 
-/** Opens "SCHEME:PLACE" ("dir:PATH": made if missing; "s3:URL"), takes the lock of its folder and
+/** Opens "SCHEME:PLACE" ("dir:PATH": made if missing; "s3:URL"; "postgres:URI" or
+ *  "postgresql://..."), takes the lock of its folder and
  *  removes what unfinished writes left there, and whatever else is no blob.
  *
  *  @param[in]  cache   for a driver whose blobs are elsewhere: made if missing
@@ -52,7 +53,7 @@ VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *wher
                                         const struct vor_blob_cache *cache, long *holder,
                                         struct vor_error *err);
 
-/** True when processes of other machines find the same blobs there ("s3:"). */
+/** True when processes of other machines find the same blobs there. */
 int vor_blobs_are_shared(const char *where);
 
 /** blobs may be NULL; no writer may be open. */

@@ -16,7 +16,7 @@
 
 enum {
     TEXT_MAX = 8 << 20, /* of an answer that is no object: 1,000 keys take .5 MB */
-    PATH_SIZE = 3 * VOR_S3_URL_SIZE + VOR_S3_KEY_MAX + 2
+    PATH_SIZE = 3 * VOR_S3_URL_SIZE + VOR_OBJECT_KEY_MAX + 2
 };
 
 /* The characters of buckets and keys. */
@@ -120,14 +120,25 @@ static int read_url(struct vor_s3 *s3, const char *url)
     return 1;
 }
 
-vor_status vor_s3_open(struct vor_s3 **out, const char *url, struct vor_error *err)
+static void close_s3(struct vor_objects *objects)
+{
+    struct vor_s3 *s3 = (struct vor_s3 *)objects;
+
+    for (int i = 0; i < s3->idles; i++)
+        s3->curl->easy_cleanup(s3->idle[i]);
+    vor_objects_destroy(&s3->base);
+    explicit_bzero(s3->secret, sizeof s3->secret);
+    free(s3);
+}
+
+static vor_status open_s3(struct vor_objects **out, const char *url, struct vor_error *err)
 {
     struct vor_s3 *s3 = calloc(1, sizeof *s3);
     vor_status status;
 
     if (s3 == NULL)
         return vor_fail(err, VOR_E_NOMEM, "a client of S3");
-    pthread_mutex_init(&s3->mutex, NULL);
+    vor_objects_init(&s3->base, &vor_s3_objects);
     status = read_url(s3, url)
                  ? read_keys(s3, err)
                  : vor_fail_param(err, VOR_E_PARAM, "blobs",
@@ -139,43 +150,23 @@ vor_status vor_s3_open(struct vor_s3 **out, const char *url, struct vor_error *e
     if (status == VOR_OK)
         status = vor_curl_load(&s3->curl, err);
     if (status != VOR_OK) {
-        vor_s3_close(s3);
+        close_s3(&s3->base);
         return status;
     }
-    *out = s3;
+    *out = &s3->base;
     return VOR_OK;
-}
-
-void vor_s3_close(struct vor_s3 *s3)
-{
-    if (s3 == NULL)
-        return;
-    for (int i = 0; i < s3->idles; i++)
-        s3->curl->easy_cleanup(s3->idle[i]);
-    pthread_mutex_destroy(&s3->mutex);
-    explicit_bzero(s3->secret, sizeof s3->secret);
-    free(s3);
-}
-
-vor_status vor_s3_state(struct vor_s3 *s3, double *age, struct vor_error *err)
-{
-    vor_status status;
-
-    pthread_mutex_lock(&s3->mutex);
-    status = s3->state.status;
-    if (status != VOR_OK && err != NULL)
-        *err = s3->state;
-    if (age != NULL)
-        *age = vor_clock_seconds() - s3->answered;
-    pthread_mutex_unlock(&s3->mutex);
-    return status;
 }
 
 /* --- the requests ----------------------------------------------------------------------------- */
 
+static struct vor_s3 *of(struct vor_objects *objects)
+{
+    return (struct vor_s3 *)objects;
+}
+
 static void write_url(const struct vor_s3 *s3, const char *key, char out[PATH_SIZE])
 {
-    (void)snprintf(out, PATH_SIZE, "%s/%s%.*s", s3->bucket, s3->prefix, VOR_S3_KEY_MAX, key);
+    (void)snprintf(out, PATH_SIZE, "%s/%s%.*s", s3->bucket, s3->prefix, VOR_OBJECT_KEY_MAX, key);
 }
 
 /* A request for one object; 404 is no failure for those who can be told by `found`. */
@@ -199,11 +190,11 @@ static vor_status ask(struct vor_s3_call *call, const char *key, int *found, str
 
 #define UNSIGNED "x-amz-content-sha256: UNSIGNED-PAYLOAD"
 
-vor_status vor_s3_put(struct vor_s3 *s3, const char *key, int fd, uint64_t size, const char *sha256,
-                      struct vor_error *err)
+static vor_status put(struct vor_objects *objects, const char *key, int fd, uint64_t size,
+                      const char *sha256, struct vor_error *err)
 {
     char digest[128];
-    struct vor_s3_call call = {.s3 = s3,
+    struct vor_s3_call call = {.s3 = of(objects),
                                .verb = "put",
                                .method = "PUT",
                                .is_put = 1,
@@ -214,34 +205,46 @@ vor_status vor_s3_put(struct vor_s3 *s3, const char *key, int fd, uint64_t size,
     if (size > VOR_S3_PART) {
         char url[PATH_SIZE];
 
-        write_url(s3, key, url);
-        return vor_s3_put_parts(s3, url, fd, size, sha256, err);
+        write_url(call.s3, key, url);
+        return vor_s3_put_parts(call.s3, url, fd, size, sha256, err);
     }
     (void)snprintf(digest, sizeof digest, "x-amz-content-sha256: %s", sha256);
     return ask(&call, key, NULL, err);
 }
 
-vor_status vor_s3_copy(struct vor_s3 *s3, const char *from, const char *to, struct vor_error *err)
+static vor_status remove_one(struct vor_objects *objects, const char *key, struct vor_error *err)
+{
+    struct vor_s3_call call = {
+        .s3 = of(objects), .verb = "delete", .method = "DELETE", .fd = -1, .header = {UNSIGNED}};
+    int found;
+
+    return ask(&call, key, &found, err);
+}
+
+static vor_status move(struct vor_objects *objects, const char *from, const char *to,
+                       struct vor_error *err)
 {
     char source[PATH_SIZE + 32];
-    struct vor_s3_call call = {.s3 = s3,
+    struct vor_s3_call call = {.s3 = of(objects),
                                .verb = "copy",
                                .method = "PUT",
                                .is_put = 1,
                                .fd = -1,
                                .ends = "</CopyObjectResult>",
                                .header = {UNSIGNED, source}};
+    vor_status status;
 
-    (void)snprintf(source, sizeof source, "x-amz-copy-source: /%s/%s%.*s", s3->name, s3->prefix,
-                   VOR_S3_KEY_MAX, from);
-    return ask(&call, to, NULL, err);
+    (void)snprintf(source, sizeof source, "x-amz-copy-source: /%s/%s%.*s", call.s3->name,
+                   call.s3->prefix, VOR_OBJECT_KEY_MAX, from);
+    status = ask(&call, to, NULL, err);
+    return status == VOR_OK ? remove_one(objects, from, err) : status;
 }
 
-vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd,
+static vor_status get(struct vor_objects *objects, const char *key, int fd,
                       const struct vor_blob_watch *watch, uint64_t *size, int *found,
                       struct vor_error *err)
 {
-    struct vor_s3_call call = {.s3 = s3,
+    struct vor_s3_call call = {.s3 = of(objects),
                                .verb = fd >= 0 ? "get" : "head",
                                .method = fd >= 0 ? "GET" : "HEAD",
                                .fd = fd,
@@ -255,19 +258,11 @@ vor_status vor_s3_get(struct vor_s3 *s3, const char *key, int fd,
     return status;
 }
 
-vor_status vor_s3_delete(struct vor_s3 *s3, const char *key, struct vor_error *err)
+static vor_status link_to(struct vor_objects *objects, const char *base, const char *key,
+                          const struct vor_blob_reading *reading, struct vor_text *out,
+                          struct vor_error *err)
 {
-    struct vor_s3_call call = {
-        .s3 = s3, .verb = "delete", .method = "DELETE", .fd = -1, .header = {UNSIGNED}};
-    int found;
-
-    return ask(&call, key, &found, err);
-}
-
-vor_status vor_s3_link(struct vor_s3 *s3, const char *base, const char *key,
-                       const struct vor_blob_reading *reading, struct vor_text *out,
-                       struct vor_error *err)
-{
+    const struct vor_s3 *s3 = of(objects);
     struct vor_s3_signing signing = {.method = reading->method,
                                      .key_id = s3->key_id,
                                      .secret = s3->secret,
@@ -311,16 +306,16 @@ static int64_t read_time(const char *text)
 
 /* Calls each for the objects of one answer. */
 static void read_page(const char *xml, size_t hidden,
-                      void (*each)(void *ctx, const struct vor_s3_object *object), void *ctx)
+                      void (*each)(void *ctx, const struct vor_object *object), void *ctx)
 {
     static const char begin[] = "<Contents>";
     char key[PATH_SIZE], text[64];
 
     for (const char *at = xml; (at = strstr(at, begin)) != NULL; at += sizeof begin - 1) {
-        struct vor_s3_object object = {.key = key + hidden};
+        struct vor_object object = {.key = key + hidden};
 
         vor_s3_element(at, "Key", key, sizeof key);
-        if (strlen(key) < hidden || strlen(object.key) > VOR_S3_KEY_MAX ||
+        if (strlen(key) < hidden || strlen(object.key) > VOR_OBJECT_KEY_MAX ||
             strspn(object.key, PLAIN) != strlen(object.key))
             continue;
         vor_s3_element(at, "Size", text, sizeof text);
@@ -365,13 +360,13 @@ static vor_status list_page(struct vor_s3_call *call, const char *prefix,
 }
 
 static vor_status list(struct vor_s3_call *call, const char *begin,
-                       void (*each)(void *ctx, const struct vor_s3_object *object), void *ctx,
+                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
                        struct vor_error *err)
 {
     char prefix[PATH_SIZE], token[VOR_S3_URL_SIZE] = "";
     vor_status status = VOR_OK;
 
-    (void)snprintf(prefix, sizeof prefix, "%s%.*s", call->s3->prefix, VOR_S3_KEY_MAX, begin);
+    (void)snprintf(prefix, sizeof prefix, "%s%.*s", call->s3->prefix, VOR_OBJECT_KEY_MAX, begin);
     vor_text_init(&call->text, TEXT_MAX);
     for (int more = 1; status == VOR_OK && more;) {
         status = list_page(call, prefix, token, &more, err);
@@ -385,24 +380,37 @@ static vor_status list(struct vor_s3_call *call, const char *begin,
 #define LIST_CALL                                                                                  \
     .verb = "list", .method = "GET", .fd = -1, .ends = "</ListBucketResult>", .header = {UNSIGNED}
 
-vor_status vor_s3_list(struct vor_s3 *s3, const char *begin,
-                       void (*each)(void *ctx, const struct vor_s3_object *object), void *ctx,
-                       struct vor_error *err)
+static vor_status list_all(struct vor_objects *objects, const char *begin,
+                           void (*each)(void *ctx, const struct vor_object *object), void *ctx,
+                           struct vor_error *err)
 {
-    struct vor_s3_call call = {.s3 = s3, LIST_CALL};
+    struct vor_s3_call call = {.s3 = of(objects), LIST_CALL};
 
     return list(&call, begin, each, ctx, err);
 }
 
-static void ignore(void *ctx, const struct vor_s3_object *object)
+static void ignore(void *ctx, const struct vor_object *object)
 {
     (void)ctx;
     (void)object;
 }
 
-vor_status vor_s3_probe(struct vor_s3 *s3, struct vor_error *err)
+static vor_status probe(struct vor_objects *objects, struct vor_error *err)
 {
-    struct vor_s3_call call = {.s3 = s3, .is_probe = 1, LIST_CALL};
+    struct vor_s3_call call = {.s3 = of(objects), .is_probe = 1, LIST_CALL};
 
     return list(&call, "none/", ignore, NULL, err);
 }
+
+const struct vor_objects_kind vor_s3_objects = {
+    .scheme = "s3",
+    .open = open_s3,
+    .close = close_s3,
+    .put = put,
+    .get = get,
+    .move = move,
+    .remove = remove_one,
+    .list = list_all,
+    .probe = probe,
+    .link = link_to,
+};

@@ -3,19 +3,15 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
-#include "server/base/uuid.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <time.h>
 #include <unistd.h>
 
 enum {
-    TRIES = 6,
-    FIRST_PAUSE_MS = 100,
     CONNECT_SECONDS = 10,
     STALL_SECONDS = 30,
     PROBE_SECONDS = 5 /* a probe takes at most so long */
@@ -25,21 +21,21 @@ static CURL *take_handle(struct vor_s3 *s3)
 {
     CURL *handle = NULL;
 
-    pthread_mutex_lock(&s3->mutex);
+    pthread_mutex_lock(&s3->base.mutex);
     if (s3->idles > 0)
         handle = s3->idle[--s3->idles];
-    pthread_mutex_unlock(&s3->mutex);
+    pthread_mutex_unlock(&s3->base.mutex);
     return handle != NULL ? handle : s3->curl->easy_init();
 }
 
 static void give_handle(struct vor_s3 *s3, CURL *handle)
 {
-    pthread_mutex_lock(&s3->mutex);
+    pthread_mutex_lock(&s3->base.mutex);
     if (s3->idles < VOR_S3_IDLE_MAX) {
         s3->idle[s3->idles++] = handle;
         handle = NULL;
     }
-    pthread_mutex_unlock(&s3->mutex);
+    pthread_mutex_unlock(&s3->base.mutex);
     if (handle != NULL)
         s3->curl->easy_cleanup(handle);
 }
@@ -217,20 +213,6 @@ static int is_passing(const struct vor_s3_call *call, CURLcode code)
     }
 }
 
-/* A half to the whole of a pause that doubles. */
-static void wait_before(int attempt)
-{
-    uint8_t part = 0;
-    int64_t ms = (int64_t)FIRST_PAUSE_MS << attempt;
-    struct timespec pause;
-
-    (void)(vor_random_fill(&part, sizeof part, NULL) == VOR_OK);
-    ms -= ms / 2 * part / 255;
-    pause = (struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
-    while (nanosleep(&pause, &pause) != 0 && errno == EINTR)
-        continue;
-}
-
 void vor_s3_element(const char *xml, const char *name, char *out, size_t size)
 {
     char open_tag[40];
@@ -277,40 +259,17 @@ vor_status vor_s3_fail(const struct vor_s3_call *call, struct vor_error *err)
     return fail(call, CURLE_OK, err);
 }
 
-/* Whether S3 answers, as of this request. One that it refuses says nothing of others: a probe does.
- */
-static void note(const struct vor_s3_call *call, const struct vor_error *failure)
-{
-    struct vor_s3 *s3 = call->s3;
-
-    if (failure->status == VOR_E_NOMEM || call->number != 0)
-        return;
-    pthread_mutex_lock(&s3->mutex);
-    if (failure->status == VOR_OK || call->is_probe || vor_error_storage_away(failure))
-        s3->state = *failure;
-    if (failure->status == VOR_OK)
-        s3->answered = vor_clock_seconds();
-    pthread_mutex_unlock(&s3->mutex);
-    if (failure->status != VOR_OK && !call->is_probe)
-        vor_metric_add(VOR_METRIC_BLOB_ERRORS, 1,
-                       VOR_LABELS(vor_error_storage_away(failure)      ? "away"
-                                  : vor_error_storage_refused(failure) ? "refused"
-                                                                       : "other"));
-}
-
 /* Sends it as often as it may succeed. */
 static CURLcode try_all(struct vor_s3_call *call)
 {
     CURLcode code = CURLE_OUT_OF_MEMORY;
-    int tries = call->is_probe ? 1 : TRIES;
+    int tries = call->is_probe ? 1 : VOR_OBJECTS_TRIES;
 
     for (int i = 0; i < tries; i++) {
         double began;
 
-        if (i > 0) {
-            vor_metric_add(VOR_METRIC_BLOB_RETRIES, 1, NULL);
-            wait_before(i - 1);
-        }
+        if (i > 0)
+            vor_objects_pause(i - 1);
         /* What an attempt has written is not part of the next one. */
         if (i > 0 && call->fd >= 0 && !call->is_put &&
             (ftruncate(call->fd, 0) != 0 || lseek(call->fd, 0, SEEK_SET) != 0))
@@ -344,7 +303,8 @@ vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err)
     if (code != CURLE_OK || call->number != 0 || is_cut(call) ||
         (call->http / 100 != 2 && call->http != 404) || strcmp(reason, "NoSuchBucket") == 0)
         (void)fail(call, code, &failure);
-    note(call, &failure);
+    if (failure.status != VOR_E_NOMEM && call->number == 0)
+        vor_objects_note(&s3->base, &failure, call->is_probe);
     if (failure.status != VOR_OK && err != NULL)
         *err = failure;
     return failure.status;

@@ -4,9 +4,7 @@
 
 #include "proto/text.h"
 #include "server/base/curl_library.h"
-#include "server/blob/driver.h"
-
-#include <pthread.h>
+#include "server/blob/objects.h"
 
 enum {
     VOR_S3_IDLE_MAX = 8,       /**< connections that are kept open */
@@ -16,6 +14,7 @@ enum {
 };
 
 struct vor_s3 {
+    struct vor_objects base;
     const struct vor_curl *curl;
     char bucket[2 * VOR_S3_URL_SIZE]; /**< "https://HOST/BUCKET" or "https://BUCKET.HOST" */
     char name[VOR_S3_URL_SIZE];       /**< "BUCKET" */
@@ -27,8 +26,6 @@ struct vor_s3 {
     pthread_mutex_t mutex; /**< of everything below */
     CURL *idle[VOR_S3_IDLE_MAX];
     int idles;
-    struct vor_error state; /**< VOR_OK while it answers; else why it does not */
-    double answered;        /**< when it did last */
 };
 
 struct vor_s3_call {
@@ -56,7 +53,7 @@ struct vor_s3_call {
 /** Sends a request until it is answered with less than 500.
  *
  *  @retval VOR_OK   it was answered with 2xx, or with 404 for an object
- *  @retval VOR_E_IO as the functions of s3_client.h
+ *  @retval VOR_E_IO as the functions of objects.h
  *  @retval VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err);
 

@@ -62,7 +62,7 @@ enum {
       "postgresql://USER@HOST/DATABASE")                                                           \
     X(BLOBS, "blobs", 0, TEXT, "SCHEME:PLACE", 0, 0, "", "VORONOID_BLOBS", VOR_COMMAND_MOVES,      \
       "Destination of the files, written like the setting --blobs of voronoid serve: "             \
-      "s3:https://HOST/BUCKET/PREFIX")                                                             \
+      "s3:https://HOST/BUCKET/PREFIX or postgresql://USER@HOST/DATABASE")                          \
     X(NAME, "name", 0, TEXT, "TEXT", 0, 0, "", "", VOR_COMMAND_REMOTE | VOR_COMMAND_SUBMITS,       \
       "Name of the job on the daemon. Default: the name of the input's file")                      \
     X(PRESET, "preset", 0, TEXT, "NAME", 0, 0, "", "", VOR_COMMAND_RUNS | VOR_COMMAND_SUBMITS,     \

@@ -1,9 +1,8 @@
+#include "server/base/postgres_library.h"
 #include "server/store/postgres_database.h"
 #include "server/store/sql_verbs.h"
 
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The driver's store. */
 struct postgres_store {
@@ -46,22 +45,11 @@ static vor_status open_server(struct postgres_store *store, const char *where, i
                             : status;
 }
 
-/* The connection string of a place: //HOST/DATABASE is the rest of a URI. */
-static char *where_of(const char *place)
-{
-    size_t size = strlen(place) + sizeof "postgres:";
-    char *where = malloc(size);
-
-    if (where != NULL)
-        (void)snprintf(where, size, "%s%s", strncmp(place, "//", 2) == 0 ? "postgres:" : "", place);
-    return where;
-}
-
 static vor_status open_store(struct vor_store **out, const char *place, int may_share, long *holder,
                              struct vor_error *err)
 {
     struct postgres_store *store = calloc(1, sizeof *store);
-    char *where = where_of(place);
+    char *where = vor_pg_where(place);
     vor_status status;
 
     if (store == NULL || where == NULL) {

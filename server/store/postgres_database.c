@@ -1,8 +1,7 @@
 #include "server/store/postgres_database.h"
 
-#include "server/store/postgres_library.h"
+#include "server/base/postgres_library.h"
 
-#include <errno.h>
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -35,57 +34,23 @@ struct answer {
     unsigned char *bytes; /* of the last column of bytes */
 };
 
-/* The first line of a reason, without the blank or newline at its end. */
-static vor_status fail(struct vor_error *err, const char *why, const char *state)
-{
-    size_t length = strcspn(why, "\n");
-
-    (void)vor_fail(err, VOR_E_IO, "the job database reports: %.*s", (int)length, why);
-    if (err != NULL)
-        err->got = state != NULL && atoi(state) == VOR_PG_DISK_FULL ? ENOSPC : 0;
-    return VOR_E_IO;
-}
-
-static vor_status fail_result(const struct vor_postgres *db, const struct connection *connection,
-                              const PGresult *result, struct vor_error *err)
-{
-    enum { SEVERITY_PRIMARY = 'M', SQLSTATE = 'C' };
-    const char *why = result != NULL ? db->pg->resultErrorField(result, SEVERITY_PRIMARY) : NULL;
-
-    return fail(err, why != NULL ? why : db->pg->errorMessage(connection->handle),
-                result != NULL ? db->pg->resultErrorField(result, SQLSTATE) : NULL);
-}
-
-/* Notices and warnings, which libpq would print. */
-static void ignore(void *ctx, const char *message)
-{
-    (void)ctx;
-    (void)message;
-}
+static const char what[] = "the job database";
 
 /* Makes a connection, or anew where it broke. One thread at a time, as all that follow. */
 static vor_status connect_to(struct vor_postgres *db, struct connection *connection,
                              struct vor_error *err)
 {
-    static const char *const names[] = {"client_encoding", "fallback_application_name",
-                                        "connect_timeout", "tcp_user_timeout",
-                                        "dbname",          NULL};
-    const char *const values[] = {"UTF8", "voronoid", "5", "10000", db->where, NULL};
-    vor_status status;
+    struct vor_error why;
 
     if (connection->handle != NULL && db->pg->status(connection->handle) == VOR_PG_OK)
         return VOR_OK;
     db->pg->finish(connection->handle);
-    connection->handle = db->pg->connectdbParams(names, values, 1);
-    if (connection->handle == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the job store");
-    (void)db->pg->setNoticeProcessor(connection->handle, ignore, NULL);
-    if (db->pg->status(connection->handle) == VOR_PG_OK)
+    connection->handle = vor_pg_connect(db->where, what, &why);
+    if (connection->handle != NULL)
         return VOR_OK;
-    status = fail(err, db->pg->errorMessage(connection->handle), NULL);
-    db->pg->finish(connection->handle);
-    connection->handle = NULL;
-    return status;
+    if (err != NULL)
+        *err = why;
+    return why.status;
 }
 
 static vor_status run(struct vor_postgres *db, struct connection *connection, const char *sql,
@@ -96,7 +61,7 @@ static vor_status run(struct vor_postgres *db, struct connection *connection, co
     vor_status status = VOR_OK;
 
     if (code != VOR_PG_COMMAND_OK && code != VOR_PG_TUPLES_OK)
-        status = fail_result(db, connection, result, err);
+        status = vor_pg_fail_result(what, connection->handle, result, err);
     db->pg->clear(result);
     return status;
 }
@@ -193,7 +158,7 @@ static vor_status ask(struct answer *out, struct vor_postgres *db, struct connec
     code = db->pg->resultStatus(out->result);
     if (code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK)
         return VOR_OK;
-    return fail_result(db, connection, out->result, err);
+    return vor_pg_fail_result(what, connection->handle, out->result, err);
 }
 
 static void end_answer(struct answer *answer)

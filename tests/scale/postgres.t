@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# The store in PostgreSQL, by a real server that is started here: the conformance tests of a store's verbs, directly and through pgbouncer
+# Jobs and files in PostgreSQL, by a real server that is started here: the conformance tests of a store's verbs and of blobs, directly and through pgbouncer
 # in transaction mode; and daemons on it that are killed, that find it taken, and that lose the server while a job runs.
 use strict;
 use warnings;
@@ -14,9 +14,9 @@ my $port = $Scale::postgres;
 
 # The verbs.
 my ($build) = ($ENV{VORONOID} // 'build/release/voronoid') =~ m{^(.*)/};
-my @programs = qw(unit/store_rows unit/store_queue unit/store_tenants property/store_model);
+my @programs = qw(unit/blob_any unit/store_rows unit/store_queue unit/store_tenants property/store_model);
 for my $way ([directly => $port], ['through pgbouncer' => $Scale::pooler]) {
-    local @ENV{qw(VT_STORE VT_POSTGRES)} = ('postgres', "host=127.0.0.1 port=$way->[1] user=voronoid");
+    local @ENV{qw(VT_STORE VT_BLOBS VT_POSTGRES)} = ('postgres', 'postgres', "host=127.0.0.1 port=$way->[1] user=voronoid");
     for my $program (@programs) {
         my $printed = `$build/tests/$program 2>&1`;
         is $?, 0, "$program holds $way->[0]" or diag $printed;
@@ -61,6 +61,33 @@ ok wait_until(sub { $next->log_text =~ /"msg":"job ended","job":"$long"[^\n]*"at
 ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and the daemon is ready again';
 is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
 
+# Files as well, through the pooler, of daemons that share them.
+my $files = $uri =~ s/:$port/:$Scale::pooler/r;
+my $wanted = $next->post('/v1/resample?points=800', $cloud)->{content};
+$next->stop;
+my @daemons = map { Vt->start(store => $uri, blobs => $files, jobs => 1) } 1 .. 2;
+my @ids = map { $daemons[$_ % 2]->submit('points=800', $cloud) } 1 .. 8;
+is scalar(grep { $daemons[0]->finish($_)->{status} eq 'successful' } @ids), @ids, 'jobs with files in the database end well';
+sub result { my ($daemon, $id, @how) = @_; return $daemon->get("/v1/jobs/$id/results/cloud", @how) }
+is scalar(grep { my $id = $_; 2 == grep { result($_, $id)->{content} eq $wanted } @daemons } @ids), @ids, 'with results that both have';
+is result($daemons[1], $ids[0], headers => { Range => 'bytes=100-199' })->{content}, substr($wanted, 100, 100), 'and parts of them';
+$daemons[0]->request('DELETE', "/v1/jobs/$ids[0]");
+ok wait_until(sub { !ask('daemons', "SELECT count(*) FROM voronoid_file WHERE key LIKE '%$ids[0]%'") }), 'the files of a deleted job are deleted';
+is ask('daemons', 'SELECT count(*) FROM voronoid_piece WHERE object NOT IN (SELECT object FROM voronoid_file)'), 0, 'whole';
+$_->stop('KILL') for @daemons;
+ask('daemons', "INSERT INTO voronoid_file (key, size) SELECT 'keep/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e1' || n || '.cloud', 0 FROM generate_series(0, 9) n");
+ask('daemons', "UPDATE voronoid_piece SET data = set_byte(data, 200, 7) WHERE object = (SELECT object FROM voronoid_file WHERE key = 'keep/$ids[1].cloud')");
+my $last = Vt->start(dir => $daemons[0]{dir}, store => $uri, blobs => $files);
+ok result($last, $ids[2])->{content} eq $wanted, 'they outlive the daemons';
+is_problem(result($last, $ids[1]), 500, 'damaged-bytes', 'bytes that are not what was written are not sent');
+ok wait_until(sub { 10 == ask('daemons', "SELECT count(*) FROM voronoid_file WHERE key LIKE 'lost/0193b5f2%'") }), 'results without a job are set aside';
+stop_postgres('immediate');
+is_problem(result($last, $ids[3]), 503, 'store-unavailable', 'while the server is away a result is not to be had');
+ok start_postgres(), 'the server comes back';
+ok wait_until(sub { result($last, $ids[3])->{content} eq $wanted }), 'and so does the result';
+ok wait_until(sub { $last->get('/readyz')->{status} == 200 }), 'the daemon is ready again';
+is $last->finish($last->submit('points=100', $cloud))->{status}, 'successful', 'and runs a job';
+
 # What is refused, each in one line without the password.
 ask('postgres', 'CREATE DATABASE other');
 ask('other', 'CREATE TABLE job (id int)');
@@ -68,12 +95,17 @@ for my $case (
     ["postgresql://voronoid:secret-word\@127.0.0.1:$port/other", qr/table "job" of this database belongs to another program/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:$port/none", qr/database "none" does not exist/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:1/daemons", qr/Connection refused/],
-    ['postgres:nonsense=1', qr/invalid connection option "nonsense"/], ['postgre:secret-word', qr/store is "postgre:...", want sqlite:PATH or postgres:URI/]
+    ['postgres:nonsense=1', qr/invalid connection option "nonsense"/], ['postgre:secret-word', qr/is "postgre:...", want .*or postgres:URI/],
+    map { [$_, qr/malformed/] } 'postgresql://a:secret-word@[host', 'postgresql://a:secret-word%4@h/b', 'postgres:password=x secret-word'
 ) {
-    ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", '--store', $case->[0]);
-    isnt $status, 0, "$case->[0] is refused";
-    like $text, $case->[1], 'with the reason';
-    unlike $text, qr/secret-word/, 'and no password';
+    for my $option (qw(--store --blobs)) {
+        my $why = $case->[1];
+        next if $option eq '--blobs' && $case->[0] =~ /other$/; # files stand beside any other table
+        ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", $option, $case->[0]);
+        isnt $status, 0, "$option $case->[0] is refused";
+        like $text, qr/\A[^\n]*${why}[^\n]*\n\z/, 'with the reason in a line';
+        unlike $text, qr/secret-word/, 'and no password';
+    }
 }
-unlike $_->log_text, qr/secret-word/, 'nor is it in a log' for $daemon, $next;
+unlike $_->log_text, qr/secret-word/, 'nor is it in a log' for $daemon, $next, @daemons, $last;
 done_testing;

@@ -71,17 +71,6 @@ int vt_dir_count(const char *path, const char *name)
     return count;
 }
 
-struct vor_blobs *vt_dir_blobs(const char *path)
-{
-    struct vor_blobs *blobs = NULL;
-    char where[512];
-    long holder;
-
-    (void)snprintf(where, sizeof where, "dir:%s/blobs", path);
-    vt_assert_ok(vor_blobs_open(&blobs, where, NULL, &holder, &vt_err));
-    return blobs;
-}
-
 /* "postgres:" and the server of VT_POSTGRES, with a database that is the directory's. */
 static void write_postgres(char *out, size_t size, const char *path)
 {
@@ -94,6 +83,22 @@ static void write_postgres(char *out, size_t size, const char *path)
                    name);
     (void)!system(command); /* fails where it is there */
     (void)snprintf(out, size, "postgres:%s dbname=%s", server, name);
+}
+
+struct vor_blobs *vt_dir_blobs(const char *path)
+{
+    const struct vor_blob_cache cache = {.data = path};
+    const char *scheme = getenv("VT_BLOBS");
+    struct vor_blobs *blobs = NULL;
+    char where[512];
+    long holder;
+
+    if (scheme != NULL && strcmp(scheme, "postgres") == 0)
+        write_postgres(where, sizeof where, path);
+    else
+        (void)snprintf(where, sizeof where, "dir:%s/blobs", path);
+    vt_assert_ok(vor_blobs_open(&blobs, where, &cache, &holder, &vt_err));
+    return blobs;
 }
 
 struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const char *path)

@@ -1,8 +1,8 @@
-/** libpq, loaded when a store of PostgreSQL is opened: nobody else needs it. The only door to the
- *  library. What is used of it is declared here, as libpq.so.5 has had it since PostgreSQL 9.2, so
- *  that a build needs no package for it. Thread-safe. */
-#ifndef VOR_SERVER_STORE_POSTGRES_LIBRARY_H
-#define VOR_SERVER_STORE_POSTGRES_LIBRARY_H
+/** libpq, loaded when jobs or files in PostgreSQL are opened: nobody else needs it. The only door
+ * to the library. What is used of it is declared here, as libpq.so.5 has had it since
+ * PostgreSQL 9.2, so that a build needs no package for it. Thread-safe. */
+#ifndef VOR_SERVER_BASE_POSTGRES_LIBRARY_H
+#define VOR_SERVER_BASE_POSTGRES_LIBRARY_H
 
 #include "core/base/status.h"
 
@@ -27,6 +27,8 @@ enum {
 #define VOR_PG_TABLE(X)                                                                            \
     X(connectdbParams, PGconn *, (const char *const *, const char *const *, int))                  \
     X(finish, void, (PGconn *))                                                                    \
+    X(conninfoParse, void *, (const char *, char **))                                              \
+    X(conninfoFree, void, (void *))                                                                \
     X(setNoticeProcessor, void *, (PGconn *, void (*)(void *, const char *), void *))              \
     X(status, int, (const PGconn *))                                                               \
     X(errorMessage, char *, (const PGconn *))                                                      \
@@ -38,6 +40,7 @@ enum {
     X(resultErrorField, char *, (const PGresult *, int))                                           \
     X(ntuples, int, (const PGresult *))                                                            \
     X(getvalue, char *, (const PGresult *, int, int))                                              \
+    X(getlength, int, (const PGresult *, int, int))                                                \
     X(getisnull, int, (const PGresult *, int, int))                                                \
     X(cmdTuples, char *, (PGresult *))                                                             \
     X(clear, void, (PGresult *))                                                                   \
@@ -54,5 +57,25 @@ struct vor_pg {
  *
  *  @retval VOR_E_IO it is not installed, or lacks a function */
 VOR_NODISCARD vor_status vor_pg_load(const struct vor_pg **out, struct vor_error *err);
+
+/** The connection string of what follows "--store postgres:" or the like: //HOST/DATABASE is the
+ *  rest of a URI. malloc; NULL when memory is out. */
+char *vor_pg_where(const char *place);
+
+/** Makes a connection.
+ *
+ *  @param[in] what  that is there, for messages: "the job database"
+ *
+ *  @return NULL and *err: VOR_E_IO with the server's reason, or what is wrong with the string,
+ * never with a password; VOR_E_NOMEM */
+PGconn *vor_pg_connect(const char *where, const char *what, struct vor_error *err);
+
+/** VOR_E_IO with the first line of a reason; got is ENOSPC where the state (SQLSTATE or NULL) says
+ *  that the disk is full. */
+vor_status vor_pg_fail(const char *what, const char *why, const char *state, struct vor_error *err);
+
+/** The same, for a statement; result may be NULL. */
+vor_status vor_pg_fail_result(const char *what, const PGconn *connection, const PGresult *result,
+                              struct vor_error *err);
 
 #endif

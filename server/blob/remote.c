@@ -1,9 +1,11 @@
-#include "server/blob/s3.h"
+#include "server/blob/remote.h"
 
 #include "server/base/disk.h"
 #include "server/blob/aged.h"
 #include "server/blob/dir.h"
-#include "server/blob/s3_drops.h"
+#include "server/blob/drops.h"
+#include "server/blob/postgres.h"
+#include "server/blob/s3_client.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,21 +19,21 @@
 #define KEEP "keep/"
 #define LOST "lost/"
 
-struct bucket {
+struct remote {
     struct vor_blob_directory copies; /* first: functions of vor_blob_dir take it for their own */
-    struct vor_s3 *s3;
-    struct vor_s3_drops *drops;
+    struct vor_objects *objects;
+    struct vor_drops *drops;
     uint64_t copies_max;      /* bytes */
     pthread_mutex_t trimming; /* one thread at a time removes copies */
 };
 
-static const char *key_of(char out[VOR_S3_KEY_MAX + 1], const char *folder,
+static const char *key_of(char out[VOR_OBJECT_KEY_MAX + 1], const char *folder,
                           const struct vor_uuid *id, const char *name)
 {
     char file[VOR_BLOB_FILE_SIZE];
 
     vor_blob_file(file, id, name);
-    (void)snprintf(out, VOR_S3_KEY_MAX + 1, "%s%s", folder, file);
+    (void)snprintf(out, VOR_OBJECT_KEY_MAX + 1, "%s%s", folder, file);
     return out;
 }
 
@@ -39,13 +41,14 @@ static const char *key_of(char out[VOR_S3_KEY_MAX + 1], const char *folder,
 
 static void close_blobs(struct vor_blobs *blobs)
 {
-    struct bucket *bucket = (struct bucket *)blobs;
+    struct remote *remote = (struct remote *)blobs;
 
-    vor_s3_drops_destroy(bucket->drops);
-    vor_s3_close(bucket->s3);
-    vor_blob_directory_close(&bucket->copies);
-    pthread_mutex_destroy(&bucket->trimming);
-    free(bucket);
+    vor_drops_destroy(remote->drops);
+    if (remote->objects != NULL)
+        remote->objects->kind->close(remote->objects);
+    vor_blob_directory_close(&remote->copies);
+    pthread_mutex_destroy(&remote->trimming);
+    free(remote);
 }
 
 static void drop_copy(void *ctx, const struct vor_uuid *id, const char *name)
@@ -53,49 +56,67 @@ static void drop_copy(void *ctx, const struct vor_uuid *id, const char *name)
     (void)vor_blob_dir.drop(ctx, id, name, NULL);
 }
 
-/* The copies of an earlier process may be older than what stands in S3. */
-static vor_status open_parts(struct bucket *bucket, const char *place,
-                             const struct vor_blob_cache *cache, long *holder,
+/* The copies of an earlier process may be older than the objects. */
+static vor_status open_parts(struct remote *remote, const struct vor_objects_kind *kind,
+                             const char *place, const struct vor_blob_cache *cache, long *holder,
                              struct vor_error *err)
 {
     char folder[4096];
-    vor_status status = vor_s3_open(&bucket->s3, place, err);
+    vor_status status = kind->open(&remote->objects, place, err);
 
     (void)snprintf(folder, sizeof folder, "%s/cache", cache->data);
     if (status == VOR_OK)
-        status = vor_blob_directory_open(&bucket->copies, folder, holder, err);
+        status = vor_blob_directory_open(&remote->copies, folder, holder, err);
     if (status == VOR_OK)
-        status = vor_blob_dir.list(&bucket->copies.base, drop_copy, bucket, err);
+        status = vor_blob_dir.list(&remote->copies.base, drop_copy, remote, err);
     if (status == VOR_OK)
-        status = vor_s3_probe(bucket->s3, err);
-    return status == VOR_OK ? vor_s3_drops_create(&bucket->drops, bucket->s3, err) : status;
+        status = kind->probe(remote->objects, err);
+    return status == VOR_OK ? vor_drops_create(&remote->drops, remote->objects, err) : status;
 }
 
-static vor_status open_blobs(struct vor_blobs **out, const char *place,
-                             const struct vor_blob_cache *cache, long *holder,
-                             struct vor_error *err)
+static vor_status open_kind(const struct vor_objects_kind *kind, struct vor_blobs **out,
+                            const char *place, const struct vor_blob_cache *cache, long *holder,
+                            struct vor_error *err)
 {
-    struct bucket *bucket = calloc(1, sizeof *bucket);
+    struct remote *remote = calloc(1, sizeof *remote);
     vor_status status;
 
-    if (bucket == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the files in S3");
-    bucket->copies.lock = bucket->copies.parent = bucket->copies.keep = bucket->copies.tmp = -1;
-    bucket->copies_max = cache->bytes;
-    pthread_mutex_init(&bucket->trimming, NULL);
-    status = open_parts(bucket, place, cache, holder, err);
+    if (remote == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "the files elsewhere");
+    remote->copies.lock = remote->copies.parent = remote->copies.keep = remote->copies.tmp = -1;
+    remote->copies_max = cache->bytes;
+    pthread_mutex_init(&remote->trimming, NULL);
+    status = open_parts(remote, kind, place, cache, holder, err);
     if (status != VOR_OK) {
-        close_blobs((struct vor_blobs *)bucket);
+        close_blobs((struct vor_blobs *)remote);
         return status;
     }
-    *out = (struct vor_blobs *)bucket;
+    *out = (struct vor_blobs *)remote;
     return VOR_OK;
+}
+
+static vor_status open_s3(struct vor_blobs **out, const char *place,
+                          const struct vor_blob_cache *cache, long *holder, struct vor_error *err)
+{
+    return open_kind(&vor_s3_objects, out, place, cache, holder, err);
+}
+
+static vor_status open_postgres(struct vor_blobs **out, const char *place,
+                                const struct vor_blob_cache *cache, long *holder,
+                                struct vor_error *err)
+{
+    return open_kind(&vor_postgres_objects, out, place, cache, holder, err);
+}
+
+static struct vor_objects *objects_of(struct vor_blobs *blobs)
+{
+    return ((struct remote *)blobs)->objects;
 }
 
 /* --- copies ----------------------------------------------------------------------------------- */
 
 struct copies {
-    struct bucket *bucket;
+    struct remote *remote;
     struct vor_aged files;
 };
 
@@ -106,28 +127,28 @@ static void note_copy(void *ctx, const struct vor_uuid *id, const char *name)
     struct stat info;
 
     vor_blob_file(file, id, name);
-    if (fstatat(copies->bucket->copies.keep, file, &info, 0) == 0)
+    if (fstatat(copies->remote->copies.keep, file, &info, 0) == 0)
         vor_aged_add(&copies->files, file, (uint64_t)info.st_size,
                      (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000);
 }
 
 /* Removes the oldest copies once there are more than there may be, down to three quarters, but
  * never that one, which somebody is about to read. Who reads one goes on reading it. */
-static void trim_copies(struct bucket *bucket, const char *file)
+static void trim_copies(struct remote *remote, const char *file)
 {
-    struct vor_blobs *blobs = &bucket->copies.base;
-    struct copies copies = {.bucket = bucket};
+    struct vor_blobs *blobs = &remote->copies.base;
+    struct copies copies = {.remote = remote};
 
-    if (blobs->bytes <= bucket->copies_max || pthread_mutex_trylock(&bucket->trimming) != 0)
+    if (blobs->bytes <= remote->copies_max || pthread_mutex_trylock(&remote->trimming) != 0)
         return;
     (void)vor_blob_dir.list(blobs, note_copy, &copies, NULL); /* some may do */
     vor_aged_sort(&copies.files);
-    for (size_t i = copies.files.count; i > 0 && blobs->bytes > bucket->copies_max / 4 * 3; i--)
+    for (size_t i = copies.files.count; i > 0 && blobs->bytes > remote->copies_max / 4 * 3; i--)
         if (strcmp(copies.files.item[i - 1].name, file) != 0 &&
-            unlinkat(bucket->copies.keep, copies.files.item[i - 1].name, 0) == 0)
+            unlinkat(remote->copies.keep, copies.files.item[i - 1].name, 0) == 0)
             blobs->bytes -= copies.files.item[i - 1].size;
     vor_aged_free(&copies.files);
-    pthread_mutex_unlock(&bucket->trimming);
+    pthread_mutex_unlock(&remote->trimming);
 }
 
 /* Gives a writer's file the name of a copy; that need not survive a crash. */
@@ -141,28 +162,29 @@ static vor_status name_copy(struct vor_blob_writer *writer, const struct vor_uui
     status = vor_blob_dir.commit(writer, id, name, err);
     vor_blob_file(file, id, name);
     if (status == VOR_OK)
-        trim_copies((struct bucket *)writer->blobs, file);
+        trim_copies((struct remote *)writer->blobs, file);
     return status;
 }
 
-/* Reads an object into a file, which *fd then reads. */
-static vor_status fetch(struct bucket *bucket, const struct vor_uuid *id, const char *name,
+/* Reads an object into a file, which *fd then reads from its beginning. */
+static vor_status fetch(struct remote *remote, const struct vor_uuid *id, const char *name,
                         const struct vor_blob_watch *watch, int *fd, int *found,
                         struct vor_error *err)
 {
-    char key[VOR_S3_KEY_MAX + 1];
+    char key[VOR_OBJECT_KEY_MAX + 1];
     struct vor_blob_writer *writer = NULL;
-    vor_status status = vor_blob_dir.create(&bucket->copies.base, &writer, err);
+    vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
 
     if (status != VOR_OK)
         return status;
-    writer->blobs = &bucket->copies.base;
-    status = vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), writer->fd, watch, &writer->size,
-                        found, err);
+    writer->blobs = &remote->copies.base;
+    status = remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), writer->fd,
+                                        watch, &writer->size, found, err);
     if (status == VOR_OK && *found) {
         *fd = fcntl(writer->fd, F_DUPFD_CLOEXEC, 0);
-        status = *fd >= 0 ? name_copy(writer, id, name, err)
-                          : vor_fail_errno(err, errno, "a temporary file");
+        status = *fd >= 0 && lseek(*fd, 0, SEEK_SET) == 0
+                     ? name_copy(writer, id, name, err)
+                     : vor_fail_errno(err, errno, "a temporary file");
     }
     if (status != VOR_OK && *fd >= 0) {
         close(*fd);
@@ -177,17 +199,18 @@ static vor_status fetch(struct bucket *bucket, const struct vor_uuid *id, const 
 static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                          const char *name, struct vor_error *err)
 {
-    struct bucket *bucket = (struct bucket *)writer->blobs;
-    char key[VOR_S3_KEY_MAX + 1], sha256[VOR_DIGEST_SIZE];
+    struct remote *remote = (struct remote *)writer->blobs;
+    char key[VOR_OBJECT_KEY_MAX + 1], sha256[VOR_DIGEST_SIZE];
     vor_status status;
 
     if (writer->digest != NULL)
         vor_digest_hex(writer->digest, sha256);
     else
         memcpy(sha256, writer->sha256, sizeof sha256);
-    vor_s3_keep(bucket->drops, key_of(key, KEEP, id, name));
+    vor_drop_not(remote->drops, key_of(key, KEEP, id, name));
     do
-        status = vor_s3_put(bucket->s3, key, writer->fd, writer->size, sha256, err);
+        status =
+            remote->objects->kind->put(remote->objects, key, writer->fd, writer->size, sha256, err);
     while (status != VOR_OK && vor_error_storage_absent(err) && writer->may_wait != NULL &&
            writer->may_wait(writer->waits_ctx, err));
     return status == VOR_OK ? name_copy(writer, id, name, err) : status;
@@ -196,16 +219,17 @@ static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *
 static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
                       uint64_t *size, int *found, struct vor_error *err)
 {
-    struct bucket *bucket = (struct bucket *)blobs;
-    char key[VOR_S3_KEY_MAX + 1];
+    struct remote *remote = (struct remote *)blobs;
+    char key[VOR_OBJECT_KEY_MAX + 1];
     struct stat info;
     vor_status status = vor_blob_dir.get(blobs, id, name, fd, size, found, err);
 
     if (status != VOR_OK || *found)
         return status;
     if (fd == NULL)
-        return vor_s3_get(bucket->s3, key_of(key, KEEP, id, name), -1, NULL, size, found, err);
-    status = fetch(bucket, id, name, NULL, fd, found, err);
+        return remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), -1, NULL,
+                                          size, found, err);
+    status = fetch(remote, id, name, NULL, fd, found, err);
     if (status == VOR_OK && *found && fstat(*fd, &info) != 0) {
         status = vor_fail_errno(err, errno, "a temporary file");
         close(*fd);
@@ -220,7 +244,7 @@ static vor_status bring(struct vor_blobs *blobs, const struct vor_uuid *id, cons
                         const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {
     int fd = -1;
-    vor_status status = fetch((struct bucket *)blobs, id, name, watch, &fd, found, err);
+    vor_status status = fetch((struct remote *)blobs, id, name, watch, &fd, found, err);
 
     if (fd >= 0)
         close(fd);
@@ -260,18 +284,17 @@ static vor_status link_to(struct vor_blobs *blobs, const struct vor_uuid *id, co
                           const struct vor_blob_reading *reading, struct vor_text *out,
                           struct vor_error *err)
 {
-    char key[VOR_S3_KEY_MAX + 1];
+    char key[VOR_OBJECT_KEY_MAX + 1];
 
-    return vor_s3_link(((struct bucket *)blobs)->s3, blobs->public_url, key_of(key, KEEP, id, name),
-                       reading, out, err);
+    return objects_of(blobs)->kind->link(objects_of(blobs), blobs->public_url,
+                                         key_of(key, KEEP, id, name), reading, out, err);
 }
 
 static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err)
 {
-    char key[VOR_S3_KEY_MAX + 1];
-    vor_status status =
-        vor_s3_drop(((struct bucket *)blobs)->drops, key_of(key, KEEP, id, name), err);
+    char key[VOR_OBJECT_KEY_MAX + 1];
+    vor_status status = vor_drop(((struct remote *)blobs)->drops, key_of(key, KEEP, id, name), err);
 
     return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
 }
@@ -279,14 +302,14 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
 static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                             struct vor_error *err)
 {
-    char from[VOR_S3_KEY_MAX + 1], to[VOR_S3_KEY_MAX + 1];
-    vor_status status = vor_s3_copy(((struct bucket *)blobs)->s3, key_of(from, KEEP, id, name),
-                                    key_of(to, LOST, id, name), err);
+    char from[VOR_OBJECT_KEY_MAX + 1], to[VOR_OBJECT_KEY_MAX + 1];
+    vor_status status = objects_of(blobs)->kind->move(
+        objects_of(blobs), key_of(from, KEEP, id, name), key_of(to, LOST, id, name), err);
 
-    return status == VOR_OK ? drop(blobs, id, name, err) : status;
+    return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
 }
 
-static void note_lost(void *ctx, const struct vor_s3_object *object)
+static void note_lost(void *ctx, const struct vor_object *object)
 {
     vor_aged_add(ctx, object->key, object->size, object->modified_ms);
 }
@@ -294,21 +317,21 @@ static void note_lost(void *ctx, const struct vor_s3_object *object)
 static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
                             struct vor_error *err)
 {
-    struct vor_s3 *s3 = ((struct bucket *)blobs)->s3;
+    struct vor_objects *objects = objects_of(blobs);
     struct vor_aged list = {0};
-    vor_status status = vor_s3_list(s3, LOST, note_lost, &list, err);
+    vor_status status = objects->kind->list(objects, LOST, note_lost, &list, err);
     uint64_t bytes = 0;
 
     if (status == VOR_OK && list.is_short)
         status = vor_fail(err, VOR_E_NOMEM, "the list of lost files");
     vor_aged_sort(&list);
     for (size_t i = 0; status == VOR_OK && i < list.count; i++) {
-        char key[VOR_S3_KEY_MAX + 1];
+        char key[VOR_OBJECT_KEY_MAX + 1];
 
         bytes += list.item[i].size;
-        (void)snprintf(key, sizeof key, LOST "%.*s", VOR_S3_KEY_MAX - 5, list.item[i].name);
+        (void)snprintf(key, sizeof key, LOST "%.*s", VOR_OBJECT_KEY_MAX - 5, list.item[i].name);
         if (list.item[i].since_ms < bounds->oldest_ms || bytes > bounds->bytes)
-            status = vor_s3_delete(s3, key, err);
+            status = objects->kind->remove(objects, key, err);
     }
     vor_aged_free(&list);
     return status;
@@ -319,7 +342,7 @@ struct listing {
     void *ctx;
 };
 
-static void list_one(void *ctx, const struct vor_s3_object *object)
+static void list_one(void *ctx, const struct vor_object *object)
 {
     const struct listing *listing = ctx;
     struct vor_uuid id;
@@ -335,12 +358,12 @@ static vor_status list(struct vor_blobs *blobs,
 {
     struct listing listing = {.each = each, .ctx = ctx};
 
-    return vor_s3_list(((struct bucket *)blobs)->s3, KEEP, list_one, &listing, err);
+    return objects_of(blobs)->kind->list(objects_of(blobs), KEEP, list_one, &listing, err);
 }
 
 static vor_status reach(struct vor_blobs *blobs, struct vor_error *err)
 {
-    return vor_s3_state(((struct bucket *)blobs)->s3, NULL, err);
+    return vor_objects_state(objects_of(blobs), NULL, err);
 }
 
 static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
@@ -360,23 +383,17 @@ static void discard(struct vor_blob_writer *writer)
     vor_blob_dir.discard(writer);
 }
 
-const struct vor_blob_driver vor_blob_s3 = {
-    .scheme = "s3",
-    .place = "https://HOST/BUCKET/PREFIX",
-    .open = open_blobs,
-    .close = close_blobs,
-    .space = space,
-    .create = create,
-    .reopen = reopen,
-    .commit = commit,
-    .discard = discard,
-    .get = get,
-    .bring = bring,
-    .is_near = is_near,
-    .reach = reach,
-    .link = link_to,
-    .drop = drop,
-    .set_aside = set_aside,
-    .trim_lost = trim_lost,
-    .list = list,
-};
+/* What both do alike. */
+#define REMOTE                                                                                     \
+    .close = close_blobs, .space = space, .create = create, .reopen = reopen, .commit = commit,    \
+    .discard = discard, .get = get, .bring = bring, .is_near = is_near, .reach = reach,            \
+    .drop = drop, .set_aside = set_aside, .trim_lost = trim_lost, .list = list
+
+const struct vor_blob_driver vor_blob_s3 = {.scheme = "s3",
+                                            .place = "https://HOST/BUCKET/PREFIX",
+                                            .open = open_s3,
+                                            .link = link_to,
+                                            REMOTE};
+
+const struct vor_blob_driver vor_blob_postgres = {
+    .scheme = "postgres", .place = "URI", .open = open_postgres, REMOTE};

@@ -1,4 +1,4 @@
-#include "server/blob/s3_drops.h"
+#include "server/blob/drops.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -9,16 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Between two looks at S3 while it is away, and how old its last answer may be while it is not. */
+/* Between two looks at what is away, and how old the last answer may be of what is not. */
 static const double look_seconds = 1, quiet_seconds = 10;
 
 struct drop {
     struct drop *next;
-    char key[VOR_S3_KEY_MAX + 1];
+    char key[VOR_OBJECT_KEY_MAX + 1];
 };
 
-struct vor_s3_drops {
-    struct vor_s3 *s3;
+struct vor_drops {
+    struct vor_objects *objects;
     pthread_t thread;
     pthread_mutex_t mutex;
     pthread_cond_t changed;
@@ -28,7 +28,7 @@ struct vor_s3_drops {
 };
 
 /* Deletes one; the mutex is held before and after. */
-static void delete_first(struct vor_s3_drops *drops)
+static void delete_first(struct vor_drops *drops)
 {
     struct drop *drop = drops->first;
     struct vor_error err;
@@ -39,7 +39,7 @@ static void delete_first(struct vor_s3_drops *drops)
         drops->end = &drops->first;
     drops->current = drop;
     pthread_mutex_unlock(&drops->mutex);
-    status = vor_s3_delete(drops->s3, drop->key, &err);
+    status = drops->objects->kind->remove(drops->objects, drop->key, &err);
     if (status != VOR_OK)
         vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("key", drop->key),
                 VOR_TEXT("error", err.message));
@@ -54,21 +54,22 @@ static void delete_first(struct vor_s3_drops *drops)
     pthread_cond_broadcast(&drops->changed);
 }
 
-/* Asks S3 whether it is there where nobody else has for a while, or it was not; the mutex is held
- * before and after. */
-static void probe(struct vor_s3_drops *drops)
+/* Asks whether they are there where nobody else has for a while, or they were not; the mutex is
+ * held before and after. */
+static void probe(struct vor_drops *drops)
 {
     double age;
 
     pthread_mutex_unlock(&drops->mutex);
-    if (vor_s3_state(drops->s3, &age, NULL) != VOR_OK || age > quiet_seconds)
-        (void)(vor_s3_probe(drops->s3, NULL) == VOR_OK); /* vor_s3_state tells */
+    if (vor_objects_state(drops->objects, &age, NULL) != VOR_OK || age > quiet_seconds)
+        (void)(drops->objects->kind->probe(drops->objects, NULL) ==
+               VOR_OK); /* vor_objects_state tells */
     pthread_mutex_lock(&drops->mutex);
 }
 
 static void *delete_all(void *ctx)
 {
-    struct vor_s3_drops *drops = ctx;
+    struct vor_drops *drops = ctx;
 
     pthread_mutex_lock(&drops->mutex);
     while (drops->first != NULL || !drops->is_closing)
@@ -80,18 +81,18 @@ static void *delete_all(void *ctx)
     return NULL;
 }
 
-vor_status vor_s3_drops_create(struct vor_s3_drops **out, struct vor_s3 *s3, struct vor_error *err)
+vor_status vor_drops_create(struct vor_drops **out, struct vor_objects *objects,
+                            struct vor_error *err)
 {
-    struct vor_s3_drops *drops = calloc(1, sizeof *drops);
+    struct vor_drops *drops = calloc(1, sizeof *drops);
 
     if (drops != NULL) {
-        drops->s3 = s3;
+        drops->objects = objects;
         drops->end = &drops->first;
         pthread_mutex_init(&drops->mutex, NULL);
         vor_clock_condition(&drops->changed);
     }
-    if (drops == NULL ||
-        vor_machine_thread(&drops->thread, "vor-s3-drops", delete_all, drops) != 0) {
+    if (drops == NULL || vor_machine_thread(&drops->thread, "vor-drops", delete_all, drops) != 0) {
         free(drops);
         return vor_fail(err, VOR_E_NOMEM, "a thread that deletes files");
     }
@@ -99,7 +100,7 @@ vor_status vor_s3_drops_create(struct vor_s3_drops **out, struct vor_s3 *s3, str
     return VOR_OK;
 }
 
-void vor_s3_drops_destroy(struct vor_s3_drops *drops)
+void vor_drops_destroy(struct vor_drops *drops)
 {
     if (drops == NULL)
         return;
@@ -113,7 +114,7 @@ void vor_s3_drops_destroy(struct vor_s3_drops *drops)
     free(drops);
 }
 
-vor_status vor_s3_drop(struct vor_s3_drops *drops, const char *key, struct vor_error *err)
+vor_status vor_drop(struct vor_drops *drops, const char *key, struct vor_error *err)
 {
     struct drop *drop = calloc(1, sizeof *drop);
 
@@ -128,7 +129,7 @@ vor_status vor_s3_drop(struct vor_s3_drops *drops, const char *key, struct vor_e
     return VOR_OK;
 }
 
-void vor_s3_keep(struct vor_s3_drops *drops, const char *key)
+void vor_drop_not(struct vor_drops *drops, const char *key)
 {
     pthread_mutex_lock(&drops->mutex);
     for (struct drop **at = &drops->first; *at != NULL;) {

@@ -1,0 +1,84 @@
+/** Objects with keys on another machine: a table of functions, one table for each kind of place.
+ *  The driver remote.h makes blobs of them.
+ *
+ *  Every function may be called from any thread and waits for the network. A request that fails for
+ *  a reason that may pass is sent again, up to VOR_OBJECTS_TRIES times in all, after pauses that
+ *  double from .1 s and are shortened at random. Failures are VOR_E_IO with the reason;
+ *  vor_error_storage_away and vor_error_storage_refused tell what kind they are.
+ *
+ *  Keys are made of letters, digits and "._/-". */
+#ifndef VOR_SERVER_BLOB_OBJECTS_H
+#define VOR_SERVER_BLOB_OBJECTS_H
+
+#include "server/blob/driver.h"
+
+#include <pthread.h>
+
+enum {
+    VOR_OBJECT_KEY_MAX = 128, /**< bytes of a key */
+    VOR_OBJECTS_TRIES = 6
+};
+
+/** The objects of a kind begin with this. */
+struct vor_objects {
+    const struct vor_objects_kind *kind;
+    pthread_mutex_t mutex;  /**< of what follows, and of the kind's idle connections */
+    struct vor_error state; /**< VOR_OK while they answer; else why they do not */
+    double answered;        /**< when they did last */
+};
+
+struct vor_object {
+    const char *key; /**< behind what was listed */
+    uint64_t size;
+    int64_t modified_ms; /**< since 1970 */
+};
+
+struct vor_objects_kind {
+    const char *scheme; /**< for the metrics */
+    /** Asks nobody. */
+    vor_status (*open)(struct vor_objects **out, const char *place, struct vor_error *err);
+    void (*close)(struct vor_objects *objects);
+    /** Puts the first size bytes of a file, whose digest is sha256, in place of what was there. */
+    vor_status (*put)(struct vor_objects *objects, const char *key, int fd, uint64_t size,
+                      const char *sha256, struct vor_error *err);
+    /** Writes the bytes of an object to an empty file; fd -1: it is only looked for. watch may be
+     *  NULL. */
+    vor_status (*get)(struct vor_objects *objects, const char *key, int fd,
+                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
+                      struct vor_error *err);
+    vor_status (*move)(struct vor_objects *objects, const char *from, const char *to,
+                       struct vor_error *err);
+    /** It is no error when there is none. */
+    vor_status (*remove)(struct vor_objects *objects, const char *key, struct vor_error *err);
+    /** Calls each for every object whose key begins so, in the order of keys. each may call these
+     *  functions. */
+    vor_status (*list)(struct vor_objects *objects, const char *begin,
+                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
+                       struct vor_error *err);
+    /** Asks whether they are there: once, and soon over. */
+    vor_status (*probe)(struct vor_objects *objects, struct vor_error *err);
+    /** As vor_blob_link, for the bucket at `base`; or NULL. */
+    vor_status (*link)(struct vor_objects *objects, const char *base, const char *key,
+                       const struct vor_blob_reading *reading, struct vor_text *out,
+                       struct vor_error *err);
+};
+
+void vor_objects_init(struct vor_objects *objects, const struct vor_objects_kind *kind);
+void vor_objects_destroy(struct vor_objects *objects);
+
+/** VOR_OK while they answer, as of the last request that can tell; else why they do not. Asks
+ *  nobody.
+ *
+ *  @param[out] age  seconds since the last answer; may be NULL */
+VOR_NODISCARD vor_status vor_objects_state(struct vor_objects *objects, double *age,
+                                           struct vor_error *err);
+
+/** For the kinds: notes how a request ended, which is what vor_objects_state tells. One that was
+ *  refused says nothing of others: a probe does. */
+void vor_objects_note(struct vor_objects *objects, const struct vor_error *failure, int is_probe);
+
+/** For the kinds: waits before a request is sent again, which is counted; attempt 0 failed first.
+ */
+void vor_objects_pause(int attempt);
+
+#endif

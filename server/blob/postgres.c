@@ -1,0 +1,518 @@
+#include "server/blob/postgres.h"
+
+#include "server/base/clock.h"
+#include "server/base/disk.h"
+#include "server/base/metrics.h"
+#include "server/base/postgres_library.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PIECE = 1 << 20, IDLE_MAX = 4, STATEMENT_SIZE = 1536, PAGE = 1000 };
+
+/* The characters of keys, none of which needs quoting. */
+#define PLAIN "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/-"
+
+#define NOW_MS "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
+
+static const char what[] = "the database of files";
+
+struct database {
+    struct vor_objects base;
+    const struct vor_pg *pg;
+    char *where;
+    PGconn *idle[IDLE_MAX];
+    int idles;
+};
+
+/* What is asked for, on a connection of its own. */
+struct call {
+    struct database *db;
+    PGconn *connection;
+    const char *verb; /* label of the metrics */
+    const char *key, *to;
+    int fd;
+    uint64_t size;
+    const char *sha256;
+    const struct vor_blob_watch *watch;
+    int found, is_probe;
+    int64_t object;
+    PGresult *result; /* of the last question */
+};
+
+static void clear(struct call *call)
+{
+    call->db->pg->clear(call->result);
+    call->result = NULL;
+}
+
+/* Tells of a failed statement whether it may succeed a little later, and whether we are refused. */
+static vor_status fail(struct call *call, struct vor_error *err)
+{
+    /* No connection; a standby; a deadlock; no memory or connection; locks; it shuts down. And
+     * another one put the same key. */
+    static const char passing[] = "08 25 40 53 55 57";
+    const struct vor_pg *pg = call->db->pg;
+    const char *code = call->result != NULL ? pg->resultErrorField(call->result, 'C') : NULL;
+    char class[3] = "";
+
+    (void)vor_pg_fail_result(what, call->connection, call->result, err);
+    (void)snprintf(class, sizeof class, "%s", code != NULL ? code : "");
+    if (err->got == ENOSPC)
+        return VOR_E_IO;
+    if (code == NULL || pg->status(call->connection) != VOR_PG_OK ||
+        strstr(passing, class) != NULL || strcmp(code, "23505") == 0)
+        err->got = EAGAIN;
+    else if (strcmp(class, "42") == 0)
+        err->got = EKEYREJECTED;
+    return VOR_E_IO;
+}
+
+/* Runs a statement of numbers and keys; the result is in binary, with numbers as text. $1 is bytes,
+ * where there are any. */
+VOR_PRINTF(5, 6)
+static vor_status ask(struct call *call, const void *bytes, size_t size, struct vor_error *err,
+                      const char *format, ...)
+{
+    const unsigned type[] = {VOR_PG_BYTEA};
+    const char *value[] = {bytes};
+    const int length[] = {(int)size}, is_binary[] = {1};
+    const struct vor_pg *pg = call->db->pg;
+    char sql[STATEMENT_SIZE];
+    va_list args;
+    int code;
+
+    va_start(args, format);
+    code = vsnprintf(sql, sizeof sql, format, args);
+    va_end(args);
+    assert(code > 0 && (size_t)code < sizeof sql);
+    clear(call);
+    call->result =
+        pg->execParams(call->connection, sql, bytes != NULL, type, value, length, is_binary, 1);
+    code = pg->resultStatus(call->result);
+    return code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK ? VOR_OK : fail(call, err);
+}
+
+/* --- connections ------------------------------------------------------------------------------ */
+
+static PGconn *take_connection(struct database *db, struct vor_error *err)
+{
+    PGconn *connection = NULL;
+
+    pthread_mutex_lock(&db->base.mutex);
+    if (db->idles > 0)
+        connection = db->idle[--db->idles];
+    pthread_mutex_unlock(&db->base.mutex);
+    if (connection != NULL)
+        return connection;
+    connection = vor_pg_connect(db->where, what, err);
+    if (connection == NULL && err->status == VOR_E_IO)
+        err->got = EAGAIN;
+    return connection;
+}
+
+/* One on which something failed goes, and so does the transaction that it was in. */
+static void give_connection(struct database *db, PGconn *connection, vor_status status)
+{
+    pthread_mutex_lock(&db->base.mutex);
+    if (status == VOR_OK && db->idles < IDLE_MAX) {
+        db->idle[db->idles++] = connection;
+        connection = NULL;
+    }
+    pthread_mutex_unlock(&db->base.mutex);
+    if (connection != NULL)
+        db->pg->finish(connection);
+}
+
+static vor_status try_once(struct call *call,
+                           vor_status (*once)(struct call *call, struct vor_error *err),
+                           struct vor_error *err)
+{
+    double began = vor_clock_seconds();
+    vor_status status;
+
+    call->connection = take_connection(call->db, err);
+    if (call->connection == NULL)
+        return err->status;
+    status = once(call, err);
+    give_connection(call->db, call->connection, status);
+    vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - began,
+                       VOR_LABELS("postgres", call->verb));
+    return status;
+}
+
+/* Does it as often as it may succeed. The result stays, for the caller to clear. */
+static vor_status perform(struct call *call,
+                          vor_status (*once)(struct call *call, struct vor_error *err),
+                          struct vor_error *err)
+{
+    int tries = call->is_probe ? 1 : VOR_OBJECTS_TRIES;
+    struct vor_error failure = {.status = VOR_OK};
+    vor_status status = VOR_E_IO;
+
+    for (int i = 0; i < tries; i++) {
+        if (i > 0)
+            vor_objects_pause(i - 1);
+        failure = (struct vor_error){.status = VOR_OK};
+        status = try_once(call, once, &failure);
+        if (status == VOR_OK || !vor_error_storage_away(&failure))
+            break;
+    }
+    if (status == VOR_OK || status == VOR_E_IO)
+        vor_objects_note(&call->db->base, &failure, call->is_probe);
+    if (status != VOR_OK && err != NULL)
+        *err = failure;
+    return status;
+}
+
+static struct database *of(struct vor_objects *objects)
+{
+    return (struct database *)objects;
+}
+
+/* --- writing ---------------------------------------------------------------------------------- */
+
+static int64_t number_at(const struct call *call, int column)
+{
+    return strtoll(call->db->pg->getvalue(call->result, 0, column), NULL, 10);
+}
+
+static void digest_piece(const void *bytes, size_t size, char out[VOR_DIGEST_SIZE])
+{
+    char etag[VOR_ETAG_SIZE];
+
+    vor_digest_etag(bytes, size, etag);
+    (void)snprintf(out, VOR_DIGEST_SIZE, "%.64s", etag + 1);
+}
+
+/* Sends the pieces of a file; buffer has room for one. */
+static vor_status put_pieces(struct call *call, char *buffer, struct vor_digest *whole,
+                             struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+    char sha256[VOR_DIGEST_SIZE];
+    size_t have = 0;
+
+    for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
+        size_t want = call->size - at < PIECE ? (size_t)(call->size - at) : PIECE;
+        ssize_t got;
+
+        for (have = 0; have < want; have += (size_t)got) {
+            do
+                got = pread(call->fd, buffer + have, want - have, (off_t)(at + have));
+            while (got < 0 && errno == EINTR);
+            if (got <= 0)
+                return vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
+        }
+        vor_digest_update(whole, buffer, have);
+        digest_piece(buffer, have, sha256);
+        status = ask(call, buffer, have, err,
+                     "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64 ", '%s', $1)",
+                     call->object, at / PIECE, sha256);
+    }
+    vor_digest_hex(whole, sha256);
+    return status == VOR_OK && strcmp(sha256, call->sha256) != 0
+               ? vor_fail(err, VOR_E_DAMAGED,
+                          "a temporary file does not contain what was written to it")
+               : status;
+}
+
+/* The server ends the transaction of a daemon that has hung for 10 s: others would wait for it. */
+static vor_status put_once(struct call *call, struct vor_error *err)
+{
+    struct vor_digest *whole = vor_digest_create();
+    char *buffer = malloc(PIECE);
+    vor_status status = VOR_OK;
+
+    if (whole == NULL || buffer == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "a part of a file");
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "BEGIN");
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "SET LOCAL idle_in_transaction_session_timeout = 10000");
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err,
+                     "INSERT INTO voronoid_file (size) VALUES (%" PRIu64 ") RETURNING object::text",
+                     call->size);
+    if (status == VOR_OK) {
+        call->object = number_at(call, 0);
+        status = put_pieces(call, buffer, whole, err);
+    }
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key);
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err,
+                     "UPDATE voronoid_file SET key = '%s', modified = " NOW_MS
+                     " WHERE object = %" PRId64,
+                     call->key, call->object);
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "COMMIT");
+    vor_digest_destroy(whole);
+    free(buffer);
+    return status;
+}
+
+static vor_status put(struct vor_objects *objects, const char *key, int fd, uint64_t size,
+                      const char *sha256, struct vor_error *err)
+{
+    struct call call = {
+        .db = of(objects), .verb = "put", .key = key, .fd = fd, .size = size, .sha256 = sha256};
+    vor_status status = perform(&call, put_once, err);
+
+    clear(&call);
+    return status;
+}
+
+static vor_status move_once(struct call *call, struct vor_error *err)
+{
+    vor_status status = ask(call, NULL, 0, err, "BEGIN");
+
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->to);
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err,
+                     "UPDATE voronoid_file SET key = '%s', modified = " NOW_MS " WHERE key = '%s'",
+                     call->to, call->key);
+    return status == VOR_OK ? ask(call, NULL, 0, err, "COMMIT") : status;
+}
+
+static vor_status move(struct vor_objects *objects, const char *from, const char *to,
+                       struct vor_error *err)
+{
+    struct call call = {.db = of(objects), .verb = "move", .key = from, .to = to};
+    vor_status status = perform(&call, move_once, err);
+
+    clear(&call);
+    return status;
+}
+
+static vor_status remove_once(struct call *call, struct vor_error *err)
+{
+    return ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key);
+}
+
+static vor_status remove_one(struct vor_objects *objects, const char *key, struct vor_error *err)
+{
+    struct call call = {.db = of(objects), .verb = "delete", .key = key};
+    vor_status status = perform(&call, remove_once, err);
+
+    clear(&call);
+    return status;
+}
+
+/* --- reading ---------------------------------------------------------------------------------- */
+
+static vor_status write_all(int fd, const char *bytes, size_t size, struct vor_error *err)
+{
+    for (size_t done = 0; done < size;) {
+        ssize_t wrote = write(fd, bytes + done, size - done);
+
+        if (wrote < 0 && errno != EINTR)
+            return vor_fail_errno(err, errno, "a temporary file");
+        done += wrote > 0 ? (size_t)wrote : 0;
+    }
+    return VOR_OK;
+}
+
+static vor_status get_piece(struct call *call, uint64_t at, size_t *size, struct vor_error *err)
+{
+    const struct vor_pg *pg = call->db->pg;
+    char sha256[VOR_DIGEST_SIZE];
+    const char *bytes;
+    vor_status status = ask(call, NULL, 0, err,
+                            "SELECT sha256, data FROM voronoid_piece WHERE object = %" PRId64
+                            " AND number = %" PRIu64,
+                            call->object, at / PIECE);
+
+    if (status != VOR_OK)
+        return status;
+    if (pg->ntuples(call->result) == 0) {
+        (void)vor_fail(err, VOR_E_IO, "%s: a file was replaced while it was read", what);
+        err->got = EAGAIN;
+        return VOR_E_IO;
+    }
+    bytes = pg->getvalue(call->result, 0, 1);
+    *size = (size_t)pg->getlength(call->result, 0, 1);
+    digest_piece(bytes, *size, sha256);
+    if (strcmp(sha256, pg->getvalue(call->result, 0, 0)) != 0 ||
+        *size != (call->size - at < PIECE ? call->size - at : PIECE))
+        return vor_fail(err, VOR_E_DAMAGED,
+                        "the stored file %s is damaged: the SHA-256 of a piece is not the one that "
+                        "was recorded when it was written",
+                        call->key);
+    return write_all(call->fd, bytes, *size, err);
+}
+
+static vor_status get_once(struct call *call, struct vor_error *err)
+{
+    vor_status status =
+        ask(call, NULL, 0, err,
+            "SELECT object::text, size::text FROM voronoid_file WHERE key = '%s'", call->key);
+    size_t have = 0;
+
+    if (status != VOR_OK)
+        return status;
+    call->found = call->db->pg->ntuples(call->result) > 0;
+    if (!call->found)
+        return VOR_OK;
+    call->object = number_at(call, 0);
+    call->size = (uint64_t)number_at(call, 1);
+    if (call->fd < 0)
+        return VOR_OK;
+    /* What an attempt has written is no part of the next one. */
+    if (ftruncate(call->fd, 0) != 0 || lseek(call->fd, 0, SEEK_SET) != 0)
+        return vor_fail_errno(err, errno, "a temporary file");
+    for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
+        status = get_piece(call, at, &have, err);
+        if (status == VOR_OK && call->watch != NULL)
+            call->watch->came(call->watch->ctx, call->fd, at + have);
+    }
+    return status;
+}
+
+static vor_status get(struct vor_objects *objects, const char *key, int fd,
+                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
+                      struct vor_error *err)
+{
+    struct call call = {
+        .db = of(objects), .verb = fd >= 0 ? "get" : "head", .key = key, .fd = fd, .watch = watch};
+    vor_status status = perform(&call, get_once, err);
+
+    clear(&call);
+    *found = call.found;
+    *size = status == VOR_OK && call.found ? call.size : 0;
+    return status;
+}
+
+/* A page of keys behind call->key that begin with call->to; '~' is behind all that they have. */
+static vor_status list_once(struct call *call, struct vor_error *err)
+{
+    return ask(call, NULL, 0, err,
+               "SELECT key, size::text, modified::text FROM voronoid_file WHERE key > '%s'"
+               " AND key < '%s~' ORDER BY key LIMIT %d",
+               call->key, call->to, PAGE);
+}
+
+static vor_status list(struct vor_objects *objects, const char *begin,
+                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
+                       struct vor_error *err)
+{
+    char last[VOR_OBJECT_KEY_MAX + 1];
+    struct call call = {.db = of(objects), .verb = "list", .key = last, .to = begin};
+    const struct vor_pg *pg = call.db->pg;
+    vor_status status = VOR_OK;
+    int rows = PAGE;
+
+    (void)snprintf(last, sizeof last, "%s", begin);
+    while (status == VOR_OK && rows == PAGE) {
+        status = perform(&call, list_once, err);
+        rows = status == VOR_OK ? pg->ntuples(call.result) : 0;
+        for (int i = 0; i < rows; i++) {
+            const char *key = pg->getvalue(call.result, i, 0);
+            struct vor_object object = {.key = key + strlen(begin),
+                                        .size = strtoull(pg->getvalue(call.result, i, 1), NULL, 10),
+                                        .modified_ms =
+                                            strtoll(pg->getvalue(call.result, i, 2), NULL, 10)};
+
+            (void)snprintf(last, sizeof last, "%s", key);
+            each(ctx, &object);
+        }
+    }
+    clear(&call);
+    return status;
+}
+
+static vor_status probe_once(struct call *call, struct vor_error *err)
+{
+    return ask(call, NULL, 0, err, "SELECT 1 FROM voronoid_file LIMIT 1");
+}
+
+static vor_status probe(struct vor_objects *objects, struct vor_error *err)
+{
+    struct call call = {.db = of(objects), .verb = "probe", .is_probe = 1};
+    vor_status status = perform(&call, probe_once, err);
+
+    clear(&call);
+    return status;
+}
+
+/* --- opening ---------------------------------------------------------------------------------- */
+
+/* Of many daemons that begin at once, one makes the tables. The bytes are not compressed: most of
+ * them cannot be, and compression takes longer than all the rest. */
+static vor_status prepare(struct call *call, struct vor_error *err)
+{
+    enum { VERSION = 1 };
+    vor_status status = ask(
+        call, NULL, 0, err, "%s",
+        "DO $$ BEGIN PERFORM pg_advisory_xact_lock(1987015281, hashtext(current_schema()));"
+        " IF to_regclass('voronoid_file_schema') IS NULL THEN"
+        " CREATE TABLE voronoid_file_schema AS SELECT 1::bigint AS version;"
+        " CREATE TABLE voronoid_file (object bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,"
+        "  key text COLLATE \"C\" UNIQUE CHECK (key ~ '^[A-Za-z0-9._/-]{1,128}$'),"
+        "  size bigint NOT NULL, modified bigint NOT NULL DEFAULT 0);"
+        " CREATE TABLE voronoid_piece (object bigint REFERENCES voronoid_file ON DELETE CASCADE,"
+        "  number bigint, sha256 text NOT NULL, data bytea NOT NULL, PRIMARY KEY (object, number));"
+        " ALTER TABLE voronoid_piece ALTER data SET STORAGE EXTERNAL;"
+        " END IF; END $$");
+    if (status == VOR_OK)
+        status = ask(call, NULL, 0, err, "SELECT version::text FROM voronoid_file_schema");
+    if (status == VOR_OK && number_at(call, 0) != VERSION)
+        return vor_fail(err, VOR_E_IO,
+                        "%s has schema %" PRId64 ", this version reads %d: start the version that "
+                        "wrote it, or choose another schema or database",
+                        what, number_at(call, 0), VERSION);
+    return status;
+}
+
+static void close_database(struct vor_objects *objects)
+{
+    struct database *db = of(objects);
+
+    for (int i = 0; i < db->idles; i++)
+        db->pg->finish(db->idle[i]);
+    vor_objects_destroy(&db->base);
+    free(db->where);
+    free(db);
+}
+
+static vor_status open_database(struct vor_objects **out, const char *place, struct vor_error *err)
+{
+    struct database *db = calloc(1, sizeof *db);
+    struct call call = {.db = db, .verb = "probe", .is_probe = 1};
+    vor_status status;
+
+    if (db == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%s", what);
+    vor_objects_init(&db->base, &vor_postgres_objects);
+    db->where = vor_pg_where(place);
+    status = db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "%s", what);
+    if (status == VOR_OK) {
+        status = perform(&call, prepare, err);
+        clear(&call);
+    }
+    if (status != VOR_OK) {
+        close_database(&db->base);
+        return status;
+    }
+    *out = &db->base;
+    return VOR_OK;
+}
+
+const struct vor_objects_kind vor_postgres_objects = {
+    .scheme = "postgres",
+    .open = open_database,
+    .close = close_database,
+    .put = put,
+    .get = get,
+    .move = move,
+    .remove = remove_one,
+    .list = list,
+    .probe = probe,
+};

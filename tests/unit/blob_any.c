@@ -1,0 +1,215 @@
+/* What every driver of blobs does: that of $VT_BLOBS, by its scheme, or the folder. */
+#include "server/blob/blob.h"
+#include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static struct vor_uuid fresh_id(void)
+{
+    struct vor_uuid id;
+
+    vt_assert_ok(vor_uuid_make(&id, &vt_err));
+    return id;
+}
+
+/* The bytes of a blob as text, "" when there is none. */
+static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+{
+    static char text[256];
+    uint64_t size;
+    int fd, found;
+
+    text[0] = '\0';
+    vt_assert_ok(vor_blob_get(blobs, id, name, &fd, &size, &found, &vt_err));
+    if (!found) {
+        ck_assert_int_eq(fd, -1);
+        return text;
+    }
+    ck_assert_uint_lt(size, sizeof text);
+    ck_assert_int_eq(read(fd, text, sizeof text), (ssize_t)size);
+    text[size] = '\0';
+    close(fd);
+    return text;
+}
+
+static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                       const char *text)
+{
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
+}
+
+VT_TEST(a_committed_blob_comes_back_byte_for_byte)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = fresh_id();
+
+    store_text(blobs, &id, "input", "the input");
+    store_text(blobs, &id, "cloud", "the cloud");
+    ck_assert_str_eq(content(blobs, &id, "input"), "the input");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "the cloud");
+    store_text(blobs, &id, "cloud", "a newer one");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
+    store_text(blobs, &id, "a-name_of-24-bytes-is-ok", "another one");
+    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
+    vor_blobs_close(blobs);
+
+    blobs = vt_dir_blobs(dir); /* and after a restart */
+    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
+    vor_blobs_close(blobs);
+}
+
+VT_TEST(a_writer_knows_size_and_digest_as_it_goes)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_writer *writer = vt_upload(blobs, "a", 1);
+    struct vor_sink sink = vor_blob_sink(writer);
+    char hex[VOR_DIGEST_SIZE], text[4] = "";
+
+    ck_assert_int_eq(sink.write(sink.ctx, "bc", 2), 0);
+    ck_assert_uint_eq(vor_blob_size(writer), 3);
+    vor_blob_sha256(writer, hex);
+    ck_assert_str_eq(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    ck_assert_int_eq(pread(vor_blob_fd(writer), text, 3, 0), 3);
+    ck_assert_str_eq(text, "abc");
+    vor_blob_discard(writer);
+    vor_blobs_close(blobs);
+}
+
+VT_TEST(an_open_blob_stays_readable_after_it_was_dropped)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = fresh_id();
+    uint64_t size;
+    int fd, found;
+    char text[4] = "";
+
+    store_text(blobs, &id, "cloud", "abc");
+    vt_assert_ok(vor_blob_get(blobs, &id, "cloud", &fd, &size, &found, &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
+    vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
+    ck_assert_int_eq(read(fd, text, 3), 3);
+    ck_assert_str_eq(text, "abc");
+    close(fd);
+    vor_blobs_close(blobs);
+    blobs = vt_dir_blobs(dir); /* another machine's may go a little later, but not after that */
+    ck_assert_str_eq(content(blobs, &id, "cloud"), "");
+    vor_blobs_close(blobs);
+}
+
+struct crash {
+    const char *dir;
+    struct vor_uuid id;
+};
+
+static void die_behind(void *ctx)
+{
+    struct crash *crash = ctx;
+
+    store_text(vt_dir_blobs(crash->dir), &crash->id, "input", "all of it");
+    raise(SIGKILL);
+}
+
+VT_TEST(what_was_committed_outlives_a_kill)
+{
+    struct crash crash = {.dir = vt_dir_make(), .id = fresh_id()};
+    struct vor_blobs *blobs;
+
+    vt_killed(die_behind, &crash);
+    blobs = vt_dir_blobs(crash.dir);
+    ck_assert_str_eq(content(blobs, &crash.id, "input"), "all of it");
+    vor_blobs_close(blobs);
+}
+
+struct listed {
+    char names[4][80];
+    int count;
+};
+
+static void note(void *ctx, const struct vor_uuid *id, const char *name)
+{
+    struct listed *listed = ctx;
+
+    ck_assert_int_lt(listed->count, 4);
+    (void)snprintf(listed->names[listed->count++], sizeof listed->names[0], "%s %s", id->text,
+                   name);
+}
+
+static int is_listed(const struct listed *listed, const struct vor_uuid *id, const char *name)
+{
+    char want[80];
+    int times = 0;
+
+    (void)snprintf(want, sizeof want, "%s %s", id->text, name);
+    for (int i = 0; i < listed->count; i++)
+        times += strcmp(listed->names[i], want) == 0;
+    return times == 1;
+}
+
+VT_TEST(a_list_has_every_blob_but_what_was_set_aside)
+{
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid one = fresh_id(), other = fresh_id();
+    const struct vor_lost_bounds none = {.oldest_ms = INT64_MAX};
+    struct listed listed = {.count = 0};
+
+    store_text(blobs, &one, "input", "a");
+    store_text(blobs, &one, "cloud", "b");
+    store_text(blobs, &other, "report-2", "c");
+    store_text(blobs, &other, "cloud", "d");
+    vor_blob_discard(vt_upload(blobs, "e", 1));
+    vt_assert_ok(vor_blob_set_aside(blobs, &other, "cloud", &vt_err));
+    ck_assert_str_eq(content(blobs, &other, "cloud"), "");
+    vt_assert_ok(vor_blobs_trim_lost(blobs, &none, &vt_err));
+    vt_assert_ok(vor_blobs_list(blobs, note, &listed, &vt_err));
+    ck_assert_int_eq(listed.count, 3);
+    ck_assert(is_listed(&listed, &one, "input"));
+    ck_assert(is_listed(&listed, &one, "cloud"));
+    ck_assert(is_listed(&listed, &other, "report-2"));
+    vor_blobs_close(blobs);
+}
+
+/* Sizes around those of a piece, which the next opener has to read from where they are kept. */
+VT_TEST(large_blobs_come_back_and_can_be_the_beginning_of_others)
+{
+    enum { PIECE = 1 << 20 };
+    static const size_t sizes[] = {0, PIECE - 1, PIECE, 2 * PIECE + 1};
+    static uint8_t bytes[2 * PIECE + 1], back[sizeof bytes];
+    const char *dir = vt_dir_make();
+    struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_blob_source source = {.id = fresh_id(), .name = "cloud"};
+    struct vor_blob_writer *writer;
+    struct vor_uuid id = fresh_id();
+    uint64_t size;
+    int fd, found;
+
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = (uint8_t)(i * 31 + i / 251);
+    for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
+        writer = vt_upload(blobs, bytes, sizes[i]);
+        vor_blob_sha256(writer, source.sha256);
+        vt_assert_ok(vor_blob_commit(writer, &source.id, "cloud", &vt_err));
+        vor_blobs_close(blobs);
+        blobs = vt_dir_blobs(dir);
+        vt_assert_ok(vor_blob_reopen(blobs, &source, &writer, &found, &vt_err));
+        ck_assert(found);
+        vt_assert_ok(vor_blob_recheck(writer, &vt_err));
+        vt_assert_ok(vor_blob_commit(writer, &id, "input", &vt_err));
+        vor_blobs_close(blobs);
+        blobs = vt_dir_blobs(dir);
+        vt_assert_ok(vor_blob_get(blobs, &id, "input", &fd, &size, &found, &vt_err));
+        ck_assert_uint_eq(size, sizes[i]);
+        ck_assert_int_eq(pread(fd, back, sizeof back, 0), (ssize_t)sizes[i]);
+        ck_assert_mem_eq(back, bytes, sizes[i]);
+        close(fd);
+    }
+    vor_blobs_close(blobs);
+}
