@@ -241,8 +241,8 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
     const struct vor_http_options options = {
-        .host = config->host,
-        .port = config->port,
+        .host = config->endpoint.host,
+        .port = config->endpoint.port,
         .path = config->endpoint.path,
         .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
         .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
@@ -375,15 +375,6 @@ static void *drain(void *ctx)
     return NULL;
 }
 
-static void reload_keys(const struct daemon *daemon)
-{
-    struct vor_error err;
-
-    if (vor_keys_reload(daemon->app.keys, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "the keys cannot be read; the previous ones stay valid",
-                VOR_TEXT("error", err.message));
-}
-
 /* Waits for a signal as sigwait does, and meanwhile tells systemd's watchdog that the daemon lives.
  */
 static int wait_watched(const struct daemon *daemon, int *number)
@@ -454,7 +445,9 @@ static void reload(struct daemon *daemon)
     vor_log_set_level((enum vor_log_level)fresh->number[VOR_SET_LOG_LEVEL]);
     vor_log(VOR_LOG_INFO, "settings reloaded");
     free(fresh);
-    reload_keys(daemon);
+    if (vor_keys_reload(daemon->app.keys, &err) != VOR_OK)
+        vor_log(VOR_LOG_ERROR, "the keys cannot be read; the previous ones stay valid",
+                VOR_TEXT("error", err.message));
 }
 
 /* The signal that ends the daemon. */
@@ -473,17 +466,6 @@ static int wait_end(struct daemon *daemon)
     }
 }
 
-/* SIGHUP and SIGCHLD while the daemon drains change nothing any more. */
-static int wait_drained(struct daemon *daemon)
-{
-    int number;
-
-    do
-        number = wait_signal(daemon);
-    while (number == SIGHUP || number == SIGCHLD);
-    return number;
-}
-
 static int run(struct daemon *daemon)
 {
     int number = wait_end(daemon), died = number == SIGCHLD;
@@ -494,7 +476,9 @@ static int run(struct daemon *daemon)
     vor_log(VOR_LOG_INFO, "draining", VOR_TEXT("signal", signal_word(number)));
     if (vor_machine_thread(&daemon->drainer, "vor-drain", drain, daemon) != 0)
         _exit(VOR_EXIT_FAILED);
-    number = wait_drained(daemon);
+    do /* SIGHUP and SIGCHLD change nothing any more */
+        number = wait_signal(daemon);
+    while (number == SIGHUP || number == SIGCHLD);
     if (number != SIGUSR2) {
         /* Running jobs are still in the store as such; the next start takes them up again. */
         vor_log(VOR_LOG_WARN, "stopped at once", VOR_COUNT("signal", number));

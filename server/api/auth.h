@@ -3,7 +3,7 @@
 #define VOR_SERVER_API_AUTH_H
 
 #include "server/api/app.h"
-#include "server/base/fairness_key.h"
+#include "server/base/address.h"
 
 /** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
  *  owner of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; the holder of a ticket to

@@ -29,7 +29,7 @@ static bool host_is_ours(const struct vor_config *config, const char *host)
     const char *authority = strstr(config->text[VOR_SET_PUBLIC_URL], "://");
 
     if (names_equal(host, length, "localhost") || names_equal(host, length, "127.0.0.1") ||
-        names_equal(host, length, "[::1]") || names_equal(host, length, config->host) ||
+        names_equal(host, length, "[::1]") || names_equal(host, length, config->endpoint.host) ||
         list_has_name(config->text[VOR_SET_ALLOWED_HOSTS], host, length))
         return true;
     if (authority == NULL)
@@ -48,7 +48,7 @@ const char *vor_host_refused(const struct vor_app *app, const struct vor_request
     const char *host = vor_request_header(request, "Host");
     bool listed = config->text[VOR_SET_ALLOWED_HOSTS][0] != '\0';
 
-    if (!config->loopback && !listed)
+    if (!config->endpoint.loopback && !listed)
         return NULL;
     if (via->host[0] != '\0') {
         if (!listed && config->text[VOR_SET_PUBLIC_URL][0] == '\0')

@@ -199,19 +199,6 @@ static void read_arguments(struct reading *reading, int argc, char **argv)
     }
 }
 
-static vor_status split_listen(struct vor_config *config, struct vor_error *err)
-{
-    vor_status status =
-        vor_endpoint_parse(&config->endpoint, "listen", config->text[VOR_SET_LISTEN], err);
-
-    if (status != VOR_OK)
-        return status;
-    memcpy(config->host, config->endpoint.host, sizeof config->host);
-    config->port = config->endpoint.port;
-    config->loopback = config->endpoint.loopback;
-    return VOR_OK;
-}
-
 /* The metrics are for the operator: beyond this machine only when that is asked for. */
 static vor_status split_admin(struct vor_config *config, struct vor_error *err)
 {
@@ -320,7 +307,7 @@ static vor_status check_hosts(struct vor_config *config, struct vor_error *err)
  * none. A proxy calls from this machine as well, so behind one nobody is told apart by address. */
 static enum vor_setting widened_by(const struct vor_config *config)
 {
-    if (!config->loopback)
+    if (!config->endpoint.loopback)
         return VOR_SET_LISTEN;
     if (config->trusted.count > 0)
         return VOR_SET_TRUSTED_PROXY;
@@ -421,33 +408,16 @@ static void blame(struct reading *reading, struct vor_error *why)
     note(reading, why);
 }
 
-/* What values mean, and whether they go together. Who may call cannot be said while --listen or
- * --trusted-proxy is at fault: that check comes last. */
-static void work_out(struct reading *reading, char *(*get)(const char *))
-{
-    static vor_status (*const checks[])(struct vor_config * config, struct vor_error * err) = {
-        split_listen, split_admin,   check_urls, check_origins,
-        check_hosts,  read_networks, check_role,
-    };
-    struct vor_config *config = reading->config;
-    size_t before = config->faults_size;
-    struct vor_error why;
-
-    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++)
-        if (checks[i](config, &why) != VOR_OK)
-            blame(reading, &why);
-    if (config->faults_size == before && check_callers(config, &why) != VOR_OK)
-        blame(reading, &why);
-    if (find_places(config, get, &why) != VOR_OK)
-        blame(reading, &why);
-}
-
 vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                            char *(*getenv)(const char *name), struct vor_error *err)
 {
+    static vor_status (*const checks[])(struct vor_config * config, struct vor_error * err) = {
+        split_admin, check_urls, check_origins, check_hosts, read_networks, check_role,
+    };
     struct reading reading = {.config = out, .first = {.status = VOR_OK}};
     const struct vor_config_lines lines = {take_setting, note, &reading};
     struct vor_error why;
+    size_t before;
 
     memset(out, 0, sizeof *out);
     /* What holds where nothing is given, or what is given is refused. */
@@ -460,7 +430,18 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
             note(&reading, &why);
     if (vor_config_file_read(config_place(out), out->given[VOR_SET_CONFIG], &lines, &why) != VOR_OK)
         note(&reading, &why);
-    work_out(&reading, getenv);
+    /* What values mean, and whether they go together. Who may call cannot be said while --listen or
+     * --trusted-proxy is at fault: that check comes last. */
+    before = out->faults_size;
+    if (vor_endpoint_parse(&out->endpoint, "listen", out->text[VOR_SET_LISTEN], &why) != VOR_OK)
+        blame(&reading, &why);
+    for (size_t i = 0; i < sizeof checks / sizeof checks[0]; i++)
+        if (checks[i](out, &why) != VOR_OK)
+            blame(&reading, &why);
+    if (out->faults_size == before && check_callers(out, &why) != VOR_OK)
+        blame(&reading, &why);
+    if (find_places(out, getenv, &why) != VOR_OK)
+        blame(&reading, &why);
     if (reading.first.status != VOR_OK && err != NULL)
         *err = reading.first;
     return reading.first.status;

@@ -178,11 +178,8 @@ enum vor_role { VOR_ROLE_ALL, VOR_ROLE_API, VOR_ROLE_WORKER };
 struct vor_config {
     double number[VOR_SETTING_COUNT];
     char text[VOR_SETTING_COUNT][VOR_CONFIG_TEXT_MAX];
-    int given[VOR_SETTING_COUNT];     /**< by flag, environment or file */
-    unsigned line[VOR_SETTING_COUNT]; /**< of the file of settings; 0 for elsewhere */
-    char host[256];                   /**< of LISTEN, without brackets */
-    unsigned port;
-    int loopback;                        /**< host is this machine only */
+    int given[VOR_SETTING_COUNT];        /**< by flag, environment or file */
+    unsigned line[VOR_SETTING_COUNT];    /**< of the file of settings; 0 for elsewhere */
     struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
     struct vor_networks trusted;         /**< of TRUSTED_PROXY */
     char faults[VOR_CONFIG_FAULTS_SIZE]; /**< every message, each with a NUL, as many as fit */

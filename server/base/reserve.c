@@ -146,3 +146,9 @@ vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
         return VOR_OK;
     return fail_missing(reserve, ENOSPC, err);
 }
+
+int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
+                          const struct vor_error *err)
+{
+    return status != VOR_OK && vor_error_storage_full(err) && vor_reserve_spend(reserve);
+}

@@ -35,6 +35,10 @@ VOR_NODISCARD vor_status vor_reserve_make(struct vor_reserve *reserve, struct vo
 /** Gives the room up. True when there was any. reserve may be NULL. */
 int vor_reserve_spend(struct vor_reserve *reserve);
 
+/** True when something failed because the disk is full, and there is room for another try now. */
+int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
+                          const struct vor_error *err);
+
 /** @retval VOR_E_IO as vor_reserve_make, without trying: for HTTP threads. reserve may be NULL */
 VOR_NODISCARD vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err);
 

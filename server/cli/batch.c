@@ -229,37 +229,30 @@ static vor_status check_overwrites(struct batch *batch, struct vor_error *err)
     return VOR_OK;
 }
 
-static int run_all(struct batch *batch)
-{
-    const struct vor_cli *cli = batch->cli;
-    struct vor_error err;
-    vor_status status = name_results(batch->results, cli, &err);
-
-    if (status == VOR_OK)
-        status = check_names(batch->results, cli->operand_count, &err);
-    if (status == VOR_OK)
-        status = check_overwrites(batch, &err);
-    if (status == VOR_OK)
-        status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
-    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&
-        cli->option[VOR_OPTION_SERVER] == NULL)
-        status = vor_sequence_common(&batch->common, cli, &err);
-    return status == VOR_OK ? each(cli, run_one, batch) : vor_cli_fail(cli->command->name, &err);
-}
-
 int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli))
 {
     struct batch batch = {.cli = cli,
                           .results = calloc((size_t)cli->operand_count, sizeof *batch.results),
                           .run = run};
     struct vor_error err;
+    vor_status status;
     int code;
 
     if (batch.results == NULL) {
         (void)vor_fail(&err, VOR_E_NOMEM, "%d results", cli->operand_count);
         return vor_cli_fail(cli->command->name, &err);
     }
-    code = run_all(&batch);
+    status = name_results(batch.results, cli, &err);
+    if (status == VOR_OK)
+        status = check_names(batch.results, cli->operand_count, &err);
+    if (status == VOR_OK)
+        status = check_overwrites(&batch, &err);
+    if (status == VOR_OK)
+        status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
+    if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&
+        cli->option[VOR_OPTION_SERVER] == NULL)
+        status = vor_sequence_common(&batch.common, cli, &err);
+    code = status == VOR_OK ? each(cli, run_one, &batch) : vor_cli_fail(cli->command->name, &err);
     for (int i = 0; i < cli->operand_count; i++)
         free(batch.results[i].output);
     free(batch.results);

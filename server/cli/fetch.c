@@ -206,13 +206,18 @@ static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
     return code;
 }
 
-static int fetch_results(struct fetch *fetch)
+static int fetch_one(const struct vor_cli *cli, const char *id, void *ctx)
 {
+    struct fetch *fetch = ctx;
     struct vor_follow *follow = &fetch->follow;
     char url[VOR_REMOTE_URL_MAX + 16];
-    struct vor_json *job, *list = NULL;
-    int code = vor_follow_ask(follow, &job);
+    struct vor_json *job = NULL, *list = NULL;
+    int code = vor_follow_open(follow, cli, id);
 
+    if (code == VOR_EXIT_OK)
+        code = vor_job_choose(follow, id);
+    if (code == VOR_EXIT_OK)
+        code = vor_follow_ask(follow, &job);
     fetch->name = vor_follow_text(vor_json_get(job, "voronoid"), "name");
     fetch->process = vor_follow_text(job, "processID");
     (void)snprintf(url, sizeof url, "%s/results", follow->job);
@@ -222,19 +227,7 @@ static int fetch_results(struct fetch *fetch)
         code = fetch_listed(fetch, list);
     vor_json_free(list);
     vor_json_free(job);
-    return code;
-}
-
-static int fetch_one(const struct vor_cli *cli, const char *id, void *ctx)
-{
-    struct fetch *fetch = ctx;
-    int code = vor_follow_open(&fetch->follow, cli, id);
-
-    if (code == VOR_EXIT_OK)
-        code = vor_job_choose(&fetch->follow, id);
-    if (code == VOR_EXIT_OK)
-        code = fetch_results(fetch);
-    vor_follow_close(&fetch->follow);
+    vor_follow_close(follow);
     return code;
 }
 

@@ -287,12 +287,13 @@ static int listen_to_end(struct vor_follow *follow)
     return VOR_EXIT_OK;
 }
 
-/* Says why a job did not succeed. */
-static int say_failure(struct vor_follow *follow)
+int vor_follow_end(struct vor_follow *follow)
 {
     struct vor_json *json = NULL;
-    int code;
+    int code = listen_to_end(follow);
 
+    if (code != VOR_EXIT_OK || strcmp(follow->status, "successful") == 0)
+        return code;
     if (strcmp(follow->status, "dismissed") == 0) {
         vor_progress_clear(&follow->progress);
         vor_cli_say(follow->subject, "the job was dismissed");
@@ -302,15 +303,6 @@ static int say_failure(struct vor_follow *follow)
     if (code == VOR_EXIT_OK)
         code = say_problem(follow, vor_json_get(json, "exception"), 500);
     vor_json_free(json);
-    return code;
-}
-
-int vor_follow_end(struct vor_follow *follow)
-{
-    int code = listen_to_end(follow);
-
-    if (code == VOR_EXIT_OK && strcmp(follow->status, "successful") != 0)
-        code = say_failure(follow);
     return code;
 }
 

@@ -85,31 +85,23 @@ static int refuse_several(const struct found *found)
     return VOR_EXIT_USAGE;
 }
 
-static int look_up(struct vor_follow *follow, const char *word)
-{
-    struct found found = {.word = word, .count = 0};
-    int code = vor_job_list(follow, NULL, UINT_MAX, match, &found);
-
-    if (code != VOR_EXIT_OK)
-        return code;
-    if (found.count > 1)
-        return refuse_several(&found);
-    if (found.count == 0) {
-        vor_cli_say(word, "no such job; voronoid jobs lists all jobs");
-        return VOR_EXIT_FAILED;
-    }
-    follow->id = found.id[0];
-    return VOR_EXIT_OK;
-}
-
 int vor_job_choose(struct vor_follow *follow, const char *word)
 {
-    int code = VOR_EXIT_OK;
+    struct found found = {.word = word, .count = 0};
+    int code;
 
-    if (!vor_uuid_parse(&follow->id, word, strlen(word)))
-        code = look_up(follow, word);
-    if (code != VOR_EXIT_OK)
-        return code;
+    if (!vor_uuid_parse(&follow->id, word, strlen(word))) {
+        code = vor_job_list(follow, NULL, UINT_MAX, match, &found);
+        if (code != VOR_EXIT_OK)
+            return code;
+        if (found.count > 1)
+            return refuse_several(&found);
+        if (found.count == 0) {
+            vor_cli_say(word, "no such job; voronoid jobs lists all jobs");
+            return VOR_EXIT_FAILED;
+        }
+        follow->id = found.id[0];
+    }
     follow->subject = follow->id.text;
     /* vor_cli_server leaves room for the path. */
     (void)snprintf(follow->job, sizeof follow->job, "%.*s/v1/jobs/%s", VOR_REMOTE_URL_MAX - 128,

@@ -97,20 +97,6 @@ static void visit_row(void *ctx, const struct vor_json *job)
     }
 }
 
-static int list_all(const struct vor_cli *cli, unsigned limit)
-{
-    struct rows rows = {cli, 0};
-    struct vor_follow follow;
-    int code = vor_follow_open(&follow, cli, cli->command->name);
-
-    if (code == VOR_EXIT_OK)
-        code = vor_job_list(&follow, cli->option[VOR_OPTION_STATUS], limit, visit_row, &rows);
-    if (code == VOR_EXIT_OK && !rows.has_head)
-        print_head(cli);
-    vor_follow_close(&follow);
-    return code;
-}
-
 /* Begins to follow a job, and asks how it is doing; *job as vor_follow_ask has it. End with
  * vor_follow_close, also after a failure. */
 static int ask_about(struct vor_follow *follow, const struct vor_cli *cli, const char *id,
@@ -137,31 +123,34 @@ static int show_one(const struct vor_cli *cli, const char *id, void *rows)
     return code;
 }
 
-/* @retval VOR_E_PARAM the option --status is wrong */
-static vor_status check_statuses(const struct vor_cli *cli, struct vor_error *err)
-{
-    const char *statuses = cli->option[VOR_OPTION_STATUS];
-    char quoted[64];
-
-    if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||
-                             statuses[strspn(statuses, "abcdefghijklmnopqrstuvwxyz,")] != '\0'))
-        return vor_fail(
-            err, VOR_E_PARAM,
-            "status is \"%s\", want some of accepted,running,successful,failed,dismissed",
-            vor_quote(quoted, sizeof quoted, statuses, strlen(statuses)));
-    return VOR_OK;
-}
-
 int vor_cli_jobs(const struct vor_cli *cli)
 {
+    const char *statuses = cli->option[VOR_OPTION_STATUS];
     struct rows rows = {cli, 0};
+    struct vor_follow follow;
     struct vor_error err;
+    char quoted[64];
     int code;
 
-    if (check_statuses(cli, &err) != VOR_OK)
+    if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||
+                             statuses[strspn(statuses, "abcdefghijklmnopqrstuvwxyz,")] != '\0')) {
+        (void)vor_fail(
+            &err, VOR_E_PARAM,
+            "status is \"%s\", want some of accepted,running,successful,failed,dismissed",
+            vor_quote(quoted, sizeof quoted, statuses, strlen(statuses)));
         return vor_cli_fail(cli->command->name, &err);
-    code = cli->operand_count > 0 ? vor_cli_each(cli, show_one, &rows)
-                                  : list_all(cli, (unsigned)cli->number[VOR_OPTION_LIMIT]);
+    }
+    if (cli->operand_count > 0) {
+        code = vor_cli_each(cli, show_one, &rows);
+    } else {
+        code = vor_follow_open(&follow, cli, cli->command->name);
+        if (code == VOR_EXIT_OK)
+            code = vor_job_list(&follow, statuses, (unsigned)cli->number[VOR_OPTION_LIMIT],
+                                visit_row, &rows);
+        if (code == VOR_EXIT_OK && !rows.has_head)
+            print_head(cli);
+        vor_follow_close(&follow);
+    }
     if (fflush(stdout) != 0 && code == VOR_EXIT_OK)
         code = VOR_EXIT_FAILED;
     return code;

@@ -23,14 +23,25 @@ static int is(const char *text, size_t length, const char *word)
     return strlen(word) == length && memcmp(text, word, length) == 0;
 }
 
-/* "HOST:PORT" of a setting as the URL to ask. */
-static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *variable,
-                              const char *listen, struct vor_error *err)
+/* A Unix socket, as --listen has it: the URL's host is that of the Host header alone. */
+static vor_status from_socket(char out[VOR_REMOTE_URL_MAX], const char *text, struct vor_error *err)
+{
+    static const char host[] = "http://localhost";
+
+    memcpy(out, host, sizeof host);
+    return vor_remote_use_socket(text + 5, err);
+}
+
+/* "HOST:PORT" or "unix:PATH" of a setting as the URL to ask. */
+static vor_status from_setting(char out[VOR_REMOTE_URL_MAX], const char *variable,
+                               const char *listen, struct vor_error *err)
 {
     const char *colon = strrchr(listen, ':');
     size_t host = colon != NULL ? (size_t)(colon - listen) : 0;
     unsigned port;
 
+    if (strncmp(listen, "unix:", 5) == 0)
+        return from_socket(out, listen, err);
     if (host == 0 || host > PATH_ROOM || !vor_whole_read(&port, colon + 1, 1, PORT_MAX))
         return vor_fail(
             err, VOR_E_PARAM,
@@ -44,23 +55,6 @@ static vor_status from_listen(char out[VOR_REMOTE_URL_MAX], const char *variable
     else
         (void)snprintf(out, VOR_REMOTE_URL_MAX, "http://%.*s:%u", (int)host, listen, port);
     return VOR_OK;
-}
-
-/* A Unix socket, as --listen has it: the URL's host is that of the Host header alone. */
-static vor_status from_socket(char out[VOR_REMOTE_URL_MAX], const char *text, struct vor_error *err)
-{
-    static const char host[] = "http://localhost";
-
-    memcpy(out, host, sizeof host);
-    return vor_remote_use_socket(text + 5, err);
-}
-
-/* The URL to ask for a setting of the daemon. */
-static vor_status from_setting(char out[VOR_REMOTE_URL_MAX], const char *variable,
-                               const char *listen, struct vor_error *err)
-{
-    return strncmp(listen, "unix:", 5) == 0 ? from_socket(out, listen, err)
-                                            : from_listen(out, variable, listen, err);
 }
 
 vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,

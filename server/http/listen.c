@@ -52,17 +52,19 @@ static vor_status remove_stale(const struct sockaddr_un *at, struct vor_error *e
     return VOR_OK;
 }
 
-/* The file is made for nobody but its owner, and opened to others once it listens. */
-static int open_at(const struct sockaddr_un *at, unsigned mode)
+/* The file of a path is made for nobody but its owner, and opened to others once it listens. */
+static int open_listener(int family, const struct sockaddr *at, socklen_t size, const char *path,
+                         unsigned mode)
 {
-    int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int failed;
+    int fd = socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    int on = 1, failed;
 
     if (fd < 0)
         return -1;
-    if (fchmod(fd, S_IRUSR | S_IWUSR) == 0 &&
-        bind(fd, (const struct sockaddr *)at, sizeof *at) == 0 && listen(fd, BACKLOG) == 0 &&
-        chmod(at->sun_path, (mode_t)mode) == 0)
+    if (path == NULL)
+        (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if ((path == NULL || fchmod(fd, S_IRUSR | S_IWUSR) == 0) && bind(fd, at, size) == 0 &&
+        listen(fd, BACKLOG) == 0 && (path == NULL || chmod(path, (mode_t)mode) == 0))
         return fd;
     failed = errno;
     (void)close(fd);
@@ -83,27 +85,11 @@ static vor_status open_unix_socket(int *out, const char *path, unsigned mode, st
     status = remove_stale(&at, err);
     if (status != VOR_OK)
         return status;
-    fd = open_at(&at, mode);
+    fd = open_listener(AF_UNIX, (const struct sockaddr *)&at, sizeof at, path, mode);
     if (fd < 0)
         return refuse(err, path, strerror(errno));
     *out = fd;
     return VOR_OK;
-}
-
-static int open_listener(const struct addrinfo *at)
-{
-    int fd = socket(at->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-    int on = 1, failed;
-
-    if (fd < 0)
-        return -1;
-    (void)setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    if (bind(fd, at->ai_addr, at->ai_addrlen) == 0 && listen(fd, BACKLOG) == 0)
-        return fd;
-    failed = errno;
-    (void)close(fd);
-    errno = failed;
-    return -1;
 }
 
 static vor_status open_socket(int *out, const struct vor_http_options *options,
@@ -122,7 +108,7 @@ static vor_status open_socket(int *out, const struct vor_http_options *options,
         return vor_fail(err, VOR_E_IO, "cannot listen on %.80s: %s", options->host,
                         gai_strerror(failed));
     for (const struct addrinfo *at = list; at != NULL && fd < 0; at = at->ai_next)
-        fd = open_listener(at);
+        fd = open_listener(at->ai_family, at->ai_addr, at->ai_addrlen, NULL, 0);
     failed = errno;
     freeaddrinfo(list);
     if (fd < 0)

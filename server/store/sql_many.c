@@ -3,6 +3,7 @@
 #include "server/store/sql_verbs.h"
 
 #include "server/store/row_text.h"
+#include "server/store/store.h"
 
 static void take_evicted(void *ctx, struct vor_sql_row *row)
 {
@@ -41,8 +42,8 @@ static const struct {
                            " ORDER BY later DESC LIMIT ?2) RETURNING id, process_id"},
 };
 
-vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
-                         struct vor_evictions *evictions, struct vor_error *err)
+static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t limit,
+                        struct vor_evictions *evictions, struct vor_error *err)
 {
     struct vor_sql *db = vor_sql_of(store);
     int64_t total = INT64_MAX;
@@ -66,6 +67,17 @@ vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t li
     return status;
 }
 
+vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
+                           struct vor_evictions *evictions, struct vor_error *err)
+{
+    vor_status status;
+
+    do
+        status = evict(store, why, limit, evictions, err);
+    while (vor_reserve_made_room(store->reserve, status, err));
+    return status;
+}
+
 vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
                                     struct vor_error *err)
 {
@@ -75,13 +87,17 @@ vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uu
                           "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0", "t", id->text);
 }
 
-vor_status vor_sql_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
+    vor_status status;
     int changed;
 
-    return vor_sql_change(vor_sql_of(store), &changed, err,
-                          "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0", "i",
-                          by_ms);
+    do
+        status = vor_sql_change(vor_sql_of(store), &changed, err,
+                                "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0",
+                                "i", by_ms);
+    while (vor_reserve_made_room(store->reserve, status, err));
+    return status;
 }
 
 /* By indexes. The newest is that of the last one to be accepted, of the last one to end, or of one
@@ -184,8 +200,8 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
 }
 
 /* The row of an owner stays for an hour, should it come back. */
-vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
-                        uint64_t *reaped, struct vor_error *err)
+static vor_status reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
+                       uint64_t *reaped, struct vor_error *err)
 {
     struct vor_sql *db = vor_sql_of(store);
     int changed = 0, gone;
@@ -208,5 +224,16 @@ vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone
     status = vor_sql_end(db, status, err);
     if (status == VOR_OK)
         *reaped = (uint64_t)changed;
+    return status;
+}
+
+vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
+                          uint64_t *reaped, struct vor_error *err)
+{
+    vor_status status;
+
+    do
+        status = reap(store, owner, is_alone, now_ms, reaped, err);
+    while (vor_reserve_made_room(store->reserve, status, err));
     return status;
 }

@@ -1,8 +1,11 @@
 /* Verbs about one job. */
 #include "server/store/sql_verbs.h"
 
+#include "server/base/metrics.h"
 #include "server/store/row_text.h"
+#include "server/store/store.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -146,20 +149,26 @@ static void take_crashes(void *ctx, struct vor_sql_row *row)
     run->is_over = vor_sql_number(row) != 0;
 }
 
-vor_status vor_sql_hand_back(struct vor_store *store, const struct vor_uuid *id,
-                             struct vor_hand_back *run, struct vor_error *err)
+vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
+                               struct vor_hand_back *run, struct vor_error *err)
 {
+    vor_status status;
+
     run->changed = run->is_over = 0;
     run->crashes = 0;
-    return vor_sql_change_each(
-        vor_sql_of(store), take_crashes, run, err,
-        "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3, status = CASE"
-        " WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running' ELSE 'accepted' END WHERE"
-        " id = ?1 AND attempt = ?2 AND owner = ?7 AND status = 'running'"
-        " RETURNING crashes, status = 'running'",
-        "tiiiiit", id->text, (int64_t)run->lease.attempt, run->now_ms,
-        (int64_t)(run->is_crash != 0), (int64_t)(run->is_crash && run->was_alone),
-        (int64_t)run->most, run->lease.owner);
+    do
+        status = vor_sql_change_each(
+            vor_sql_of(store), take_crashes, run, err,
+            "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3,"
+            " status = CASE WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running'"
+            " ELSE 'accepted' END"
+            " WHERE id = ?1 AND attempt = ?2 AND owner = ?7 AND status = 'running'"
+            " RETURNING crashes, status = 'running'",
+            "tiiiiit", id->text, (int64_t)run->lease.attempt, run->now_ms,
+            (int64_t)(run->is_crash != 0), (int64_t)(run->is_crash && run->was_alone),
+            (int64_t)run->most, run->lease.owner);
+    while (vor_reserve_made_room(store->reserve, status, err));
+    return status;
 }
 
 /* Bytes of the outputs that are blobs. */
@@ -195,9 +204,9 @@ static vor_status add_end(struct vor_store *store, int64_t seq, const struct vor
     return status;
 }
 
-vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *row,
-                          const struct vor_lease *lease, const struct vor_store_ending *ending,
-                          int *changed, struct vor_error *err)
+static vor_status finish(struct vor_store *store, const struct vor_job_view *row,
+                         const struct vor_lease *lease, const struct vor_store_ending *ending,
+                         int *changed, struct vor_error *err)
 {
     int64_t seq = 0;
     vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
@@ -223,12 +232,36 @@ vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *ro
     return status;
 }
 
-vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                          struct vor_error *err)
+vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
+                            const struct vor_lease *lease, const struct vor_store_ending *ending,
+                            int *changed, struct vor_error *err)
 {
-    return vor_sql_change(vor_sql_of(store), changed, err,
-                          "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')",
-                          "t", id->text);
+    static const struct vor_store_ending nothing;
+    vor_status status;
+
+    assert(vor_job_status_over(row->status));
+    ending = ending != NULL ? ending : &nothing;
+    do
+        status = finish(store, row, lease, ending, changed, err);
+    while (vor_reserve_made_room(store->reserve, status, err));
+    if (status == VOR_OK && *changed)
+        vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
+                       VOR_LABELS(row->process, vor_job_status_word(row->status)));
+    return status;
+}
+
+vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
+                            struct vor_error *err)
+{
+    vor_status status;
+
+    do
+        status =
+            vor_sql_change(vor_sql_of(store), changed, err,
+                           "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')",
+                           "t", id->text);
+    while (vor_reserve_made_room(store->reserve, status, err));
+    return status;
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
-/** The verbs of a store in SQL, the same for every engine: those below may be called again once a
- *  full disk has room, as store.c does. Only files of the store include this. */
+/** The store of a database with SQL, and its tables; the verbs are the same for every engine. Only
+ *  files of the store include this. */
 #ifndef VOR_SERVER_STORE_SQL_VERBS_H
 #define VOR_SERVER_STORE_SQL_VERBS_H
 
@@ -16,22 +16,6 @@ static inline struct vor_sql *vor_sql_of(struct vor_store *store)
 {
     return ((struct vor_sql_store *)store)->db;
 }
-
-/* sql_verbs.c; ending is not NULL here. */
-vor_status vor_sql_hand_back(struct vor_store *store, const struct vor_uuid *id,
-                             struct vor_hand_back *run, struct vor_error *err);
-vor_status vor_sql_finish(struct vor_store *store, const struct vor_job_view *row,
-                          const struct vor_lease *lease, const struct vor_store_ending *ending,
-                          int *changed, struct vor_error *err);
-vor_status vor_sql_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                          struct vor_error *err);
-
-/* sql_many.c. */
-vor_status vor_sql_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
-                         struct vor_evictions *evictions, struct vor_error *err);
-vor_status vor_sql_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err);
-vor_status vor_sql_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
-                        uint64_t *reaped, struct vor_error *err);
 
 /** The tables of jobs, for the schema of every engine, which says how the key is written. A row of
  *  job changes with the state of its job, and has what queues and lists go by; what else is known

@@ -1,10 +1,7 @@
 #include "server/store/store.h"
 
 #include "server/base/disk.h"
-#include "server/base/metrics.h"
-#include "server/store/sql_verbs.h"
 
-#include <assert.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -47,12 +44,6 @@ static vor_status open_reserve(struct vor_reserve **out, const char *place, cons
     return vor_reserve_open(out, path, err);
 }
 
-/* True when something failed because the disk is full, and there is room for it now. */
-static int made_room(struct vor_reserve *reserve, vor_status status, const struct vor_error *err)
-{
-    return status != VOR_OK && vor_error_storage_full(err) && vor_reserve_spend(reserve);
-}
-
 static vor_status open_with(const struct vor_store_driver *driver, struct vor_store **out,
                             const char *place, int may_share, long *holder, struct vor_error *err)
 {
@@ -65,7 +56,7 @@ static vor_status open_with(const struct vor_store_driver *driver, struct vor_st
         status = open_reserve(&opening, place, "opening", err);
     if (status == VOR_OK)
         status = driver->open(out, place, may_share, holder, err);
-    if (made_room(reserve, status, err) || made_room(opening, status, err))
+    if (vor_reserve_made_room(reserve, status, err) || vor_reserve_made_room(opening, status, err))
         status = driver->open(out, place, may_share, holder, err);
     if (status != VOR_OK) {
         vor_reserve_close(reserve);
@@ -137,76 +128,4 @@ vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *er
 int vor_store_is_damaged(const struct vor_store *store)
 {
     return store->is_damaged;
-}
-
-vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
-                               struct vor_hand_back *run, struct vor_error *err)
-{
-    vor_status status;
-
-    do
-        status = vor_sql_hand_back(store, id, run, err);
-    while (made_room(store->reserve, status, err));
-    return status;
-}
-
-vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *row,
-                            const struct vor_lease *lease, const struct vor_store_ending *ending,
-                            int *changed, struct vor_error *err)
-{
-    static const struct vor_store_ending nothing;
-    vor_status status;
-
-    assert(vor_job_status_over(row->status));
-    ending = ending != NULL ? ending : &nothing;
-    do
-        status = vor_sql_finish(store, row, lease, ending, changed, err);
-    while (made_room(store->reserve, status, err));
-    if (status == VOR_OK && *changed)
-        vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
-                       VOR_LABELS(row->process, vor_job_status_word(row->status)));
-    return status;
-}
-
-vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, int *changed,
-                            struct vor_error *err)
-{
-    vor_status status;
-
-    do
-        status = vor_sql_remove(store, id, changed, err);
-    while (made_room(store->reserve, status, err));
-    return status;
-}
-
-vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t limit,
-                           struct vor_evictions *evictions, struct vor_error *err)
-{
-    vor_status status;
-
-    do
-        status = vor_sql_evict(store, why, limit, evictions, err);
-    while (made_room(store->reserve, status, err));
-    return status;
-}
-
-vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
-{
-    vor_status status;
-
-    do
-        status = vor_sql_shift(store, by_ms, err);
-    while (made_room(store->reserve, status, err));
-    return status;
-}
-
-vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
-                          uint64_t *reaped, struct vor_error *err)
-{
-    vor_status status;
-
-    do
-        status = vor_sql_reap(store, owner, is_alone, now_ms, reaped, err);
-    while (made_room(store->reserve, status, err));
-    return status;
 }

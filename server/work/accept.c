@@ -12,23 +12,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Refuses now what the engine would refuse minutes later, as far as that can be known now. */
-static vor_status check_target(const struct vor_spec *spec, const struct vor_job_input *input,
-                               struct vor_error *err)
-{
-    if (vor_spec_given(spec, VOR_PARAM_SPACING))
-        return VOR_OK;
-    return vor_spec_check_target(spec, vor_spec_target(spec, input->points), input->points, err);
-}
-
-/* Likewise. */
-static vor_status check_cost(const struct vor_worker *worker, const struct vor_job_view *row,
-                             struct vor_error *err)
-{
-    return vor_cost_check(&row->spec, row->input[0].points, worker->config.executor->threads,
-                          worker->config.job_seconds, err);
-}
-
 /* Likewise what could never run: row has its inputs. A run never has more memory than its cap. */
 static vor_status check_need(const struct vor_worker *worker, struct vor_job_view *row,
                              struct vor_error *err)
@@ -165,8 +148,12 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
         check_bytes(worker, admitted, &row, err) == VOR_OK &&
-        check_target(spec, &row.input[0], err) == VOR_OK &&
-        check_need(worker, &row, err) == VOR_OK && check_cost(worker, &row, err) == VOR_OK &&
+        (vor_spec_given(spec, VOR_PARAM_SPACING) ||
+         vor_spec_check_target(spec, vor_spec_target(spec, row.input[0].points),
+                               row.input[0].points, err) == VOR_OK) &&
+        check_need(worker, &row, err) == VOR_OK &&
+        vor_cost_check(&row.spec, row.input[0].points, worker->config.executor->threads,
+                       worker->config.job_seconds, err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK) {
         outcome = booked ? VOR_DONE : vor_worker_book(worker);
         booked = outcome == VOR_DONE;

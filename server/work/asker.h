@@ -2,7 +2,7 @@
 #ifndef VOR_SERVER_WORK_ASKER_H
 #define VOR_SERVER_WORK_ASKER_H
 
-#include "server/base/fairness_key.h"
+#include "server/base/address.h"
 
 /** Somebody who asks. wake is called at most once, on another thread, after an answer to wait
  * alone; it must not call back. */

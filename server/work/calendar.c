@@ -32,14 +32,6 @@ vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Whether a clock that was doubted is believed by now. */
-static int is_believed(const struct vor_calendar *calendar, int64_t wall, int64_t steady)
-{
-    int64_t passed = steady - calendar->began, ahead = wall - calendar->newest - passed;
-
-    return passed > unsure_ms || (ahead <= unsure_ms && ahead >= -jump_ms);
-}
-
 static int move_rows(struct vor_worker *worker, int64_t by)
 {
     struct vor_error err;
@@ -60,11 +52,12 @@ int vor_calendar_look(struct vor_worker *worker)
     struct vor_calendar *calendar = &worker->calendar;
     int64_t wall = vor_clock_wall_ms(), steady = vor_clock_boot_ms();
     int64_t jump = wall - calendar->wall - (steady - calendar->steady);
+    int64_t passed = steady - calendar->began, ahead = wall - calendar->newest - passed;
 
     if (vor_store_is_shared(worker->config.store))
         return 1;
-    if (calendar->unsure)
-        calendar->unsure = !is_believed(calendar, wall, steady);
+    if (calendar->unsure) /* until it fits, or an hour has passed */
+        calendar->unsure = passed <= unsure_ms && (ahead > unsure_ms || ahead < -jump_ms);
     else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(worker, jump))
         return 0;
     calendar->wall = wall;

@@ -5,15 +5,6 @@
 
 #include <assert.h>
 
-static unsigned index_of(const struct vor_format *format)
-{
-    unsigned index = 0;
-
-    for (; vor_format(index) != format; index++)
-        assert(vor_format(index) != NULL);
-    return index;
-}
-
 /* Measures a cloud while its bytes are taken elsewhere: behind each piece of them a piece of the
  * walk. A PLY of 12 MB takes a child 23.1 ms; 28.6 where the walk was behind all bytes, and 23.5
  * here. */
@@ -67,7 +58,8 @@ static vor_status decode(struct vor_codec_facts *facts, const struct vor_sink *s
     vor_cloud_init(&cloud, &memory);
     status = vor_codec_read(&cloud, &format, bytes, (size_t)order->size, &order->limits, err);
     if (status == VOR_OK) {
-        found.format = index_of(format);
+        for (; vor_format(found.format) != format; found.format++)
+            assert(vor_format(found.format) != NULL);
         found.points = cloud.n;
         status = write_dump(&found.extent, sink, &cloud, err);
     }

@@ -32,15 +32,6 @@ struct vor_crew {
     struct hand hand[];
 };
 
-static unsigned running_of(const struct vor_crew *crew, const struct vor_fairness_key *caller)
-{
-    unsigned running = 0;
-
-    for (unsigned i = 0; i < crew->count; i++)
-        running += crew->hand[i].is_busy && vor_fairness_key_same(&crew->hand[i].caller, caller);
-    return running;
-}
-
 /* The lightest of the tasks from there on that are for the same caller. */
 static struct vor_task **lightest(struct vor_task **from)
 {
@@ -60,7 +51,11 @@ static struct vor_task **choose(struct vor_crew *crew)
     struct vor_task **chosen = NULL;
 
     for (struct vor_task **at = &crew->head; *at != NULL && fewest > 0; at = &(*at)->next) {
-        unsigned running = running_of(crew, &(*at)->caller);
+        unsigned running = 0; /* of its caller */
+
+        for (unsigned i = 0; i < crew->count; i++)
+            running += crew->hand[i].is_busy &&
+                       vor_fairness_key_same(&crew->hand[i].caller, &(*at)->caller);
 
         if (running >= fewest)
             continue;
@@ -112,26 +107,20 @@ static struct vor_task *next_task(struct hand *hand)
     return task;
 }
 
-/* Its thread looks for the next one itself, so nobody else is woken. */
-static void end_task(struct hand *hand)
-{
-    struct vor_crew *crew = hand->crew;
-
-    pthread_mutex_lock(&crew->mutex);
-    hand->is_busy = 0;
-    if (--crew->running == 0 && crew->waiting == 0)
-        pthread_cond_broadcast(&crew->idle);
-    pthread_mutex_unlock(&crew->mutex);
-}
-
 static void *crew_main(void *arg)
 {
     struct hand *hand = arg;
+    struct vor_crew *crew = hand->crew;
     struct vor_task *task;
 
     while ((task = next_task(hand)) != NULL) {
         task->run(task->ctx);
-        end_task(hand);
+        /* Looks for the next one itself, so nobody else is woken. */
+        pthread_mutex_lock(&crew->mutex);
+        hand->is_busy = 0;
+        if (--crew->running == 0 && crew->waiting == 0)
+            pthread_cond_broadcast(&crew->idle);
+        pthread_mutex_unlock(&crew->mutex);
     }
     return NULL;
 }

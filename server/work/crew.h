@@ -7,7 +7,7 @@
 #define VOR_SERVER_WORK_CREW_H
 
 #include "core/base/status.h"
-#include "server/base/fairness_key.h"
+#include "server/base/address.h"
 #include "server/jobs/job.h"
 
 #include <stddef.h>

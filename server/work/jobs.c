@@ -283,18 +283,6 @@ static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row
                         vor_has_inputs(row) | VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
 }
 
-/* On a disk without a byte the job's own make the room that its end takes. */
-static vor_status remove_row(struct vor_worker *worker, const struct vor_job_view *row,
-                             int *changed, struct vor_error *err)
-{
-    vor_status status = vor_store_remove(worker->config.store, &row->id, changed, err);
-
-    if (status != VOR_E_IO || !vor_error_storage_full(err))
-        return status;
-    drop_bytes(worker, row);
-    return vor_store_remove(worker->config.store, &row->id, changed, err);
-}
-
 /* Removes a job that is over; row is its last view. */
 static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct vor_job_view *row,
                                        struct vor_error *err)
@@ -302,8 +290,14 @@ static enum vor_job_outcome remove_job(struct vor_worker *worker, const struct v
     const struct vor_uuid *id = &row->id;
     struct vor_job *job;
     int changed;
+    vor_status status = vor_store_remove(worker->config.store, id, &changed, err);
 
-    if (remove_row(worker, row, &changed, err) != VOR_OK)
+    /* On a disk without a byte the job's own make the room that its end takes. */
+    if (status == VOR_E_IO && vor_error_storage_full(err)) {
+        drop_bytes(worker, row);
+        status = vor_store_remove(worker->config.store, id, &changed, err);
+    }
+    if (status != VOR_OK)
         return VOR_FAILED;
     if (!changed)
         return VOR_UNKNOWN;

@@ -252,15 +252,6 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
     return VOR_OK;
 }
 
-/* Asks whatever runs to end; the mutex is held. */
-static void abort_running(struct vor_worker *worker)
-{
-    worker->aborting = 1;
-    for (unsigned i = 0; i < worker->runner_count; i++)
-        if (worker->runners[i].job != NULL)
-            vor_job_ask(worker->runners[i].job, VOR_CANCEL);
-}
-
 void vor_worker_drain(struct vor_worker *worker, double seconds)
 {
     double deadline = vor_clock_seconds() + seconds;
@@ -274,7 +265,10 @@ void vor_worker_drain(struct vor_worker *worker, double seconds)
     while (worker->capacity.running > 0 &&
            !vor_clock_wait(&worker->changed, &worker->mutex, deadline))
         continue;
-    abort_running(worker);
+    worker->aborting = 1;
+    for (unsigned i = 0; i < worker->runner_count; i++)
+        if (worker->runners[i].job != NULL)
+            vor_job_ask(worker->runners[i].job, VOR_CANCEL);
     while (worker->capacity.running > 0)
         pthread_cond_wait(&worker->changed, &worker->mutex);
     pthread_mutex_unlock(&worker->mutex);

@@ -177,19 +177,6 @@ static bool write_slice(struct listing *list)
     return list->count == list->filter.limit;
 }
 
-/* Writes a value of a query, with escapes where they are needed. */
-static void put_escaped(struct vor_text *text, const char *value)
-{
-    for (; *value != '\0'; value++) {
-        unsigned char c = (unsigned char)*value;
-
-        if (isalnum(c) || strchr("-._~,", c) != NULL)
-            vor_text_add(text, value, 1);
-        else
-            vor_text_printf(text, "%%%02X", c);
-    }
-}
-
 /* Writes a link to /v1/jobs with the query of this request and another cursor. */
 static void put_list_link(struct listing *list, const char *rel, const char *cursor)
 {
@@ -205,7 +192,7 @@ static void put_list_link(struct listing *list, const char *rel, const char *cur
         if (cursor != NULL && strcmp(name, "cursor") == 0)
             continue;
         vor_text_printf(&url, "%c%s=", mark, name);
-        put_escaped(&url, vor_request_query_value(list->request, i));
+        vor_text_escape(&url, vor_request_query_value(list->request, i));
         mark = '&';
     }
     if (cursor != NULL)
