@@ -166,21 +166,6 @@ static vor_status damaged(size_t offset, const char *what, struct vor_error *err
     return VOR_E_FORMAT;
 }
 
-static vor_status check_head(const struct head *head, size_t size, struct vor_error *err)
-{
-    if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
-        head->version < VERSION || head->version > VERSION_DOUBLES)
-        return damaged(0, "not a dump of this version and machine", err);
-    if (head->n == 0 || head->n > VOR_POINTS_MAX)
-        return damaged(16, "number of points", err);
-    if (head->position_type != VOR_FLOAT32 && head->position_type != VOR_FLOAT64)
-        return damaged(24, "type of the positions", err);
-    if (head->attribute_count > VOR_ATTRIBUTES_MAX ||
-        size - sizeof *head < head->attribute_count * sizeof(struct row))
-        return damaged(28, "number of attributes", err);
-    return VOR_OK;
-}
-
 /* Adds the row's bytes of values to *total. */
 static int check_row(const struct row *row, uint64_t n, uint64_t *total)
 {
@@ -316,15 +301,6 @@ static vor_status take_faces(struct vor_cloud *cloud, const uint8_t **from, stru
     return VOR_OK;
 }
 
-static vor_status take_doubles(struct vor_cloud *cloud, const uint8_t *at, struct vor_error *err)
-{
-    cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
-    if (cloud->exact == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
-    memcpy(cloud->exact, at, cloud->n * 3 * sizeof *cloud->exact);
-    return VOR_OK;
-}
-
 static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
                               const uint8_t *bytes, struct vor_error *err)
 {
@@ -348,20 +324,31 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
         status = take_tail(cloud, &at, err);
     if (status == VOR_OK && head->version >= VERSION_FACES)
         status = take_faces(cloud, &at, err);
-    if (status == VOR_OK && head->version == VERSION_DOUBLES)
-        status = take_doubles(cloud, at, err);
+    if (status == VOR_OK && head->version == VERSION_DOUBLES) {
+        cloud->exact = vor_malloc(cloud->memory, cloud->n, 3 * sizeof *cloud->exact);
+        if (cloud->exact == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", cloud->n);
+        memcpy(cloud->exact, at, cloud->n * 3 * sizeof *cloud->exact);
+    }
     return status == VOR_OK ? vor_cloud_check(cloud, err) : status;
 }
 
 static vor_status check(struct head *head, const uint8_t *bytes, size_t size, struct vor_error *err)
 {
-    vor_status status;
-
     if (size < sizeof *head)
         return damaged(size, "length", err);
     memcpy(head, bytes, sizeof *head);
-    status = check_head(head, size, err);
-    return status == VOR_OK ? check_size(head, bytes, size, err) : status;
+    if (memcmp(head->magic, magic, sizeof magic) != 0 || head->order != ORDER ||
+        head->version < VERSION || head->version > VERSION_DOUBLES)
+        return damaged(0, "not a dump of this version and machine", err);
+    if (head->n == 0 || head->n > VOR_POINTS_MAX)
+        return damaged(16, "number of points", err);
+    if (head->position_type != VOR_FLOAT32 && head->position_type != VOR_FLOAT64)
+        return damaged(24, "type of the positions", err);
+    if (head->attribute_count > VOR_ATTRIBUTES_MAX ||
+        size - sizeof *head < head->attribute_count * sizeof(struct row))
+        return damaged(28, "number of attributes", err);
+    return check_size(head, bytes, size, err);
 }
 
 vor_status vor_dump_check(size_t *points, const uint8_t *bytes, size_t size, struct vor_error *err)

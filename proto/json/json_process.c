@@ -100,32 +100,13 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     vor_json_end_object(text);
 }
 
-/* The values of a preset as a request has them. The table is ours: they are taken. */
-static void put_preset_values(struct vor_text *text, const struct vor_process_info *process,
-                              const struct vor_named_preset *preset)
-{
-    const char *at = preset->values;
-    char value[VOR_PRESET_VALUE_SIZE];
-    enum vor_parameter parameter;
-    struct vor_error err;
-    struct vor_spec spec;
-
-    vor_spec_preset(&spec, process);
-    vor_json_begin_object(text);
-    while (vor_named_preset_next(&at, &parameter, value)) {
-        const char *name = vor_parameter_info(parameter)->name;
-
-        if (vor_spec_set(&spec, name, value, &err) != VOR_OK)
-            continue;
-        vor_json_key(text, name);
-        vor_json_spec_value(text, &spec, parameter);
-    }
-    vor_json_end_object(text);
-}
-
 static void put_presets(struct vor_text *text, const struct vor_process_info *process)
 {
     const struct vor_named_preset *preset;
+    char value[VOR_PRESET_VALUE_SIZE];
+    enum vor_parameter parameter;
+    struct vor_spec spec;
+    const char *at;
 
     vor_json_key(text, "x-presets");
     vor_json_begin_array(text);
@@ -135,7 +116,16 @@ static void put_presets(struct vor_text *text, const struct vor_process_info *pr
         vor_json_put_string(text, "title", preset->title);
         vor_json_put_string(text, "description", preset->sentence);
         vor_json_key(text, "values");
-        put_preset_values(text, process, preset);
+        /* As a request has them. The table is ours: they are taken. */
+        vor_spec_preset(&spec, process);
+        vor_json_begin_object(text);
+        for (at = preset->values; vor_named_preset_next(&at, &parameter, value);) {
+            if (vor_spec_set(&spec, vor_parameter_info(parameter)->name, value, NULL) != VOR_OK)
+                continue;
+            vor_json_key(text, vor_parameter_info(parameter)->name);
+            vor_json_spec_value(text, &spec, parameter);
+        }
+        vor_json_end_object(text);
         vor_json_end_object(text);
     }
     vor_json_end_array(text);

@@ -208,26 +208,12 @@ void vor_json_spec_changed(struct vor_text *text, const struct vor_spec *spec)
     put_parameters(text, spec, true);
 }
 
-static void put_default(struct vor_text *text, const struct vor_process_info *process,
-                        enum vor_parameter parameter, const struct vor_parameter_info *info)
-{
-    struct vor_spec spec;
-    enum vor_form form;
-
-    vor_spec_preset(&spec, process);
-    spec.value[parameter] = info->fallback; /* that of ratio stands aside in a preset */
-    form = vor_spec_form(&spec, parameter);
-    if (form == VOR_FORM_NONE)
-        return;
-    vor_json_key(text, "default");
-    forms[form].put(text, &spec, parameter);
-}
-
 void vor_json_parameter_schema(struct vor_text *text, const struct vor_process_info *process,
                                enum vor_parameter parameter)
 {
     struct vor_parameter_info info = vor_process_parameter(process, parameter);
     int has_two = vor_kind_form(info.kind, 1) != VOR_FORM_NONE;
+    struct vor_spec spec;
     enum vor_form form;
 
     vor_json_begin_object(text);
@@ -244,7 +230,13 @@ void vor_json_parameter_schema(struct vor_text *text, const struct vor_process_i
     }
     if (has_two)
         vor_json_end_array(text);
-    put_default(text, process, parameter, &info);
+    vor_spec_preset(&spec, process);
+    spec.value[parameter] = info.fallback; /* that of ratio stands aside in a preset */
+    form = vor_spec_form(&spec, parameter);
+    if (form != VOR_FORM_NONE) {
+        vor_json_key(text, "default");
+        forms[form].put(text, &spec, parameter);
+    }
     if (info.unit[0] != '\0')
         vor_json_put_string(text, "x-unit", info.unit);
     vor_json_end_object(text);

@@ -103,21 +103,6 @@ static void add_field(struct writer *writer, const char *name, const struct fiel
     (void)snprintf(field->name, sizeof field->name, "%s", name);
 }
 
-static void add_coordinates(struct writer *writer)
-{
-    for (int c = 0; c < 3; c++) {
-        const char name[2] = {"xyz"[c], '\0'};
-        enum vor_type type = writer->cloud->position_type;
-        struct field field = {.coordinate = c, .from_type = type, .type = type};
-
-        if (writer->cloud->exact != NULL) {
-            field.from = (const uint8_t *)(writer->cloud->exact + c);
-            field.from_stride = 3 * sizeof *writer->cloud->exact;
-        }
-        add_field(writer, name, &field);
-    }
-}
-
 static void add_attribute(struct writer *writer, const struct vor_attribute *attribute)
 {
     const char *const *names = custom_names(writer->cloud, attribute);
@@ -258,7 +243,6 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
     for (size_t i = 0; i < writer->field_count; i++)
         row += vor_type_size(writer->fields[i].type);
     block = writer->capacity / row;
-
     for (size_t first = 0; status == VOR_OK && first < writer->cloud->n; first += n) {
         n = writer->cloud->n - first < block ? writer->cloud->n - first : block;
         put_rows(writer, first, n, row);
@@ -269,22 +253,9 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
 
 /* A face of `run` triangles is the number of its corners, then their points, which int holds
  * (VOR_POINTS_MAX). */
-static void put_face(struct writer *writer, const uint32_t *triangle, size_t run)
-{
-    uint32_t corner[VOR_MESH_RUN_MOST + 2] = {triangle[0], triangle[1]};
-    struct vor_ply_strided to = {writer->buffer + writer->used + 1, 0};
-    unsigned corners = (unsigned)run + 2;
-
-    for (size_t t = 0; t < run; t++)
-        corner[2 + t] = triangle[3 * t + 2];
-    writer->buffer[writer->used] = (uint8_t)corners;
-    vor_ply_copy(to, (struct vor_ply_source){(const uint8_t *)corner, 0}, 1, sizeof *corner,
-                 corners, vor_ply_swaps(VOR_PLY_LITTLE));
-    writer->used += 1 + corners * sizeof *corner;
-}
-
 static vor_status write_faces(struct writer *writer, struct vor_error *err)
 {
+    uint32_t corner[VOR_MESH_RUN_MOST + 2];
     const struct vor_mesh *mesh = writer->mesh;
     vor_status status = VOR_OK;
 
@@ -292,7 +263,15 @@ static vor_status write_faces(struct writer *writer, struct vor_error *err)
         run = vor_mesh_run(mesh, t);
         if (writer->capacity - writer->used < FACE_MOST)
             status = flush(writer, err);
-        put_face(writer, &mesh->triangle[3 * t], run);
+        corner[0] = mesh->triangle[3 * t];
+        corner[1] = mesh->triangle[3 * t + 1];
+        for (size_t k = 0; k < run; k++)
+            corner[2 + k] = mesh->triangle[3 * (t + k) + 2];
+        writer->buffer[writer->used] = (uint8_t)(run + 2);
+        vor_ply_copy((struct vor_ply_strided){writer->buffer + writer->used + 1, 0},
+                     (struct vor_ply_source){(const uint8_t *)corner, 0}, 1, sizeof *corner,
+                     run + 2, vor_ply_swaps(VOR_PLY_LITTLE));
+        writer->used += 1 + (run + 2) * sizeof *corner;
     }
     return status == VOR_OK ? flush(writer, err) : status;
 }
@@ -307,7 +286,6 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
     for (size_t i = 0; i < cloud->attribute_count; i++)
         count += cloud->attributes[i].components;
     lines = count + FACE_LINES;
-
     if (options != NULL && options->mesh != NULL && options->mesh->count > 0)
         writer.mesh = options->mesh;
     writer.capacity = lines * LINE_BYTES > BUFFER_BYTES ? lines * LINE_BYTES : BUFFER_BYTES;
@@ -318,7 +296,17 @@ vor_status vor_ply_write(const struct vor_sink *sink, const struct vor_cloud *cl
         status = vor_fail(err, VOR_E_NOMEM, "writing a PLY file");
         goto done;
     }
-    add_coordinates(&writer);
+    for (int c = 0; c < 3; c++) {
+        const char name[2] = {"xyz"[c], '\0'};
+        struct field field = {
+            .coordinate = c, .from_type = cloud->position_type, .type = cloud->position_type};
+
+        if (cloud->exact != NULL) {
+            field.from = (const uint8_t *)(cloud->exact + c);
+            field.from_stride = 3 * sizeof *cloud->exact;
+        }
+        add_field(&writer, name, &field);
+    }
     for (size_t i = 0; i < cloud->attribute_count; i++)
         add_attribute(&writer, &cloud->attributes[i]);
     put_header(&writer);

@@ -89,24 +89,12 @@ static void put_process(struct vor_text *text)
     put_stat(text);
 }
 
-static void read_storage(const struct vor_app *app)
-{
-    uint64_t available, total;
-    struct vor_error err;
-
-    vor_metric_set(VOR_METRIC_BLOB_BYTES, (double)vor_blobs_bytes(app->blobs),
-                   VOR_LABELS(vor_blobs_scheme(app->blobs)));
-    if (vor_blobs_space(app->blobs, &available, &total, &err) != VOR_OK)
-        return;
-    vor_metric_set(VOR_METRIC_STORAGE_FREE, (double)available, NULL);
-    vor_metric_set(VOR_METRIC_STORAGE_SIZE, (double)total, NULL);
-}
-
 static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *request)
 {
     struct vor_text text;
     const struct vor_build build = vor_build_own();
     struct vor_worker_load load;
+    uint64_t available, total;
     double waited = 0;
     static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
                                                VOR_METRIC_UPLOADS,       VOR_METRIC_WORKER_RESTARTS,
@@ -131,7 +119,12 @@ static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *requ
     vor_metric_set(VOR_METRIC_QUEUE_AGE, waited > 0 ? waited : 0, NULL);
     vor_metric_set(VOR_METRIC_WORKER_BUSY, (double)load.running, NULL);
     vor_metric_set(VOR_METRIC_WORKER_SLOTS, app->config->number[VOR_SET_JOBS], NULL);
-    read_storage(app);
+    vor_metric_set(VOR_METRIC_BLOB_BYTES, (double)vor_blobs_bytes(app->blobs),
+                   VOR_LABELS(vor_blobs_scheme(app->blobs)));
+    if (vor_blobs_space(app->blobs, &available, &total, NULL) == VOR_OK) {
+        vor_metric_set(VOR_METRIC_STORAGE_FREE, (double)available, NULL);
+        vor_metric_set(VOR_METRIC_STORAGE_SIZE, (double)total, NULL);
+    }
     vor_text_init(&text, 0);
     vor_metrics_write(&text);
     put_process(&text);

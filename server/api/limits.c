@@ -9,31 +9,26 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Both count jobs asked for: at most q in w seconds, r of them now, all of them in t seconds. */
-static void tell_rate(struct vor_app *app, struct vor_request *request, double rate, double now)
-{
-    double burst = vor_rates_burst(rate);
-    double left = vor_rates_left(app->rates, vor_request_principal(request)->name, rate, now);
-    char text[96];
-
-    (void)snprintf(text, sizeof text, "\"jobs\";q=%.0f;w=%.0f", floor(burst), ceil(burst / rate));
-    vor_reply_header(request, "RateLimit-Policy", text);
-    (void)snprintf(text, sizeof text, "\"jobs\";r=%.0f;t=%.0f", floor(left),
-                   ceil((burst - left) / rate));
-    vor_reply_header(request, "RateLimit", text);
-}
-
 bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
 {
     const struct vor_principal *caller = vor_request_principal(request);
     struct vor_problem problem = VOR_PROBLEM_INIT("rate-limited");
     char detail[192];
-    double wait, now = vor_clock_seconds();
+    double wait, burst, left, now = vor_clock_seconds();
 
     if (caller->quota.rate <= 0)
         return true;
     wait = vor_rates_take(app->rates, caller->name, caller->quota.rate, now);
-    tell_rate(app, request, caller->quota.rate, now);
+    /* Both count jobs asked for: at most q in w seconds, r of them now, all of them in t seconds.
+     */
+    burst = vor_rates_burst(caller->quota.rate);
+    left = vor_rates_left(app->rates, caller->name, caller->quota.rate, now);
+    (void)snprintf(detail, sizeof detail, "\"jobs\";q=%.0f;w=%.0f", floor(burst),
+                   ceil(burst / caller->quota.rate));
+    vor_reply_header(request, "RateLimit-Policy", detail);
+    (void)snprintf(detail, sizeof detail, "\"jobs\";r=%.0f;t=%.0f", floor(left),
+                   ceil((burst - left) / caller->quota.rate));
+    vor_reply_header(request, "RateLimit", detail);
     if (wait <= 0)
         return true;
     (void)snprintf(detail, sizeof detail,

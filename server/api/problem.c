@@ -38,27 +38,20 @@ static const struct problem_row *find_row(const char *slug, size_t length)
     return NULL;
 }
 
-static void fill_type(const struct vor_app *app, const struct vor_request *request,
-                      const struct problem_row *row, char out[VOR_URL_MAX])
-{
-    char path[96];
-
-    if (row->is_ogc) {
-        (void)snprintf(out, VOR_URL_MAX, OGC "%s", row->slug);
-        return;
-    }
-    (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
-    (void)vor_app_url(app, request, path, out);
-}
-
 static void fill_doc(const struct vor_app *app, const struct vor_request *request,
                      const struct vor_problem *problem, struct vor_problem_room *room,
                      struct vor_problem_doc *doc)
 {
     const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
+    char path[96];
 
     assert(row != NULL);
-    fill_type(app, request, row, room->type);
+    if (row->is_ogc) {
+        (void)snprintf(room->type, sizeof room->type, OGC "%s", row->slug);
+    } else {
+        (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
+        (void)vor_app_url(app, request, path, room->type);
+    }
     if (problem->job_id != NULL)
         (void)snprintf(room->instance, (sizeof room->instance), "/v1/jobs/%s", problem->job_id);
     else

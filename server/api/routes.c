@@ -220,23 +220,6 @@ void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_r
     vor_problem_reply(ctx, request, &problem);
 }
 
-/* A request for /metrics: paths of strangers are all one. */
-static void count(const struct vor_request *request, const char *method, int status)
-{
-    const struct vor_route *route = vor_request_route(request);
-    const char *path = route != NULL ? route->path : "none";
-    const char *problem = vor_request_problem(request);
-    char code[8];
-
-    (void)snprintf(code, sizeof code, "%d", status);
-    vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS(path, method, code));
-    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_request_seconds(request), VOR_LABELS(path));
-    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)vor_request_bytes_in(request), NULL);
-    vor_metric_add(VOR_METRIC_HTTP_BYTES_OUT, (double)vor_request_bytes_out(request), NULL);
-    if (problem != NULL)
-        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(problem));
-}
-
 void vor_route_done(void *ctx, const struct vor_request *request)
 {
     const struct vor_route *route = vor_request_route(request);
@@ -244,12 +227,21 @@ void vor_route_done(void *ctx, const struct vor_request *request)
     enum vor_method method = vor_request_method(request);
     const char *word = method < VOR_METHOD_COUNT ? method_words[method] : "other";
     const char *tenant = vor_request_principal(request)->name;
+    const char *path = route != NULL ? route->path : "none";
     int status = vor_request_status(request);
+    char code[8];
 
     (void)ctx;
     if (vor_request_gone(request) || status == 0)
         status = 499;
-    count(request, word, status);
+    /* For /metrics the paths of strangers are all one. */
+    (void)snprintf(code, sizeof code, "%d", status);
+    vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS(path, word, code));
+    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_request_seconds(request), VOR_LABELS(path));
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)vor_request_bytes_in(request), NULL);
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_OUT, (double)vor_request_bytes_out(request), NULL);
+    if (vor_request_problem(request) != NULL)
+        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(vor_request_problem(request)));
     vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", vor_request_id(request)),
             VOR_TEXT("method", word), VOR_TEXT("route", route != NULL ? route->path : ""),
             VOR_TEXT("path", vor_request_path(request)),

@@ -152,22 +152,13 @@ size_t vor_host_name_length(const char *host)
     return host[0] == '[' ? strcspn(host, "]") + (strchr(host, ']') != NULL) : strcspn(host, ":");
 }
 
-/* What stands behind a host: nothing, or : and a number from 1 to 65535. RFC 9110 lets the number
- * be missing; nobody sends that, and no socket has it. */
-static bool port_is_sound(const char *text)
-{
-    unsigned port;
-
-    return text[0] == '\0' ||
-           (text[0] == ':' && strlen(text) <= 6 && vor_whole_read(&port, text + 1, 1, UINT16_MAX));
-}
-
 bool vor_host_is_sound(const char *host)
 {
     static const char in_names[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._";
     size_t name = vor_host_name_length(host);
     struct vor_address address;
+    unsigned port;
 
     if (name == 0 || strlen(host) > VOR_HOST_MAX)
         return false;
@@ -178,7 +169,10 @@ bool vor_host_is_sound(const char *host)
     } else if (strspn(host, in_names) < name) {
         return false;
     }
-    return port_is_sound(host + name);
+    /* Behind it nothing, or : and a number from 1 to 65535. RFC 9110 lets the number be missing;
+     * nobody sends that, and no socket has it. */
+    return host[name] == '\0' || (host[name] == ':' && strlen(host + name) <= 6 &&
+                                  vor_whole_read(&port, host + name + 1, 1, UINT16_MAX));
 }
 
 /* True when the segment of that length may stand in a path that nobody resolves again. */

@@ -152,16 +152,6 @@ vor_status vor_storage_directory(const char *path, struct vor_error *err)
     return failed ? vor_fail_access(err, failed, path) : VOR_OK;
 }
 
-/* Who wrote the lock file; -1 when it does not say. */
-static long read_holder(int fd)
-{
-    char text[24] = "";
-    ssize_t size = pread(fd, text, sizeof text - 1, 0);
-    long holder = size > 0 ? strtol(text, NULL, 10) : 0;
-
-    return holder > 0 ? holder : -1;
-}
-
 vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
 {
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -188,7 +178,12 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
         return VOR_OK;
     }
     if (errno == EWOULDBLOCK) {
-        *holder = read_holder(file);
+        char text[24] = "";
+        ssize_t size = pread(file, text, sizeof text - 1, 0);
+
+        *holder = size > 0 ? strtol(text, NULL, 10) : 0;
+        if (*holder <= 0)
+            *holder = -1; /* it does not say who wrote it */
         status =
             *holder > 0
                 ? vor_fail(err, VOR_E_IO,

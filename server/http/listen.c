@@ -252,14 +252,19 @@ const char *vor_http_address(const struct vor_http *http)
     return http->address;
 }
 
-/* Takes in whom the system has let in, and then nobody any more. Closing the socket would cut those
- * who wait there, who may have sent their request; it is closed when the library has stopped. */
-static void take_last(const struct vor_http *http)
+void vor_http_quiesce(struct vor_http *http)
 {
     struct sockaddr_storage from;
     socklen_t size = sizeof from;
     int fd;
 
+    atomic_store(&http->quiesced, true);
+    http->fd = vor_mhd->quiesce_daemon(http->daemon);
+    if (http->fd < 0)
+        return;
+    /* Takes in whom the system has let in, and then nobody any more. Closing the socket would cut
+     * those who wait there, who may have sent their request; it is closed when the library has
+     * stopped. */
     (void)listen(http->fd, 0); /* hardly anybody comes in between the two calls at the end */
     while ((fd = accept(http->fd, (struct sockaddr *)&from, &size)) >= 0) {
         (void)fcntl(fd, F_SETFD, FD_CLOEXEC);
@@ -268,14 +273,6 @@ static void take_last(const struct vor_http *http)
         size = sizeof from;
     }
     (void)shutdown(http->fd, SHUT_RD);
-}
-
-void vor_http_quiesce(struct vor_http *http)
-{
-    atomic_store(&http->quiesced, true);
-    http->fd = vor_mhd->quiesce_daemon(http->daemon);
-    if (http->fd >= 0)
-        take_last(http);
 }
 
 unsigned vor_http_busy(const struct vor_http *http)

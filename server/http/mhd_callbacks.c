@@ -111,20 +111,6 @@ static struct MHD_Response *make_response(struct vor_request *request)
     return response;
 }
 
-static void add_fields(struct vor_request *request, struct MHD_Response *response)
-{
-    const struct vor_reply *reply = &request->reply;
-
-    for (unsigned i = 0; i < reply->field_count; i++)
-        (void)vor_mhd->add_response_header(response, reply->fields[i].name, reply->fields[i].value);
-    if (reply->media_type != NULL)
-        (void)vor_mhd->add_response_header(response, "Content-Type", reply->media_type);
-    (void)vor_mhd->add_response_header(response, "X-Request-Id", request->id);
-    (void)vor_mhd->add_response_header(response, "X-Content-Type-Options", "nosniff");
-    if (reply->close || atomic_load(&request->http->quiesced))
-        (void)vor_mhd->add_response_header(response, "Connection", "close");
-}
-
 /* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
 static void apply_conditions(struct vor_request *request)
 {
@@ -147,6 +133,7 @@ static void apply_conditions(struct vor_request *request)
 static enum MHD_Result queue_reply(struct vor_request *request)
 {
     bool early = request->length != 0 && !request->whole;
+    const struct vor_reply *reply = &request->reply;
     struct MHD_Response *response;
     enum MHD_Result result;
 
@@ -159,7 +146,14 @@ static enum MHD_Result queue_reply(struct vor_request *request)
         request->reply.close = true;
         vor_conn_linger(request->conn);
     }
-    add_fields(request, response);
+    for (unsigned i = 0; i < reply->field_count; i++)
+        (void)vor_mhd->add_response_header(response, reply->fields[i].name, reply->fields[i].value);
+    if (reply->media_type != NULL)
+        (void)vor_mhd->add_response_header(response, "Content-Type", reply->media_type);
+    (void)vor_mhd->add_response_header(response, "X-Request-Id", request->id);
+    (void)vor_mhd->add_response_header(response, "X-Content-Type-Options", "nosniff");
+    if (reply->close || atomic_load(&request->http->quiesced))
+        (void)vor_mhd->add_response_header(response, "Connection", "close");
     vor_conn_phase(request->conn, request->reply.kind == VOR_REPLY_STREAM &&
                                           request->reply.size == VOR_LENGTH_UNKNOWN
                                       ? VOR_PHASE_STREAM

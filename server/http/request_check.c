@@ -63,22 +63,6 @@ static bool has_hidden_separator(const char *path, size_t length)
     return false;
 }
 
-static const char *check_target(const char *target)
-{
-    size_t length = strlen(target);
-
-    if (length > VOR_TARGET_MAX)
-        return "the request target is longer than 8192 bytes";
-    if (target[0] != '/')
-        return "the request target does not begin with /";
-    for (size_t i = 0; i < length; i++)
-        if (target[i] <= ' ' || target[i] >= 0x7f || target[i] == '\\' || target[i] == '#')
-            return "the request target holds a byte that must be escaped";
-    if (has_hidden_separator(target, strcspn(target, "?")))
-        return "the path holds one of %00 %2f %5c %2e";
-    return NULL;
-}
-
 /* Bytes of the block as it came, but for blanks around values. */
 static size_t block_length(const struct vor_head *head)
 {
@@ -130,7 +114,7 @@ static const char *check_framing(const struct vor_head *head)
 /* What the request line and the whole block must be. */
 static const char *check_form(const struct vor_head *head)
 {
-    const char *wrong;
+    const char *target = head->target;
 
     if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
         return "the version is neither HTTP/1.1 nor HTTP/1.0";
@@ -139,10 +123,18 @@ static const char *check_form(const struct vor_head *head)
         return "the request target holds NUL";
     if (strcmp(head->version, "HTTP/1.1") == 0 && vor_head_find(head, "Host") == NULL)
         return "HTTP/1.1 without Host";
-    wrong = check_target(head->target);
-    if (wrong == NULL && block_length(head) > VOR_HEADER_MAX)
+    if (strlen(target) > VOR_TARGET_MAX)
+        return "the request target is longer than 8192 bytes";
+    if (target[0] != '/')
+        return "the request target does not begin with /";
+    for (size_t i = 0; target[i] != '\0'; i++)
+        if (target[i] <= ' ' || target[i] >= 0x7f || target[i] == '\\' || target[i] == '#')
+            return "the request target holds a byte that must be escaped";
+    if (has_hidden_separator(target, strcspn(target, "?")))
+        return "the path holds one of %00 %2f %5c %2e";
+    if (block_length(head) > VOR_HEADER_MAX)
         return "the header block is longer than 32768 bytes";
-    return wrong;
+    return NULL;
 }
 
 const char *vor_head_check(const struct vor_head *head, const char **detail)

@@ -316,12 +316,6 @@ int vor_zygote_died(struct vor_zygote *zygote)
     return 1;
 }
 
-static void close_pair(const int pair[2])
-{
-    (void)close(pair[0]);
-    (void)close(pair[1]);
-}
-
 /* Sends the request; the ends of the zygote and the child are closed here. */
 static vor_status ask(const struct vor_zygote *zygote, unsigned kind, const int *fds,
                       unsigned fd_count, int channel, int watch, struct vor_error *err)
@@ -369,7 +363,8 @@ vor_status vor_zygote_spawn(struct vor_child *out, struct vor_zygote *zygote, un
         return status;
     status = vor_channel_pair(watch, err);
     if (status != VOR_OK) {
-        close_pair(channel);
+        (void)close(channel[0]);
+        (void)close(channel[1]);
         return status;
     }
     child = (struct vor_child){.channel = channel[0], .watch = watch[0]};

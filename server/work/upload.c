@@ -90,35 +90,27 @@ vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs, st
     return status;
 }
 
-static vor_status inflate_to(struct vor_blob_writer *out, const struct vor_blob_writer *in,
-                             uint64_t most, const struct vor_codec_place *place,
-                             struct vor_error *err)
-{
-    const struct vor_codec_order order = {
-        .op = VOR_CODEC_INFLATE, .size = vor_blob_size(in), .most = most};
-    const struct vor_sink sink = vor_blob_sink(out);
-    struct vor_codec_facts facts;
-    vor_status status = vor_codec_run(&facts, place, &order, vor_blob_fd(in), &sink, err);
-
-    if (status != VOR_OK)
-        (void)vor_blob_failure(out, err);
-    return status;
-}
-
 vor_status vor_upload_inflate(struct vor_upload *upload, struct vor_blobs *blobs,
                               const struct vor_codec_place *place, uint64_t *most,
                               struct vor_error *err)
 {
+    struct vor_codec_order order = {.op = VOR_CODEC_INFLATE};
     struct vor_blob_writer *inflated = NULL;
+    struct vor_codec_facts facts;
+    struct vor_sink sink;
     vor_status status;
 
     if (!upload->is_gzip)
         return VOR_OK;
+    order.size = vor_blob_size(upload->bytes);
     status = create_file(&inflated, blobs, err);
     if (status != VOR_OK)
         return status;
-    status = inflate_to(inflated, upload->bytes, *most, place, err);
+    order.most = *most;
+    sink = vor_blob_sink(inflated);
+    status = vor_codec_run(&facts, place, &order, vor_blob_fd(upload->bytes), &sink, err);
     if (status != VOR_OK) {
+        (void)vor_blob_failure(inflated, err);
         vor_blob_discard(inflated);
         return status;
     }

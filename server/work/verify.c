@@ -116,13 +116,6 @@ static void run_pass(void *ctx)
     free(pass);
 }
 
-static int is_same(const struct known *a, const struct known *b)
-{
-    return a->device == b->device && a->file == b->file && a->size == b->size &&
-           a->written.tv_sec == b->written.tv_sec && a->written.tv_nsec == b->written.tv_nsec &&
-           strcmp(a->sha256, b->sha256) == 0;
-}
-
 static int is_fresh(const struct known *known)
 {
     double age = vor_clock_seconds() - known->since;
@@ -141,7 +134,11 @@ static struct known *find(struct vor_verify *verify, const struct known *wanted)
     for (int i = 0; i < KNOWN_MAX; i++) {
         struct known *known = &verify->known[i];
 
-        if (known->verdict != VOR_VERDICT_FAILED && is_same(known, wanted))
+        if (known->verdict != VOR_VERDICT_FAILED && known->device == wanted->device &&
+            known->file == wanted->file && known->size == wanted->size &&
+            known->written.tv_sec == wanted->written.tv_sec &&
+            known->written.tv_nsec == wanted->written.tv_nsec &&
+            strcmp(known->sha256, wanted->sha256) == 0)
             return known;
         if (known->verdict == VOR_VERDICT_WAIT)
             continue;

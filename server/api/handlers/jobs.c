@@ -162,21 +162,6 @@ static enum vor_next begin_slice(struct listing *list)
                : vor_outcome_reply(list->app, list->request, outcome, &list->error, NULL);
 }
 
-/* False when the page is full, or there are no more jobs. */
-static bool write_slice(struct listing *list)
-{
-    for (size_t i = 0; i < list->count; i++) {
-        if (list->left == 0) {
-            list->more = true;
-            return false;
-        }
-        list->left--;
-        list->filter.before_seq = list->rows[i].seq;
-        vor_job_write(list->app, list->request, &list->rows[i], &list->text);
-    }
-    return list->count == list->filter.limit;
-}
-
 /* Writes a link to /v1/jobs with the query of this request and another cursor. */
 static void put_list_link(struct listing *list, const char *rel, const char *cursor)
 {
@@ -266,5 +251,14 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
         return vor_problem_or_wait(ctx, request);
     if (list->status != VOR_OK)
         return vor_problem_error(ctx, request, &list->error, NULL);
-    return write_slice(list) ? begin_slice(list) : reply_list(list);
+    for (size_t i = 0; i < list->count; i++) {
+        if (list->left == 0) {
+            list->more = true;
+            return reply_list(list);
+        }
+        list->left--;
+        list->filter.before_seq = list->rows[i].seq;
+        vor_job_write(list->app, list->request, &list->rows[i], &list->text);
+    }
+    return list->count == list->filter.limit ? begin_slice(list) : reply_list(list);
 }

@@ -98,26 +98,6 @@ static vor_status read_pairs(struct vor_request *request, struct vor_submit_head
     return VOR_OK;
 }
 
-static void take_range(struct acceptance *accept, const struct vor_accept_range *range)
-{
-    const char *type = range->type;
-    const struct vor_format *format = vor_format_by_media_type(type);
-
-    if (range->quality <= 0 || type[0] == '\0')
-        return;
-    accept->stream = accept->stream || strcasecmp(type, "text/event-stream") == 0;
-    accept->json = accept->json || strcasecmp(type, "application/json") == 0;
-    accept->any = accept->any || strcasecmp(type, "*/*") == 0 ||
-                  strcasecmp(type, "application/*") == 0 ||
-                  strcasecmp(type, "application/octet-stream") == 0;
-    if (format == NULL || range->quality <= accept->quality)
-        return;
-    accept->quality = range->quality;
-    for (unsigned i = 0; vor_format(i) != NULL; i++)
-        if (vor_format(i) == format)
-            accept->format = i;
-}
-
 static void read_accept(struct vor_request *request, struct acceptance *accept)
 {
     struct vor_accept_walk walk = {NULL};
@@ -125,8 +105,23 @@ static void read_accept(struct vor_request *request, struct acceptance *accept)
 
     *accept = (struct acceptance){0};
     while (vor_accept_next(request, &walk, &range)) {
+        const char *type = range.type;
+        const struct vor_format *format = vor_format_by_media_type(type);
+
         accept->given = true;
-        take_range(accept, &range);
+        if (range.quality <= 0 || type[0] == '\0')
+            continue;
+        accept->stream = accept->stream || strcasecmp(type, "text/event-stream") == 0;
+        accept->json = accept->json || strcasecmp(type, "application/json") == 0;
+        accept->any = accept->any || strcasecmp(type, "*/*") == 0 ||
+                      strcasecmp(type, "application/*") == 0 ||
+                      strcasecmp(type, "application/octet-stream") == 0;
+        if (format == NULL || range.quality <= accept->quality)
+            continue;
+        accept->quality = range.quality;
+        for (unsigned i = 0; vor_format(i) != NULL; i++)
+            if (vor_format(i) == format)
+                accept->format = i;
     }
 }
 
@@ -136,29 +131,23 @@ static bool accepts_all(const struct acceptance *accept)
     return !accept->given || accept->any || accept->stream;
 }
 
-/* The format that the request names must be one that Accept takes, unless the answer is a stream or
- * the address of the job. */
-static bool check_format(struct vor_app *app, struct vor_request *request,
-                         const struct acceptance *accept, const struct vor_submit_head *out)
-{
-    const struct vor_format *format = vor_format((unsigned)out->spec.value[VOR_PARAM_FORMAT]);
-
-    if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
-        vor_accept_takes(request, format->media_type))
-        return true;
-    vor_problem_say(app, request, "not-acceptable",
-                    "format is %s, but the Accept header does "
-                    "not allow %s",
-                    format->name, format->media_type);
-    return false;
-}
-
 /* The parameter decides, then Accept; what neither decides is the input's format. */
 static bool choose_format(struct vor_app *app, struct vor_request *request,
                           const struct acceptance *accept, struct vor_submit_head *out)
 {
-    if (vor_spec_given(&out->spec, VOR_PARAM_FORMAT))
-        return check_format(app, request, accept, out);
+    const struct vor_format *named = vor_format((unsigned)out->spec.value[VOR_PARAM_FORMAT]);
+
+    /* A format that the request names must be one that Accept takes, unless the answer is a stream
+     * or the address of the job. */
+    if (vor_spec_given(&out->spec, VOR_PARAM_FORMAT)) {
+        if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
+            vor_accept_takes(request, named->media_type))
+            return true;
+        vor_problem_say(app, request, "not-acceptable",
+                        "format is %s, but the Accept header does not allow %s", named->name,
+                        named->media_type);
+        return false;
+    }
     if (accept->quality > 0) {
         out->spec.value[VOR_PARAM_FORMAT] = accept->format;
         return true;

@@ -11,22 +11,6 @@
 
 enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
 
-static vor_status take_name(struct vor_submit_options *out, const char *value,
-                            struct vor_error *err)
-{
-    long count = vor_utf8_count(value);
-    char quoted[SHOWN_SIZE];
-
-    if (count < 1 || count > VOR_JOB_NAME_CHARACTERS)
-        return vor_fail_param(err, VOR_E_PARAM, "name",
-                              "name is \"%s\", want 1 to %d characters of UTF-8 without control "
-                              "characters",
-                              vor_quote(quoted, sizeof quoted, value, strlen(value)),
-                              VOR_JOB_NAME_CHARACTERS);
-    memcpy(out->name, value, strlen(value) + 1);
-    return VOR_OK;
-}
-
 static vor_status take_job(struct vor_uuid *out, const char *name, const char *value,
                            struct vor_error *err)
 {
@@ -45,11 +29,23 @@ vor_status vor_submit_options_take(struct vor_submit_options *out,
                                    const struct vor_process_info *process, const char *name,
                                    const char *value, int *taken, struct vor_error *err)
 {
+    char quoted[SHOWN_SIZE];
+    long count;
+
     *taken = vor_submit_options_has(process, name);
     if (!*taken)
         return VOR_OK;
-    if (strcmp(name, "name") == 0)
-        return take_name(out, value, err);
+    if (strcmp(name, "name") == 0) {
+        count = vor_utf8_count(value);
+        if (count < 1 || count > VOR_JOB_NAME_CHARACTERS)
+            return vor_fail_param(err, VOR_E_PARAM, name,
+                                  "name is \"%s\", want 1 to %d characters of UTF-8 without "
+                                  "control characters",
+                                  vor_quote(quoted, sizeof quoted, value, strlen(value)),
+                                  VOR_JOB_NAME_CHARACTERS);
+        memcpy(out->name, value, strlen(value) + 1);
+        return VOR_OK;
+    }
     return take_job(strcmp(name, "input") == 0 ? &out->input : &out->previous, name, value, err);
 }
 
