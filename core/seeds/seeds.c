@@ -97,7 +97,7 @@ void vor_seeds_free(struct vor_seeds *seeds)
     vor_point_lists_free(&seeds->point_lists);
     vor_input_lists_free(&seeds->input_lists);
     vor_free(memory, seeds->foot);
-    VOR_FREE_ALL(memory, seeds->last_fit, seeds->track, seeds->normal, seeds->xyz);
+    VOR_FREE_ALL(memory, seeds->kept, seeds->last_fit, seeds->track, seeds->normal, seeds->xyz);
     memset(seeds, 0, sizeof *seeds);
 }
 

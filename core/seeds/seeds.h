@@ -79,6 +79,8 @@ struct vor_seeds_policy {
     enum vor_near near_input; /**< when points do not stray from the input (vor_attach_near) */
 };
 
+struct vor_kept_foot;
+
 /** n points on the domain, in its normalised coordinates. */
 struct vor_seeds {
     const struct vor_domain *domain; /**< surfaces are fitted to it: the whole, or a thinned one */
@@ -113,6 +115,7 @@ struct vor_seeds {
     double area; /**< of the surface in squared normalised units, as the start estimated it */
     struct vor_disc flat, disc, fine; /**< patches, from flat to strongly bent */
     struct vor_scratch *scratch;      /**< one for each thread of the pool */
+    struct vor_kept_foot *kept; /**< what vor_attach_near finds (attach.c); NULL: nothing is kept */
 };
 
 /** Makes n >= 1 seeds with unset positions. A fit takes as many points as domain->known says, at
