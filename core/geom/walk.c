@@ -36,20 +36,6 @@ static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l
     return across * across <= walk->arc * walk->arc * middle2 * l2 ? sqrt(l2) : INFINITY;
 }
 
-/* The point with the shortest way of those that are not settled; most: none can be reached. */
-static unsigned nearest(const struct vor_walk *walk)
-{
-    unsigned next = walk->most;
-    double least = INFINITY;
-
-    for (unsigned j = 0; j < walk->most; j++)
-        if (!walk->done[j] && walk->far[j] < least) {
-            least = walk->far[j];
-            next = j;
-        }
-    return next;
-}
-
 VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
                                    double d2[VOR_WALK_MOST])
 {
@@ -67,25 +53,42 @@ void vor_walk_go(struct vor_walk *walk)
 {
     double reach2 = REACH * REACH * M_PI * (double)walk->distance2[walk->most - 1] / walk->most;
     double l2[VOR_WALK_MOST] = {0};
-    unsigned next, sure = 0, found = 0;
+    unsigned open[VOR_WALK_MOST], left = walk->most; /* points that are not settled, in order */
+    unsigned next = 0, sure = 0, found = 0;
 
     memset(walk->done, 0, sizeof walk->done);
     memset(walk->reached, 0, sizeof walk->reached);
     for (unsigned j = 0; j < walk->most; j++) {
         walk->far[j] = j == 0 ? 0 : INFINITY;
         walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
+        open[j] = j;
     }
-    while (next = nearest(walk), next < walk->most) {
+    while (next < walk->most) {
+        unsigned from = next, stay = 0;
+        double least = INFINITY;
+
         /* Ways only get longer: what is known of the first `sure` points stays. */
-        while (sure < walk->most && (walk->done[sure] || walk->far[next] > walk->limit[sure]))
+        while (sure < walk->most && (walk->done[sure] || walk->far[from] > walk->limit[sure]))
             found += walk->reached[sure++];
         if (found >= walk->enough)
             return;
-        vor_walk_distances(walk, next, l2);
-        walk->done[next] = 1;
-        walk->reached[next] = walk->far[next] <= walk->limit[next];
-        for (unsigned j = 0; j < walk->most; j++)
-            if (!walk->done[j] && l2[j] <= reach2)
-                walk->far[j] = fmin(walk->far[j], walk->far[next] + edge(walk, next, j, l2[j]));
+        vor_walk_distances(walk, from, l2);
+        walk->done[from] = 1;
+        walk->reached[from] = walk->far[from] <= walk->limit[from];
+        next = walk->most;
+        for (unsigned i = 0; i < left; i++) {
+            unsigned j = open[i];
+
+            if (j == from)
+                continue;
+            open[stay++] = j;
+            if (l2[j] <= reach2)
+                walk->far[j] = fmin(walk->far[j], walk->far[from] + edge(walk, from, j, l2[j]));
+            if (walk->far[j] < least) {
+                least = walk->far[j];
+                next = j;
+            }
+        }
+        left = stay;
     }
 }

@@ -443,7 +443,8 @@ static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     double n = (double)domain->n, places = n < PLACES ? n : PLACES;
     struct seen seen[PLACES] = {{.of = 0}};
 
-    for (size_t place = begin; place < end; place++)
+    for (size_t place = begin; place < end && atomic_load(&probe->found) < PROBE_SHARE * places;
+         place++)
         if (shows_sheets(domain, (uint32_t)(((double)place + 0.5) / places * n), seen))
             atomic_fetch_add(&probe->found, 1);
 }
