@@ -300,11 +300,13 @@ int vor_boundary_outside(const struct vor_border *border, double spacings, const
 int vor_boundary_leaves(const struct vor_border *border, double spacings, const double from[3],
                         const double to[3])
 {
+    struct vor_border there = *border;
     unsigned which = 0;
 
-    return vor_boundary_outside(border, spacings, to) &&
-           nearest2(border->near, border->k, to, &which) >
-               nearest2(border->near, border->k, from, &which);
+    if (nearest2(there.near, there.k, to, &which) <= nearest2(there.near, there.k, from, &which))
+        return 0;
+    there.spacing = fmin(there.spacing, vor_boundary_spacing(there.near, there.k, to));
+    return vor_boundary_outside(&there, spacings, to);
 }
 
 int vor_boundary_restrict(const struct vor_border *border, double spacings, double x[3])

@@ -246,7 +246,8 @@ int vor_boundary_beyond(const struct vor_surface *surface, const float *near, un
 int vor_boundary_outside(const struct vor_border *border, double spacings, const double x[3]);
 
 /** OUTSIDE. True when a point that moves from the place that border is about to another one nearby
- *  ends outside, and farther from the input than it began. O(k). */
+ *  ends farther from the input than it began, and outside, by the spacing of the border or of the
+ *  input around that place, the smaller. O(k). */
 int vor_boundary_leaves(const struct vor_border *border, double spacings, const double from[3],
                         const double to[3]);
 

@@ -191,7 +191,6 @@ static int leaves(const struct vor_seeds *seeds, struct vor_scratch *scratch, si
         return 0;
     vor_seeds_position(seeds, i, from);
     memcpy(to, x, sizeof to);
-    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, x));
     return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, from, x) ||
            (how->keep_holes && vor_seeds_hold(seeds, scratch, i, to));
 }

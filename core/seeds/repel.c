@@ -292,13 +292,11 @@ static int leaves_input(const struct vor_seeds *seeds, const struct vor_scratch 
                         const double x[3], const double y[3])
 {
     const struct vor_place *here = &scratch->here;
-    struct vor_border border = {&here->surface, here->near, here->k, here->surface.spacing};
+    struct vor_border border = {&here->surface, here->near, here->k,
+                                fmin(here->surface.spacing, seeds->domain->sparse)};
 
-    if (scratch->interior || !seeds->policy.keep_border)
-        return 0;
-    border.spacing = fmin(border.spacing, vor_boundary_spacing(here->near, here->k, y));
-    border.spacing = fmin(border.spacing, seeds->domain->sparse);
-    return vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
+    return !scratch->interior && seeds->policy.keep_border &&
+           vor_boundary_leaves(&border, VOR_OUTSIDE_EVENING, x, y);
 }
 
 static void step_to(struct polish *polish, size_t i, const double x[3], const double y[3])
