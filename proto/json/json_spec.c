@@ -318,8 +318,8 @@ static vor_status set_other(struct vor_spec *spec, const struct vor_json *member
     return vor_spec_refuse(spec, vor_json_name(member), vor_json_kind_word(member), err);
 }
 
-static vor_status set_member(struct vor_spec *spec, const struct vor_json *member,
-                             struct vor_error *err)
+vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
+                              char pointer[VOR_JSON_POINTER_MAX], struct vor_error *err)
 {
     static vor_status (*const sets[])(struct vor_spec *, const struct vor_json *,
                                       struct vor_error *) = {
@@ -327,13 +327,6 @@ static vor_status set_member(struct vor_spec *spec, const struct vor_json *membe
         [VOR_JSON_NUMBER] = set_number, [VOR_JSON_STRING] = set_string,
         [VOR_JSON_ARRAY] = set_array,   [VOR_JSON_OBJECT] = set_other,
     };
-
-    return sets[vor_json_kind(member)](spec, member, err);
-}
-
-vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *object,
-                              char pointer[VOR_JSON_POINTER_MAX], struct vor_error *err)
-{
     struct vor_spec next = *spec;
 
     pointer[0] = '\0';
@@ -341,7 +334,7 @@ vor_status vor_json_spec_read(struct vor_spec *spec, const struct vor_json *obje
         return vor_fail(err, VOR_E_PARAM, "the parameters are %s, want an object",
                         vor_json_kind_word(object));
     for (const struct vor_json *m = vor_json_first(object); m != NULL; m = vor_json_next(m)) {
-        vor_status status = set_member(&next, m, err);
+        vor_status status = sets[vor_json_kind(m)](&next, m, err);
 
         if (status != VOR_OK) {
             write_pointer(pointer, vor_json_name(m));

@@ -207,28 +207,20 @@ static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned proper
     return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
 }
 
-static vor_status read_row(struct vor_ply_body *body, const struct vor_ply_rows *rows, size_t row,
-                           struct vor_error *err)
-{
-    if (!next_row(body))
-        return too_short(body, row, err);
-    for (unsigned k = 0; k < rows->column_count; k++) {
-        const struct vor_ply_column *column = &rows->columns[k];
-        vor_status status = column->property->list ? skip_list(body, column, row, err)
-                                                   : read_scalar(body, column, row, err);
-
-        if (status != VOR_OK)
-            return status;
-    }
-    return end_row(body, row, rows->column_count, err);
-}
-
 vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,
                               struct vor_error *err)
 {
     for (size_t i = 0; i < rows->n; i++) {
-        vor_status status = read_row(body, rows, i, err);
+        vor_status status = next_row(body) ? VOR_OK : too_short(body, i, err);
 
+        for (unsigned k = 0; status == VOR_OK && k < rows->column_count; k++) {
+            const struct vor_ply_column *column = &rows->columns[k];
+
+            status = column->property->list ? skip_list(body, column, i, err)
+                                            : read_scalar(body, column, i, err);
+        }
+        if (status == VOR_OK)
+            status = end_row(body, i, rows->column_count, err);
         if (status != VOR_OK)
             return status;
     }

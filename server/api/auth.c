@@ -22,19 +22,6 @@ const char *vor_auth_tenant(const struct vor_request *request)
     return caller->sees_all ? NULL : caller->name;
 }
 
-/* The key behind "Bearer" (RFC 6750, 2.1), whose letters may be of any case; NULL when there is
- * none. */
-static const char *bearer_of(const struct vor_request *request)
-{
-    static const char scheme[] = "bearer ";
-    const char *value = vor_request_header(request, "Authorization");
-
-    if (value == NULL || strncasecmp(value, scheme, sizeof scheme - 1) != 0)
-        return NULL;
-    value += sizeof scheme - 1;
-    return value + strspn(value, " ");
-}
-
 static bool refuse(struct vor_app *app, struct vor_request *request, const char *challenge,
                    const char *detail)
 {
@@ -89,7 +76,8 @@ static bool has_ticket(const struct vor_app *app, const struct vor_request *requ
 
 bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope)
 {
-    const char *key = bearer_of(request);
+    static const char scheme[] = "bearer ";
+    const char *value = vor_request_header(request, "Authorization"), *key = NULL;
     const char *ticket = vor_request_query(request, "ticket");
     struct vor_principal caller;
 
@@ -97,6 +85,9 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
         vor_request_set_principal(request, &vor_principal_anybody);
         return true;
     }
+    /* The key behind "Bearer" (RFC 6750, 2.1), whose letters may be of any case. */
+    if (value != NULL && strncasecmp(value, scheme, sizeof scheme - 1) == 0)
+        key = value + sizeof scheme - 1 + strspn(value + sizeof scheme - 1, " ");
     if (key == NULL)
         key = vor_request_header(request, "X-API-Key");
     if (key == NULL && ticket == NULL)

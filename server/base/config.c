@@ -303,17 +303,6 @@ static vor_status check_hosts(struct vor_config *config, struct vor_error *err)
     return VOR_OK;
 }
 
-/* The setting by which others than users of this machine may call; VOR_SETTING_COUNT when there is
- * none. A proxy calls from this machine as well, so behind one nobody is told apart by address. */
-static enum vor_setting widened_by(const struct vor_config *config)
-{
-    if (!config->endpoint.loopback)
-        return VOR_SET_LISTEN;
-    if (config->trusted.count > 0)
-        return VOR_SET_TRUSTED_PROXY;
-    return config->text[VOR_SET_PUBLIC_URL][0] != '\0' ? VOR_SET_PUBLIC_URL : VOR_SETTING_COUNT;
-}
-
 /* Who shares no store with others has to do everything. */
 static vor_status check_role(struct vor_config *config, struct vor_error *err)
 {
@@ -330,7 +319,12 @@ static vor_status check_role(struct vor_config *config, struct vor_error *err)
 
 static vor_status check_callers(const struct vor_config *config, struct vor_error *err)
 {
-    enum vor_setting by = widened_by(config);
+    /* The setting by which others than users of this machine may call. A proxy calls from this
+     * machine as well, so behind one nobody is told apart by address. */
+    enum vor_setting by = !config->endpoint.loopback                    ? VOR_SET_LISTEN
+                          : config->trusted.count > 0                   ? VOR_SET_TRUSTED_PROXY
+                          : config->text[VOR_SET_PUBLIC_URL][0] != '\0' ? VOR_SET_PUBLIC_URL
+                                                                        : VOR_SETTING_COUNT;
     bool has_keys = config->text[VOR_SET_API_KEYS][0] != '\0';
     bool is_free = config->number[VOR_SET_NO_AUTH] != 0;
 

@@ -7,20 +7,6 @@
 
 enum { PORT_MAX = 65535 };
 
-static vor_status parse_path(struct vor_endpoint *out, const char *flag, const char *path,
-                             struct vor_error *err)
-{
-    if (path[0] != '/' || strlen(path) >= sizeof out->path)
-        return vor_fail_param(err, VOR_E_PARAM, flag,
-                              "--%s is \"unix:%.120s\", want unix:/PATH with a path of at most %d "
-                              "bytes",
-                              flag, path, VOR_SOCKET_PATH_MAX - 1);
-    memcpy(out->path, path, strlen(path) + 1);
-    memcpy(out->host, "localhost", sizeof "localhost");
-    out->loopback = 1;
-    return VOR_OK;
-}
-
 vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const char *text,
                               struct vor_error *err)
 {
@@ -28,8 +14,17 @@ vor_status vor_endpoint_parse(struct vor_endpoint *out, const char *flag, const 
     size_t length = colon != NULL ? (size_t)(colon - text) : 0;
 
     memset(out, 0, sizeof *out);
-    if (strncmp(text, "unix:", 5) == 0)
-        return parse_path(out, flag, text + 5, err);
+    if (strncmp(text, "unix:", 5) == 0) {
+        if (text[5] != '/' || strlen(text + 5) >= sizeof out->path)
+            return vor_fail_param(err, VOR_E_PARAM, flag,
+                                  "--%s is \"unix:%.120s\", want unix:/PATH with a path of at most "
+                                  "%d bytes",
+                                  flag, text + 5, VOR_SOCKET_PATH_MAX - 1);
+        memcpy(out->path, text + 5, strlen(text + 5) + 1);
+        memcpy(out->host, "localhost", sizeof "localhost");
+        out->loopback = 1;
+        return VOR_OK;
+    }
     if (length == 0 || length >= sizeof out->host ||
         !vor_whole_read(&out->port, colon + 1, 0, PORT_MAX))
         return vor_fail_param(err, VOR_E_PARAM, flag,

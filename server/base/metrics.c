@@ -60,18 +60,6 @@ static _Atomic(struct series *) table[SERIES_MAX];
 
 /* --- finding ---------------------------------------------------------------------------------- */
 
-static void fill_key(struct series *key, enum vor_metric metric, const char *const *labels)
-{
-    memset(key, 0, sizeof *key);
-    key->metric = metric;
-    for (unsigned i = 0; labels != NULL && labels[i] != NULL; i++) {
-        size_t size = strlen(labels[i]);
-
-        assert(i < VOR_LABELS_MAX);
-        memcpy(key->label[i], labels[i], size < VOR_LABEL_MAX ? size : VOR_LABEL_MAX - 1);
-    }
-}
-
 /* FNV-1a. */
 static uint32_t hash(const struct series *key)
 {
@@ -91,7 +79,14 @@ static struct series *find(enum vor_metric metric, const char *const *labels)
     struct series key, *made = NULL;
     uint32_t at;
 
-    fill_key(&key, metric, labels);
+    memset(&key, 0, sizeof key);
+    key.metric = metric;
+    for (unsigned i = 0; labels != NULL && labels[i] != NULL; i++) {
+        size_t size = strlen(labels[i]);
+
+        assert(i < VOR_LABELS_MAX);
+        memcpy(key.label[i], labels[i], size < VOR_LABEL_MAX ? size : VOR_LABEL_MAX - 1);
+    }
     at = hash(&key);
     for (unsigned tries = 0; tries < SERIES_MAX; tries++, at++) {
         struct series *found = atomic_load(&table[at % SERIES_MAX]);

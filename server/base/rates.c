@@ -68,20 +68,6 @@ static struct bucket *find(struct vor_rates *rates, const char *name, double now
     return found;
 }
 
-static struct bucket *add(struct vor_rates *rates, const char *name, double now)
-{
-    struct bucket *bucket = calloc(1, sizeof *bucket);
-
-    if (bucket == NULL)
-        return NULL;
-    (void)snprintf(bucket->name, sizeof bucket->name, "%s", name);
-    bucket->tokens = INFINITY; /* as many as it holds */
-    bucket->at = now;
-    bucket->next = rates->first;
-    rates->first = bucket;
-    return bucket;
-}
-
 double vor_rates_burst(double rate)
 {
     return fmax(1, burst_seconds * rate);
@@ -107,8 +93,16 @@ double vor_rates_take(struct vor_rates *rates, const char *name, double rate, do
 
     (void)pthread_mutex_lock(&rates->mutex);
     bucket = find(rates, name, now);
-    if (bucket == NULL)
-        bucket = add(rates, name, now);
+    if (bucket == NULL) {
+        bucket = calloc(1, sizeof *bucket);
+        if (bucket != NULL) {
+            (void)snprintf(bucket->name, sizeof bucket->name, "%s", name);
+            bucket->tokens = INFINITY; /* as many as it holds */
+            bucket->at = now;
+            bucket->next = rates->first;
+            rates->first = bucket;
+        }
+    }
     if (bucket != NULL) {
         bucket->rate = rate;
         bucket->holds = vor_rates_burst(rate);

@@ -20,23 +20,16 @@ static int take(char *out, const char *text, size_t size, int may_be_zero)
 }
 
 /* "00-" 32 digits "-" 16 digits "-" 2 digits. */
-static int read_fields(struct vor_span *out, const char *text)
-{
-    char version[3];
-    int known;
-
-    if (strlen(text) < VOR_TRACEPARENT_SIZE - 1 || !take(version, text, 2, 1))
-        return 0;
-    known = strcmp(version, "00") == 0;
-    return strcmp(version, "ff") != 0 && text[2] == '-' &&
-           take(out->trace, text + 3, TRACE_DIGITS, 0) && text[35] == '-' &&
-           take(out->id, text + 36, SPAN_DIGITS, 0) && text[52] == '-' &&
-           take(out->flags, text + 53, 2, 1) && (text[55] == '\0' || (!known && text[55] == '-'));
-}
-
 int vor_span_parse(struct vor_span *out, const char *text)
 {
-    if (read_fields(out, text))
+    char version[3];
+
+    if (strlen(text) >= VOR_TRACEPARENT_SIZE - 1 && take(version, text, 2, 1) &&
+        strcmp(version, "ff") != 0 && text[2] == '-' &&
+        take(out->trace, text + 3, TRACE_DIGITS, 0) && text[35] == '-' &&
+        take(out->id, text + 36, SPAN_DIGITS, 0) && text[52] == '-' &&
+        take(out->flags, text + 53, 2, 1) &&
+        (text[55] == '\0' || (strcmp(version, "00") != 0 && text[55] == '-')))
         return 1;
     memset(out, 0, sizeof *out);
     return 0;

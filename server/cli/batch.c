@@ -154,22 +154,6 @@ static vor_status check_names(const struct result *results, int count, struct vo
     return status;
 }
 
-/* Says whose lines follow. */
-static void print_names(const struct result *result)
-{
-    struct vor_text text;
-
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
-    vor_json_put_string(&text, "input", result->input);
-    vor_json_put_string(&text, "output", result->output);
-    vor_json_end_object(&text);
-    if (!text.failed)
-        (void)puts(text.data);
-    (void)fflush(stdout);
-    vor_text_free(&text);
-}
-
 /* What a batch is about. */
 struct batch {
     const struct vor_cli *cli;
@@ -190,6 +174,7 @@ static const char *previous_of(const struct batch *batch, int index)
 /* A process without a report has no summary: its results get one here. */
 static int run_one(const void *ctx, int index)
 {
+    struct vor_text text;
     const struct batch *batch = ctx;
     struct result *result = &batch->results[index];
     struct vor_cli one = *batch->cli;
@@ -206,27 +191,22 @@ static int run_one(const void *ctx, int index)
     one.option[VOR_OPTION_OUTPUT] = result->output;
     if (result->replace)
         one.option[VOR_OPTION_FORCE] = "";
-    if (one.option[VOR_OPTION_JSON] != NULL)
-        print_names(result);
+    if (one.option[VOR_OPTION_JSON] != NULL) { /* says whose lines follow */
+        vor_text_init(&text, 0);
+        vor_json_begin_object(&text);
+        vor_json_put_string(&text, "input", result->input);
+        vor_json_put_string(&text, "output", result->output);
+        vor_json_end_object(&text);
+        if (!text.failed)
+            (void)puts(text.data);
+        (void)fflush(stdout);
+        vor_text_free(&text);
+    }
     code = batch->run(&one);
     result->is_done = code == VOR_EXIT_OK;
     if (code == VOR_EXIT_OK && !is_quiet)
         vor_cli_say(result->output, "written");
     return code;
-}
-
-/* What may not be written is told before any work; what may is not asked about again. */
-static vor_status check_overwrites(struct batch *batch, struct vor_error *err)
-{
-    struct vor_error why;
-
-    for (int i = 0; i < batch->cli->operand_count; i++) {
-        struct result *result = &batch->results[i];
-
-        if (vor_overwrite_check(batch->cli, result->output, &result->replace, &why) != VOR_OK)
-            return vor_fail(err, why.status, "%.300s: %.300s", result->output, why.message);
-    }
-    return VOR_OK;
 }
 
 int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli))
@@ -245,8 +225,14 @@ int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cl
     status = name_results(batch.results, cli, &err);
     if (status == VOR_OK)
         status = check_names(batch.results, cli->operand_count, &err);
-    if (status == VOR_OK)
-        status = check_overwrites(&batch, &err);
+    /* What may not be written is told before any work; what may is not asked about again. */
+    for (int i = 0; i < cli->operand_count && status == VOR_OK; i++) {
+        struct result *result = &batch.results[i];
+        struct vor_error why;
+
+        if (vor_overwrite_check(cli, result->output, &result->replace, &why) != VOR_OK)
+            status = vor_fail(&err, why.status, "%.300s: %.300s", result->output, why.message);
+    }
     if (status == VOR_OK)
         status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
     if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&

@@ -116,18 +116,6 @@ static struct vor_command command_of(const struct vor_process_info *process)
                                 1,           INT_MAX,        process,           run_process};
 }
 
-/* submit PROCESS: the parameters are those of the process. */
-static void choose_submit(struct chosen *out, const struct vor_process_info *process)
-{
-    out->command = others[SUBMIT];
-    (void)snprintf(out->name, sizeof out->name, "submit %s", process->id);
-    out->command.name = out->name;
-    out->command.operands = FILES;
-    out->command.process = process;
-    out->command.run = vor_cli_submit;
-    out->words = 2;
-}
-
 static void refuse_name(const char *name, int may_be_topic)
 {
     static const char *const more[] = {"help", "version"};
@@ -164,7 +152,14 @@ static int find(struct chosen *out, const char *name, const char *next)
         return 1;
     }
     if (strcmp(name, others[SUBMIT].name) == 0 && submitted != NULL && submitted->on_http) {
-        choose_submit(out, submitted);
+        /* Its parameters are those of the process. */
+        out->command = others[SUBMIT];
+        (void)snprintf(out->name, sizeof out->name, "submit %s", submitted->id);
+        out->command.name = out->name;
+        out->command.operands = FILES;
+        out->command.process = submitted;
+        out->command.run = vor_cli_submit;
+        out->words = 2;
         return 1;
     }
     for (int i = 0; i < OTHERS; i++)

@@ -163,28 +163,11 @@ static int fetch_result(struct fetch *fetch, const struct vor_json *member)
     return code;
 }
 
-static int no_result(const struct vor_follow *follow, const struct vor_json *list,
-                     const char *wanted)
-{
-    char quoted[NAME_MAX_BYTES];
-    struct vor_text line;
-    const char *before = "";
-
-    vor_text_init(&line, 0);
-    vor_text_printf(&line, "no result %s, want ",
-                    vor_quote(quoted, sizeof quoted, wanted, strlen(wanted)));
-    for (const struct vor_json *m = vor_json_first(list); m != NULL; m = vor_json_next(m)) {
-        vor_text_printf(&line, "%s%s", before, vor_json_name(m));
-        before = " or ";
-    }
-    vor_cli_say(follow->subject, line.data != NULL ? line.data : "no such result");
-    vor_text_free(&line);
-    return VOR_EXIT_USAGE;
-}
-
 /* Fetches what is wanted of the results that the job has, the main one first. */
 static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
 {
+    char quoted[NAME_MAX_BYTES];
+    struct vor_text line;
     const struct vor_follow *follow = &fetch->follow;
     const char *wanted = follow->cli->option[VOR_OPTION_RESULT];
     int is_all = wanted == NULL && vor_cli_into_folder(follow->cli), code = VOR_EXIT_OK;
@@ -193,8 +176,17 @@ static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
         vor_cli_say(follow->subject, "the server lists no results");
         return VOR_EXIT_FAILED;
     }
-    if (wanted != NULL && vor_json_get(list, wanted) == NULL)
-        return no_result(follow, list, wanted);
+    if (wanted != NULL && vor_json_get(list, wanted) == NULL) {
+        vor_text_init(&line, 0);
+        vor_text_printf(&line, "no result %s, want ",
+                        vor_quote(quoted, sizeof quoted, wanted, strlen(wanted)));
+        for (const struct vor_json *m = vor_json_first(list); m != NULL; m = vor_json_next(m))
+            vor_text_printf(&line, "%s%s", m != vor_json_first(list) ? " or " : "",
+                            vor_json_name(m));
+        vor_cli_say(follow->subject, line.data != NULL ? line.data : "no such result");
+        vor_text_free(&line);
+        return VOR_EXIT_USAGE;
+    }
     for (const struct vor_json *m = vor_json_first(list); m != NULL && code == VOR_EXIT_OK;
          m = vor_json_next(m)) {
         if (wanted != NULL && strcmp(wanted, vor_json_name(m)) != 0)

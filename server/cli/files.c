@@ -259,20 +259,15 @@ static const char *find_input(const struct vor_cli *cli, const struct stat *outp
     return NULL;
 }
 
-static int reads_stdin(const struct vor_cli *cli)
-{
-    for (int i = 0; i < VOR_INPUTS_MAX; i++)
-        if (cli->input[i] != NULL && strcmp(cli->input[i], "-") == 0)
-            return 1;
-    return 0;
-}
-
 /* Whether --force is not needed: the user says yes at the terminal. */
 static int is_allowed(const struct vor_cli *cli, const char *path)
 {
     char answer[16];
 
-    if (reads_stdin(cli) || !isatty(STDIN_FILENO) || !isatty(STDERR_FILENO))
+    for (int i = 0; i < VOR_INPUTS_MAX; i++)
+        if (cli->input[i] != NULL && strcmp(cli->input[i], "-") == 0)
+            return 0;
+    if (!isatty(STDIN_FILENO) || !isatty(STDERR_FILENO))
         return 0;
     vor_cli_ask(path, "the file exists. Overwrite it? [y/N] ");
     if (fgets(answer, sizeof answer, stdin) != NULL)

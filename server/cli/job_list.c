@@ -70,32 +70,27 @@ static void match(void *ctx, const struct vor_json *job)
     found->count++;
 }
 
-static int refuse_several(const struct found *found)
-{
-    char line[SHOWN_MAX * sizeof found->id[0].text + 128];
-    unsigned shown = found->count < SHOWN_MAX ? found->count : SHOWN_MAX;
-    int at = snprintf(line, sizeof line, "%u jobs begin with this:", found->count);
-
-    for (unsigned i = 0; i < shown; i++)
-        at += snprintf(line + at, sizeof line - (size_t)at, "%s %s", i > 0 ? "," : "",
-                       found->id[i].text);
-    if (found->count > shown)
-        (void)snprintf(line + at, sizeof line - (size_t)at, " and %u more", found->count - shown);
-    vor_cli_say(found->word, line);
-    return VOR_EXIT_USAGE;
-}
-
 int vor_job_choose(struct vor_follow *follow, const char *word)
 {
     struct found found = {.word = word, .count = 0};
-    int code;
+    char line[SHOWN_MAX * sizeof found.id[0].text + 128];
+    int code, at;
 
     if (!vor_uuid_parse(&follow->id, word, strlen(word))) {
         code = vor_job_list(follow, NULL, UINT_MAX, match, &found);
         if (code != VOR_EXIT_OK)
             return code;
-        if (found.count > 1)
-            return refuse_several(&found);
+        if (found.count > 1) {
+            at = snprintf(line, sizeof line, "%u jobs begin with this:", found.count);
+            for (unsigned i = 0; i < found.count && i < SHOWN_MAX; i++)
+                at += snprintf(line + at, sizeof line - (size_t)at, "%s %s", i > 0 ? "," : "",
+                               found.id[i].text);
+            if (found.count > SHOWN_MAX)
+                (void)snprintf(line + at, sizeof line - (size_t)at, " and %u more",
+                               found.count - SHOWN_MAX);
+            vor_cli_say(word, line);
+            return VOR_EXIT_USAGE;
+        }
         if (found.count == 0) {
             vor_cli_say(word, "no such job; voronoid jobs lists all jobs");
             return VOR_EXIT_FAILED;

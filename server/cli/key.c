@@ -31,22 +31,6 @@ int vor_cli_key(const struct vor_cli *cli)
     return VOR_EXIT_OK;
 }
 
-/* The first line of a file, one byte more than may be at most. */
-static vor_status read_line(char *out, size_t size, const char *path, struct vor_error *err)
-{
-    FILE *file = fopen(path, "re");
-    vor_status status = VOR_OK;
-
-    if (file == NULL)
-        return vor_fail_errno(err, errno, path);
-    if (fgets(out, (int)size, file) == NULL)
-        out[0] = '\0';
-    if (ferror(file))
-        status = vor_fail_errno(err, errno, path);
-    (void)fclose(file);
-    return status;
-}
-
 vor_status vor_cli_key_read(char out[VOR_KEY_SENT_MAX + 1], const struct vor_cli *cli,
                             struct vor_error *err)
 {
@@ -56,9 +40,17 @@ vor_status vor_cli_key_read(char out[VOR_KEY_SENT_MAX + 1], const struct vor_cli
     vor_status status = VOR_OK;
 
     out[0] = '\0';
-    if (path != NULL)
-        status = read_line(text, sizeof text, path, err);
-    else if (variable != NULL)
+    if (path != NULL) {
+        FILE *file = fopen(path, "re");
+
+        if (file == NULL)
+            return vor_fail_errno(err, errno, path);
+        if (fgets(text, sizeof text, file) == NULL)
+            text[0] = '\0';
+        if (ferror(file))
+            status = vor_fail_errno(err, errno, path);
+        (void)fclose(file);
+    } else if (variable != NULL)
         (void)snprintf(text, sizeof text, "%s", variable);
     if (status != VOR_OK)
         return status;

@@ -86,23 +86,6 @@ int vor_cli_into_folder(const struct vor_cli *cli)
 
 /* Refusals. */
 
-/* A parameter that only other processes take: names them. */
-static vor_status refuse_parameter(const struct reader *r, const char *shown,
-                                   enum vor_parameter parameter)
-{
-    const struct vor_process_info *process;
-    char names[NAMES_SIZE] = "";
-
-    for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
-        size_t at = strlen(names);
-
-        if (vor_process_takes(process, parameter))
-            (void)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "", process->id);
-    }
-    return vor_fail(r->err, VOR_E_PARAM, "%s is an option of %s, not of %s", shown, names,
-                    r->cli->command->process->id);
-}
-
 /* The parameter of a name, with capitals or with dashes; VOR_PARAMETER_COUNT when there is none. */
 static enum vor_parameter find_parameter(const char *name)
 {
@@ -119,6 +102,7 @@ static enum vor_parameter find_parameter(const char *name)
 /* A word that getopt_long does not know. */
 static vor_status refuse_word(const struct reader *r, const char *word)
 {
+    char names[NAMES_SIZE] = "";
     const struct vor_process_info *process = r->cli->command->process;
     size_t length = strcspn(word, "=");
     char shown[SHOWN_SIZE], exact[SHOWN_SIZE];
@@ -127,8 +111,18 @@ static vor_status refuse_word(const struct reader *r, const char *word)
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), word);
     parameter = find_parameter(exact + strspn(exact, "-"));
     if (word[1] == '-' && process != NULL && parameter != VOR_PARAMETER_COUNT &&
-        !vor_process_takes(process, parameter))
-        return refuse_parameter(r, vor_quote(shown, sizeof shown, word, length), parameter);
+        !vor_process_takes(process, parameter)) {
+        for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
+            size_t at = strlen(names);
+
+            if (vor_process_takes(process, parameter))
+                (void)snprintf(names + at, sizeof names - at, "%s%s", at > 0 ? ", " : "",
+                               process->id);
+        }
+        return vor_fail(r->err, VOR_E_PARAM, "%s is an option of %s, not of %s",
+                        vor_quote(shown, sizeof shown, word, length), names,
+                        r->cli->command->process->id);
+    }
     return vor_option_refuse(r->longs, word, r->cli->command->name, r->err);
 }
 
@@ -208,22 +202,15 @@ static vor_status add_operand(struct reader *r, char *text)
     return VOR_OK;
 }
 
-static int option_of_letter(const struct vor_command *command, int letter)
-{
-    int i = 0;
-
-    while (i < VOR_OPTION_COUNT &&
-           !(options[i].letter == letter && vor_command_takes(command, (enum vor_option)i)))
-        i++;
-    return i;
-}
-
 /* Takes what getopt_long returned. */
 static vor_status take(struct reader *r, int got)
 {
-    int option = LONG_OPTION <= got && got < LONG_INPUT ? got - LONG_OPTION
-                                                        : option_of_letter(r->cli->command, got);
+    int option = LONG_OPTION <= got && got < LONG_INPUT ? got - LONG_OPTION : 0;
 
+    while (got < LONG_OPTION && option < VOR_OPTION_COUNT &&
+           !(options[option].letter == got &&
+             vor_command_takes(r->cli->command, (enum vor_option)option)))
+        option++;
     if (got == '?' || got == ':') {
         const char letter[] = {'-', (char)optopt, '\0'};
         const char *word = 0 < optopt && optopt < LONG_OPTION ? letter : r->argv[optind - 1];
@@ -403,26 +390,6 @@ static int is_given(const struct vor_cli *cli, enum vor_parameter parameter)
     return cli->given[parameter];
 }
 
-static vor_status refuse_preset(const struct vor_cli *cli, struct vor_error *err)
-{
-    const char *name = cli->option[VOR_OPTION_PRESET], *process = cli->command->process->id;
-    const struct vor_named_preset *preset;
-    char quoted[SHOWN_SIZE], names[NAMES_SIZE], meant[VOR_NEAREST_TEXT_SIZE];
-    struct vor_nearest nearest;
-    size_t at = 0;
-
-    vor_nearest_init(&nearest, name, strlen(name));
-    for (unsigned i = 0; (preset = vor_named_preset(process, i)) != NULL && at < sizeof names;
-         i++) {
-        at += (size_t)snprintf(names + at, sizeof names - at, "%s%s", i > 0 ? ", " : "",
-                               preset->name);
-        vor_nearest_try(&nearest, preset->name, strlen(preset->name));
-    }
-    return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s%s",
-                    vor_quote(quoted, sizeof quoted, name, strlen(name)), names,
-                    vor_nearest_text(&nearest, "", meant));
-}
-
 /* Sets what a preset says of parameters that were not named; they count as named from then on. */
 static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
 {
@@ -434,8 +401,23 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
     enum vor_parameter parameter;
     vor_status status = VOR_OK;
 
-    if (name != NULL && preset == NULL)
-        return refuse_preset(cli, err);
+    if (name != NULL && preset == NULL) {
+        const char *process = cli->command->process->id;
+        char quoted[SHOWN_SIZE], names[NAMES_SIZE], meant[VOR_NEAREST_TEXT_SIZE];
+        struct vor_nearest nearest;
+        size_t end = 0;
+
+        vor_nearest_init(&nearest, name, strlen(name));
+        for (unsigned i = 0; (preset = vor_named_preset(process, i)) != NULL && end < sizeof names;
+             i++) {
+            end += (size_t)snprintf(names + end, sizeof names - end, "%s%s", i > 0 ? ", " : "",
+                                    preset->name);
+            vor_nearest_try(&nearest, preset->name, strlen(preset->name));
+        }
+        return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s%s",
+                        vor_quote(quoted, sizeof quoted, name, strlen(name)), names,
+                        vor_nearest_text(&nearest, "", meant));
+    }
     while (status == VOR_OK && vor_named_preset_next(&at, &parameter, value)) {
         if (is_given(cli, parameter))
             continue;

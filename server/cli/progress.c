@@ -123,21 +123,6 @@ void vor_progress_event(struct vor_progress *progress, const struct vor_json *ev
         vor_progress_record(progress, &record);
 }
 
-/* Reads the stages of a report. */
-static void read_stages(struct vor_report *out, const struct vor_json *report)
-{
-    const struct vor_json *list = vor_json_get(report, "stages");
-
-    for (const struct vor_json *s = vor_json_first(list); s != NULL; s = vor_json_next(s)) {
-        const char *name = vor_json_get_string(vor_json_get(s, "stage"));
-        enum vor_run_stage stage = vor_run_stage_find(name != NULL ? name : "");
-
-        if (stage != VOR_RUN_STAGE_COUNT)
-            vor_report_stage(out, stage, (uint32_t)fmin(fmax(number_at(s, "steps"), 0), UINT32_MAX),
-                             0);
-    }
-}
-
 /* Says where zero lies in the file of the result, unless it is the input's. */
 static void say_origin(const struct vor_progress *progress, const struct vor_json *report)
 {
@@ -248,6 +233,7 @@ static void say_baselines(const struct vor_progress *progress, const struct vor_
 
 static void summarise(const struct vor_progress *progress, const struct vor_json *report)
 {
+    const struct vor_json *stages;
     const struct vor_json *seconds = vor_json_get(report, "seconds");
     const struct vor_json *pose = vor_json_get(report, "registration");
     const char *stopped = vor_json_get_string(vor_json_get(report, "stopped"));
@@ -258,7 +244,15 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
-    read_stages(&told, report);
+    stages = vor_json_get(report, "stages");
+    for (const struct vor_json *s = vor_json_first(stages); s != NULL; s = vor_json_next(s)) {
+        const char *name = vor_json_get_string(vor_json_get(s, "stage"));
+        enum vor_run_stage stage = vor_run_stage_find(name != NULL ? name : "");
+
+        if (stage != VOR_RUN_STAGE_COUNT)
+            vor_report_stage(&told, stage,
+                             (uint32_t)fmin(fmax(number_at(s, "steps"), 0), UINT32_MAX), 0);
+    }
     /* Without steps there was nothing to end; all iterations done is the usual end. */
     if (told.stages_count > 0)
         (void)snprintf(after, sizeof after, " after %s",

@@ -29,16 +29,6 @@ struct local_run {
     double seconds_read, seconds_write;
 };
 
-static const struct vor_format *format_of_result(const struct vor_cli *cli,
-                                                 const struct vor_format *input)
-{
-    const struct vor_format *by_suffix = vor_format_by_suffix(cli->option[VOR_OPTION_OUTPUT]);
-
-    if (vor_spec_given(&cli->spec, VOR_PARAM_FORMAT))
-        return vor_format((unsigned)cli->spec.value[VOR_PARAM_FORMAT]);
-    return by_suffix != NULL ? by_suffix : input;
-}
-
 /* The inputs that files were given for, by the names of the process's row. */
 static vor_status load(struct local_run *r, struct vor_error *err)
 {
@@ -154,6 +144,7 @@ static vor_status check(struct local_run *r, struct vor_error *err)
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
 static vor_status work(struct local_run *r, struct vor_error *err)
 {
+    const struct vor_format *by_suffix = vor_format_by_suffix(r->cli->option[VOR_OPTION_OUTPUT]);
     vor_status status;
     const struct vor_artefact *result;
     double began;
@@ -164,7 +155,10 @@ static vor_status work(struct local_run *r, struct vor_error *err)
         status = load(r, err);
     if (status != VOR_OK)
         return status;
-    r->format = format_of_result(r->cli, r->format);
+    if (vor_spec_given(&r->cli->spec, VOR_PARAM_FORMAT))
+        r->format = vor_format((unsigned)r->cli->spec.value[VOR_PARAM_FORMAT]);
+    else if (by_suffix != NULL)
+        r->format = by_suffix;
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         if (vor_format(i) == r->format && vor_process_takes(r->spec.process, VOR_PARAM_FORMAT))
             r->spec.value[VOR_PARAM_FORMAT] = i;

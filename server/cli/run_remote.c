@@ -97,26 +97,6 @@ static FILE *open_input(struct remote_run *t, unsigned i, int64_t *size)
     return file;
 }
 
-/* Opens the inputs that files were given for. Says which cannot be, and returns its exit code. */
-static int open_inputs(struct remote_run *t, struct vor_remote_call *call)
-{
-    const struct vor_cli *cli = t->follow.cli;
-    const struct vor_artefact_info *inputs = cli->spec.process->inputs;
-
-    for (unsigned i = 0; inputs[i].name != NULL; i++) {
-        int64_t size = 0;
-        FILE *bytes;
-
-        if (cli->input[i] == NULL)
-            continue;
-        bytes = open_input(t, i, &size);
-        if (bytes == NULL)
-            return vor_cli_fail(cli->input[i], &t->follow.err);
-        call->file[call->files++] = (struct vor_remote_file){inputs[i].name, bytes, size};
-    }
-    return VOR_EXIT_OK;
-}
-
 /* *info is the job's first statusInfo, NULL when the daemon told none. */
 static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
                        struct vor_json **info)
@@ -142,9 +122,20 @@ static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
 static int submit(struct remote_run *t, struct vor_json **info)
 {
     struct vor_remote_call call = {.files = 0};
-    int code = open_inputs(t, &call);
+    const struct vor_cli *cli = t->follow.cli;
+    const struct vor_artefact_info *inputs = cli->spec.process->inputs;
+    int code = VOR_EXIT_OK;
 
     *info = NULL;
+    for (unsigned i = 0; inputs[i].name != NULL && code == VOR_EXIT_OK; i++) {
+        int64_t size = 0;
+        FILE *bytes = cli->input[i] != NULL ? open_input(t, i, &size) : NULL;
+
+        if (bytes != NULL)
+            call.file[call.files++] = (struct vor_remote_file){inputs[i].name, bytes, size};
+        else if (cli->input[i] != NULL)
+            code = vor_cli_fail(cli->input[i], &t->follow.err);
+    }
     if (code == VOR_EXIT_OK) {
         struct vor_follow *follow = &t->follow;
         struct vor_text url;
@@ -164,17 +155,6 @@ static int submit(struct remote_run *t, struct vor_json **info)
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
         vor_input_free(&t->in_memory[i]);
     return code;
-}
-
-/* Writes the document that came as lines. */
-static vor_status save_lines(struct remote_run *t, struct vor_text *document)
-{
-    struct vor_error *err = &t->follow.err;
-    vor_status status = vor_lines_from_json(document, t->follow.cli, err);
-
-    if (status == VOR_OK && vor_output_write(&t->output, document->data, document->size) != 0)
-        status = vor_output_fail(&t->output, err);
-    return status;
 }
 
 static int fetch_main(struct remote_run *t)
@@ -199,7 +179,9 @@ static int fetch_main(struct remote_run *t)
     else if (call.http != 200)
         code = vor_follow_refused(follow, &call);
     else if ((call.was_stopped && vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
-             (in_lines && save_lines(t, &call.text) != VOR_OK) ||
+             (in_lines && vor_lines_from_json(&call.text, cli, &follow->err) != VOR_OK) ||
+             (in_lines && vor_output_write(&t->output, call.text.data, call.text.size) != 0 &&
+              vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
              /* A document of a daemon is one line without its end, as the body of an answer. */
              (!in_lines && cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT &&
               vor_output_write(&t->output, "\n", 1) != 0 &&

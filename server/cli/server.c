@@ -91,29 +91,11 @@ static vor_status health_server(char out[VOR_REMOTE_URL_MAX], const struct vor_c
     return vor_cli_server(out, cli, err);
 }
 
-static int report(const char *server, const struct vor_remote_call *call)
+int vor_cli_health(const struct vor_cli *cli)
 {
     struct vor_json *json;
     struct vor_text line;
     const char *detail;
-
-    if (call->http == 200) {
-        printf("%s: ready\n", server);
-        return fflush(stdout) == 0 ? VOR_EXIT_OK : VOR_EXIT_FAILED;
-    }
-    json = vor_remote_json(call);
-    detail = vor_json_get_string(vor_json_get(json, "detail"));
-    vor_text_init(&line, 0);
-    vor_text_printf(&line, "not ready: the server responded with %d%s%s", call->http,
-                    detail != NULL ? ": " : "", detail != NULL ? detail : "");
-    vor_cli_say(server, line.data != NULL ? line.data : "not ready");
-    vor_text_free(&line);
-    vor_json_free(json);
-    return VOR_EXIT_UNREACHABLE;
-}
-
-int vor_cli_health(const struct vor_cli *cli)
-{
     char server[VOR_REMOTE_URL_MAX], url[VOR_REMOTE_URL_MAX + 16];
     struct vor_remote_call call = {.method = "GET", .url = url, .timeout_seconds = HEALTH_SECONDS};
     struct vor_remote *remote = NULL;
@@ -126,7 +108,19 @@ int vor_cli_health(const struct vor_cli *cli)
     if (vor_remote_open(&remote, &err) != VOR_OK)
         return vor_cli_fail(NULL, &err);
     if (vor_remote_perform(remote, &call, &err) == VOR_OK) {
-        code = report(server, &call);
+        json = call.http != 200 ? vor_remote_json(&call) : NULL;
+        detail = vor_json_get_string(vor_json_get(json, "detail"));
+        vor_text_init(&line, 0);
+        vor_text_printf(&line, "not ready: the server responded with %d%s%s", call.http,
+                        detail != NULL ? ": " : "", detail != NULL ? detail : "");
+        code = VOR_EXIT_UNREACHABLE;
+        if (call.http != 200)
+            vor_cli_say(server, line.data != NULL ? line.data : "not ready");
+        else
+            code = printf("%s: ready\n", server) > 0 && fflush(stdout) == 0 ? VOR_EXIT_OK
+                                                                            : VOR_EXIT_FAILED;
+        vor_text_free(&line);
+        vor_json_free(json);
     } else if (err.status == VOR_E_CANCELLED) {
         code = vor_cli_fail(server, &err);
     } else {

@@ -185,23 +185,13 @@ static enum MHD_Result abort_body(struct vor_request *request)
     return MHD_NO;
 }
 
-/* Makes the reply that the guard sends when the body is late. The guard must not touch the
- * request, so the reply is made before. */
-static void prepare_late(struct vor_request *request)
-{
-    struct vor_refusal late = {408, "upload-timeout",
-                               "the upload paused too long, took too long or came too slowly", 0,
-                               0};
-    unsigned fields = request->reply.field_count;
-
-    refuse(request, &late);
-    vor_conn_late(request->conn, vor_reply_raw(request));
-    vor_reply_clear(request, fields);
-}
-
 /* 0 when the body may come, else a 413 is recorded. */
 static int begin_body(struct vor_request *request)
 {
+    static const struct vor_refusal late = {
+        408, "upload-timeout", "the upload paused too long, took too long or came too slowly", 0,
+        0};
+    unsigned fields = request->reply.field_count;
     struct vor_refusal refusal;
     char detail[128];
 
@@ -212,7 +202,11 @@ static int begin_body(struct vor_request *request)
         return -1;
     }
     request->stage = VOR_AT_BODY;
-    prepare_late(request);
+    /* The reply that the guard sends when the body is late. The guard must not touch the request,
+     * so it is made before. */
+    refuse(request, &late);
+    vor_conn_late(request->conn, vor_reply_raw(request));
+    vor_reply_clear(request, fields);
     vor_conn_phase(request->conn, VOR_PHASE_BODY);
     return 0;
 }

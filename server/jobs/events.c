@@ -164,41 +164,16 @@ static int get_record(struct vor_record *out, const uint8_t *at, size_t size)
     return 1;
 }
 
-static uint8_t *put_event(uint8_t *at, const struct vor_event *event)
-{
-    at = put(at, (uint64_t)event->kind, 1);
-    at = put(at, (uint64_t)event->status, 1);
-    at = put(at, (uint64_t)event->stage, 1);
-    at = put(at, (uint64_t)event->progress, 1);
-    at = put(at, (uint64_t)event->time_ms, 8);
-    if (event->kind != VOR_EVENT_PROGRESS)
-        return at;
-    return put_record(put_real(at, event->eta_seconds), &event->record);
-}
-
 /* The bytes of a piece that are still to be read. */
 struct trace {
     const uint8_t *at, *end;
     uint64_t record; /* bytes of a record */
 };
 
-/* The estimate and the record of a progress event; false when the bytes run out or are none. */
-static int get_progress(struct vor_event *out, struct trace *trace)
-{
-    size_t left = (size_t)(trace->end - trace->at);
-
-    if (left < ETA_SIZE || left - ETA_SIZE < trace->record)
-        return 0;
-    trace->at = get_real(trace->at, &out->eta_seconds);
-    if (!get_record(&out->record, trace->at, trace->record))
-        return 0;
-    trace->at += trace->record;
-    return 1;
-}
-
 /* False when the bytes run out or are no event. */
 static int get_event(struct vor_event *out, struct trace *trace)
 {
+    size_t left;
     uint64_t kind, status, stage, progress, time_ms;
     const uint8_t *at = trace->at;
 
@@ -214,7 +189,17 @@ static int get_event(struct vor_event *out, struct trace *trace)
     out->stage = (enum vor_stage)stage;
     out->progress = (int)progress;
     out->time_ms = (int64_t)time_ms;
-    return kind != VOR_EVENT_PROGRESS || get_progress(out, trace);
+    if (kind != VOR_EVENT_PROGRESS)
+        return 1;
+    /* The estimate and the record; false when the bytes run out or are none. */
+    left = (size_t)(trace->end - trace->at);
+    if (left < ETA_SIZE || left - ETA_SIZE < trace->record)
+        return 0;
+    trace->at = get_real(trace->at, &out->eta_seconds);
+    if (!get_record(&out->record, trace->at, trace->record))
+        return 0;
+    trace->at += trace->record;
+    return 1;
 }
 
 /* The same for one that nobody wants. */
@@ -240,7 +225,13 @@ vor_status vor_events_pack(struct vor_text *piece, const struct vor_event *event
         memcpy(at, magic, sizeof magic);
         at = put(put(put(at + MAGIC_SIZE, event->attempt, 4), 0, 4), record_size(), 4);
     }
-    at = put_event(at, event);
+    at = put(at, (uint64_t)event->kind, 1);
+    at = put(at, (uint64_t)event->status, 1);
+    at = put(at, (uint64_t)event->stage, 1);
+    at = put(at, (uint64_t)event->progress, 1);
+    at = put(at, (uint64_t)event->time_ms, 8);
+    if (event->kind == VOR_EVENT_PROGRESS)
+        at = put_record(put_real(at, event->eta_seconds), &event->record);
     vor_text_append(piece, bytes, (size_t)(at - bytes));
     if (piece->failed) {
         piece->failed = 0;

@@ -199,19 +199,6 @@ int vor_job_is_over(struct vor_job *job)
     return is_over;
 }
 
-/* "Iteration 3 of at most 12" */
-static void describe_step(struct vor_job_view *view)
-{
-    const struct vor_record *record = &view->record;
-    const char *step = vor_run_stage_info(record->stage)->step;
-    char most[32] = "";
-
-    if (record->of > 0 || record->step == 0)
-        (void)snprintf(most, sizeof most, " of at most %u", (unsigned)record->of);
-    (void)snprintf(view->message, sizeof view->message, "%c%s %u%s",
-                   toupper((unsigned char)step[0]), step + 1, (unsigned)record->step, most);
-}
-
 /* A process without a method places no points: all of its work is done before the first record, and
  * a stop changes nothing. */
 void vor_job_describe(struct vor_job_view *view, enum vor_answer asked)
@@ -227,9 +214,16 @@ void vor_job_describe(struct vor_job_view *view, enum vor_answer asked)
         sentence = "Working on the input";
     else if (view->stage == VOR_STAGE_PREPARE && asked == VOR_STOP)
         sentence = "Preparing the input before it stops";
-    if (view->stage == VOR_STAGE_OPTIMIZE)
-        describe_step(view);
-    else
+    if (view->stage == VOR_STAGE_OPTIMIZE) {
+        const struct vor_record *record = &view->record; /* "Iteration 3 of at most 12" */
+        const char *step = vor_run_stage_info(record->stage)->step;
+        char most[32] = "";
+
+        if (record->of > 0 || record->step == 0)
+            (void)snprintf(most, sizeof most, " of at most %u", (unsigned)record->of);
+        (void)snprintf(view->message, sizeof view->message, "%c%s %u%s",
+                       toupper((unsigned char)step[0]), step + 1, (unsigned)record->step, most);
+    } else
         (void)snprintf(view->message, sizeof view->message, "%s", sentence);
 }
 

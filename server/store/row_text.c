@@ -3,18 +3,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static void write_problem(struct vor_text *text, const struct vor_error *problem)
-{
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "status", vor_status_slug(problem->status));
-    vor_json_put_string(text, "parameter", problem->parameter);
-    vor_json_put_string(text, "message", problem->message);
-    vor_json_put_i64(text, "byteOffset", problem->byte_offset);
-    vor_json_put_u64(text, "limit", problem->limit);
-    vor_json_put_u64(text, "got", problem->got);
-    vor_json_end_object(text);
-}
-
 /* Members that inputs and outputs have alike. */
 static void put_artefact(struct vor_text *text, unsigned format, uint64_t points, uint64_t bytes)
 {
@@ -96,8 +84,18 @@ vor_status vor_row_write(struct vor_row_text *out, const struct vor_job_view *ro
     vor_json_spec(&out->request, &row->spec);
     if (row->has_record)
         vor_json_record(&out->metrics, &row->record);
-    if (row->problem.status != VOR_OK)
-        write_problem(&out->problem, &row->problem);
+    if (row->problem.status != VOR_OK) {
+        const struct vor_error *problem = &row->problem;
+
+        vor_json_begin_object(&out->problem);
+        vor_json_put_string(&out->problem, "status", vor_status_slug(problem->status));
+        vor_json_put_string(&out->problem, "parameter", problem->parameter);
+        vor_json_put_string(&out->problem, "message", problem->message);
+        vor_json_put_i64(&out->problem, "byteOffset", problem->byte_offset);
+        vor_json_put_u64(&out->problem, "limit", problem->limit);
+        vor_json_put_u64(&out->problem, "got", problem->got);
+        vor_json_end_object(&out->problem);
+    }
     if (row->inputs >> 1 != 0)
         write_inputs(&out->inputs, row);
     if (row->status == VOR_JOB_SUCCESSFUL)
@@ -201,27 +199,24 @@ static void read_inputs(struct vor_job_view *row, const struct vor_json *inputs)
     }
 }
 
-static void read_origin(struct vor_job_output *out, const struct vor_json *list)
-{
-    const struct vor_json *number = vor_json_first(list);
-    double origin[3];
-
-    for (int c = 0; c < 3; c++, number = vor_json_next(number))
-        if (number == NULL || !vor_json_get_number(number, &origin[c]))
-            return;
-    out->has_origin = 1;
-    memcpy(out->origin, origin, sizeof origin);
-}
-
 static void read_outputs(struct vor_job_view *row, const struct vor_json *outputs)
 {
+    const struct vor_json *at;
+    double origin[3];
+    int found;
     const struct vor_artefact_info *infos = row->spec.process->outputs;
 
     for (unsigned i = 0; infos[i].name != NULL; i++) {
         const struct vor_json *json = vor_json_get(outputs, infos[i].name);
         struct vor_job_output *output = &row->output[i];
 
-        read_origin(output, vor_json_get(json, "origin"));
+        at = vor_json_first(vor_json_get(json, "origin"));
+        for (found = 0; found < 3 && at != NULL && vor_json_get_number(at, &origin[found]); found++)
+            at = vor_json_next(at);
+        if (found == 3) {
+            output->has_origin = 1;
+            memcpy(output->origin, origin, sizeof origin);
+        }
         if (i == 0)
             continue;
         output->format = (unsigned)number(json, "format", 0);

@@ -91,7 +91,7 @@ my ($help, $config, $tables) = ('server/cli/help', 'server/base/config.h', 'core
 my ($most, $usual) = ([$tables, qr/X\(RESAMPLE,[^\n]*\s0, (\d+), VOR/], [$tables, qr/X\(UPSAMPLE, RATIO, (\d+)\)/]);
 my ($body, $in, $out) = ([$config, qr/"body-limit".*?"(\d+)G"/s], [$config, qr/"points-limit".*?"(\d+)"/s], [$tables, qr/X\(POINTS, .*?, 1, (\d+)/]);
 my ($listen, $checks) = ([$config, qr/"listen", .*?"127\.0\.0\.1:(\d+)"/s], ['docker/Dockerfile', qr/ADMIN_LISTEN=127\.0\.0\.1:(\d+)/]);
-my ($jobs, $rate) = map { ['server/base/key_line.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
+my ($jobs, $rate) = map { ['server/base/keys.h', qr/QUOTA_${_}_DEFAULT = (\d+)/] } 'JOBS', 'RATE';
 for (
     ['README.md', qr/(\d+) GiB/, $body], ['README.md', qr/and (\d+ million) points \(/, $in], ['README.md', qr/result\s+has\s+at\s+most\s+(\d+\s+million)/, $out],
     ["$help/limits.txt", qr/at most (\d+) GiB/, $body], ["$help/limits.txt", qr/inputs (\d+ million)/, $in], ["$help/limits.txt", qr/results (\d+ million)/, $out],

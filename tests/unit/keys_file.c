@@ -2,7 +2,6 @@
  * of bytes are made of. */
 #include "server/base/base64.h"
 #include "server/base/digest.h"
-#include "server/base/key_line.h"
 #include "server/base/keys.h"
 #include "server/base/log.h"
 #include "server/blob/s3_sign.h"

@@ -33,38 +33,33 @@ static void write_progress(const struct vor_teller *teller, const struct vor_eve
     vor_json_end_object(text);
 }
 
-/* href and report are older than outputs, which has them all by name. */
-static void write_outputs(const struct vor_teller *teller, const struct vor_artefact_info *outputs,
-                          struct vor_text *text)
-{
-    const struct vor_uuid *id = &teller->followed->row.id;
-    char url[VOR_URL_MAX];
-
-    vor_json_put_string(text, "href",
-                        vor_app_result_url(teller->app, teller->request, id, outputs[0].name, url));
-    if (vor_artefact_find(outputs, "report") != NULL)
-        vor_json_put_string(text, "report",
-                            vor_app_result_url(teller->app, teller->request, id, "report", url));
-    vor_json_key(text, "outputs");
-    vor_json_begin_object(text);
-    for (unsigned i = 0; outputs[i].name != NULL; i++)
-        vor_json_put_string(
-            text, outputs[i].name,
-            vor_app_result_url(teller->app, teller->request, id, outputs[i].name, url));
-    vor_json_end_object(text);
-}
-
 static void write_end(const struct vor_teller *teller, const struct vor_event *event,
                       struct vor_text *text)
 {
+    const struct vor_artefact_info *outputs = teller->followed->row.spec.process->outputs;
+    const struct vor_uuid *id = &teller->followed->row.id;
     char url[VOR_URL_MAX];
 
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", teller->followed->row.id.text);
     vor_json_put_string(text, "status", vor_job_status_word(event->status));
-    if (event->status == VOR_JOB_SUCCESSFUL)
-        write_outputs(teller, teller->followed->row.spec.process->outputs, text);
-    else
+    if (event->status == VOR_JOB_SUCCESSFUL) {
+        /* href and report are older than outputs, which has them all by name. */
+        vor_json_put_string(
+            text, "href",
+            vor_app_result_url(teller->app, teller->request, id, outputs[0].name, url));
+        if (vor_artefact_find(outputs, "report") != NULL)
+            vor_json_put_string(
+                text, "report",
+                vor_app_result_url(teller->app, teller->request, id, "report", url));
+        vor_json_key(text, "outputs");
+        vor_json_begin_object(text);
+        for (unsigned i = 0; outputs[i].name != NULL; i++)
+            vor_json_put_string(
+                text, outputs[i].name,
+                vor_app_result_url(teller->app, teller->request, id, outputs[i].name, url));
+        vor_json_end_object(text);
+    } else
         vor_json_put_string(
             text, "href",
             vor_app_job_url(teller->app, teller->request, &teller->followed->row.id, "", url));

@@ -34,17 +34,6 @@ struct vor_submit_form {
     bool given[VOR_PARAMETER_COUNT]; /* by a field of this form */
 };
 
-/* The input that a part is, by its name; NULL when it is none. */
-static const struct vor_artefact_info *input_of(const struct vor_submit_form *form,
-                                                const char *name)
-{
-    const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
-
-    if (strcmp(name, main_alias) == 0 && vor_artefact_find(inputs, name) == NULL)
-        name = inputs[0].name;
-    return vor_artefact_find(inputs, name);
-}
-
 static vor_status refuse_twice(const char *name, struct vor_error *err)
 {
     return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once", name);
@@ -124,8 +113,11 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
 static vor_status on_part(void *ctx, const struct vor_multipart_part *part, struct vor_error *err)
 {
     struct vor_submit_form *form = ctx;
-    const struct vor_artefact_info *input = input_of(form, part->name);
+    const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
+    const struct vor_artefact_info *input = vor_artefact_find(inputs, part->name);
 
+    if (input == NULL && strcmp(part->name, main_alias) == 0)
+        input = &inputs[0];
     form->file = NULL;
     form->size = 0;
     if (input != NULL && !part->is_file &&
