@@ -67,16 +67,16 @@ VT_TEST(signatures_are_the_published_ones)
 /* Vector: the example of docs.aws.amazon.com/AmazonS3/latest/API/sigv4-query-string-auth.html. */
 VT_TEST(a_link_to_s3_is_the_published_one)
 {
-    const struct vor_s3_signing signing = {
-        .method = "GET",
-        .url = "https://ExampleBucket.s3.amazonaws.com:443/test.txt",
-        .query = "",
-        .key_id = "AKIAIOSFODNN7EXAMPLE",
-        .secret = "wJalrXUtnFEMI/K7MDENG/bPxRfiCYEXAMPLEKEY",
-        .region = "us-east-1",
-        .token = "",
-        .at = 1369353600,
-        .seconds = 86400};
+    static const struct vor_s3_signing signing = {
+        "GET",
+        "https://ExampleBucket.s3.amazonaws.com:443/test.txt",
+        "",
+        "AKIAIOSFODNN7EXAMPLE",
+        "wJalrXUtnFEMI/K7MDENG/bPxRfiCYEXAMPLEKEY",
+        "us-east-1",
+        "",
+        1369353600,
+        86400};
     struct vor_text text;
 
     vor_text_init(&text, 0);

@@ -257,9 +257,8 @@ static vor_status complete(struct vor_submit_head *head, bool *is_linked, struct
 static bool read_head(struct vor_app *app, struct vor_request *request,
                       struct vor_submit_head *head, bool *is_linked)
 {
-    struct vor_uploads uploads = {.count = 0};
     struct vor_error err;
-    bool is_there;
+    enum vor_next next;
 
     if (!vor_limits_rate(app, request) || !vor_submit_read_spec(app, request, head))
         return false;
@@ -282,9 +281,8 @@ static bool read_head(struct vor_app *app, struct vor_request *request,
         return false;
     }
     /* The result that the first frame starts from must be there. */
-    is_there = vor_submit_options_open(app, request, &head->options, head->spec.process, &uploads);
-    vor_uploads_discard(&uploads);
-    return is_there && vor_submit_has_room(app, request, head);
+    return vor_submit_options_open(app, request, &head->options, head->spec.process, NULL, &next) &&
+           vor_submit_has_room(app, request, head);
 }
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)

@@ -49,11 +49,14 @@ bool vor_submit_options_has(const struct vor_process_info *process, const char *
 /** Adds the inputs that are other jobs' as uploads: the main input of the job that `input` names,
  *  as it came, and the cloud that is the result of the one that `previous` names.
  *
- *  @return false after a problem has been replied: no-such-job, job-expired, input-not-kept, those
- *          of vor_result_missing, or an input that came with the request as well */
+ *  @param[in]  uploads  NULL: whether the jobs are such is all that is looked for
+ *  @param[out] next     what the handler returns after false: a problem has been replied
+ * (no-such-job, job-expired, input-not-kept, those of vor_result_missing), or the request waits for
+ * files that come from another machine, and asks again once woken */
 bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
                              const struct vor_submit_options *options,
-                             const struct vor_process_info *process, struct vor_uploads *uploads);
+                             const struct vor_process_info *process, struct vor_uploads *uploads,
+                             enum vor_next *next);
 
 /** The inputs of a request, by the SHA-256 of their bytes. */
 struct vor_submit_inputs {

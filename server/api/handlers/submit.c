@@ -41,7 +41,7 @@ struct submission {
     bool replayed;       /* the job is that of an earlier request with this key */
     bool packed;         /* an upload came as gzip: its key's job is found once it is inflated */
     bool headed;         /* the reply has its headers already */
-    bool follows;        /* waits for the end of the job that it goes on from */
+    bool follows;        /* waits for the end of the job that it goes on from, or its files */
     bool waits;          /* for the end of the job */
     struct vor_admission admission;
     enum vor_job_outcome outcome;
@@ -467,10 +467,13 @@ static enum vor_next take_in(struct vor_app *app, struct vor_request *request,
 {
     enum vor_job_outcome outcome = VOR_UNKNOWN;
     struct vor_submit_inputs inputs;
+    enum vor_next next;
 
     if (!vor_submit_options_open(app, request, &submission->head.options,
-                                 submission->head.spec.process, &submission->uploads))
-        return VOR_NEXT_REPLY;
+                                 submission->head.spec.process, &submission->uploads, &next)) {
+        submission->follows = next == VOR_NEXT_WAIT;
+        return next;
+    }
     for (unsigned i = 0; i < submission->uploads.count; i++)
         submission->packed |= submission->uploads.item[i].is_gzip;
     if (has_key(submission) && !submission->packed) {

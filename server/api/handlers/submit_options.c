@@ -112,77 +112,102 @@ static bool find_job(struct vor_app *app, struct vor_request *request, struct vo
     return true;
 }
 
-/* Adds the bytes of a blob of that job, if it is there; false after a problem has been replied. */
-static bool reopen(struct vor_app *app, struct vor_request *request,
-                   const struct vor_blob_source *source, struct vor_upload *upload,
-                   struct vor_uploads *uploads)
-{
-    struct vor_error err;
-    int found = 0;
+/* A job's file that is to be an input of this one. */
+struct other {
+    struct vor_job_view view;
+    struct vor_blob_source source; /* its id is "" where there is none */
+    struct vor_upload upload;
+};
 
-    if (vor_blob_reopen(app->blobs, source, &upload->bytes, &found, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, source->id.text);
+/* The main input of a job; false after a problem has been replied. */
+static bool find_input(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
+                       struct other *out)
+{
+    if (!find_job(app, request, &out->view, "input", id))
         return false;
-    }
-    if (found)
-        vor_uploads_add(uploads, upload);
+    out->source.id = *id;
+    (void)vor_blob_of_upload(out->view.spec.process->inputs[0].name, out->source.name);
+    memcpy(out->source.sha256, out->view.input[0].sha256, sizeof out->source.sha256);
     return true;
 }
 
-/* The main input of a job as that of this one. */
-static bool open_input(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                       struct vor_upload *upload, struct vor_uploads *uploads)
+/* The result of a job, a cloud; likewise. */
+static bool find_result(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
+                        struct other *out)
 {
-    struct vor_blob_source source = {.id = *id};
-    struct vor_job_view view;
-
-    if (!find_job(app, request, &view, "input", id))
-        return false;
-    (void)vor_blob_of_upload(view.spec.process->inputs[0].name, source.name);
-    memcpy(source.sha256, view.input[0].sha256, sizeof source.sha256);
-    if (!reopen(app, request, &source, upload, uploads))
-        return false;
-    return upload->bytes != NULL ||
-           refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
-                  "input", id);
-}
-
-/* The result of a job, a cloud, as an input of this one. */
-static bool open_result(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                        struct vor_upload *upload, struct vor_uploads *uploads)
-{
-    struct vor_blob_source source = {.id = *id};
     const struct vor_artefact_info *output;
-    struct vor_job_view view;
 
-    if (!find_job(app, request, &view, upload->name, id))
+    if (!find_job(app, request, &out->view, "previous", id))
         return false;
-    output = &view.spec.process->outputs[0];
+    output = &out->view.spec.process->outputs[0];
     if (output->kind != VOR_ARTEFACT_CLOUD)
         return refuse(app, request, "no-such-output", "the result of this job is not a cloud",
-                      upload->name, id);
-    (void)snprintf(source.name, sizeof source.name, "%s", output->name);
-    memcpy(source.sha256, view.output[0].sha256, sizeof source.sha256);
-    if (view.status == VOR_JOB_SUCCESSFUL && !reopen(app, request, &source, upload, uploads))
+                      "previous", id);
+    if (out->view.status != VOR_JOB_SUCCESSFUL) {
+        vor_result_missing(app, request, &out->view);
         return false;
-    if (upload->bytes == NULL)
-        vor_result_missing(app, request, &view);
-    return upload->bytes != NULL;
+    }
+    out->source.id = *id;
+    (void)snprintf(out->source.name, sizeof out->source.name, "%s", output->name);
+    memcpy(out->source.sha256, out->view.output[0].sha256, sizeof out->source.sha256);
+    return true;
+}
+
+static bool is_here(struct vor_app *app, struct vor_request *request, const struct other *other,
+                    enum vor_next *next)
+{
+    struct vor_here here = {.may_flow = false};
+
+    return other->source.id.text[0] == '\0' ||
+           vor_blob_is_here(app, request, &other->source.id, other->source.name, &here, next);
+}
+
+/* Adds the bytes, where any are asked for; false after a problem has been replied. */
+static bool reopen(struct vor_app *app, struct vor_request *request, struct other *other,
+                   struct vor_uploads *uploads, int *found)
+{
+    struct vor_error err;
+
+    *found = other->source.id.text[0] == '\0';
+    if (*found)
+        return true;
+    if (vor_blob_reopen(app->blobs, &other->source, &other->upload.bytes, found, &err) != VOR_OK) {
+        vor_problem_error(app, request, &err, other->source.id.text);
+        return false;
+    }
+    if (*found)
+        vor_uploads_add(uploads, &other->upload);
+    return true;
 }
 
 bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
                              const struct vor_submit_options *options,
-                             const struct vor_process_info *process, struct vor_uploads *uploads)
+                             const struct vor_process_info *process, struct vor_uploads *uploads,
+                             enum vor_next *next)
 {
-    struct vor_upload input = {.name = process->inputs[0].name}, previous = {.bytes = NULL};
+    struct other input = {.upload = {.name = process->inputs[0].name}};
+    struct other previous = {.upload = {.name = "previous"}};
+    int found;
 
-    if (options->input.text[0] != '\0' &&
-        !open_input(app, request, &options->input, &input, uploads))
+    *next = VOR_NEXT_REPLY;
+    if ((options->input.text[0] != '\0' && !find_input(app, request, &options->input, &input)) ||
+        (options->previous.text[0] != '\0' &&
+         !find_result(app, request, &options->previous, &previous)))
         return false;
-    if (options->previous.text[0] == '\0')
+    if (uploads == NULL)
         return true;
-    previous.name = vor_artefact_find(process->inputs, "previous")->name;
-    return open_result(app, request, &options->previous, &previous, uploads);
+    if (!is_here(app, request, &input, next) || !is_here(app, request, &previous, next))
+        return false;
+    if (!reopen(app, request, &input, uploads, &found))
+        return false;
+    if (!found)
+        return refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
+                      "input", &options->input);
+    if (!reopen(app, request, &previous, uploads, &found))
+        return false;
+    if (!found)
+        vor_result_missing(app, request, &previous.view);
+    return found;
 }
 
 void vor_submit_inputs_of_uploads(struct vor_submit_inputs *out, const struct vor_uploads *uploads)
