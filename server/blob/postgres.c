@@ -16,9 +16,6 @@
 
 enum { PIECE = 1 << 20, IDLE_MAX = 4, STATEMENT_SIZE = 1536, PAGE = 1000 };
 
-/* The characters of keys, none of which needs quoting. */
-#define PLAIN "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._/-"
-
 #define NOW_MS "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
 
 static const char what[] = "the database of files";
@@ -74,8 +71,8 @@ static vor_status fail(struct call *call, struct vor_error *err)
     return VOR_E_IO;
 }
 
-/* Runs a statement of numbers and keys; the result is in binary, with numbers as text. $1 is bytes,
- * where there are any. */
+/* Runs a statement of numbers and keys, none of whose characters needs quoting; the result is in
+ * binary, with numbers as text. $1 is bytes, where there are any. */
 VOR_PRINTF(5, 6)
 static vor_status ask(struct call *call, const void *bytes, size_t size, struct vor_error *err,
                       const char *format, ...)
@@ -117,7 +114,8 @@ static PGconn *take_connection(struct database *db, struct vor_error *err)
     return connection;
 }
 
-/* One on which something failed goes, and so does the transaction that it was in. */
+/* One on which something failed goes, and so does the transaction that it was in; and all that are
+ * idle, which may have broken with it. */
 static void give_connection(struct database *db, PGconn *connection, vor_status status)
 {
     pthread_mutex_lock(&db->base.mutex);
@@ -125,6 +123,8 @@ static void give_connection(struct database *db, PGconn *connection, vor_status 
         db->idle[db->idles++] = connection;
         connection = NULL;
     }
+    while (status != VOR_OK && db->idles > 0)
+        db->pg->finish(db->idle[--db->idles]);
     pthread_mutex_unlock(&db->base.mutex);
     if (connection != NULL)
         db->pg->finish(connection);
