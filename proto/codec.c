@@ -184,18 +184,6 @@ static uint64_t count_narrowed(const struct vor_report *report, const struct vor
     return count;
 }
 
-/* Counts the faces of more than three corners. */
-static uint64_t count_polygons(const struct vor_mesh *mesh)
-{
-    uint64_t count = 0;
-
-    for (size_t t = 0, run; t < mesh->count; t += run) {
-        run = vor_mesh_run(mesh, t);
-        count += run > 1;
-    }
-    return count;
-}
-
 void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud *cloud,
                               const struct vor_mesh *mesh, const struct vor_format *format)
 {
@@ -214,9 +202,16 @@ void vor_codec_report_dropped(struct vor_report *report, const struct vor_cloud 
         vor_dropped_add(report->dropped, &report->dropped_count, what,
                         format->has_int64 ? 0 : count_rounded(&cloud->attributes[i], cloud->n));
     }
-    if (mesh != NULL && !format->has_polygons)
+    if (mesh != NULL && !format->has_polygons) {
+        uint64_t polygons = 0; /* faces of more than three corners */
+
+        for (size_t t = 0, run; t < mesh->count; t += run) {
+            run = vor_mesh_run(mesh, t);
+            polygons += run > 1;
+        }
         vor_dropped_add(report->dropped, &report->dropped_count, "polygon, cut into triangles",
-                        count_polygons(mesh));
+                        polygons);
+    }
     for (size_t i = 0; !format->has_remarks && i < sizeof words / sizeof words[0]; i++)
         vor_dropped_add(report->dropped, &report->dropped_count, words[i],
                         vor_notes_remarks(&cloud->notes, words[i]));

@@ -33,20 +33,14 @@ static vor_status check_step(const double origin[3], const struct vor_spec *spec
         vor_spec_text(spec, VOR_PARAM_ORIGIN, text), step, most, VOR_ORIGIN_STEPS_LEAST);
 }
 
-/* The largest spacing that the result may have, as far as that is known; 0 where it is not. */
-static double largest_spacing(const struct vor_spec *spec, const struct vor_extent *input)
-{
-    double target = vor_spec_target(spec, input->n);
-
-    if (vor_spec_given(spec, VOR_PARAM_SPACING))
-        return spec->value[VOR_PARAM_SPACING];
-    return target >= 1 ? VOR_ORIGIN_MARGIN * vor_extent_spacing(input, target) : 0;
-}
-
 vor_status vor_origin_check(const struct vor_spec *spec, const struct vor_extent *input,
                             struct vor_error *err)
 {
-    double spacing = largest_spacing(spec, input), named[3];
+    double target = vor_spec_target(spec, input->n), named[3];
+    /* The largest spacing that the result may have, as far as that is known; 0 where it is not. */
+    double spacing = vor_spec_given(spec, VOR_PARAM_SPACING) ? spec->value[VOR_PARAM_SPACING]
+                     : target >= 1 ? VOR_ORIGIN_MARGIN * vor_extent_spacing(input, target)
+                                   : 0;
 
     if (spacing <= 0 || !is_named(named, spec))
         return VOR_OK;

@@ -108,19 +108,6 @@ static void fail(void *ctx, const struct vor_error *why)
     _exit(VOR_EXIT_FAILED);
 }
 
-static vor_status open_callers(struct daemon *daemon, struct vor_error *err)
-{
-    const char *path = daemon->config.text[VOR_SET_API_KEYS];
-    vor_status status = vor_tickets_create(&daemon->app.tickets, err);
-
-    daemon->app.rates = vor_rates_create();
-    if (status == VOR_OK && daemon->app.rates == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the request rates of keys");
-    if (status == VOR_OK && path[0] != '\0')
-        status = vor_keys_open(&daemon->app.keys, path, err);
-    return status;
-}
-
 static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_config *config = &daemon->config;
@@ -301,10 +288,16 @@ static vor_status open_admin(struct daemon *daemon, struct vor_error *err)
  * last. */
 static vor_status start(struct daemon *daemon, struct vor_error *err)
 {
+    const char *keys = daemon->config.text[VOR_SET_API_KEYS];
     vor_status status = vor_descriptors_raise(&daemon->config, err);
 
+    daemon->app.rates = vor_rates_create();
     if (status == VOR_OK)
-        status = open_callers(daemon, err);
+        status = vor_tickets_create(&daemon->app.tickets, err);
+    if (status == VOR_OK && daemon->app.rates == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "the request rates of keys");
+    if (status == VOR_OK && keys[0] != '\0')
+        status = vor_keys_open(&daemon->app.keys, keys, err);
     if (status == VOR_OK)
         status = open_storage(daemon, err);
     if (status == VOR_OK)
@@ -450,26 +443,21 @@ static void reload(struct daemon *daemon)
                 VOR_TEXT("error", err.message));
 }
 
-/* The signal that ends the daemon. */
-static int wait_end(struct daemon *daemon)
+static int run(struct daemon *daemon)
 {
-    for (;;) {
-        int number = wait_signal(daemon);
+    int number, died;
 
+    for (;;) { /* until a signal ends the daemon */
+        number = wait_signal(daemon);
         if (number == SIGHUP) {
             vor_notify_reloading();
             reload(daemon);
             vor_notify("READY=1");
         } else if (number == SIGCHLD ? vor_zygote_died(&daemon->zygote) : number != SIGUSR2) {
-            return number;
+            break;
         }
     }
-}
-
-static int run(struct daemon *daemon)
-{
-    int number = wait_end(daemon), died = number == SIGCHLD;
-
+    died = number == SIGCHLD;
     if (died)
         vor_log(VOR_LOG_ERROR, "the process that starts the decoders of uploads has ended");
     vor_notify("STOPPING=1");

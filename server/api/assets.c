@@ -47,25 +47,20 @@ static const char *const types[][2] = {
     {".txt", "text/plain; charset=utf-8"},
 };
 
-static const char *media_type_of(const char *name)
-{
-    const char *suffix = strrchr(name, '.');
-
-    for (size_t i = 0; suffix != NULL && i < sizeof types / sizeof types[0]; i++)
-        if (strcmp(suffix, types[i][0]) == 0)
-            return types[i][1];
-    return "application/octet-stream";
-}
-
 int vor_asset_find(struct vor_asset *out, const char *name, size_t length)
 {
+    const char *suffix;
     for (unsigned i = 0; i < EMBEDDED_COUNT; i++) {
         const struct embedded *file = &embedded[i];
 
         if (strlen(file->name) != length || memcmp(file->name, name, length) != 0)
             continue;
-        *out = (struct vor_asset){file->name, media_type_of(file->name), file->digest, file->bytes,
+        suffix = strrchr(file->name, '.');
+        *out = (struct vor_asset){file->name, "application/octet-stream", file->digest, file->bytes,
                                   (size_t)*file->size};
+        for (size_t k = 0; suffix != NULL && k < sizeof types / sizeof types[0]; k++)
+            if (strcmp(suffix, types[k][0]) == 0)
+                out->media_type = types[k][1];
         return 1;
     }
     return 0;

@@ -53,21 +53,9 @@ static void say_owner(struct vor_error *err, char *path, const struct stat *info
                        S_ISDIR(info->st_mode) ? name : cut_folder(path));
 }
 
-/* path is not there, and the folder above it may not be written. */
-static void say_missing(struct vor_error *err, const char *path, const char *above,
-                        const struct stat *info)
-{
-    unsigned user = (unsigned)geteuid();
-
-    (void)vor_fail(err, VOR_E_IO,
-                   "there is no %s, and this process runs as user %u, who may not create it in "
-                   "%s, which belongs to user %u (mode %04o). Run install -d -o %u -g %u %s",
-                   path, user, above, (unsigned)info->st_uid, (unsigned)info->st_mode & 07777, user,
-                   (unsigned)getegid(), path);
-}
-
 vor_status vor_fail_access(struct vor_error *err, int number, const char *path)
 {
+    unsigned user = (unsigned)geteuid();
     char *copy = number == EACCES || number == EPERM ? strdup(path) : NULL;
     const char *above = copy;
     struct stat info;
@@ -79,7 +67,12 @@ vor_status vor_fail_access(struct vor_error *err, int number, const char *path)
     else if (strcmp(above, path) == 0)
         say_owner(err, copy, &info);
     else
-        say_missing(err, path, above, &info);
+        /* path is not there, and the folder above it may not be written. */
+        (void)vor_fail(err, VOR_E_IO,
+                       "there is no %s, and this process runs as user %u, who may not create it in "
+                       "%s, which belongs to user %u (mode %04o). Run install -d -o %u -g %u %s",
+                       path, user, above, (unsigned)info.st_uid, (unsigned)info.st_mode & 07777,
+                       user, (unsigned)getegid(), path);
     if (err != NULL)
         err->got = (uint64_t)number;
     free(copy);

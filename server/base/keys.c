@@ -315,29 +315,25 @@ static const struct quota_info quota_infos[] = {
 
 enum { QUOTAS = sizeof quota_infos / sizeof quota_infos[0] };
 
-static const struct quota_info *quota_of(const char *text, size_t length)
-{
-    for (size_t i = 0; i < QUOTAS; i++) {
-        size_t name = strlen(quota_infos[i].name);
-
-        if (length > name && memcmp(text, quota_infos[i].name, name) == 0 && text[name] == '=')
-            return &quota_infos[i];
-    }
-    return NULL;
-}
-
 static vor_status read_quota(struct vor_quota *out, const char *text, size_t length,
                              struct vor_error *err)
 {
-    const struct quota_info *info = quota_of(text, length);
-    size_t name = info != NULL ? strlen(info->name) + 1 : 0;
-    double number = info != NULL ? vor_number_read(text + name, length - name, 1) : NAN;
+    const struct quota_info *info = NULL;
     char shown[SHOWN_SIZE];
+    size_t name = 0;
+    double number;
 
+    for (size_t i = 0; i < QUOTAS && info == NULL; i++) {
+        name = strlen(quota_infos[i].name) + 1;
+        if (length >= name && memcmp(text, quota_infos[i].name, name - 1) == 0 &&
+            text[name - 1] == '=')
+            info = &quota_infos[i];
+    }
     vor_quote(shown, sizeof shown, text, length);
     if (info == NULL)
         return vor_fail_param(err, VOR_E_PARAM, "quotas",
                               "a quota is \"%s\", want jobs=N, rate=N, bytes=N or points=N", shown);
+    number = vor_number_read(text + name, length - name, 1);
     if (!(number >= info->least && number <= info->most) ||
         (info->is_whole && number != rint(number)))
         return vor_fail_param(

@@ -20,22 +20,6 @@ static vor_status cannot(struct vor_error *err, const char *what, int error)
     return vor_fail(err, VOR_E_IO, "cannot be %s: %s", what, strerror(error));
 }
 
-/* Opens an input and sets the size to allocate first. Refuses a folder. */
-static vor_status open_input(int *fd, size_t *size, const char *path, struct vor_error *err)
-{
-    struct stat info;
-
-    *size = 1 << 16; /* more than BEGINNING */
-    *fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
-    if (*fd < 0 || fstat(*fd, &info) != 0)
-        return cannot(err, "read", errno);
-    if (S_ISDIR(info.st_mode))
-        return cannot(err, "read", EISDIR);
-    if (S_ISREG(info.st_mode) && info.st_size > BEGINNING)
-        *size = (size_t)info.st_size + 1; /* so that read sees the end before the buffer is full */
-    return VOR_OK;
-}
-
 /* Reads until there are `until` bytes or no more; *more tells which. */
 static vor_status read_up_to(struct vor_input *out, int fd, size_t until, bool *more,
                              struct vor_error *err)
@@ -83,15 +67,22 @@ static vor_status read_all(struct vor_input *out, int fd, size_t capacity, struc
 
 vor_status vor_input_read(struct vor_input *out, const char *path, struct vor_error *err)
 {
-    size_t size = 0;
+    struct stat info;
     vor_status status;
     int fd;
 
     out->bytes = NULL;
     out->size = 0;
-    status = open_input(&fd, &size, path, err);
-    if (status == VOR_OK)
-        status = read_all(out, fd, size, err);
+    fd = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || fstat(fd, &info) != 0)
+        status = cannot(err, "read", errno);
+    else if (S_ISDIR(info.st_mode))
+        status = cannot(err, "read", EISDIR);
+    else /* of a file one byte more, so that read sees the end before the buffer is full */
+        status = read_all(
+            out, fd,
+            S_ISREG(info.st_mode) && info.st_size > BEGINNING ? (size_t)info.st_size + 1 : 1 << 16,
+            err);
     if (fd > STDIN_FILENO)
         (void)close(fd);
     return status;

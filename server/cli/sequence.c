@@ -46,23 +46,11 @@ static void take(struct vor_attribute_names *common, struct vor_attribute_names 
     common->count = kept;
 }
 
-static void say(const struct vor_cli *cli, const struct vor_attribute_names *others)
-{
-    char line[512] = "not all frames have these attributes, so no result has them: ";
-
-    for (unsigned i = 0; i < others->count; i++) {
-        size_t at = strlen(line);
-
-        (void)snprintf(line + at, sizeof line - at, "%s%s", i > 0 ? ", " : "", others->name[i]);
-    }
-    if (others->count > 0)
-        vor_cli_say(cli->command->name, line);
-}
-
 vor_status vor_sequence_common(struct vor_attribute_names *out, const struct vor_cli *cli,
                                struct vor_error *err)
 {
     struct vor_attribute_names others = {.count = 0};
+    char line[512] = "not all frames have these attributes, so no result has them: ";
     struct vor_work work;
     int frames = 0;
     vor_status status = vor_work_start(&work, cli, NULL, err);
@@ -77,8 +65,11 @@ vor_status vor_sequence_common(struct vor_attribute_names *out, const struct vor
         vor_cloud_free(&cloud);
     }
     vor_work_end(&work);
-    if (status == VOR_OK)
-        say(cli, &others);
+    for (unsigned i = 0; i < others.count; i++)
+        (void)snprintf(line + strlen(line), sizeof line - strlen(line), "%s%s", i > 0 ? ", " : "",
+                       others.name[i]);
+    if (status == VOR_OK && others.count > 0)
+        vor_cli_say(cli->command->name, line);
     return status;
 }
 

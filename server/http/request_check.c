@@ -63,16 +63,6 @@ static bool has_hidden_separator(const char *path, size_t length)
     return false;
 }
 
-/* Bytes of the block as it came, but for blanks around values. */
-static size_t block_length(const struct vor_head *head)
-{
-    size_t length = strlen(head->target) + strlen("OPTIONS  HTTP/1.1\r\n\r\n");
-
-    for (size_t i = 0; i < head->field_count; i++)
-        length += strlen(head->fields[i].name) + strlen(head->fields[i].value) + strlen(": \r\n");
-    return length;
-}
-
 static const char *check_framing(const struct vor_head *head)
 {
     const char *coding = vor_head_find(head, "Transfer-Encoding");
@@ -115,6 +105,7 @@ static const char *check_framing(const struct vor_head *head)
 static const char *check_form(const struct vor_head *head)
 {
     const char *target = head->target;
+    size_t length = strlen(target) + strlen("OPTIONS  HTTP/1.1\r\n\r\n");
 
     if (strcmp(head->version, "HTTP/1.1") != 0 && strcmp(head->version, "HTTP/1.0") != 0)
         return "the version is neither HTTP/1.1 nor HTTP/1.0";
@@ -132,7 +123,10 @@ static const char *check_form(const struct vor_head *head)
             return "the request target holds a byte that must be escaped";
     if (has_hidden_separator(target, strcspn(target, "?")))
         return "the path holds one of %00 %2f %5c %2e";
-    if (block_length(head) > VOR_HEADER_MAX)
+    /* Bytes of the block as it came, but for blanks around values. */
+    for (size_t i = 0; i < head->field_count; i++)
+        length += strlen(head->fields[i].name) + strlen(head->fields[i].value) + strlen(": \r\n");
+    if (length > VOR_HEADER_MAX)
         return "the header block is longer than 32768 bytes";
     return NULL;
 }

@@ -202,19 +202,6 @@ static int get_event(struct vor_event *out, struct trace *trace)
     return 1;
 }
 
-/* The same for one that nobody wants. */
-static int skip_event(struct trace *trace)
-{
-    size_t left = (size_t)(trace->end - trace->at), size = EVENT_SIZE;
-
-    if (left > 0 && trace->at[0] == VOR_EVENT_PROGRESS)
-        size += ETA_SIZE + (size_t)trace->record;
-    if (left < size)
-        return 0;
-    trace->at += size;
-    return 1;
-}
-
 vor_status vor_events_pack(struct vor_text *piece, const struct vor_event *event)
 {
     uint8_t bytes[HEADER_SIZE + EVENT_SIZE + ETA_SIZE + RECORD_MAX], *at = bytes;
@@ -257,6 +244,7 @@ static int get_header(struct trace *trace, uint64_t *count, const struct vor_eve
 
 int vor_events_unpack(struct vor_event_batch *batch, const struct vor_event_piece *piece)
 {
+    size_t size;
     struct trace trace;
     uint64_t count;
 
@@ -268,8 +256,12 @@ int vor_events_unpack(struct vor_event_batch *batch, const struct vor_event_piec
         struct vor_event event = {.attempt = batch->position.attempt, .number = number};
 
         if (number <= batch->position.number) {
-            if (!skip_event(&trace))
+            size = EVENT_SIZE;
+            if (trace.at < trace.end && trace.at[0] == VOR_EVENT_PROGRESS)
+                size += ETA_SIZE + (size_t)trace.record;
+            if ((size_t)(trace.end - trace.at) < size)
                 return -1;
+            trace.at += size; /* nobody wants it */
             continue;
         }
         if (!get_event(&event, &trace))

@@ -66,21 +66,6 @@ static vor_status run(struct vor_postgres *db, struct connection *connection, co
     return status;
 }
 
-/* A first statement, which may be tried again where the connection has broken since the last. */
-static vor_status run_first(struct vor_postgres *db, struct connection *connection, const char *sql,
-                            struct vor_error *err)
-{
-    vor_status status = connect_to(db, connection, err);
-
-    if (status != VOR_OK)
-        return status;
-    status = run(db, connection, sql, err);
-    if (status == VOR_OK || db->pg->status(connection->handle) == VOR_PG_OK)
-        return status;
-    status = connect_to(db, connection, err);
-    return status == VOR_OK ? run(db, connection, sql, err) : status;
-}
-
 /* Writes a statement in PostgreSQL's words: ?1 is $1, a ? without a number the next one, clock_ms()
  * the time of the server, and INDEXED BY with its name goes. */
 static int translate(char *out, size_t size, const char *sql)
@@ -224,11 +209,19 @@ static struct vor_postgres *of_sql(struct vor_sql *db)
 static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor_error *err)
 {
     struct vor_postgres *db = of_sql(sql_db);
+    const char *sql = db->is_shared && how != VOR_SQL_APART ? BEGIN_IN_TURN : "BEGIN";
     vor_status status;
 
     pthread_mutex_lock(&db->writing);
-    status = run_first(db, &db->writer,
-                       db->is_shared && how != VOR_SQL_APART ? BEGIN_IN_TURN : "BEGIN", err);
+    status = connect_to(db, &db->writer, err);
+    if (status == VOR_OK)
+        status = run(db, &db->writer, sql, err);
+    if (status != VOR_OK && db->writer.handle != NULL &&
+        db->pg->status(db->writer.handle) != VOR_PG_OK) { /* it has broken since the last one */
+        status = connect_to(db, &db->writer, err);
+        if (status == VOR_OK)
+            status = run(db, &db->writer, sql, err);
+    }
     if (status != VOR_OK) {
         pthread_mutex_unlock(&db->writing);
         return status;

@@ -320,19 +320,9 @@ static void read_main(struct vor_job_view *out, struct vor_sql_row *from)
     vor_sql_copy(from, output->sha256, sizeof output->sha256);
 }
 
-/* The length of the output that is kept in the row. */
-static void read_length(struct vor_job_view *out, struct vor_sql_row *from)
-{
-    const struct vor_artefact_info *outputs = out->spec.process->outputs;
-    uint64_t length = (uint64_t)vor_sql_number(from);
-
-    for (unsigned i = 0; outputs[i].name != NULL; i++)
-        if (vor_output_in_row(&outputs[i]))
-            out->output[i].bytes = length;
-}
-
 static void read_row(struct vor_job_view *out, struct vor_sql_row *row)
 {
+    uint64_t length;
     struct vor_row_columns columns;
     const char *span;
 
@@ -350,7 +340,10 @@ static void read_row(struct vor_job_view *out, struct vor_sql_row *row)
     columns.outputs = vor_sql_text(row);
     vor_row_read(out, &columns);
     read_main(out, row);
-    read_length(out, row);
+    length = (uint64_t)vor_sql_number(row); /* of the output that is kept in the row */
+    for (unsigned i = 0; out->spec.process->outputs[i].name != NULL; i++)
+        if (vor_output_in_row(&out->spec.process->outputs[i]))
+            out->output[i].bytes = length;
     out->attempt = (uint32_t)vor_sql_number(row);
     if (out->status == VOR_JOB_ACCEPTED || out->attempt == 0)
         out->attempt++;
@@ -489,18 +482,6 @@ static int list_row(void *ctx, struct vor_sql_row *statement)
     return listing->each(listing->ctx, &row);
 }
 
-/* ",accepted,running," of a set of statuses; "" for all. */
-static void status_words(char *out, size_t size, unsigned statuses)
-{
-    size_t at = 0;
-
-    out[0] = '\0';
-    for (int i = 0; i < VOR_JOB_STATUSES; i++)
-        if (statuses & (1u << i))
-            at += (size_t)snprintf(out + at, size - at, "%s%s,", at == 0 ? "," : "",
-                                   vor_job_status_word((enum vor_job_status)i));
-}
-
 /* Milliseconds that a started job has run; ?9 is now. */
 #define DURATION "CASE finished WHEN 0 THEN ?9 ELSE finished END - started"
 
@@ -520,9 +501,13 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
                           struct vor_error *err)
 {
     struct listing listing = {.each = each, .ctx = ctx};
-    char statuses[64];
+    char statuses[64] = "";
+    size_t at = 0;
 
-    status_words(statuses, sizeof statuses, filter->statuses);
+    for (int i = 0; i < VOR_JOB_STATUSES; i++) /* ",accepted,running," or, for all, "" */
+        if (filter->statuses & (1u << i))
+            at += (size_t)snprintf(statuses + at, sizeof statuses - at, "%s%s,", at == 0 ? "," : "",
+                                   vor_job_status_word((enum vor_job_status)i));
     return vor_sql_query(vor_sql_of(store), list_row, &listing, err,
                          filter->name != NULL     ? LIST("job_named", " AND name = ?10")
                          : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")

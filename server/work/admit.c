@@ -163,17 +163,6 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
     }
 }
 
-/* Says which of several inputs is at fault. */
-static void name_input(struct vor_error *err, const char *name)
-{
-    struct vor_error was = *err;
-
-    (void)vor_fail_param(err, was.status, name, "%s: %s", name, was.message);
-    err->byte_offset = was.byte_offset;
-    err->limit = was.limit;
-    err->got = was.got;
-}
-
 static vor_status admit_all(struct vor_admission *admission)
 {
     const struct vor_admit *admit = admission->admit;
@@ -201,8 +190,15 @@ static vor_status admit_all(struct vor_admission *admission)
             vor_admit_keep(&admission->admitted, upload->bytes, &limits);
             upload->bytes = NULL;
         }
-        if (status != VOR_OK && uploads->count > 1)
-            name_input(&admission->error, upload->name);
+        if (status != VOR_OK && uploads->count > 1) { /* says which one is at fault */
+            struct vor_error was = admission->error;
+
+            (void)vor_fail_param(&admission->error, was.status, upload->name, "%s: %s",
+                                 upload->name, was.message);
+            admission->error.byte_offset = was.byte_offset;
+            admission->error.limit = was.limit;
+            admission->error.got = was.got;
+        }
     }
     if (status != VOR_OK) {
         vor_admit_drop(admit->blobs, &admission->admitted);

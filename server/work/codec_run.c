@@ -83,15 +83,12 @@ struct run {
     struct vor_codec_reply reply;
 };
 
-static int is_ours(const struct vor_codec_order *order)
-{
-    return order->op == VOR_CODEC_CONVERT || order->op == VOR_CODEC_ENCODE;
-}
-
 /* The status of a child that did not live to tell one. */
 static vor_status blame(const struct run *run)
 {
-    return is_ours(run->order) ? VOR_E_INTERNAL : VOR_E_FORMAT;
+    int is_ours = run->order->op == VOR_CODEC_CONVERT || run->order->op == VOR_CODEC_ENCODE;
+
+    return is_ours ? VOR_E_INTERNAL : VOR_E_FORMAT;
 }
 
 static const char *what_of(const struct vor_codec_order *order)
@@ -306,27 +303,21 @@ static int make_ring(const uint8_t **bytes, uint64_t size)
     return fd;
 }
 
-/* The same file, for reading only; itself where /proc is not there to open it by. */
-static int reopen_read_only(int fd)
-{
-    char path[32];
-    int opened;
-
-    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
-    opened = open(path, O_RDONLY | O_CLOEXEC);
-    return opened >= 0 ? opened : fcntl(fd, F_DUPFD_CLOEXEC, 0);
-}
-
 static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, int input,
                                struct vor_error *err)
 {
+    char path[32];
     const uint8_t *ring = NULL;
     int fds[2] = {make_ring(&ring, run->order->size), -1};
     vor_status status;
 
     if (fds[0] < 0)
         return vor_fail_errno(err, errno, "memory to share with a child process");
-    fds[1] = reopen_read_only(input);
+    /* The same file, for reading only; itself where /proc is not there to open it by. */
+    (void)snprintf(path, sizeof path, "/proc/self/fd/%d", input);
+    fds[1] = open(path, O_RDONLY | O_CLOEXEC);
+    if (fds[1] < 0)
+        fds[1] = fcntl(input, F_DUPFD_CLOEXEC, 0);
     if (fds[1] < 0) {
         status = vor_fail_errno(err, errno, "the upload");
     } else {

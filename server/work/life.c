@@ -95,16 +95,6 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
     return 0;
 }
 
-static void leave(struct vor_runner *runner, const struct vor_job_view *row)
-{
-    struct vor_worker *worker = runner->worker;
-
-    pthread_mutex_lock(&worker->mutex);
-    runner->job = NULL;
-    vor_capacity_leave(worker, row);
-    pthread_mutex_unlock(&worker->mutex);
-}
-
 static void *runner_main(void *arg)
 {
     struct vor_runner *runner = arg;
@@ -118,7 +108,10 @@ static void *runner_main(void *arg)
             struct vor_job *job = runner->job;
 
             vor_worker_run(runner, &row);
-            leave(runner, &row);
+            pthread_mutex_lock(&worker->mutex);
+            runner->job = NULL;
+            vor_capacity_leave(worker, &row);
+            pthread_mutex_unlock(&worker->mutex);
             vor_job_release(job);
         }
         pthread_mutex_lock(&worker->mutex);

@@ -32,18 +32,6 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
     return status;
 }
 
-/* VOR_OK as long as no disk has failed and the store is ours; one that is away may come back. */
-static vor_status check_disks(struct vor_worker *worker, struct vor_error *err)
-{
-    int is_lost = 0;
-    vor_status status = vor_store_check(worker->config.store, &is_lost, err);
-
-    if (status != VOR_OK)
-        worker->unreached = vor_clock_seconds();
-    vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
-    return is_lost ? status : vor_blobs_check(worker->config.blobs, err);
-}
-
 static void look_at_reserve(struct vor_worker *worker)
 {
     int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
@@ -82,12 +70,23 @@ static void look_at_blobs(struct vor_worker *worker)
 
 void vor_worker_look(struct vor_worker *worker)
 {
+    int is_lost = 0;
+    vor_status status;
     struct vor_error err;
 
     look_at_blobs(worker);
     if (!atomic_load(&worker->is_late)) /* recovery needs the room more than the reserve does */
         look_at_reserve(worker);
-    if (worker->has_failed || check_disks(worker, &err) == VOR_OK)
+    if (worker->has_failed)
+        return;
+    /* Well as long as no disk has failed and the store is ours; one that is away may come back. */
+    status = vor_store_check(worker->config.store, &is_lost, &err);
+    if (status != VOR_OK)
+        worker->unreached = vor_clock_seconds();
+    vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
+    if (!is_lost)
+        status = vor_blobs_check(worker->config.blobs, &err);
+    if (status == VOR_OK)
         return;
     worker->has_failed = 1;
     if (worker->config.failed != NULL)

@@ -84,25 +84,19 @@ struct vor_fetcher *vor_verify_fetcher(const struct vor_verify *verify)
     return verify->fetcher;
 }
 
-static enum vor_verdict compare(struct vor_verify *verify, int fd, const struct known *known)
-{
-    char found[VOR_DIGEST_SIZE];
-
-    if (vor_crew_closing(verify->crew))
-        return VOR_VERDICT_FAILED;
-    if (!vor_blob_digest(fd, known->size, found))
-        return VOR_VERDICT_DAMAGED; /* it cannot be read */
-    return strcmp(found, known->sha256) == 0 ? VOR_VERDICT_SOUND : VOR_VERDICT_DAMAGED;
-}
-
 static void run_pass(void *ctx)
 {
     struct pass *pass = ctx;
     struct vor_verify *verify = pass->verify;
     struct known *known = pass->known; /* nobody else touches one that is being read */
-    enum vor_verdict verdict = compare(verify, pass->fd, known);
+    enum vor_verdict verdict = VOR_VERDICT_FAILED;
+    char found[VOR_DIGEST_SIZE];
     struct vor_waiting *waiting;
 
+    if (!vor_crew_closing(verify->crew))
+        verdict = vor_blob_digest(pass->fd, known->size, found) && strcmp(found, known->sha256) == 0
+                      ? VOR_VERDICT_SOUND
+                      : VOR_VERDICT_DAMAGED;
     close(pass->fd);
     if (verdict == VOR_VERDICT_DAMAGED)
         vor_log(VOR_LOG_ERROR, "stored bytes are damaged", VOR_TEXT("sha256", known->sha256),

@@ -131,25 +131,6 @@ static int take_json(void *ctx, const void *bytes, size_t size)
     return 0; /* what does not fit is found at the end; the limit of the body comes first */
 }
 
-/* Takes the key of a request; false after a problem has been replied. */
-static bool begin_flight(struct vor_app *app, struct vor_request *request,
-                         struct submission *submission)
-{
-    enum vor_job_outcome outcome = VOR_DONE;
-
-    if (has_key(submission))
-        outcome = vor_inflight_begin(app->inflight, &submission->head.options.key);
-    if (outcome == VOR_CONFLICT) {
-        vor_problem_say(app, request, "idempotency-in-flight",
-                        "a request with Idempotency-Key %s is in progress; try again later",
-                        submission->head.options.key.text);
-    } else if (outcome != VOR_DONE) {
-        vor_problem_no_memory(app, request);
-    }
-    submission->in_flight = has_key(submission) && outcome == VOR_DONE;
-    return outcome == VOR_DONE;
-}
-
 /* Where the body goes; false after a problem has been replied. */
 static bool open_sink(struct vor_app *app, struct vor_request *request,
                       struct submission *submission, struct vor_body_sink *sink)
@@ -187,6 +168,7 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
 
 static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 {
+    enum vor_job_outcome outcome = VOR_DONE;
     uint64_t limit = (uint64_t)app->config->number[VOR_SET_BODY_LIMIT];
     struct vor_submit_head head;
     struct submission *submission;
@@ -208,26 +190,19 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     submission->span = *vor_request_span(request);
     submission->deferred.over = on_over;
     vor_deferred_begin(&submission->deferred, request, free_submission);
-    if (!begin_flight(app, request, submission) || !open_sink(app, request, submission, &sink))
+    if (has_key(submission))
+        outcome = vor_inflight_begin(app->inflight, &submission->head.options.key);
+    if (outcome == VOR_CONFLICT)
+        return vor_problem_say(app, request, "idempotency-in-flight",
+                               "a request with Idempotency-Key %s is in progress; try again later",
+                               submission->head.options.key.text);
+    if (outcome != VOR_DONE)
+        return vor_problem_no_memory(app, request);
+    submission->in_flight = has_key(submission);
+    if (!open_sink(app, request, submission, &sink))
         return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
-}
-
-/* The body is in: true when inputs and parameters are all there; else a problem has been replied.
- */
-static bool end_body(struct vor_app *app, struct vor_request *request,
-                     struct submission *submission)
-{
-    struct vor_submit_head *head = &submission->head;
-
-    if (head->body == VOR_SUBMIT_JSON) {
-        vor_submit_json_refuse(app, request, head->spec.process, &submission->json);
-        return false;
-    }
-    if (submission->form != NULL && !vor_submit_form_end(submission->form))
-        return false;
-    return submission->form == NULL || vor_submit_complete(app, request, head);
 }
 
 static void on_event(void *ctx, enum vor_event_kind kind)
@@ -513,7 +488,11 @@ enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor
     if (step == VOR_STEP_BODY) {
         const struct vor_uuid *previous = &submission->head.options.previous;
 
-        if (!end_body(app, request, submission))
+        if (submission->head.body == VOR_SUBMIT_JSON)
+            vor_submit_json_refuse(app, request, submission->head.spec.process, &submission->json);
+        if (submission->head.body == VOR_SUBMIT_JSON ||
+            (submission->form != NULL && (!vor_submit_form_end(submission->form) ||
+                                          !vor_submit_complete(app, request, &submission->head))))
             return VOR_NEXT_REPLY;
         if (previous->text[0] != '\0' &&
             subscribe(app, vor_auth_tenant(request), submission, previous) != VOR_DONE)

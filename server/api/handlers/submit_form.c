@@ -239,30 +239,24 @@ static vor_status add_of_job(unsigned *inputs, const struct vor_process_info *pr
     return VOR_OK;
 }
 
-static vor_status check_whole(struct vor_submit_form *form, struct vor_error *err)
+bool vor_submit_form_end(struct vor_submit_form *form)
 {
     const struct vor_submit_options *options = &form->head->options;
     const struct vor_spec *spec = &form->head->spec;
+    struct vor_error *err = &form->error;
+    vor_status status = err->status;
     unsigned inputs = 0;
-    vor_status status = vor_multipart_finish(&form->scanner, err);
 
-    if (status != VOR_OK)
-        return status;
+    if (status == VOR_OK)
+        status = vor_multipart_finish(&form->scanner, err);
     for (unsigned i = 0; i < form->uploads->count; i++)
         for (unsigned k = 0; spec->process->inputs[k].name != NULL; k++)
             if (spec->process->inputs[k].name == form->uploads->item[i].name)
                 inputs |= 1u << k;
-    status = add_of_job(&inputs, spec->process, "input", &options->input, err);
-    if (status == VOR_OK)
-        status = add_of_job(&inputs, spec->process, "previous", &options->previous, err);
-    return status == VOR_OK ? vor_spec_check_inputs(spec, inputs, err) : status;
-}
-
-bool vor_submit_form_end(struct vor_submit_form *form)
-{
-    struct vor_error *err = &form->error;
-
-    if (err->status == VOR_OK && check_whole(form, err) == VOR_OK)
+    if (status == VOR_OK &&
+        add_of_job(&inputs, spec->process, "input", &options->input, err) == VOR_OK &&
+        add_of_job(&inputs, spec->process, "previous", &options->previous, err) == VOR_OK &&
+        vor_spec_check_inputs(spec, inputs, err) == VOR_OK)
         return true;
     vor_problem_error(form->app, form->request, err, NULL);
     return false;
