@@ -63,26 +63,6 @@ static uint64_t sum_of(const uint8_t header[VOR_TAR_BLOCK])
     return sum;
 }
 
-/* Puts a path together: PREFIX/NAME, where the header has a prefix. */
-static vor_status take_path(struct vor_tar *scanner, struct vor_error *err)
-{
-    const char *name = (const char *)scanner->header + name_field.at,
-               *prefix = (const char *)scanner->header + prefix_field.at;
-    size_t name_size = strnlen(name, name_field.size),
-           prefix_size = strnlen(prefix, prefix_field.size);
-    char *out = scanner->path;
-
-    if (out[0] != '\0') /* which a header before has said */
-        return VOR_OK;
-    if (memcmp(scanner->header + magic_field.at, "ustar\0", 6) != 0)
-        prefix_size = 0; /* of another format */
-    if (prefix_size + 1 + name_size > VOR_TAR_NAME_MAX)
-        return refuse(scanner, "the name of a file is too long", err);
-    (void)snprintf(out, sizeof scanner->path, "%.*s%s%.*s", (int)prefix_size, prefix,
-                   prefix_size > 0 ? "/" : "", (int)name_size, name);
-    return out[0] != '\0' ? VOR_OK : refuse(scanner, "a file has no name", err);
-}
-
 static void skip(struct vor_tar *scanner, uint64_t bytes)
 {
     scanner->left = bytes;
@@ -99,10 +79,23 @@ static vor_status end_file(struct vor_tar *scanner, struct vor_error *err)
 
 static vor_status begin_file(struct vor_tar *scanner, uint64_t size, struct vor_error *err)
 {
-    vor_status status = take_path(scanner, err);
+    const char *name = (const char *)scanner->header + name_field.at,
+               *prefix = (const char *)scanner->header + prefix_field.at;
+    size_t name_size = strnlen(name, name_field.size),
+           prefix_size = strnlen(prefix, prefix_field.size);
+    vor_status status;
 
-    if (status == VOR_OK)
-        status = scanner->events.file(scanner->events.ctx, scanner->path, size, err);
+    if (memcmp(scanner->header + magic_field.at, "ustar\0", 6) != 0)
+        prefix_size = 0;            /* of another format */
+    if (scanner->path[0] == '\0') { /* which a header before has not said */
+        if (prefix_size + 1 + name_size > VOR_TAR_NAME_MAX)
+            return refuse(scanner, "the name of a file is too long", err);
+        (void)snprintf(scanner->path, sizeof scanner->path, "%.*s%s%.*s", (int)prefix_size, prefix,
+                       prefix_size > 0 ? "/" : "", (int)name_size, name);
+    }
+    status = scanner->path[0] == '\0'
+                 ? refuse(scanner, "a file has no name", err)
+                 : scanner->events.file(scanner->events.ctx, scanner->path, size, err);
     scanner->path[0] = '\0';
     if (status != VOR_OK)
         return status;

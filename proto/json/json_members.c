@@ -171,18 +171,6 @@ static uint64_t count_of(const struct vor_json *value, double max)
     return number >= 0 && number <= max ? (uint64_t)number : 0;
 }
 
-static unsigned word_of(const struct vor_json *value, const struct vor_member *row)
-{
-    const char *word = vor_json_get_string(value);
-    unsigned i = 0;
-
-    if (value == NULL)
-        return 0;
-    while (i < row->word_count && (word == NULL || strcmp(word, row->words[i]) != 0))
-        i++;
-    return i;
-}
-
 /* The value of a row in an object, or in the object of the row's name within that one; NULL when it
  * is missing. */
 static const struct vor_json *value_at(const struct vor_json *object, const struct vor_member *row)
@@ -200,6 +188,8 @@ static const struct vor_json *value_at(const struct vor_json *object, const stru
 void vor_json_members_read(void *values, const struct vor_members *members,
                            const struct vor_json *object)
 {
+    const char *word;
+    unsigned i;
     memset(values, 0, members->size);
     for (const struct vor_member *row = members->rows; row < end_of(members); row++) {
         const struct vor_json *value = value_at(object, row);
@@ -218,7 +208,12 @@ void vor_json_members_read(void *values, const struct vor_members *members,
                                     : number_of(value);
             break;
         case VOR_MEMBER_WORD:
-            *(unsigned *)member = word_of(value, row);
+            word = vor_json_get_string(value);
+            i = 0;
+            while (value != NULL && i < row->word_count &&
+                   (word == NULL || strcmp(word, row->words[i]) != 0))
+                i++;
+            *(unsigned *)member = i;
             break;
         default:
             assert(!"a description with numbers and words only");

@@ -242,6 +242,7 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
 
     for (size_t i = 0; i < writer->field_count; i++)
         row += vor_type_size(writer->fields[i].type);
+    assert(row > 0); /* x, y and z are fields */
     block = writer->capacity / row;
     for (size_t first = 0; status == VOR_OK && first < writer->cloud->n; first += n) {
         n = writer->cloud->n - first < block ? writer->cloud->n - first : block;

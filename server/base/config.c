@@ -21,14 +21,17 @@ const struct vor_option_row vor_setting_infos[VOR_SETTING_COUNT] = {
 #undef INFO_ROW
 };
 
-/* A list grows with every flag, any other text is the last one's. */
-static vor_status set_text(struct vor_config *config, int setting, const char *text,
-                           struct vor_error *err)
+static vor_status set(struct vor_config *config, int setting, const char *text,
+                      struct vor_error *err)
 {
-    const struct vor_option_row *info = &vor_setting_infos[setting];
     char *to = config->text[setting];
-    size_t before = info->type == VOR_TYPE_LIST ? strlen(to) : 0;
+    size_t before;
+    const struct vor_option_row *info = &vor_setting_infos[setting];
 
+    if (info->type != VOR_TYPE_TEXT && info->type != VOR_TYPE_LIST)
+        return vor_option_read(&config->number[setting], info, text, err);
+    /* A list grows with every flag, any other text is the last one's. */
+    before = info->type == VOR_TYPE_LIST ? strlen(to) : 0;
     if (before > 0)
         before++;
     if (before + strlen(text) >= VOR_CONFIG_TEXT_MAX)
@@ -38,16 +41,6 @@ static vor_status set_text(struct vor_config *config, int setting, const char *t
         to[before - 1] = ',';
     memcpy(to + before, text, strlen(text) + 1);
     return VOR_OK;
-}
-
-static vor_status set(struct vor_config *config, int setting, const char *text,
-                      struct vor_error *err)
-{
-    const struct vor_option_row *info = &vor_setting_infos[setting];
-
-    return info->type == VOR_TYPE_TEXT || info->type == VOR_TYPE_LIST
-               ? set_text(config, setting, text, err)
-               : vor_option_read(&config->number[setting], info, text, err);
 }
 
 /* A setting from its variable, or from the file that its variable with _FILE names. What is a file
@@ -217,20 +210,6 @@ static vor_status split_admin(struct vor_config *config, struct vor_error *err)
     return status;
 }
 
-/* Length of "http://HOST:PORT" or the like at the start of text; 0 when there is none. */
-static size_t origin_length(const char *text)
-{
-    static const char host[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]";
-    size_t scheme = strspn(text, "abcdefghijklmnopqrstuvwxyz0123456789+-.");
-    size_t length;
-
-    if (scheme == 0 || strncmp(text + scheme, "://", 3) != 0)
-        return 0;
-    length = strspn(text + scheme + 3, host);
-    return length > 0 ? scheme + 3 + length : 0;
-}
-
 /* A wrong one would only show as links that lead nowhere. */
 static vor_status check_url(const struct vor_config *config, enum vor_setting setting,
                             struct vor_error *err)
@@ -268,12 +247,18 @@ static vor_status check_urls(struct vor_config *config, struct vor_error *err)
 /* A wrong one would only show as pages that are let in nowhere. */
 static vor_status check_origins(struct vor_config *config, struct vor_error *err)
 {
+    static const char host[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._:[]";
     const char *list = config->text[VOR_SET_CORS_ORIGIN];
 
     while (*(list += strspn(list, ", ")) != '\0') {
         size_t word = strcspn(list, ", ");
+        size_t scheme = strspn(list, "abcdefghijklmnopqrstuvwxyz0123456789+-.");
+        size_t length = scheme > 0 && strncmp(list + scheme, "://", 3) == 0
+                            ? strspn(list + scheme + 3, host)
+                            : 0;
 
-        if (origin_length(list) != word)
+        if (length == 0 || scheme + 3 + length != word)
             return vor_fail_param(err, VOR_E_PARAM, "cors-origin",
                                   "--cors-origin holds \"%.*s\", want a list of origins such as "
                                   "https://HOST or http://HOST:PORT, without a path",

@@ -37,26 +37,6 @@ struct vor_keys {
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static vor_status add(struct list *list, const struct vor_key_line *line, struct vor_error *err)
-{
-    for (size_t i = 0; i < list->count; i++)
-        if (vor_digest_same(list->lines[i].digest, line->digest))
-            return vor_fail(err, VOR_E_PARAM, "an earlier line has the same digest");
-    if (list->count == VOR_KEYS_MAX)
-        return vor_fail(err, VOR_E_PARAM, "there are more than %d keys", VOR_KEYS_MAX);
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 16;
-        struct vor_key_line *lines = realloc(list->lines, capacity * sizeof *lines);
-
-        if (lines == NULL)
-            return vor_fail(err, VOR_E_NOMEM, "%zu keys", capacity);
-        list->lines = lines;
-        list->capacity = capacity;
-    }
-    list->lines[list->count++] = *line;
-    return VOR_OK;
-}
-
 /* A line of the file, with whatever ends it. */
 static vor_status take_line(struct list *list, char *text, struct vor_error *err)
 {
@@ -73,7 +53,24 @@ static vor_status take_line(struct list *list, char *text, struct vor_error *err
     if (length == 0 || text[0] == '#')
         return VOR_OK;
     status = vor_key_line_read(&line, text, err);
-    return status == VOR_OK ? add(list, &line, err) : status;
+    if (status != VOR_OK)
+        return status;
+    for (size_t i = 0; i < list->count; i++)
+        if (vor_digest_same(list->lines[i].digest, line.digest))
+            return vor_fail(err, VOR_E_PARAM, "an earlier line has the same digest");
+    if (list->count == VOR_KEYS_MAX)
+        return vor_fail(err, VOR_E_PARAM, "there are more than %d keys", VOR_KEYS_MAX);
+    if (list->count == list->capacity) {
+        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 16;
+        struct vor_key_line *lines = realloc(list->lines, capacity * sizeof *lines);
+
+        if (lines == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu keys", capacity);
+        list->lines = lines;
+        list->capacity = capacity;
+    }
+    list->lines[list->count++] = line;
+    return VOR_OK;
 }
 
 static vor_status read_lines(struct list *list, const char *path, FILE *file, struct vor_error *err)

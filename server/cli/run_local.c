@@ -129,18 +129,6 @@ static vor_status finish(struct local_run *r, struct vor_error *err)
     return status;
 }
 
-/* Refuses what can be refused before the work. */
-static vor_status check(struct local_run *r, struct vor_error *err)
-{
-    const struct vor_process_info *process = r->spec.process;
-
-    if (process->outputs[0].kind != VOR_ARTEFACT_CLOUD)
-        return VOR_OK;
-    r->subject = r->cli->input[0];
-    vor_extent_measure(&r->facts.input, vor_artefacts_cloud(&r->in, process->inputs[0].name));
-    return vor_write_check(r->format, &r->spec, &r->facts.input, err);
-}
-
 /* The output is opened before the work begins: a name that cannot be written is told at once. */
 static vor_status work(struct local_run *r, struct vor_error *err)
 {
@@ -162,9 +150,15 @@ static vor_status work(struct local_run *r, struct vor_error *err)
     for (unsigned i = 0; vor_format(i) != NULL; i++)
         if (vor_format(i) == r->format && vor_process_takes(r->spec.process, VOR_PARAM_FORMAT))
             r->spec.value[VOR_PARAM_FORMAT] = i;
-    status = check(r, err);
-    if (status != VOR_OK)
-        return status;
+    if (r->spec.process->outputs[0].kind == VOR_ARTEFACT_CLOUD) {
+        /* Refuses what can be refused before the work. */
+        r->subject = r->cli->input[0];
+        vor_extent_measure(&r->facts.input,
+                           vor_artefacts_cloud(&r->in, r->spec.process->inputs[0].name));
+        status = vor_write_check(r->format, &r->spec, &r->facts.input, err);
+        if (status != VOR_OK)
+            return status;
+    }
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
     status = vor_output_open(&r->output, r->subject, r->replace, err);
     if (status != VOR_OK)

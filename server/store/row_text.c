@@ -142,14 +142,6 @@ static void read_request(struct vor_job_view *row, const struct vor_json *reques
         vor_spec_preset(&row->spec, process);
 }
 
-static vor_status find_status(const char *slug)
-{
-    for (int i = 1; slug != NULL && i < VOR_STATUS_COUNT; i++)
-        if (strcmp(vor_status_slug((vor_status)i), slug) == 0)
-            return (vor_status)i;
-    return VOR_E_INTERNAL;
-}
-
 static double number(const struct vor_json *object, const char *name, double fallback)
 {
     double value = fallback;
@@ -167,11 +159,16 @@ static void copy(char *out, size_t size, const struct vor_json *object, const ch
 
 static void read_problem(struct vor_error *out, const struct vor_json *problem)
 {
+    const char *slug;
     memset(out, 0, sizeof *out);
     out->byte_offset = -1;
     if (problem == NULL)
         return;
-    out->status = find_status(vor_json_get_string(vor_json_get(problem, "status")));
+    slug = vor_json_get_string(vor_json_get(problem, "status"));
+    out->status = VOR_E_INTERNAL;
+    for (int i = 1; slug != NULL && i < VOR_STATUS_COUNT; i++)
+        if (strcmp(vor_status_slug((vor_status)i), slug) == 0)
+            out->status = (vor_status)i;
     copy(out->parameter, sizeof out->parameter, problem, "parameter");
     copy(out->message, sizeof out->message, problem, "message");
     out->byte_offset = (int64_t)number(problem, "byteOffset", -1);

@@ -138,19 +138,6 @@ vor_status vor_sql_change_each(struct vor_sql *db, void (*each)(void *ctx, struc
     return change(db, &returning, err, sql, &values);
 }
 
-/* The number of a reader, locked. */
-static unsigned take_reader(struct vor_sql *db)
-{
-    unsigned reader;
-
-    for (reader = 0; reader < VOR_SQL_READERS; reader++)
-        if (pthread_mutex_trylock(&db->reader[reader]) == 0)
-            return reader;
-    reader = atomic_fetch_add(&db->next_reader, 1) % VOR_SQL_READERS;
-    pthread_mutex_lock(&db->reader[reader]);
-    return reader;
-}
-
 vor_status vor_sql_query(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
                          void *ctx, struct vor_error *err, const char *sql, const char *types, ...)
 {
@@ -163,7 +150,13 @@ vor_status vor_sql_query(struct vor_sql *db, int (*each)(void *ctx, struct vor_s
     va_start(args, types);
     gather(&values, types, &args);
     va_end(args);
-    reader = take_reader(db);
+    for (reader = 0; reader < VOR_SQL_READERS; reader++)
+        if (pthread_mutex_trylock(&db->reader[reader]) == 0)
+            break;
+    if (reader == VOR_SQL_READERS) {
+        reader = atomic_fetch_add(&db->next_reader, 1) % VOR_SQL_READERS;
+        pthread_mutex_lock(&db->reader[reader]);
+    }
     status = db->engine->query(db, reader, each, ctx, err, sql, &values);
     pthread_mutex_unlock(&db->reader[reader]);
     count(db, sql, began, status);

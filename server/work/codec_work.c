@@ -31,23 +31,12 @@ static int write_and_measure(void *ctx, const void *bytes, size_t size)
     return 0;
 }
 
-static vor_status write_dump(struct vor_extent *extent, const struct vor_sink *sink,
-                             const struct vor_cloud *cloud, struct vor_error *err)
-{
-    struct measured_sink measured = {.sink = sink};
-    const struct vor_sink through = {.ctx = &measured, .write = write_and_measure};
-    vor_status status;
-
-    vor_extent_begin(&measured.walk, cloud);
-    status = vor_dump_write(&through, cloud, err);
-    vor_extent_end(extent, &measured.walk);
-    return status;
-}
-
 static vor_status decode(struct vor_codec_facts *facts, const struct vor_sink *sink,
                          const struct vor_codec_order *order, const uint8_t *bytes,
                          struct vor_error *err)
 {
+    struct measured_sink measured = {.sink = sink};
+    const struct vor_sink through = {.ctx = &measured, .write = write_and_measure};
     const struct vor_format *format = NULL;
     struct vor_codec_facts found = {0};
     struct vor_memory memory;
@@ -61,7 +50,9 @@ static vor_status decode(struct vor_codec_facts *facts, const struct vor_sink *s
         for (; vor_format(found.format) != format; found.format++)
             assert(vor_format(found.format) != NULL);
         found.points = cloud.n;
-        status = write_dump(&found.extent, sink, &cloud, err);
+        vor_extent_begin(&measured.walk, &cloud);
+        status = vor_dump_write(&through, &cloud, err);
+        vor_extent_end(&found.extent, &measured.walk);
     }
     vor_cloud_free(&cloud);
     if (status == VOR_OK)

@@ -96,17 +96,6 @@ static void on_came(void *ctx, int fd, uint64_t have)
     vor_waiting_wake(woken);
 }
 
-static void end_flow(struct vor_flow *flow, enum vor_fetched outcome)
-{
-    struct vor_waiting *woken;
-
-    pthread_mutex_lock(&flow->mutex);
-    flow->outcome = outcome;
-    woken = vor_waiting_take(&flow->waiting);
-    pthread_mutex_unlock(&flow->mutex);
-    vor_waiting_wake(woken);
-}
-
 long vor_flow_read(struct vor_flow *flow, uint64_t at, void *out, size_t size,
                    const struct vor_asker *asker, int *whole)
 {
@@ -178,7 +167,11 @@ static void run(void *ctx)
             : vor_blob_bring(fetcher->blobs, &fetch->id, fetch->name, &watch, &found, &error);
 
     is_near = status == VOR_OK && found;
-    end_flow(fetch->flow, is_near ? VOR_FETCH_NEAR : VOR_FETCH_FAILED);
+    pthread_mutex_lock(&fetch->flow->mutex);
+    fetch->flow->outcome = is_near ? VOR_FETCH_NEAR : VOR_FETCH_FAILED;
+    waiting = vor_waiting_take(&fetch->flow->waiting);
+    pthread_mutex_unlock(&fetch->flow->mutex);
+    vor_waiting_wake(waiting);
     pthread_mutex_lock(&fetcher->mutex);
     fetch->outcome = status != VOR_OK ? VOR_FETCH_FAILED : VOR_FETCH_NONE;
     if (status != VOR_OK)

@@ -20,18 +20,6 @@ static int take_last(void *ctx, const struct vor_event_piece *piece)
     return 1;
 }
 
-/* Number of the last event of an attempt that the store has behind `after`; that, if it has none.
- */
-static vor_status last_event(struct vor_worker *worker, const struct vor_job_view *row,
-                             uint32_t after, uint32_t *last, struct vor_error *err)
-{
-    const struct vor_event_query query = {
-        .attempt = row->attempt, .after = after, .each = take_last, .ctx = last};
-
-    *last = after;
-    return vor_store_events(worker->config.store, &row->id, &query, err);
-}
-
 vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job, struct vor_error *err)
 {
     struct vor_job_view row = {.attempt = 0};
@@ -42,8 +30,12 @@ vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job, str
     pthread_mutex_lock(&worker->claim); /* no runner takes it meanwhile */
     if (!vor_worker_is_running(worker, job))
         status = vor_store_get(worker->config.store, vor_job_id(job), NULL, &row, &found, err);
-    if (status == VOR_OK && found && row.status != VOR_JOB_ACCEPTED)
-        status = last_event(worker, &row, vor_job_newest(job, row.attempt), &last, err);
+    if (status == VOR_OK && found && row.status != VOR_JOB_ACCEPTED) {
+        struct vor_event_query query = {.attempt = row.attempt, .each = take_last, .ctx = &last};
+
+        last = query.after = vor_job_newest(job, row.attempt);
+        status = vor_store_events(worker->config.store, &row.id, &query, err);
+    }
     if (status == VOR_OK && found)
         vor_job_mirror(job, &row, last);
     pthread_mutex_unlock(&worker->claim);

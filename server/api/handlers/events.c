@@ -224,24 +224,6 @@ static void write_id(const struct stream *stream, const char *own, char *out, si
     }
 }
 
-/* Tells that there is no such job, or none of this caller; the other jobs go on. */
-static void write_unknown(struct stream *stream, struct track *track)
-{
-    char id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
-    struct vor_text data;
-
-    write_id(stream, VOR_POSITION_END, id, sizeof id);
-    vor_text_init(&data, 0);
-    vor_json_begin_object(&data);
-    vor_json_put_string(&data, "jobID", track->id.text);
-    vor_json_end_object(&data);
-    stream->has_told = true;
-    if (!vor_event_frame(&stream->teller, "unknown", id, &data, &stream->text))
-        stream->ended = true;
-    vor_text_free(&data);
-    end_turns(stream, track);
-}
-
 /* Tells that the points have moved, if somebody wants to know and they have; false else. */
 static bool take_preview(struct stream *stream, struct track *track)
 {
@@ -301,6 +283,8 @@ static bool take_events(struct stream *stream, struct track *track)
 /* The same for one that may have to be looked up first, or its events: then false as well. */
 static bool take_turn(struct stream *stream, struct track *track)
 {
+    char id[VOR_EVENT_JOBS_MAX * VOR_POSITION_SIZE];
+    struct vor_text data;
     enum vor_job_outcome outcome = VOR_DONE;
 
     if (stream->is_looking_up)
@@ -311,7 +295,17 @@ static bool take_turn(struct stream *stream, struct track *track)
             return false;
     }
     if (outcome == VOR_UNKNOWN) {
-        write_unknown(stream, track);
+        /* There is no such job, or none of this caller; the other jobs go on. */
+        write_id(stream, VOR_POSITION_END, id, sizeof id);
+        vor_text_init(&data, 0);
+        vor_json_begin_object(&data);
+        vor_json_put_string(&data, "jobID", track->id.text);
+        vor_json_end_object(&data);
+        stream->has_told = true;
+        if (!vor_event_frame(&stream->teller, "unknown", id, &data, &stream->text))
+            stream->ended = true;
+        vor_text_free(&data);
+        end_turns(stream, track);
         return true;
     }
     if (outcome == VOR_DONE && take_events(stream, track))

@@ -189,16 +189,6 @@ static const struct {
 
 enum { PARAMETERS = sizeof parameters / sizeof parameters[0] };
 
-/* What a value should be; NULL when it is that. */
-static const char *read_one(const char *name, const char *value, struct vor_job_filter *out)
-{
-    for (int i = 0; i < PARAMETERS; i++)
-        if (strcmp(name, parameters[i].name) == 0)
-            return parameters[i].read(value, out);
-    return "one of limit, cursor, status, processID, type, datetime, minDuration, maxDuration and "
-           "name as the name";
-}
-
 bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
                          struct vor_job_filter *out)
 {
@@ -209,8 +199,12 @@ bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
     *out = (struct vor_job_filter){.limit = LIST_DEFAULT, .now = vor_clock_wall_ms()};
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
         const char *value = vor_request_query_value(request, i);
-        const char *want = read_one(name, value, out);
+        const char *want = "one of limit, cursor, status, processID, type, datetime, minDuration, "
+                           "maxDuration and name as the name";
 
+        for (int k = 0; k < PARAMETERS; k++) /* what the value should be; NULL when it is that */
+            if (strcmp(name, parameters[k].name) == 0)
+                want = parameters[k].read(value, out);
         if (want == NULL)
             continue;
         (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
