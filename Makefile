@@ -258,7 +258,7 @@ $(B)/tests/%: $(B)/tests/%.o $(SUPPORT) $(LIB)
 	@$(LINK_TEST) $^ -o $@ $(TEST_LIBS) $(LIBS)
 
 # These know which place of the product asks for memory.
-$(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/methods_threads): \
+$(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/methods_resumed property/methods_threads): \
     TEST_LIBS += -Wl,--wrap=vor_malloc,--wrap=vor_calloc,--wrap=vor_realloc
 $(B)/tests/unit/worker_recover: TEST_LIBS += -Wl,--wrap=vor_job_create,--wrap=vor_store_reap,--wrap=vor_store_waiting,--wrap=vor_store_hand_back
 $(B)/tests/unit/worker_jobs: TEST_LIBS += -Wl,--wrap=vor_store_get,--wrap=vor_store_events

@@ -22,6 +22,7 @@
 #include "core/output/triangles.h"
 #include "core/remesh/remesh.h"
 #include "core/seeds/area.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/target.h"
 
@@ -41,6 +42,7 @@ struct engine {
     struct vor_cloud sampled;                 /* points of its faces, if the request says so */
     struct vor_spec spec;
     struct vor_run run, whole; /* whole: for parts that a stop must not interrupt */
+    struct vor_checkpoints checkpoints;
     struct vor_domain domain;
     struct vor_seeds seeds;
     struct vor_outcome told;
@@ -168,6 +170,7 @@ static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *
     vor_cloud_init(&cloud, run->memory);
     vor_cloud_init(&engine.sampled, run->memory);
     vor_mesh_init(&engine.mesh, run->memory);
+    vor_checkpoints_begin(&engine.checkpoints, &engine.run, spec, engine.given, engine.previous);
     status = prepare(&engine, err);
     if (status == VOR_OK && engine.target.n > 0)
         status = place(&engine, err);
@@ -292,7 +295,6 @@ vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts 
     for (size_t i = 0; i < sizeof processes / sizeof processes[0]; i++)
         if (strcmp(processes[i].id, spec->process->id) == 0)
             process = &processes[i];
-
     assert(process != NULL);
     return vor_process_run(process, out, in, spec, run, err);
 }

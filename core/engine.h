@@ -13,7 +13,7 @@
  *  @param[in]  in    every required input of the row, clouds checked (vor_cloud_check); borrowed
  *                    for the call
  *  @param[in]  spec  checked (vor_spec_check, vor_spec_check_inputs)
- *  @param[in]  run   pool, memory and watch are read; the run begins with this call
+ *  @param[in]  run   pool, memory, watch, saved and every are read; the run begins with this call
  *  @param[out] err   may be NULL
  *
  *  @retval VOR_E_TARGET     the number of points, given or from ratio or spacing, is out of range
@@ -59,7 +59,7 @@
  *
  *  Cost: O(N log N) for the index, O(n) an iteration, O(n log n) a progressive order; on the run's
  *  pool. Thread-safe. The same bytes for any number of threads, unless a time budget or the caller
- *  ended the run. */
+ *  ended the run; and whether it goes on from a checkpoint or not (seeds/checkpoint.h). */
 VOR_NODISCARD vor_status vor_engine_run(struct vor_artefacts *out, const struct vor_artefacts *in,
                                         const struct vor_spec *spec, const struct vor_run *run,
                                         struct vor_error *err);

@@ -6,6 +6,11 @@
 #include "core/base/parallel.h"
 #include "core/base/watch.h"
 
+#include <stdint.h>
+
+/** Counted work from one checkpoint to the next, in searches and cells: some 30 s of CPU. */
+#define VOR_CHECKPOINT_WORK (UINT64_C(16) << 20)
+
 /** One run; borrows everything. */
 struct vor_run {
     struct vor_pool *pool;           /**< borrowed */
@@ -15,6 +20,12 @@ struct vor_run {
                                           NULL where watch never does */
     double began; /**< the clock when the run began; records and budgets count from it */
     double late;  /**< the clock when its time is over by far (base/budget.h); 0 for never */
+    struct vor_part saved; /**< the checkpoint of an earlier run of the same request, to go on from;
+                                its size is 0 for none. One that is damaged, or of another request,
+                                is not used */
+    uint64_t every;        /**< work from one checkpoint to the next, which moves points a little;
+                                0: VOR_CHECKPOINT_WORK */
+    struct vor_checkpoints *checkpoints; /**< the engine's (seeds/checkpoint.h); NULL: none */
 };
 
 /** The same run, not interrupted by VOR_STOP: for the parts before there is a result to hand back.

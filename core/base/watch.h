@@ -22,9 +22,15 @@ struct vor_moving {
     double unit, shift[3];
 };
 
-/** Any member may be NULL. progress, points and clock are called from the thread that runs the
- *  engine, poll from every thread of the pool before each block of work: it must be cheap and
- *  thread-safe. Where there is a poll and the request limits the time, so must the clock be. */
+/** Bytes, one part of several. */
+struct vor_part {
+    void *bytes;
+    size_t size;
+};
+
+/** Any member may be NULL. progress, points, checkpoint and clock are called from the thread that
+ * runs the engine, poll from every thread of the pool before each block of work: it must be cheap
+ * and thread-safe. Where there is a poll and the request limits the time, so must the clock be. */
 struct vor_watch {
     void *ctx;
     enum vor_answer (*progress)(void *ctx, const struct vor_record *record);
@@ -33,6 +39,9 @@ struct vor_watch {
     double (*clock)(void *ctx);
     /** Before a progress: the points that its record is of. Nothing is computed for it. */
     void (*points)(void *ctx, const struct vor_moving *points, const struct vor_record *record);
+    /** What another run of the same request goes on from (vor_run.saved), in parts that follow each
+     *  other; borrowed for the call, and only read. */
+    void (*checkpoint)(void *ctx, const struct vor_part *part, unsigned parts);
 };
 
 #endif

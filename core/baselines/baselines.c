@@ -210,6 +210,7 @@ vor_status vor_baselines_tell(struct vor_report *report, const struct vor_baseli
     struct points points = {.of = of, .run = &silent, .wanted = of->n};
     vor_status status;
 
+    silent.checkpoints = NULL;
     if (of->spec->value[VOR_PARAM_BASELINES] == 0 || of->n == 0)
         return VOR_OK;
     if (run->watch != NULL) {

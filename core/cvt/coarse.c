@@ -148,6 +148,7 @@ vor_status vor_coarse_start(struct vor_seeds *out, const struct vor_domain *doma
         watch = *run->watch;
         watch.progress = NULL;
         watch.points = NULL;
+        watch.checkpoint = NULL;
         silent.watch = &watch;
     }
     status = start(out, domain, n, spec, &silent, err);

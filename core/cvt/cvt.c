@@ -5,6 +5,7 @@
 #include "core/cvt/lloyd.h"
 #include "core/input/thin.h"
 #include "core/seeds/area.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/start.h"
@@ -72,7 +73,9 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
     struct vor_spec shorter;
-    vor_status status = (sites ? start_with_sites : start)(&seeds, domain, n, spec, run, err);
+    vor_status status = vor_checkpoint_is(run)
+                            ? vor_checkpoint_seeds(&seeds, told, domain, run, err)
+                            : (sites ? start_with_sites : start)(&seeds, domain, n, spec, run, err);
 
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
@@ -80,7 +83,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
     shorter = shorten(spec, &seeds);
-    if (status == VOR_OK)
+    if (status == VOR_OK && !vor_checkpoint_is_in(run, VOR_RUN_STAGE_POLISH))
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
                                          : vor_lloyd_run(&seeds, told, &shorter, run, err);
     if (status == VOR_OK)

@@ -131,10 +131,15 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
         .measure_every = 1,
         .share = 1,
         .unfinished = 1,
-        .keep_last = 1};
+        .keep_last = 1,
+        .saves = 1};
     if (spec->value[VOR_PARAM_METRIC] == VOR_METRIC_LP)
         descend.last_power = (unsigned)spec->value[VOR_PARAM_P];
     status = alloc_descend(&descend, err);
+    descend.stage.part[0] = (struct vor_part){descend.held, seeds->n};
+    descend.stage.part[1] =
+        (struct vor_part){descend.frozen.planes.crosses.kept, 3 * seeds->n * sizeof(float)};
+    descend.stage.part[2] = (struct vor_part){&descend.frozen.planes.set, sizeof(int)};
     if (status == VOR_OK)
         status = put_down(&descend, err);
     if (status == VOR_OK)

@@ -443,6 +443,12 @@ vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
                                    .share = polish_follows(&cvt) ? VOR_STAGE_SHARE : 1,
                                    .unfinished = !vor_seeds_on_whole(seeds)};
     status = alloc_cvt(&cvt, err);
+    cvt.stage.saves = cvt.anderson.length == 0;
+    cvt.stage.part[0] =
+        (struct vor_part){cvt.step, cvt.step != NULL ? 3 * seeds->n * sizeof *cvt.step : 0};
+    cvt.stage.part[1] = (struct vor_part){cvt.flags, seeds->n};
+    cvt.stage.part[2] = (struct vor_part){cvt.past, sizeof cvt.past};
+    cvt.stage.part[3] = (struct vor_part){&cvt.level, sizeof cvt.level};
     if (status == VOR_OK)
         status = vor_stage_of_seeds(&cvt.stage, seeds, err);
     if (status == VOR_OK)

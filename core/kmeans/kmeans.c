@@ -4,6 +4,7 @@
 #include "core/base/rng.h"
 #include "core/knn/knn.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/stage.h"
 
 #include <math.h>
@@ -125,7 +126,8 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
                               .step = step,
                               .measure = vor_stage_measure,
                               .measure_every = 1,
-                              .share = 1};
+                              .share = 1,
+                              .saves = 1};
     vor_status status = VOR_OK;
 
     kmeans.nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans.nearest);
@@ -182,7 +184,12 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
                               "%zu points are requested, want 1 to %zu: method=kmeans cannot "
                               "give more points than the input has distinct positions",
                               n, domain->n);
-    status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
+    if (vor_checkpoint_is(run)) {
+        status = vor_checkpoint_seeds(&seeds, told, domain, run, err);
+        taken = n;
+    } else {
+        status = vor_seeds_init(&seeds, domain, n, vor_seeds_policy_of(spec), run, err);
+    }
     if (status != VOR_OK)
         return status;
     /* A random subset: each point is taken with the probability that leaves as many as are still

@@ -129,22 +129,26 @@ static double mean_spacing(const struct vor_point_lists *lists)
     return sum / (double)lists->n;
 }
 
+void vor_point_lists_forget(struct vor_point_lists *lists)
+{
+    vor_knn_free(lists->knn);
+    lists->knn = NULL;
+}
+
 vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz,
                                  const struct vor_run *run, struct vor_error *err)
 {
     struct indexing indexing = {lists, lists->knn != NULL};
     vor_status status;
 
-    vor_knn_free(lists->knn);
-    lists->knn = NULL;
+    vor_point_lists_forget(lists);
     memcpy(lists->anchor, xyz, 3 * lists->n * sizeof *xyz);
     memcpy(lists->place, xyz, 3 * lists->n * sizeof *xyz);
     status = vor_knn_build_along(&lists->knn, lists->anchor, lists->n, run, err);
     if (status == VOR_OK)
         status = vor_run_for(run, lists->n, BLOCK, index_block, &indexing, err);
     if (status != VOR_OK) {
-        vor_knn_free(lists->knn); /* the lists are not whole */
-        lists->knn = NULL;
+        vor_point_lists_forget(lists); /* they are not whole */
         return status;
     }
     lists->spacing = mean_spacing(lists);

@@ -67,6 +67,9 @@ VOR_NODISCARD vor_status vor_point_lists_init(struct vor_point_lists *out, size_
 /** Frees the lists; they may be all zero. */
 void vor_point_lists_free(struct vor_point_lists *lists);
 
+/** Forgets all lists. O(1). */
+void vor_point_lists_forget(struct vor_point_lists *lists);
+
 /** Makes the positions xyz (n x 3) the anchors, and every list anew. On failure there are no lists.
  *
  *  @retval VOR_E_NOMEM the index does not fit

@@ -17,6 +17,7 @@
 #include "core/lop/strays.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/start.h"
 
@@ -249,6 +250,8 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     struct vor_seeds seeds;
     vor_status status;
 
+    if (vor_checkpoint_is(lop->run))
+        return vor_checkpoint_seeds(out, lop->told, lop->input, lop->run, err);
     policy.still = lop->ear && !lop->smooth;
     if (policy.near_input != VOR_NEAR_NEVER) /* samples were projected onto the input */
         policy.near_input = lop->ear && lop->smooth ? VOR_NEAR_IN_STEPS : VOR_NEAR_NEVER;
@@ -283,6 +286,8 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
         warn_of_reach(&lop);
         lop.data = (struct vor_lop_samples){.n = lop.domain->n, .xyz = lop.domain->xyz};
         told->seconds_start = vor_run_clock(run) - before;
+    }
+    if (status == VOR_OK && !vor_checkpoint_is(run)) {
         status = project(&lop, vor_spec_polish(spec), err);
     }
     if (status == VOR_OK)
@@ -464,6 +469,8 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
+    if (vor_checkpoint_is(lop->run)) /* of seeds that were made of such points */
+        return VOR_OK;
     status = project(lop, (uint32_t)(n - samples) + polish_of(lop), err);
     if (status == VOR_OK && lop->whole == &lop->coarse)
         status = vor_lop_strays_drop(&lop->samples, err);

@@ -7,6 +7,7 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/relax.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/start.h"
@@ -415,14 +416,16 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_domain thin = {.n = 0}; /* of a dense input: most of the work is done on it */
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
-    vor_status status = vor_start_seeds(&seeds, domain, n, spec, run, err);
+    int is_spread = vor_checkpoint_is(run);
+    vor_status status = is_spread ? vor_checkpoint_seeds(&seeds, told, domain, run, err)
+                                  : vor_start_seeds(&seeds, domain, n, spec, run, err);
 
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
-    if (status == VOR_OK)
+    if (status == VOR_OK && !is_spread)
         status = spread(&seeds, told, spec, run, err);
     if (status == VOR_OK)
         status = vor_polish(&seeds, told, spec, run, err);

@@ -4,6 +4,7 @@
 #include "core/geom/boundary.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/forces.h"
 #include "core/seeds/stage.h"
@@ -82,10 +83,9 @@ struct aim {
 static const struct aim even_distances = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_EVEN, 0, 0, REACH_EVEN};
 
 /* The same by short steps, where long ones do harm. Where nothing holds points at the border they
- * carry them out: a saddle with a hole to 400 points, rms distance to it over its
- * diagonal 4.4e-4 by
- * short and 1.4e-2 by long steps. Where the input has sheets they carry some from one to another:
- * of two wavy sheets (tests/property/shapes) 0 and 1 points lie between them. */
+ * carry them out: a saddle with a hole to 400 points, rms distance to it over its diagonal 4.4e-4
+ * by short and 1.4e-2 by long steps. Where the input has sheets they carry some from one to
+ * another: of two wavy sheets (tests/property/shapes) 0 and 1 points lie between them. */
 static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_SHORT,
                                        VOR_REPEL_GAIN, 0.7,        REACH_EVEN};
 
@@ -248,8 +248,7 @@ static int sum_forces(const struct polish *polish, size_t i, double force[3])
     return 1;
 }
 
-/* The way of a seed to the centroid of its cell; none where the
- * cell has no area. */
+/* The way of a seed to the centroid of its cell; none where that has no area. */
 static int towards_centroid(const struct polish *polish, const struct vor_scratch *scratch,
                             size_t i, double way[3])
 {
@@ -510,8 +509,8 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Evens the seeds out. keep_holes is as vor_attach found it. */
-static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int keep_holes,
+/* Evens the seeds out. keep_holes is as vor_attach found it, here or before a checkpoint. */
+static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int *keep_holes,
                         const struct vor_spec *spec, const struct vor_run *run,
                         struct vor_error *err)
 {
@@ -526,7 +525,7 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
                             .aim = for_triangles ? &six_around
                                    : by_short    ? &short_steps
                                                  : &even_distances,
-                            .recall = {.keep_holes = keep_holes},
+                            .recall = {.keep_holes = *keep_holes},
                             .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
     struct vor_memory *memory = seeds->run.memory;
     vor_status status;
@@ -545,7 +544,8 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
                                       .tell_every = RECORD_EVERY,
                                       .share = 1,
                                       .follows = 1,
-                                      .unfinished = !vor_seeds_on_whole(seeds)};
+                                      .unfinished = !vor_seeds_on_whole(seeds),
+                                      .saves = 1};
     polish.stage.record.stage = VOR_RUN_STAGE_POLISH;
     polish.stage.record.of = vor_spec_polish(spec);
     polish.stage.record.step = polish.stage.record.ahead = 0;
@@ -559,9 +559,14 @@ static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int k
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_stage_of_seeds(&polish.stage, seeds, err);
+    polish.stage.part[0] = (struct vor_part){polish.step, seeds->n * row};
+    polish.stage.part[1] = (struct vor_part){polish.pull, seeds->n * row};
+    polish.stage.part[2] = (struct vor_part){polish.quiet, seeds->n};
+    polish.stage.part[3] = (struct vor_part){&polish.recall, sizeof polish.recall};
     if (status == VOR_OK)
         status = vor_stage_run(&polish.stage, err);
     told->refined = polish.recall.refine;
+    *keep_holes = polish.recall.keep_holes;
     VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next, polish.at);
     vor_stage_free(&polish.stage);
     return status;
@@ -572,11 +577,14 @@ vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
 {
     double before = vor_run_clock(run);
     int keep_holes = 0;
-    vor_status status = vor_stage_was_late(told, spec, run) ? vor_attach_fast(seeds, err)
-                                                            : vor_attach(seeds, &keep_holes, err);
+    vor_status status = VOR_OK;
 
+    if (vor_stage_was_late(told, spec, run))
+        status = vor_attach_fast(seeds, err);
+    else if (!vor_checkpoint_is(run)) /* of seeds that are attached */
+        status = vor_attach(seeds, &keep_holes, err);
     if (status == VOR_OK)
-        status = repel(seeds, told, keep_holes, spec, run, err);
+        status = repel(seeds, told, &keep_holes, spec, run, err);
     if (status == VOR_OK)
         status = vor_attach_to_whole(seeds, keep_holes, err);
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)

@@ -1,5 +1,6 @@
 #include "core/seeds/stage.h"
 
+#include "core/seeds/checkpoint.h"
 #include "core/seeds/uniformity.h"
 
 #include <math.h>
@@ -64,12 +65,25 @@ vor_status vor_stage_restart(struct vor_stage *stage, struct vor_error *err)
     return status;
 }
 
+static enum vor_answer tell_watch(struct vor_stage *stage)
+{
+    const struct vor_watch *watch = stage->run->watch;
+    const struct vor_record *record = &stage->record;
+    struct vor_moving moving = {.xyz = stage->xyz, .n = stage->n, .unit = stage->domain->unit};
+
+    stage->told->last = *record;
+    if (watch == NULL || watch->progress == NULL)
+        return VOR_CONTINUE;
+    memcpy(moving.shift, stage->domain->shift, sizeof moving.shift);
+    if (watch->points != NULL)
+        watch->points(watch->ctx, &moving, record);
+    return watch->progress(watch->ctx, record);
+}
+
 /* Keeps the positions if they are the best so far, and tells the watch if that is due. */
 static enum vor_answer tell(struct vor_stage *stage, int is_due)
 {
-    const struct vor_watch *watch = stage->run->watch;
     struct vor_record *record = &stage->record;
-    struct vor_moving moving = {.xyz = stage->xyz, .n = stage->n, .unit = stage->domain->unit};
 
     if (stage->seeds == NULL || stage->keep_last || record->delta < stage->best.delta)
         keep(stage);
@@ -78,15 +92,7 @@ static enum vor_answer tell(struct vor_stage *stage, int is_due)
     record->best_delta = stage->best.delta;
     record->best_sigma = stage->best.sigma;
     record->best_epsilon = stage->best.epsilon;
-    if (!is_due)
-        return VOR_CONTINUE;
-    stage->told->last = *record;
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
-    memcpy(moving.shift, stage->domain->shift, sizeof moving.shift);
-    if (watch->points != NULL)
-        watch->points(watch->ctx, &moving, record);
-    return watch->progress(watch->ctx, record);
+    return is_due ? tell_watch(stage) : VOR_CONTINUE;
 }
 
 static int is_even_enough(const struct vor_stage *stage)
@@ -194,18 +200,65 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
                             err);
 }
 
-static vor_status loop(struct vor_stage *stage, struct vor_error *err)
+static struct vor_checkpoint_of checkpoint_of(struct vor_stage *stage)
 {
+    size_t row = 3 * stage->n * sizeof *stage->xyz;
+    struct vor_checkpoint_of of = {.run = stage->run,
+                                   .spec = stage->spec,
+                                   .seeds = stage->seeds,
+                                   .told = stage->told,
+                                   .stage = stage->record.stage,
+                                   .part = {{stage->best_xyz, row},
+                                            {&stage->record, sizeof stage->record},
+                                            {&stage->best, sizeof stage->best},
+                                            {&stage->moved, sizeof stage->moved},
+                                            {&stage->eta, sizeof stage->eta},
+                                            {&stage->spacing, sizeof stage->spacing},
+                                            {&stage->unfinished, sizeof stage->unfinished},
+                                            {&stage->keep_last, sizeof stage->keep_last}}};
+
+    memcpy(&of.part[VOR_CHECKPOINT_SLOTS - VOR_STAGE_SLOTS], stage->part, sizeof stage->part);
+    return of;
+}
+
+/* Begins the loop, or goes on where a checkpoint was made. */
+static vor_status begin(struct vor_stage *stage, int *goes_on, struct vor_error *err)
+{
+    const struct vor_checkpoint_of of = checkpoint_of(stage);
     vor_status status = VOR_OK;
 
-    stage->moved = stage->eta = INFINITY;
+    *goes_on = 0;
+    if (stage->saves)
+        status = vor_checkpoint_take(&of, goes_on, err);
+    if (status != VOR_OK)
+        return status;
     stage->record.seconds = vor_run_seconds(stage->run);
+    if (*goes_on)
+        return vor_run_answered(tell_watch(stage), err);
+    stage->moved = stage->eta = INFINITY;
     if (stage->seeds == NULL)
         stage->best = stage->record;
-    if (!stage->follows)
-        status = vor_run_answered(tell(stage, 1), err);
-    while (status == VOR_OK && !is_over(stage) && !(stage->ends != NULL && stage->ends(stage)))
+    return stage->follows ? VOR_OK : vor_run_answered(tell(stage, 1), err);
+}
+
+static int ends(struct vor_stage *stage)
+{
+    return is_over(stage) || (stage->ends != NULL && stage->ends(stage));
+}
+
+static vor_status loop(struct vor_stage *stage, struct vor_error *err)
+{
+    int goes_on; /* with a step that was to follow when it was saved */
+    vor_status status = begin(stage, &goes_on, err);
+
+    while (status == VOR_OK && (goes_on || !ends(stage))) {
+        const struct vor_checkpoint_of of = checkpoint_of(stage);
+
+        if (stage->saves && !goes_on)
+            vor_checkpoint_make(&of);
+        goes_on = 0;
         status = step(stage, err);
+    }
     if (status != VOR_E_STOPPED)
         return status;
     stage->told->stopped = VOR_STOPPED_CALLER;

@@ -11,6 +11,9 @@
 /** Share of the time allowed that a stage takes which another one follows. */
 #define VOR_STAGE_SHARE 0.5
 
+/** Room for the parts that a method adds to a checkpoint. */
+#define VOR_STAGE_SLOTS 4
+
 struct vor_stage;
 
 /** A part of a step. Positions, and what the record tells of them, may change.
@@ -44,6 +47,8 @@ struct vor_stage {
                          why the run stopped is what that one says */
     int unfinished; /**< delta, eta and moveStop do not count yet */
     int keep_last;  /**< the positions kept are the last ones, not the most even */
+    int saves;      /**< checkpoints are made of it (seeds/checkpoint.h): it has seeds */
+    struct vor_part part[VOR_STAGE_SLOTS]; /**< then, what of the method's its next step reads */
     double moved;   /**< in the last step, by the farthest, in spacings of an even spread; infinite
                          where the method does not tell */
     double eta;     /**< of the last measurement; infinite where the request has none to stop at */
