@@ -40,7 +40,7 @@ struct vor_watch {
     /** Before a progress: the points that its record is of. Nothing is computed for it. */
     void (*points)(void *ctx, const struct vor_moving *points, const struct vor_record *record);
     /** What another run of the same request goes on from (vor_run.saved), in parts that follow each
-     *  other; borrowed for the call, and only read. */
+     *  other; borrowed for the call, and only read. No parts: this run went on from such bytes. */
     void (*checkpoint)(void *ctx, const struct vor_part *part, unsigned parts);
 };
 

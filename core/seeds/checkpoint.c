@@ -9,7 +9,7 @@
 static const uint64_t kind = UINT64_C(0x31736b63656863);
 
 /* Parts: those of the seeds, and those of their stage. */
-enum { OF_SEEDS = 3, PARTS = OF_SEEDS + VOR_CHECKPOINT_SLOTS };
+enum { SEED_SLOTS = 3, PARTS = SEED_SLOTS + VOR_CHECKPOINT_SLOTS };
 
 /* What a checkpoint begins with; its parts follow. */
 struct saved {
@@ -115,7 +115,7 @@ int vor_checkpoint_is_in(const struct vor_run *run, enum vor_run_stage stage)
     return look(&saved, run) && saved.stage == stage;
 }
 
-static void parts_of(struct vor_part out[OF_SEEDS], const struct vor_seeds *seeds)
+static void parts_of(struct vor_part out[SEED_SLOTS], const struct vor_seeds *seeds)
 {
     size_t row = 3 * seeds->n * sizeof *seeds->xyz;
 
@@ -172,7 +172,7 @@ vor_status vor_checkpoint_seeds(struct vor_seeds *out, struct vor_outcome *told,
                                 struct vor_error *err)
 {
     struct vor_seeds seeds = {.n = 0};
-    struct vor_part part[OF_SEEDS];
+    struct vor_part part[SEED_SLOTS];
     struct saved saved = {.n = 0};
     vor_status status = VOR_OK;
 
@@ -188,7 +188,7 @@ vor_status vor_checkpoint_seeds(struct vor_seeds *out, struct vor_outcome *told,
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds.n);
     if (status == VOR_OK) {
         parts_of(part, &seeds);
-        status = fill(part, OF_SEEDS, &saved, run, err);
+        status = fill(part, SEED_SLOTS, &saved, run, err);
     }
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);
@@ -219,7 +219,7 @@ vor_status vor_checkpoint_take(const struct vor_checkpoint_of *of, int *taken,
     if (saved.stage != of->stage)
         return vor_fail(err, VOR_E_INTERNAL, "a checkpoint is of another stage");
     parts_of(part, of->seeds);
-    memcpy(&part[OF_SEEDS], of->part, sizeof of->part);
+    memcpy(&part[SEED_SLOTS], of->part, sizeof of->part);
     status = fill(part, PARTS, &saved, of->run, err);
     checkpoints->saved.size = 0;
     checkpoints->done = saved.counts.queries + saved.counts.cells;
@@ -228,6 +228,8 @@ vor_status vor_checkpoint_take(const struct vor_checkpoint_of *of, int *taken,
     forget(of->seeds);
     count_from(of->seeds, &saved);
     *of->told = saved.told;
+    if (status == VOR_OK && of->run->watch != NULL && of->run->watch->checkpoint != NULL)
+        of->run->watch->checkpoint(of->run->watch->ctx, NULL, 0);
     return status;
 }
 
@@ -259,7 +261,7 @@ static void save(const struct vor_checkpoint_of *of, const struct vor_counts *co
     saved.normals = seeds->normal != NULL;
     part[0] = (struct vor_part){&saved, sizeof saved};
     parts_of(&part[1], seeds);
-    memcpy(&part[1 + OF_SEEDS], of->part, sizeof of->part);
+    memcpy(&part[1 + SEED_SLOTS], of->part, sizeof of->part);
     for (int i = 0; i < PARTS; i++)
         saved.size[i] = part[1 + i].size;
     saved.sum = add(0, (unsigned char *)&saved + SUMMED, sizeof saved - SUMMED);

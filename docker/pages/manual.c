@@ -292,7 +292,7 @@ static int print_daemon_page(FILE *out)
     print_text(out, "Serves the processes of voronoid(1) over HTTP. The API contract is at "
                     "/openapi.yaml. The daemon writes a job and its input to the disk before "
                     "it accepts the job. Jobs that a crash interrupts run again when the "
-                    "daemon restarts.");
+                    "daemon restarts, long ones from a checkpoint.");
     if (print_topics(out, 8) != 0)
         return -1;
     print_heading(out, ".SH", "SIGNALS");

@@ -5,6 +5,7 @@
  *
  *    "input"       the input cloud: decoded and checked (vor_dump_write), kept until the job ends
  *    "input-NAME"  the input of that name, likewise
+ *    "input-checkpoint"  what its run goes on from if it is lost; no input has that name
  *    "upload"      the input cloud as it came, kept for whoever wants it again
  *    "upload-NAME" the input of that name, likewise
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
@@ -19,6 +20,9 @@
 
 #include "proto/codec.h"
 #include "server/blob/driver.h"
+
+/** In place of an input's name: the last checkpoint of the run. */
+#define VOR_BLOB_CHECKPOINT "checkpoint"
 
 /** The name of the blob of an input, as above. Returns out.
  *

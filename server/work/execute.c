@@ -3,14 +3,18 @@
 #include "core/engine.h"
 #include "proto/codec.h"
 #include "proto/json/json.h"
+#include "server/base/build.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
+#include "server/blob/blob.h"
 #include "server/work/artefacts.h"
 
 #include <errno.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -71,6 +75,58 @@ static void take_points(void *ctx, const struct vor_moving *points, const struct
     listener->points(listener->ctx, &shown);
 }
 
+/* --- checkpoints ------------------------------------------------------------------------------ */
+
+/* Before a checkpoint in its file: another engine would have other bytes. */
+enum { ENGINE_SIZE = sizeof((struct vor_build *)0)->engine };
+
+static void take_checkpoint(void *ctx, const struct vor_part *part, unsigned parts)
+{
+    const struct vor_listener *listener = ((struct run *)ctx)->listener;
+    const struct vor_build build = vor_build_own();
+    struct vor_job_output file = {.bytes = 0};
+    struct vor_blob_writer *writer;
+    vor_status status = VOR_E_NOMEM;
+    int fd;
+
+    if (parts == 0 && listener->resumed != NULL)
+        listener->resumed(listener->ctx);
+    fd = parts > 0 && listener->file != NULL ? listener->file(listener->ctx) : -1;
+    if (fd < 0)
+        return;
+    writer = vor_blob_borrow(fd);
+    if (writer != NULL)
+        status = vor_blob_append(writer, build.engine, ENGINE_SIZE, NULL);
+    for (unsigned i = 0; i < parts && status == VOR_OK; i++)
+        if (part[i].size > 0)
+            status = vor_blob_append(writer, part[i].bytes, part[i].size, NULL);
+    if (status == VOR_OK) {
+        file.bytes = vor_blob_size(writer);
+        vor_blob_sha256(writer, file.sha256);
+    }
+    vor_blob_discard(writer);
+    listener->checkpoint(listener->ctx, &file);
+}
+
+/* Maps the checkpoint that the run may go on from; size 0 for none. */
+static struct vor_part map_saved(const struct vor_order *order)
+{
+    const struct vor_build build = vor_build_own();
+    struct vor_part all = {.size = 0};
+    struct stat info;
+
+    if (order->saved < 0 || fstat(order->saved, &info) != 0 || info.st_size <= ENGINE_SIZE)
+        return all;
+    all.bytes = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, order->saved, 0);
+    if (all.bytes != MAP_FAILED)
+        all.size = (size_t)info.st_size;
+    if (all.size > 0 && memcmp(all.bytes, build.engine, ENGINE_SIZE) != 0) {
+        (void)munmap(all.bytes, all.size);
+        all.size = 0;
+    }
+    return all;
+}
+
 /* --- the three steps -------------------------------------------------------------------------- */
 
 /* Runs the engine on the inputs. */
@@ -81,8 +137,11 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
                               .progress = take_progress,
                               .poll = asked,
                               .points = take_points,
+                              .checkpoint = take_checkpoint,
                               .clock = read_clock};
-    struct vor_run engine = {.pool = run->pool, .memory = &run->memory, .watch = &watch};
+    struct vor_run engine = {
+        .pool = run->pool, .memory = &run->memory, .watch = &watch, .every = run->order->every};
+    struct vor_part saved = map_saved(run->order);
     struct vor_artefacts in;
     vor_status status;
 
@@ -93,9 +152,14 @@ static vor_status compute(struct run *run, struct vor_artefacts *out, struct vor
 
         vor_extent_measure(&run->facts.input, cloud);
         memcpy(run->origin, cloud->origin, sizeof run->origin);
+        if (saved.size > 0)
+            engine.saved =
+                (struct vor_part){(char *)saved.bytes + ENGINE_SIZE, saved.size - ENGINE_SIZE};
         status = vor_engine_run(out, &in, spec, &engine, err);
     }
     vor_artefacts_free(&in);
+    if (saved.size > 0)
+        (void)munmap(saved.bytes, saved.size);
     return status;
 }
 

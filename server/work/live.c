@@ -223,7 +223,9 @@ void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, c
                                    *output = info != NULL ? info->outputs : &none;
     char blob[VOR_BLOB_NAME_MAX + 1];
 
-    for (unsigned inputs = what >> 2; input->name != NULL; input++, inputs >>= 1) {
+    if ((what & VOR_HAS_CHECKPOINT) != 0)
+        vor_worker_drop(worker, id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob));
+    for (unsigned inputs = what >> 3; input->name != NULL; input++, inputs >>= 1) {
         if ((inputs & 1) != 0)
             vor_worker_drop(worker, id, vor_blob_of_input(input->name, blob));
         if ((what & VOR_HAS_UPLOADS) != 0)

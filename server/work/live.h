@@ -138,13 +138,14 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
 /** What a job has among the blobs. */
 enum {
     VOR_HAS_UPLOADS = 1, /**< kept */
-    VOR_HAS_OUTPUTS = 2  /**< in every format */
+    VOR_HAS_OUTPUTS = 2, /**< in every format */
+    VOR_HAS_CHECKPOINT = 4
 };
 
-/** Likewise: the inputs that came along. */
+/** Likewise: the inputs that came along, and what a run that was lost may have left. */
 static inline unsigned vor_has_inputs(const struct vor_job_view *row)
 {
-    return row->inputs << 2;
+    return row->inputs << 3 | (row->attempt > 1 ? VOR_HAS_CHECKPOINT : 0);
 }
 
 /** Removes those of a job of that process; those of a process that this version does not know are

@@ -17,14 +17,16 @@
 
 /** What is to be run. A plain value that owns nothing. */
 struct vor_order {
-    struct vor_spec spec;        /**< checked; its process outlives the run */
-    unsigned format;             /**< of the main input: that of the result unless spec names one */
-    double seconds_read;         /**< decoding the inputs took, for the report */
-    size_t memory;               /**< bytes that the run may have */
-    int is_suspect;              /**< it ran where something crashed, and is to be kept apart */
-    int input[VOR_INPUTS_MAX];   /**< the dump of each input (proto/dump.h), open for reading, in
-                                      the order of the process's inputs; -1 for one that did not
-                                      come. Borrowed for the run, as the next */
+    struct vor_spec spec;      /**< checked; its process outlives the run */
+    unsigned format;           /**< of the main input: that of the result unless spec names one */
+    double seconds_read;       /**< decoding the inputs took, for the report */
+    size_t memory;             /**< bytes that the run may have */
+    int is_suspect;            /**< it ran where something crashed, and is to be kept apart */
+    int input[VOR_INPUTS_MAX]; /**< the dump of each input (proto/dump.h), open for reading, in
+                                    the order of the process's inputs; -1 for one that did not
+                                    come. Borrowed for the run, as the next */
+    int saved;      /**< the checkpoint of a lost attempt, open for reading; -1 for none */
+    uint64_t every; /**< as in struct vor_run */
     int output[VOR_OUTPUTS_MAX]; /**< an empty file for each output, open for writing; -1 for what
                                       goes into the row */
 };
@@ -44,6 +46,12 @@ struct vor_listener {
     enum vor_answer (*asked)(void *ctx);
     void (*progress)(void *ctx, const struct vor_record *record);
     void (*stage)(void *ctx, enum vor_stage stage); /**< the next one begins */
+    /** An empty file for a checkpoint, -1: none is wanted now. The run writes it, says so, and has
+     * no more to do with it. These two may be NULL. */
+    int (*file)(void *ctx);
+    void (*checkpoint)(void *ctx, const struct vor_job_output *file); /**< bytes 0: it failed */
+    /** The run went on from order.saved. May be NULL where there is none. */
+    void (*resumed)(void *ctx);
     /** The outputs wait for room on the disk: why is the VOR_E_IO. */
     void (*waits)(void *ctx, const struct vor_error *why);
     /** Whether somebody looks at the points as they move; as asked. May be NULL: nobody does. */

@@ -6,6 +6,7 @@
 #include "server/base/log.h"
 #include "server/work/capacity.h"
 #include "server/work/counted.h"
+#include "server/work/keeper.h"
 #include "server/work/room.h"
 
 #include <math.h>
@@ -31,6 +32,9 @@ struct run {
     atomic_int stops; /* those who follow it were told that it is to stop */
     struct vor_order order;
     struct vor_blob_writer *writer[VOR_OUTPUTS_MAX]; /* of the files of the order; NULL for none */
+    struct vor_keeper keeper;
+    int is_resumed; /* the run went on from a checkpoint, and its first record is yet to come */
+    int has_kept;   /* there is a checkpoint of the job */
     struct vor_run_result result;
     struct vor_text kept; /* the output that is kept in the row, as JSON; empty for none */
 };
@@ -76,6 +80,11 @@ static void take_progress(void *ctx, const struct vor_record *record)
     struct run *run = ctx;
     double now = vor_clock_seconds();
 
+    if (run->is_resumed)
+        vor_log(VOR_LOG_INFO, "job resumed from a checkpoint", VOR_OF_JOB(&run->view),
+                VOR_COUNT("attempt", run->lease.attempt), VOR_COUNT("iteration", record->iteration),
+                VOR_COUNT("polish", record->polish));
+    run->is_resumed = 0;
     vor_job_progress(run->job, record, vor_clock_wall_ms());
     if (now - run->stored >= store_seconds) {
         run->stored = now;
@@ -101,6 +110,21 @@ static int is_looked_at(void *ctx)
 static void take_points(void *ctx, const struct vor_shown *shown)
 {
     vor_job_show(((struct run *)ctx)->job, shown);
+}
+
+static int file_of(void *ctx)
+{
+    return vor_keeper_file(&((struct run *)ctx)->keeper);
+}
+
+static void take_checkpoint(void *ctx, const struct vor_job_output *file)
+{
+    vor_keeper_take(&((struct run *)ctx)->keeper, file);
+}
+
+static void take_resumed(void *ctx)
+{
+    ((struct run *)ctx)->is_resumed = 1;
 }
 
 /* --- the order and its files ------------------------------------------------------------------ */
@@ -131,6 +155,21 @@ static vor_status open_inputs(struct run *run, struct vor_error *err)
     return status;
 }
 
+/* A checkpoint that cannot be had is done without. */
+static void open_saved(struct run *run)
+{
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_error err;
+    uint64_t size;
+
+    if (run->view.attempt > 1 &&
+        vor_blob_get(run->worker->config.blobs, &run->view.id,
+                     vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob), &run->order.saved, &size,
+                     &run->has_kept, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "a checkpoint cannot be read", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", err.message));
+}
+
 static vor_status create_outputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
@@ -154,6 +193,8 @@ static vor_status place_order(struct run *run, struct vor_error *err)
     *order = (struct vor_order){.spec = run->view.spec,
                                 .format = run->view.input[0].format,
                                 .memory = run->worker->config.memory,
+                                .saved = -1,
+                                .every = run->worker->config.checkpoint_work,
                                 .is_suspect = run->view.alone};
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
         order->input[i] = -1;
@@ -164,6 +205,7 @@ static vor_status place_order(struct run *run, struct vor_error *err)
         run->writer[i] = NULL;
     }
     status = open_inputs(run, err);
+    open_saved(run);
     return status == VOR_OK ? create_outputs(run, err) : status;
 }
 
@@ -173,6 +215,8 @@ static void close_files(struct run *run)
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
         if (run->order.input[i] >= 0)
             (void)close(run->order.input[i]);
+    if (run->order.saved >= 0)
+        (void)close(run->order.saved);
     for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
         vor_blob_discard(run->writer[i]);
 }
@@ -217,12 +261,18 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
                                           .stage = take_stage,
                                           .waits = take_wait,
                                           .is_looked_at = is_looked_at,
-                                          .points = take_points};
+                                          .points = take_points,
+                                          .file = file_of,
+                                          .checkpoint = take_checkpoint,
+                                          .resumed = take_resumed};
     struct vor_run_executor *executor = run->worker->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 
+    vor_keeper_open(&run->keeper, run->worker->config.blobs, &run->view.id,
+                    run->worker->config.checkpoint_seconds);
     if (place_order(run, err) == VOR_OK)
         end = executor->run(executor, &run->order, &listener, &run->result, &run->kept, err);
+    run->has_kept |= vor_keeper_close(&run->keeper);
     if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
         end = VOR_RUN_FAILED;
     close_files(run);
@@ -425,7 +475,7 @@ static void clean_up(struct run *run, double began)
     if (!vor_job_status_over(view.status))
         return;
     vor_worker_drop_all(run->worker, &view.id, view.process,
-                        vor_has_inputs(&view) |
+                        vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
                             (view.status == VOR_JOB_SUCCESSFUL ? 0 : VOR_HAS_OUTPUTS));
     if (view.kept > 0)
         vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);

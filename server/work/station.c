@@ -32,6 +32,7 @@ struct sitting {
     struct station *station;
     unsigned seat;
     int channel;
+    int file; /* for a checkpoint; -1: none */
 };
 
 /* --- memory ----------------------------------------------------------------------------------- */
@@ -126,6 +127,29 @@ static void take_points(void *ctx, const struct vor_shown *shown)
     vor_board_show(sitting->station->board, sitting->seat, shown);
 }
 
+static int file_of(void *ctx)
+{
+    struct sitting *sitting = ctx;
+
+    if (sitting->file < 0)
+        sitting->file = vor_offer_receive(sitting->channel);
+    return sitting->file;
+}
+
+static void take_checkpoint(void *ctx, const struct vor_job_output *file)
+{
+    struct sitting *sitting = ctx;
+
+    (void)close(sitting->file);
+    sitting->file = -1;
+    say(sitting, VOR_SAID_CHECKPOINT, file, sizeof *file);
+}
+
+static void take_resumed(void *ctx)
+{
+    say(ctx, VOR_SAID_RESUMED, "", 0);
+}
+
 static void say_kept(const struct sitting *sitting, const struct vor_text *kept)
 {
     for (size_t at = 0; at < kept->size; at += VOR_KEPT_PART) {
@@ -144,7 +168,10 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
                                           .stage = take_stage,
                                           .waits = take_wait,
                                           .is_looked_at = is_looked_at,
-                                          .points = take_points};
+                                          .points = take_points,
+                                          .file = file_of,
+                                          .checkpoint = take_checkpoint,
+                                          .resumed = take_resumed};
     struct vor_run_result result;
     struct vor_text kept;
     vor_status status;
@@ -173,6 +200,8 @@ static void *sit(void *arg)
     vor_order_close(&order);
     if (status != VOR_OK)
         say(sitting, VOR_SAID_FAILED, &err, sizeof err);
+    if (sitting->file >= 0)
+        (void)close(sitting->file);
     (void)close(sitting->channel);
     free(sitting);
     return NULL;
@@ -210,7 +239,7 @@ static void seat_run(struct station *station, const struct vor_summons *summons,
 
     if (sitting == NULL)
         _exit(VOR_STATION_NO_MEMORY);
-    *sitting = (struct sitting){station, summons->seat, channel};
+    *sitting = (struct sitting){station, summons->seat, channel, -1};
     if (!start_thread(sit, sitting))
         _exit(VOR_STATION_NO_MEMORY);
 }

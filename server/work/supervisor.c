@@ -361,6 +361,12 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
     case VOR_SAID_RECORD:
         listener->progress(listener->ctx, &said->of.record);
         return 0;
+    case VOR_SAID_RESUMED:
+        listener->resumed(listener->ctx);
+        return 0;
+    case VOR_SAID_CHECKPOINT:
+        listener->checkpoint(listener->ctx, &said->of.file);
+        return 0;
     case VOR_SAID_WAITS:
         listener->waits(listener->ctx, &said->of.error);
         return 0;
@@ -393,6 +399,7 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
     size_t size = 0;
 
     for (;;) {
+        vor_offer_send(sitting->channel, sitting->listener);
         switch (vor_hear(&said, &size, sitting->channel, look_seconds)) {
         case VOR_CHANNEL_MESSAGE:
             if (take_in(sitting, &said, size, handed, &end)) {
@@ -415,33 +422,6 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
 }
 
 /* --- runs that do not listen ------------------------------------------------------------------ */
-
-static enum vor_answer answer_cancel(void *ctx)
-{
-    (void)ctx;
-    return VOR_CANCEL;
-}
-
-static void ignore_record(void *ctx, const struct vor_record *record)
-{
-    (void)ctx;
-    (void)record;
-}
-
-static void ignore_stage(void *ctx, enum vor_stage stage)
-{
-    (void)ctx;
-    (void)stage;
-}
-
-static void ignore_wait(void *ctx, const struct vor_error *why)
-{
-    (void)ctx;
-    (void)why;
-}
-
-static const struct vor_listener nobody = {
-    .asked = answer_cancel, .progress = ignore_record, .stage = ignore_stage, .waits = ignore_wait};
 
 /* Waits for the end of a run in nobody's name. */
 static void *see_out(void *arg)
@@ -477,7 +457,7 @@ static int leave_over(struct sitting *sitting)
         return 0;
     sitting->is_left_over = 1;
     *left = *sitting;
-    left->listener = &nobody;
+    left->listener = &vor_nobody;
     pthread_mutex_lock(&supervisor->mutex);
     if (vor_machine_thread(&thread, "vor-see-out", see_out, left) == 0) {
         (void)pthread_detach(thread);

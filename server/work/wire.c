@@ -165,6 +165,7 @@ vor_status vor_order_send(int channel, const struct vor_order *order, struct vor
     struct packed packed = {.order = *order};
     int fds[VOR_CHANNEL_FDS];
     unsigned count = gather(fds, order->input, VOR_INPUTS_MAX);
+
     vor_status status;
 
     packed.order.spec.process = NULL;
@@ -173,7 +174,32 @@ vor_status vor_order_send(int channel, const struct vor_order *order, struct vor
     if (status != VOR_OK)
         return status;
     count = gather(fds, order->output, VOR_OUTPUTS_MAX);
-    return vor_channel_send(channel, "", 1, fds, count, err);
+    status = vor_channel_send(channel, "", 1, fds, count, err);
+    if (status != VOR_OK)
+        return status;
+    return vor_channel_send(channel, "", 1, &order->saved, order->saved >= 0, err);
+}
+
+void vor_offer_send(int channel, const struct vor_listener *listener)
+{
+    const struct vor_job_output none = {.bytes = 0};
+    int file = listener->file != NULL ? listener->file(listener->ctx) : -1;
+
+    if (file >= 0 && vor_channel_send(channel, "", 1, &file, 1, NULL) != VOR_OK)
+        listener->checkpoint(listener->ctx, &none);
+}
+
+int vor_offer_receive(int channel)
+{
+    char nothing;
+    struct vor_message message = {.bytes = &nothing, .capacity = sizeof nothing};
+
+    if (vor_channel_receive(channel, &message, 0) != VOR_CHANNEL_MESSAGE)
+        return -1;
+    if (message.fd_count == 1)
+        return message.fds[0];
+    vor_message_close(&message);
+    return -1;
 }
 
 static void forget_files(struct vor_order *order)
@@ -182,6 +208,7 @@ static void forget_files(struct vor_order *order)
         order->input[i] = -1;
     for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
         order->output[i] = -1;
+    order->saved = -1;
 }
 
 /* Receives a message of that size and puts its descriptors into the list, which says where. */
@@ -201,7 +228,7 @@ vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
     struct packed packed = {.process = ""};
     char nothing;
     struct vor_message first = {.bytes = &packed, .capacity = sizeof packed};
-    struct vor_message second = {.bytes = &nothing, .capacity = sizeof nothing};
+    struct vor_message second = {.bytes = &nothing, .capacity = sizeof nothing}, third = second;
     int is_whole;
 
     forget_files(out);
@@ -210,11 +237,14 @@ vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
     is_whole = scatter(packed.order.input, VOR_INPUTS_MAX, &first);
     if (is_whole && receive_files(channel, &second, sizeof nothing, seconds))
         is_whole = scatter(packed.order.output, VOR_OUTPUTS_MAX, &second);
+    if (is_whole && receive_files(channel, &third, sizeof nothing, seconds))
+        is_whole = scatter(&packed.order.saved, 1, &third);
     packed.process[sizeof packed.process - 1] = '\0';
     packed.order.spec.process = vor_process_find(packed.process);
     if (!is_whole || packed.order.spec.process == NULL) {
         vor_message_close(&first);
         vor_message_close(&second);
+        vor_message_close(&third);
         return vor_fail(err, VOR_E_IO, "the request is invalid");
     }
     *out = packed.order;
@@ -229,6 +259,8 @@ void vor_order_close(struct vor_order *order)
     for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
         if (order->output[i] >= 0)
             (void)close(order->output[i]);
+    if (order->saved >= 0)
+        (void)close(order->saved);
     forget_files(order);
 }
 
@@ -286,6 +318,11 @@ static int check_said(struct vor_message_said *said, size_t size)
         return size == sizeof said->of.stage && said->of.stage < VOR_STAGES;
     case VOR_SAID_RECORD:
         return size == sizeof said->of.record && said->of.record.stage < VOR_RUN_STAGE_COUNT;
+    case VOR_SAID_RESUMED:
+        return size == 0;
+    case VOR_SAID_CHECKPOINT:
+        said->of.file.sha256[VOR_DIGEST_SIZE - 1] = '\0';
+        return size == sizeof said->of.file;
     case VOR_SAID_KEPT:
         return size <= sizeof said->of.kept;
     case VOR_SAID_DONE:

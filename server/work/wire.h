@@ -91,12 +91,20 @@ VOR_NODISCARD vor_status vor_order_receive(struct vor_order *out, int channel, d
 
 void vor_order_close(struct vor_order *order);
 
+/** The front's: offers the run a file for a checkpoint, if the listener has one. */
+void vor_offer_send(int channel, const struct vor_listener *listener);
+
+/** The run's: the file that was offered last, the caller's to close; -1 for none. Does not wait. */
+int vor_offer_receive(int channel);
+
 /** What a run says, in this order but for the last two, of which one comes. */
 enum vor_said {
     VOR_SAID_STAGE,
     VOR_SAID_RECORD,
-    VOR_SAID_WAITS, /**< its outputs wait for room on the disk */
-    VOR_SAID_KEPT,  /**< the next bytes of what is kept in the row */
+    VOR_SAID_RESUMED,    /**< it went on from the checkpoint of its order */
+    VOR_SAID_CHECKPOINT, /**< the file of the last offer is written, or is not to be used */
+    VOR_SAID_WAITS,      /**< its outputs wait for room on the disk */
+    VOR_SAID_KEPT,       /**< the next bytes of what is kept in the row */
     VOR_SAID_DONE,
     VOR_SAID_FAILED,
     VOR_SAID_KINDS
@@ -111,6 +119,7 @@ struct vor_message_said {
     union {
         enum vor_stage stage;
         struct vor_record record;
+        struct vor_job_output file; /**< CHECKPOINT */
         char kept[VOR_KEPT_PART];
         struct vor_run_result result;
         struct vor_error error; /**< WAITS, FAILED */

@@ -21,19 +21,21 @@ struct vor_worker_config {
     struct vor_store *store; /**< borrowed, as the next two */
     struct vor_blobs *blobs;
     struct vor_run_executor *executor;
-    unsigned jobs;        /**< run at the same time, 1 .. 64 */
-    size_t queue;         /**< wait at most, at least 1 */
-    uint64_t queue_bytes; /**< of decoded inputs, of those that wait */
-    size_t memory;        /**< bytes a job may have */
-    double job_seconds;   /**< a job may run; 0 for any */
-    double ttl_seconds;   /**< results live this long after the job's end */
-    uint64_t results;     /**< bytes of results that are kept; of those that ended first,
-                               less */
-    uint64_t keep;        /**< bytes of uploads that are kept; 0 for none */
-    double lost_seconds;  /**< bytes without a job are kept so long, if rows were lost */
-    uint64_t lost_bytes;  /**< and up to so many */
-    uint64_t budget;      /**< bytes all running jobs may have, as estimated; 0 for any */
-    unsigned faults_max;  /**< a job fails that ran alone in so many crashes of its process */
+    unsigned jobs;            /**< run at the same time, 1 .. 64 */
+    size_t queue;             /**< wait at most, at least 1 */
+    uint64_t queue_bytes;     /**< of decoded inputs, of those that wait */
+    size_t memory;            /**< bytes a job may have */
+    double job_seconds;       /**< a job may run; 0 for any */
+    double ttl_seconds;       /**< results live this long after the job's end */
+    uint64_t results;         /**< bytes of results that are kept; of those that ended first,
+                                   less */
+    uint64_t keep;            /**< bytes of uploads that are kept; 0 for none */
+    double lost_seconds;      /**< bytes without a job are kept so long, if rows were lost */
+    uint64_t lost_bytes;      /**< and up to so many */
+    uint64_t budget;          /**< bytes all running jobs may have, as estimated; 0 for any */
+    uint64_t checkpoint_work; /**< as vor_run.every, and vor_keeper_open: 0 but for tests */
+    double checkpoint_seconds;
+    unsigned faults_max; /**< a job fails that ran alone in so many crashes of its process */
     /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
      *  any more, and only a restart helps. May be NULL. */
     void (*failed)(void *ctx, const struct vor_error *why);

@@ -140,3 +140,48 @@ void vor_workplace_begin(struct vor_workplace *workplace, const struct vor_child
     workplace->beat = vor_clock_seconds();
     vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child->pid));
 }
+
+/* --- runs that nobody listens to ---------------------------------------------------------------
+ */
+
+static enum vor_answer answer_cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+static void ignore_record(void *ctx, const struct vor_record *record)
+{
+    (void)ctx;
+    (void)record;
+}
+
+static void ignore_stage(void *ctx, enum vor_stage stage)
+{
+    (void)ctx;
+    (void)stage;
+}
+
+static void ignore_wait(void *ctx, const struct vor_error *why)
+{
+    (void)ctx;
+    (void)why;
+}
+
+static void ignore_file(void *ctx, const struct vor_job_output *file)
+{
+    (void)ctx;
+    (void)file;
+}
+
+static void ignore(void *ctx)
+{
+    (void)ctx;
+}
+
+const struct vor_listener vor_nobody = {.asked = answer_cancel,
+                                        .progress = ignore_record,
+                                        .stage = ignore_stage,
+                                        .waits = ignore_wait,
+                                        .checkpoint = ignore_file,
+                                        .resumed = ignore};

@@ -76,4 +76,7 @@ void vor_workplace_end(struct vor_workplace *workplace, const struct vor_workpla
 /** Runs of the life at hand. */
 unsigned vor_workplace_runs(const struct vor_workplace *workplace);
 
+/** The listener of a run that was cancelled and whose caller has gone. */
+extern const struct vor_listener vor_nobody;
+
 #endif

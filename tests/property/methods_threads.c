@@ -10,29 +10,6 @@ VT_TEST_LOOP(one_and_three_threads_give_the_same_bytes, vt_methods_count())
     vt_drive_threads(&vt_methods[_i]);
 }
 
-/* The comparison can tell: another seed, another row of the document, other bytes. */
-VT_TEST(another_seed_gives_other_bytes)
-{
-    static struct vt_call call;
-    struct vt_engine engine;
-    struct vor_cloud in;
-    uint64_t hash;
-
-    vt_cloud_dome(&in, 1, 1000);
-    vt_engine_open(&engine, 3);
-    call.in = &in;
-    call.run = &engine.run;
-    call.options = "resample points=100 seed=1";
-    vt_assert_ok(vt_call_request(&call));
-    hash = call.hash;
-    call.hash = 0;
-    call.options = "resample points=100 seed=2";
-    vt_assert_ok(vt_call_request(&call));
-    ck_assert(hash != call.hash);
-    vt_engine_close(&engine);
-    vor_cloud_free(&in);
-}
-
 static int is_run(const char *words)
 {
     for (int i = 0; i < vt_methods_count(); i++)

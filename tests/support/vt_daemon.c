@@ -51,6 +51,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     config.memory = options->memory > 0 ? options->memory : (size_t)1 << 30;
     config.ttl_seconds = options->ttl_seconds > 0 ? options->ttl_seconds : 3600;
     config.keep = options->keep;
+    config.checkpoint_work = options->checkpoint_work;
+    config.checkpoint_seconds = options->checkpoint_work > 0 ? 1e-9 : 0;
     config.job_seconds = options->job_seconds;
     config.budget = options->budget;
     vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));

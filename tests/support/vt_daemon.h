@@ -33,6 +33,7 @@ struct vt_daemon_options {
     uint64_t queue_bytes;            /**< 0 for 1 GiB */
     uint64_t results;                /**< 0 for 1 GiB */
     uint64_t keep;                   /**< 0 for no uploads */
+    uint64_t checkpoint_work;        /**< 0 for that of a daemon; else they are kept at once */
     void (*failed)(void *ctx, const struct vor_error *why); /**< as of the worker; NULL for none */
     void *failed_ctx;
     void (*prepare)(

@@ -61,13 +61,33 @@ static void hear_wait(void *ctx, const struct vor_error *why)
     ((struct vt_heard *)ctx)->waits++;
 }
 
+static int offer(void *ctx)
+{
+    struct vt_heard *heard = ctx;
+
+    return heard->offered != NULL && heard->offers++ == 0 ? fileno(heard->offered) : -1;
+}
+
+static void hear_checkpoint(void *ctx, const struct vor_job_output *file)
+{
+    ((struct vt_heard *)ctx)->saved = file->bytes;
+}
+
+static void hear_resumed(void *ctx)
+{
+    ((struct vt_heard *)ctx)->resumed++;
+}
+
 struct vor_listener vt_listener_of(struct vt_heard *heard)
 {
     return (struct vor_listener){.ctx = heard,
                                  .asked = answer,
                                  .progress = hear_record,
                                  .stage = hear_stage,
-                                 .waits = hear_wait};
+                                 .waits = hear_wait,
+                                 .file = offer,
+                                 .checkpoint = hear_checkpoint,
+                                 .resumed = hear_resumed};
 }
 
 void vt_heard_run(struct vt_heard *heard, struct vor_run_executor *executor,
@@ -82,7 +102,7 @@ void vt_heard_run(struct vt_heard *heard, struct vor_run_executor *executor,
 
 struct vor_order vt_order_of(size_t memory)
 {
-    struct vor_order order = {.memory = memory};
+    struct vor_order order = {.memory = memory, .saved = -1};
 
     vor_spec_init(&order.spec);
     for (int i = 0; i < VOR_INPUTS_MAX; i++)

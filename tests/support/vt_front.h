@@ -6,6 +6,7 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 
 struct vt_front {
     struct vor_zygote *zygote; /* malloc */
@@ -27,7 +28,9 @@ struct vt_heard {
     atomic_int asked;       /**< enum vor_answer */
     atomic_int is_over;
     atomic_int stages; /**< encoding was told so often */
-    int records, waits;
+    int records, waits, offers, resumed;
+    FILE *offered;  /**< for a checkpoint, once; NULL: none */
+    uint64_t saved; /**< bytes of that */
     struct vor_record record;
     struct vor_run_result result;
     struct vor_text kept;

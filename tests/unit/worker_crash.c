@@ -13,13 +13,17 @@
 
 enum { ITERATIONS = 40 };
 
-static const struct vt_daemon_options one_runner = {.jobs = 1};
+#define CHECKPOINT "input-checkpoint"
+
+static const struct vt_daemon_options one_runner = {.jobs = 1, .checkpoint_work = 1};
 
 struct crash {
     const char *dir;
+    struct vor_blobs *blobs;
     struct vor_uuid ids[3];
     int fd;           /* told the ids */
     uint32_t instant; /* die while event number `instant` of the first job is published */
+    int is_kept;      /* and a checkpoint of its iterations is kept */
 };
 
 static struct vor_uuid submit(struct vt_daemon *daemon, const struct vor_spec *spec)
@@ -42,7 +46,7 @@ static uint8_t *undisturbed(const struct vor_spec *spec, size_t *size)
     const char *dir;
 
     dir = vt_dir_make();
-    vt_daemon_start(&daemon, dir, NULL);
+    vt_daemon_start(&daemon, dir, &one_runner);
     id = submit(&daemon, spec);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     bytes = vt_daemon_result(&daemon, &id, size);
@@ -50,13 +54,22 @@ static uint8_t *undisturbed(const struct vor_spec *spec, size_t *size)
     return bytes;
 }
 
+/* Drops the first checkpoint, that of the start, and waits for another. */
 static void die_at_instant(void *ctx, enum vor_event_kind kind)
 {
     struct crash *crash = ctx;
+    uint32_t left = --crash->instant; /* the first came before the subscriber */
+    int found = !crash->is_kept || (left != 10 && left != 1);
+    uint64_t size;
 
     (void)kind;
-    if (--crash->instant == 1) /* the first event came before the subscriber */
+    while (!found)
+        vt_assert_ok(
+            vor_blob_get(crash->blobs, crash->ids, CHECKPOINT, NULL, &size, &found, &vt_err));
+    if (left == 1)
         raise(SIGKILL);
+    if (left == 10 && crash->is_kept)
+        vt_assert_ok(vor_blob_drop(crash->blobs, crash->ids, CHECKPOINT, &vt_err));
 }
 
 /* Submits three jobs behind one that never ends, tells their ids, lets them run. */
@@ -70,6 +83,7 @@ static void run_and_die(void *ctx)
     struct vor_followed followed;
 
     vt_daemon_start(&daemon, crash->dir, &one_runner);
+    crash->blobs = daemon.blobs;
     blocker = submit(&daemon, &endless);
     (void)vt_daemon_wait_iteration(&daemon, &blocker, 0);
     for (int i = 0; i < 3; i++)
@@ -84,11 +98,14 @@ static void run_and_die(void *ctx)
 }
 
 /* Property: a retry cannot be told from a first run, wherever the first one was killed: when it was
- * claimed, at an iteration, before encoding, or with its last row just written. */
-VT_TEST_LOOP(accepted_jobs_survive_kill_9_with_the_same_bytes, 5)
+ * claimed, at an iteration, before encoding, or with its last row just written; at an iteration
+ * with a checkpoint, which is whole or cut off. */
+VT_TEST_LOOP(accepted_jobs_survive_kill_9_with_the_same_bytes, 7)
 {
-    static const uint32_t instants[] = {2, 4, 30, ITERATIONS + 5, ITERATIONS + 6};
-    struct crash crash = {.instant = instants[_i]};
+    static const uint32_t instants[] = {2, 4, 30, ITERATIONS + 5, ITERATIONS + 6, 30, 30};
+    struct crash crash = {.instant = instants[_i], .is_kept = _i >= 5};
+    struct vor_event event[8];
+    char path[4096];
     struct vor_spec spec = vt_request(200, ITERATIONS);
     struct vt_daemon daemon;
     struct vor_job_view view;
@@ -104,6 +121,8 @@ VT_TEST_LOOP(accepted_jobs_survive_kill_9_with_the_same_bytes, 5)
     crash.fd = ends[1];
     vt_killed(run_and_die, &crash);
     ck_assert_int_eq(read(ends[0], crash.ids, sizeof crash.ids), sizeof crash.ids);
+    (void)snprintf(path, sizeof path, "%s/blobs/keep/%s." CHECKPOINT, dir, crash.ids->text);
+    ck_assert_int_eq(_i == 6 ? truncate(path, 1000) : 0, 0);
     vt_daemon_start(&daemon, dir, &one_runner);
     for (int i = 0; i < 3; i++) {
         view = vt_daemon_wait_over(&daemon, &crash.ids[i]);
@@ -116,32 +135,15 @@ VT_TEST_LOOP(accepted_jobs_survive_kill_9_with_the_same_bytes, 5)
     view = vt_daemon_get(&daemon, &crash.ids[0]);
     ck_assert_uint_eq(view.attempt, instants[_i] > ITERATIONS + 5 ? 1 : 2);
     free(expected);
+    ck_assert_uint_ge(vt_daemon_events(&daemon, crash.ids, event, 8), 8);
+    ck_assert(_i < 5 || (event->kind == VOR_EVENT_REPLACED && event->number == 1));
+    for (size_t i = 0; i < 8 && _i >= 5; i++) /* none is that of the start */
+        ck_assert(_i == 6 || event[i].kind != VOR_EVENT_PROGRESS || event[i].record.iteration > 0);
     while (vt_dir_count(dir, "blobs/keep") > 3) /* strays of the kill: the sweeper's work */
         vt_nap();
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
-}
-
-VT_TEST(the_events_of_a_second_attempt_begin_anew)
-{
-    struct vt_daemon daemon;
-    struct vor_spec spec = vt_request(200, 10000);
-    struct vor_event event;
-    struct vor_uuid id;
-    const char *dir = vt_dir_make();
-
-    vt_daemon_start(&daemon, dir, &one_runner);
-    id = submit(&daemon, &spec);
-    (void)vt_daemon_wait_iteration(&daemon, &id, 5);
-    vt_daemon_stop(&daemon); /* gives it back */
-    vt_daemon_start(&daemon, dir, &one_runner);
-    (void)vt_daemon_wait_iteration(&daemon, &id, 1);
-    ck_assert_uint_eq(vt_daemon_events(&daemon, &id, &event, 1), 1);
-    ck_assert_int_eq(event.kind, VOR_EVENT_REPLACED);
-    ck_assert_uint_eq(event.attempt, 2);
-    ck_assert_uint_eq(event.number, 1);
-    vt_daemon_stop(&daemon);
 }
 
 VT_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
