@@ -273,6 +273,7 @@ struct vor_stage_done {
       "Distances from all points of the result to the nearest input point. The same input "        \
       "points are used as for ref_to_out: ignored outliers do not count, and points that were "    \
       "moved within their grid cell count at their new position")                                  \
+    VOR_MLS_ERROR_TABLE(X)                                                                         \
     X(U64, boundary_points, "boundary_points", "points",                                           \
       "Number of points of the result that lie at borders of the input. 0 for a closed smooth "    \
       "surface; for a surface with borders, approximately the length of the borders divided by "   \
@@ -473,7 +474,8 @@ const char *vor_report_steps(const struct vor_report *report, char *out, size_t 
     X(REAL, d2_psnr, "input.d2_psnr", "dB",                                                        \
       "Peak signal-to-noise ratio of d2_mse: 10 log10(3 peak^2 / d2_mse); null if d2_mse is 0")    \
     X(REAL, peak, "input.peak", "unit of the cloud",                                               \
-      "Peak value in the formulas of d1_psnr and d2_psnr")
+      "Peak value in the formulas of d1_psnr and d2_psnr")                                         \
+    VOR_MLS_ERROR_TABLE(X)
 
 struct vor_measure {
     VOR_MEASURE_TABLE(VOR_FIELD)

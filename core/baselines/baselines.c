@@ -100,7 +100,7 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
     if (status == VOR_OK)
         status = vor_seeds_cells(&cells, seeds, err);
     if (status == VOR_OK)
-        status = vor_compare_ref_to_out(&far, seeds, err);
+        status = vor_compare_ref_to_out(&far, NULL, seeds, err);
     if (status == VOR_OK) {
         vor_uniformity_from(&apart, nearest, seeds->n);
         out->points = seeds->n;

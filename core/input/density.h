@@ -16,7 +16,7 @@
  *  paper's lists of spacings, the widest ones are used; less contrast comes within 0.05 of the
  *  others. Grading smooths the steps between groups, where the paper averages neighbours (Eq. 8).
  *  Measured on 200,000 points of armadillo to 10,000 by curvature, none / 3 / 5: largest and mean
- *  geometric error (the paper's Table 3) over those of an even spread 0.75 / 0.72 / 0.64 and 0.91 /
+ *  geometric error (metrics/mls_error.h) over those of an even spread 0.75 / 0.72 / 0.64 and 0.91 /
  *  1.00 / 0.99.
  *
  *  Departure: the paper takes densities as they are. Those of curvature span six decades, and no

@@ -5,6 +5,7 @@
 #include "core/metrics/cells.h"
 #include "core/metrics/distance.h"
 #include "core/metrics/distortion.h"
+#include "core/metrics/mls_error.h"
 #include "core/metrics/uniformity.h"
 
 #include <assert.h>
@@ -47,6 +48,30 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     return VOR_OK;
 }
 
+static vor_status measure_error(struct vor_measure *measure, const struct vor_distortion_pair *pair,
+                                const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_mls_error error;
+    struct vor_knn *knn = NULL;
+    vor_status status;
+
+    if (pair->n < VOR_MLS_ERROR_LEAST)
+        return VOR_OK;
+    status = vor_knn_build(&knn, pair->xyz, pair->n, run->memory, err);
+    if (status == VOR_OK)
+        status = vor_mls_error_measure(
+            &error,
+            &(struct vor_mls_error_of){pair->xyz, pair->n, knn, pair->reference, pair->m, pair->m},
+            run, err);
+    vor_knn_free(knn);
+    if (status != VOR_OK)
+        return status;
+    measure->has_mls_error = 1;
+    measure->mls_error_max = error.max;
+    measure->mls_error_mean = error.mean;
+    return VOR_OK;
+}
+
 /* Adds the distances between two clouds in a frame of that unit. */
 static vor_status measure_against(struct vor_measure *measure,
                                   const struct vor_distortion_pair *pair, double unit, double peak,
@@ -59,6 +84,8 @@ static vor_status measure_against(struct vor_measure *measure,
 
     if (status == VOR_OK)
         status = vor_distortion_measure(&distortion, pair, run, err);
+    if (status == VOR_OK)
+        status = measure_error(measure, pair, run, err);
     if (status != VOR_OK)
         return status;
     measure->has_reference = 1;

@@ -216,8 +216,8 @@ static vor_status over_blocks(struct vor_compare_apart *out, struct compare *com
     return status;
 }
 
-vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_seeds *seeds,
-                                  struct vor_error *err)
+vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_mls_error *error,
+                                  struct vor_seeds *seeds, struct vor_error *err)
 {
     struct compare compare = {.seeds = seeds, .points = seeds->domain->n};
     struct vor_knn *knn = NULL;
@@ -228,6 +228,12 @@ vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_seed
     compare.knn = knn;
     if (status == VOR_OK)
         status = over_blocks(out, &compare, compare.points, in_block, err);
+    if (status == VOR_OK && error != NULL && seeds->n >= VOR_MLS_ERROR_LEAST)
+        status = vor_mls_error_measure(
+            error,
+            &(struct vor_mls_error_of){seeds->xyz, seeds->n, knn, seeds->domain->xyz,
+                                       seeds->domain->n, VOR_COMPARE_ERROR_POINTS},
+            &seeds->run, err);
     vor_knn_free(knn);
     return status;
 }
@@ -236,13 +242,13 @@ vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, doub
                        int refined, struct vor_error *err)
 {
     struct compare compare = {.seeds = seeds, .spacing = spacing, .refined = refined};
-    struct vor_comparison found;
+    struct vor_comparison found = {.border = 0};
     vor_status status;
 
     assert(vor_seeds_on_whole(seeds));
     status = over_blocks(&found.out_to_ref, &compare, seeds->n, out_block, err);
     if (status == VOR_OK)
-        status = vor_compare_ref_to_out(&found.ref_to_out, seeds, err);
+        status = vor_compare_ref_to_out(&found.ref_to_out, &found.mls_error, seeds, err);
     if (status != VOR_OK)
         return status;
     found.border = atomic_load(&compare.border);

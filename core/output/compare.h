@@ -13,11 +13,14 @@
 #ifndef VOR_OUTPUT_COMPARE_H
 #define VOR_OUTPUT_COMPARE_H
 
+#include "core/metrics/mls_error.h"
 #include "core/seeds/seeds.h"
 
 /** Most input points whose distance to the result is taken. Their rms is then within 0.2 % of that
  *  of all: it varies by about half of itself from point to point. */
 #define VOR_COMPARE_POINTS 200000
+/** The same for the geometric error, which costs ten times as much a point. */
+#define VOR_COMPARE_ERROR_POINTS 10000
 
 /** Distances from points to the nearest of others, normalised. */
 struct vor_compare_apart {
@@ -30,6 +33,7 @@ struct vor_comparison {
     /** From the domain's points, or VOR_COMPARE_POINTS of them at equal steps along their order. */
     struct vor_compare_apart ref_to_out;
     struct vor_compare_apart out_to_ref;    /**< from all seeds */
+    struct vor_mls_error mls_error;         /**< if there are VOR_MLS_ERROR_LEAST seeds or more */
     uint64_t border;                        /**< seeds at the border of the input */
     uint64_t fitted[VOR_NEIGHBORS_MAX + 1]; /**< fitted[k]: seeds whose surface is fitted to k */
 };
@@ -51,10 +55,12 @@ VOR_NODISCARD vor_status vor_compare(struct vor_comparison *out, struct vor_seed
 /** Measures the distances from the domain's points to the nearest seed alone: ref_to_out of a
  *  comparison.
  *
- *  @param[in] seeds  read: domain, n, xyz, run
+ *  @param[out] error  mls_error of a comparison; NULL: it is not measured
+ *  @param[in]  seeds  read: domain, n, xyz, run
  *
  *  Fails as vor_compare. O(n log n), on the run's pool. The same bits for any number of threads. */
 VOR_NODISCARD vor_status vor_compare_ref_to_out(struct vor_compare_apart *out,
+                                                struct vor_mls_error *error,
                                                 struct vor_seeds *seeds, struct vor_error *err);
 
 #endif

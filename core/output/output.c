@@ -235,6 +235,11 @@ static vor_status make(struct vor_cloud *out, struct vor_report *report,
     }
     report->ref_to_out = in_unit(&found.ref_to_out, unit);
     report->out_to_ref = in_unit(&found.out_to_ref, unit);
+    report->has_mls_error = seeds->n >= VOR_MLS_ERROR_LEAST;
+    if (report->has_mls_error) {
+        report->mls_error_max = found.mls_error.max;
+        report->mls_error_mean = found.mls_error.mean;
+    }
     report->boundary_points = found.border;
     for (unsigned k = 0; k <= VOR_NEIGHBORS_MAX && report->fitted_count < VOR_FITTED_MAX; k++)
         if (found.fitted[k] > 0)

@@ -211,6 +211,17 @@ struct vor_hole_told {
       "Number of points without a closed Voronoi cell, such as points along a border. These "      \
       "points do not count in the members `eta`, `gap` and `wide`")
 
+/** How far an input is from the surface of a result (metrics/mls_error.h). */
+#define VOR_MLS_ERROR_TABLE(X)                                                                     \
+    X(OPTIONAL, has_mls_error, "mls_error", "",                                                    \
+      "Geometric error of Lv 2022: distances from points of the input (of the reference in "       \
+      "measure) to a smooth surface through the points of the result (moving least squares), "     \
+      "divided by half of the longest side of the input's bounding box. In a report, at most "     \
+      "10000 points of the input are measured, and the largest error may be too low. Absent if "   \
+      "the result has fewer than 13 points, and if there is nothing to compare it with")           \
+    X(REAL, mls_error_max, "mls_error.max", "", "Largest error")                                   \
+    X(REAL, mls_error_mean, "mls_error.mean", "", "Mean error")
+
 /** Why the pose of a registered cloud may be wrong: identifier, word. */
 #define VOR_DOUBT_TABLE(X)                                                                         \
     X(NONE, "none")                                                                                \

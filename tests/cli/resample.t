@@ -74,7 +74,7 @@ subtest 'lines of JSON' => sub {
     is $records[-1]{best}{delta}, $report->{delta}, 'the last best is the report\'s';
     is join(' ', sort keys %$report),
         join(' ', sort qw(points delta sigma epsilon iterations polish_steps stopped warnings stages seconds
-            memory_peak_bytes invalid faces samples dropped outliers components islands lattice orientation one_sided ref_to_out out_to_ref boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
+            memory_peak_bytes invalid faces samples dropped outliers components islands lattice orientation one_sided ref_to_out out_to_ref mls_error boundary_points neighbors_histogram held held_ever fallbacks parameters area spacing min_over_mean max_over_mean
             six_share cells bisectors_per_cell triangles_per_cell queries list_rebuilds origin)), 'the report has its shape';
     is join(' ', sort keys %{ $report->{seconds} }), 'index init iterate polish read write', 'so have its seconds';
     is_deeply $report->{lattice}, { x => 0, y => 0, z => 0, moved => 0 }, 'it finds no lattice in a cloud without one';

@@ -14,7 +14,7 @@ enum { RECORDS = 160, CALLS = 14 }; /* CALLS of the allocator for one index */
 #define EACH_SEED(k) (6 * (k) + 395)
 #define EACH_ITERATED(k) (6 * (k) + 502)
 #define EACH_THREAD (200 << 10)
-#define ELSE (50 << 10)
+#define ELSE (51 << 10)
 
 static size_t bound_of(size_t in, size_t out, size_t k, size_t threads)
 {
