@@ -22,40 +22,39 @@ static double nearest2(const float *near, unsigned k, const double x[3], unsigne
     return best;
 }
 
-double vor_boundary_ahead(const float *near, unsigned k, const double from[3], const double way[3],
-                          double width, double within)
-{
-    double last = -INFINITY;
-
-    for (unsigned i = 0; i < k; i++) {
-        double d[3] = {(double)near[3 * i] - from[0], (double)near[3 * i + 1] - from[1],
-                       (double)near[3 * i + 2] - from[2]};
-        double along = vor_dot(way, d), far;
-
-        if (!(along > last))
-            continue;
-        far = sqrt(vor_dot(d, d));
-        if (far <= within && along >= width * far)
-            last = along;
-    }
-    return last;
-}
-
 int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3], const double way[3],
                          double within)
 {
-    return vor_boundary_ahead(near, k, foot, way, VOR_AHEAD_NARROW, within) > 0;
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - foot[0], (double)near[3 * i + 1] - foot[1],
+                       (double)near[3 * i + 2] - foot[2]};
+        double along = vor_dot(way, d), far;
+
+        if (!(along > 0))
+            continue;
+        far = sqrt(vor_dot(d, d));
+        if (far <= within && along >= VOR_AHEAD_NARROW * far)
+            return 1;
+    }
+    return 0;
 }
 
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const float *near, unsigned k)
 {
-    double way[3];
+    double way[3], last = -INFINITY;
 
     for (int c = 0; c < 3; c++)
         way[c] = side[0] * frame->axis[0][c] + side[1] * frame->axis[1][c];
-    return vor_boundary_ahead(near, k, frame->origin, way, VOR_AHEAD_ALL, INFINITY) -
-           (side[0] * seed[0] + side[1] * seed[1]);
+    for (unsigned i = 0; i < k; i++) {
+        double d[3] = {(double)near[3 * i] - frame->origin[0],
+                       (double)near[3 * i + 1] - frame->origin[1],
+                       (double)near[3 * i + 2] - frame->origin[2]};
+        double along = vor_dot(way, d);
+
+        last = along > last ? along : last;
+    }
+    return last - (side[0] * seed[0] + side[1] * seed[1]);
 }
 
 /* The neighbours that say where the input ends: the nearest ones. The others of a fit to many reach
@@ -71,8 +70,8 @@ struct ends {
 static void copy_nearest(struct ends *out, const float *near, unsigned k, const double x[3])
 {
     double distance2[VOR_NEIGHBORS_FEWEST];
+    uint32_t index[VOR_NEIGHBORS_FEWEST] = {0}; /* gcc's analyzer cannot see that all are set */
 
-    memset(out->own, 0, sizeof out->own); /* gcc's analyzer cannot see that all are set */
     for (unsigned i = 0; i < k; i++) {
         double d[3] = {(double)near[3 * i] - x[0], (double)near[3 * i + 1] - x[1],
                        (double)near[3 * i + 2] - x[2]};
@@ -83,11 +82,12 @@ static void copy_nearest(struct ends *out, const float *near, unsigned k, const 
             continue;
         for (; at > 0 && d2 < distance2[at - 1]; at--) {
             distance2[at] = distance2[at - 1];
-            memcpy(&out->own[3 * at], &out->own[3 * (at - 1)], 3 * sizeof *near);
+            index[at] = index[at - 1];
         }
         distance2[at] = d2;
-        memcpy(&out->own[3 * at], &near[3 * i], 3 * sizeof *near);
+        index[at] = i;
     }
+    vor_gather(out->own, near, index, VOR_NEIGHBORS_FEWEST);
     out->near = out->own;
     out->k = VOR_NEIGHBORS_FEWEST;
 }

@@ -1,6 +1,6 @@
 /** Where the cloud ends: one question, and every number that decides about it.
  *
- *  The question (vor_boundary_ahead): how far does the input go on from one of its points in one
+ *  The question: how far does the input go on from one of its points in one
  *  direction, until its last point? Four ask it. Lengths are in spacings of the input around the
  *  place (struct vor_surface, spacing) unless a constant says otherwise.
  *
@@ -69,10 +69,8 @@
 /* --- the question ---------------------------------------------------------------------------- */
 
 /** How wide to look: least cosine between the way and what is ahead. EDGE, RIM and OUTSIDE take all
- *  neighbours ... */
-#define VOR_AHEAD_ALL (-1.0)
-/** ... HOLE those within 37 degrees. At cosines of 0.5 / 0.8 / 0.95: rms on bunny 4.2e-4 / 2.8e-4 /
- *  5.5e-4, max 8.8e-3 / 5.4e-3 / 9.9e-3. */
+ *  neighbours, HOLE those within 37 degrees. At cosines of 0.5 / 0.8 / 0.95: rms on bunny 4.2e-4 /
+ *  2.8e-4 / 5.5e-4, max 8.8e-3 / 5.4e-3 / 9.9e-3. */
 #define VOR_AHEAD_NARROW 0.8
 
 /* --- outside; in spacings of the input ------------------------------------------------------- */
@@ -169,18 +167,12 @@
 /* The functions below take neighbours as k x 3 floats, in the same coordinates as the place. They
  * cannot fail, and depend on nothing but their arguments. */
 
-/** The question. Distance along the unit vector `way` from a place to the last neighbour that is
- *  ahead of it: within the angle of cosine `width` and within the distance `within`. A neighbour at
- *  the place itself counts, at 0; -INFINITY if none does. O(k). */
-double vor_boundary_ahead(const float *near, unsigned k, const double from[3], const double way[3],
-                          double width, double within);
-
 /** True when the input goes on from its point at foot along `way`: a neighbour within `within` is
  *  ahead, VOR_AHEAD_NARROW. O(k). */
 int vor_boundary_goes_on(const float *near, unsigned k, const double foot[3], const double way[3],
                          double within);
 
-/** Distance from seed, along the unit vector side, to where the points near it end, VOR_AHEAD_ALL;
+/** Distance from seed, along the unit vector side, to where the points near it end;
  *  negative if it lies beyond. side and seed are in the local coordinates of `frame`. O(k). */
 double vor_boundary_end(const struct vor_surface *frame, const double seed[3], const double side[2],
                         const float *near, unsigned k);

@@ -411,13 +411,15 @@ int vor_seeds_hold(const struct vor_seeds *seeds, struct vor_scratch *scratch, s
     const float *near = scratch->here.near;
     unsigned k = scratch->here.k;
     int lines;
-    double foot[3], way[3], length = vor_boundary_foot(near, k, x, foot, way);
-    double spacing = vor_boundary_spacing(near, k, x);
+    double foot[3], way[3], length = vor_boundary_foot(near, k, x, foot, way), spacing;
 
     /* Mostly the points at hand decide, which saves a search. With sheets the list does not: its
      * points may be on another one. */
-    if (k < VOR_HOLE_NEIGHBORS_MIN || length <= VOR_HOLE_MARGIN * spacing ||
-        vor_boundary_goes_on(near, k, foot, way, vor_boundary_reach(near, k, x) - length) ||
+    if (k < VOR_HOLE_NEIGHBORS_MIN ||
+        vor_boundary_goes_on(near, k, foot, way, vor_boundary_reach(near, k, x) - length))
+        return 0;
+    spacing = vor_boundary_spacing(near, k, x);
+    if (length <= VOR_HOLE_MARGIN * spacing ||
         (!seeds->sheets && goes_on(seeds, i, foot, way, k)) ||
         spacing_at(seeds, scratch, foot) < 0 ||
         vor_seeds_fit_at(seeds, scratch, &scratch->foot, foot) == VOR_SURFACE_NONE ||
