@@ -234,15 +234,21 @@ void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, siz
 {
     double distance2[POOL];
 
-    for (size_t i = 0; i < POOL; i++)
+    for (size_t i = 0; i < POOL; i++) {
         distance2[i] = INFINITY;
-    for (size_t i = 0; i < PLACES; i++) {
-        double to = vor_distance2f(&xyz[3 * i], &xyz[3 * place]);
-        size_t at = POOL - 1;
+        pool[i] = 0;
+    }
+    for (size_t turn = 0; turn < 2 * PLACES; turn++) { /* outward: most of the nearest come first */
+        size_t i = turn % 2 > 0 ? place + turn / 2 + 1 : place - turn / 2, at = POOL - 1;
+        double to;
 
-        if (!(to < distance2[at]))
+        if (i >= PLACES)
             continue;
-        for (; at > 0 && to < distance2[at - 1]; at--) {
+        to = vor_distance2f(&xyz[3 * i], &xyz[3 * place]);
+        if (!(to < distance2[at] || (to <= distance2[at] && i < pool[at])))
+            continue;
+        for (; at > 0 && (to < distance2[at - 1] || (to <= distance2[at - 1] && i < pool[at - 1]));
+             at--) {
             distance2[at] = distance2[at - 1];
             pool[at] = pool[at - 1];
         }
