@@ -19,7 +19,8 @@
 /** Most input points whose distance to the result is taken. Their rms is then within 0.2 % of that
  *  of all: it varies by about half of itself from point to point. */
 #define VOR_COMPARE_POINTS 200000
-/** The same for the geometric error, which costs ten times as much a point. */
+/** The same for the geometric error, which costs ten times as much a point: with 10,000 points of
+ *  a result 0.07 s of CPU in all. */
 #define VOR_COMPARE_ERROR_POINTS 10000
 
 /** Distances from points to the nearest of others, normalised. */
