@@ -32,7 +32,7 @@
 /* The methods, in the order of the words of parameter `method`. */
 static const struct vor_method methods[VOR_METHODS] = {
     {"cvt", vor_cvt_run}, {"kmeans", vor_kmeans_run},    {"wlop", vor_wlop_run},
-    {"ear", vor_ear_run}, {"isotropic", vor_remesh_run},
+    {"ear", vor_ear_run}, {"isotropic", vor_remesh_run}, {"insert", vor_cvt_run},
 };
 
 /* A run of a process that spreads points. */
@@ -73,23 +73,24 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
 
 static vor_status place(struct engine *engine, struct vor_error *err)
 {
+    struct vor_domain *domain = &engine->domain;
     unsigned method = (unsigned)engine->spec.value[VOR_PARAM_METHOD];
-    size_t n = engine->target.n, share = vor_islands_share(&engine->domain, n);
-    vor_status status = vor_domain_continue(&engine->domain, engine->in, engine->previous, err);
+    int all = method == VOR_METHOD_INSERT; /* of the input are in the result */
+    size_t n = engine->target.n, share = (all ? vor_islands_beside : vor_islands_share)(domain, n);
+    size_t rest = n - (all ? engine->given->n : share);
+    vor_status status = vor_domain_continue(domain, engine->in, engine->previous, err);
 
-    assert(method < VOR_METHODS);
-    if (status == VOR_OK && share < n)
-        status = vor_followed_make(&engine->domain, engine->in, n - share, &engine->spec,
-                                   &engine->whole, err);
-    if (status == VOR_OK && share < n)
-        status = methods[method].run(&engine->seeds, &engine->told, &engine->domain, n - share,
-                                     &engine->spec, &engine->run, err);
+    if (status == VOR_OK && rest > 0)
+        status = vor_followed_make(domain, engine->in, rest, &engine->spec, &engine->whole, err);
+    if (status == VOR_OK && (rest > 0 || all))
+        status = methods[method].run(&engine->seeds, &engine->told, domain, rest, &engine->spec,
+                                     &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
     engine->report.on_islands = share;
-    if (status != VOR_OK)
-        return status;
-    return vor_seeds_add_islands(&engine->seeds, &engine->report.delta_beside, &engine->domain,
-                                 share, vor_seeds_policy_of(&engine->spec), &engine->run, err);
+    if (status == VOR_OK)
+        status = vor_seeds_add_islands(&engine->seeds, &engine->report.delta_beside, domain, share,
+                                       vor_seeds_policy_of(&engine->spec), &engine->run, err);
+    return status;
 }
 
 /* Makes the result of the points that a method placed, or if it placed none of the input's. */
@@ -141,7 +142,7 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     report->parameters = engine->spec;
     vor_warn_unused(report, &engine->spec);
     if (engine->seeds.n > 0)
-        report->parameters.value[VOR_PARAM_POINTS] = (double)engine->seeds.n;
+        report->parameters.value[VOR_PARAM_POINTS] = (double)out->n;
     report->parameters.value[VOR_PARAM_OUTLIERS] = vor_spec_outliers(&report->parameters);
     report->parameters.value[VOR_PARAM_NEIGHBORS] = engine->domain.known.neighbors.usual;
     if (engine->target.area > 0)
@@ -188,7 +189,6 @@ static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *
     return status;
 }
 
-/* The processes that spread points: resample and its presets. */
 static vor_status run_resample(struct vor_artefacts *out, const struct vor_artefacts *in,
                                const struct vor_spec *spec, const struct vor_run *run,
                                struct vor_error *err)

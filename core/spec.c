@@ -168,8 +168,6 @@ static vor_status store(struct vor_spec *spec, enum vor_parameter parameter,
     return VOR_OK;
 }
 
-/* Refusals. */
-
 /* All names if they are few, else the nearest; none if the unknown one is like none of many. */
 static vor_status refuse_name(const struct vor_process_info *process, const char *name,
                               struct vor_error *err)
@@ -231,8 +229,7 @@ static const char *find_nearest(const struct vor_parameter_info *info, const cha
 }
 
 /* A text that is no number stands in quotes; of a count with k or M, what it comes to stands beside
- * it. A list with a word that is unknown is well-formed, and
- * has a status of its own. */
+ * it. A list with a word that is unknown is well-formed, and has a status of its own. */
 static vor_status refuse_text(const struct vor_parameter_info *info, enum vor_shape shape,
                               const char *text, struct vor_error *err)
 {
@@ -305,8 +302,6 @@ vor_status vor_spec_set_number(struct vor_spec *spec, const char *name, double n
     return vor_spec_set_as(spec, name, VOR_SHAPE_NUMBER, text, err);
 }
 
-/* Checks. */
-
 static int counts_given(const struct vor_spec *spec)
 {
     return vor_spec_given(spec, VOR_PARAM_POINTS) + vor_spec_given(spec, VOR_PARAM_RATIO) +
@@ -329,7 +324,8 @@ int vor_spec_only_filters(const struct vor_spec *spec)
 int vor_spec_keeps_points(const struct vor_spec *spec)
 {
     return spec->process->outputs[0].kind == VOR_ARTEFACT_CLOUD &&
-           (!has_target(spec) || vor_spec_only_filters(spec)) &&
+           (!has_target(spec) || vor_spec_only_filters(spec) ||
+            spec->value[VOR_PARAM_METHOD] == VOR_METHOD_INSERT) &&
            spec->value[VOR_PARAM_SAMPLE] != VOR_SAMPLE_FACES;
 }
 
@@ -361,35 +357,39 @@ static vor_status check_descent(const struct vor_spec *spec, struct vor_error *e
     return VOR_OK;
 }
 
-/* Checks a request for a method that has no sites and follows no metric, or nothing at all. */
+/* Checks a request for a method that cannot do everything that cvt can. */
 static vor_status check_method(const struct vor_spec *spec, struct vor_error *err)
 {
     static const struct {
         enum vor_parameter parameter;
         double refused, wanted; /* refused VOR_UNSET: all but the wanted one are */
-    } rules[] = {{VOR_PARAM_DENSITY, VOR_UNSET, VOR_DENSITY_UNIFORM},
-                 {VOR_PARAM_METRIC, VOR_UNSET, VOR_METRIC_ISOTROPIC},
-                 {VOR_PARAM_BOUNDARY, VOR_BOUNDARY_SITES, VOR_BOUNDARY_KEEP},
-                 {VOR_PARAM_EDGES, VOR_EDGES_SITES, VOR_EDGES_IGNORE}};
+        const char *use;
+    } rules[] = {{VOR_PARAM_DENSITY, VOR_UNSET, VOR_DENSITY_UNIFORM, "uniform"},
+                 {VOR_PARAM_METRIC, VOR_UNSET, VOR_METRIC_ISOTROPIC, "isotropic"},
+                 {VOR_PARAM_BOUNDARY, VOR_BOUNDARY_SITES, 0, "keep"},
+                 {VOR_PARAM_EDGES, VOR_UNSET, VOR_EDGES_IGNORE, "ignore"},
+                 {VOR_PARAM_BOUNDARY, VOR_BOUNDARY_FILL, 0, "keep"},
+                 {VOR_PARAM_FILTERS, VOR_UNSET, 0, "none"},
+                 {VOR_PARAM_SAMPLE, VOR_UNSET, VOR_SAMPLE_VERTICES, "vertices"},
+                 {VOR_PARAM_ORDER, VOR_UNSET, VOR_ORDER_SPATIAL, "spatial"},
+                 {VOR_PARAM_LATTICE, VOR_UNSET, VOR_LATTICE_FREE, "free"}};
     double method = spec->value[VOR_PARAM_METHOD];
+    size_t count = method == VOR_METHOD_INSERT ? sizeof rules / sizeof rules[0] : 4;
     char is[VOR_SPEC_VALUE_SIZE];
-    const char *want, *word;
+    const char *word;
 
-    if (method != VOR_METHOD_WLOP && method != VOR_METHOD_EAR && method != VOR_METHOD_ISOTROPIC)
+    if (method == VOR_METHOD_CVT || method == VOR_METHOD_KMEANS)
         return VOR_OK;
     (void)vor_parameter_choice(vor_parameter_info(VOR_PARAM_METHOD), (unsigned)method, &word);
-    for (size_t i = method == VOR_METHOD_ISOTROPIC; /* that one follows a density */
-         i < sizeof rules / sizeof rules[0]; i++) {
-        const struct vor_parameter_info *info = vor_parameter_info(rules[i].parameter);
+    for (size_t i = method == VOR_METHOD_ISOTROPIC; i < count; i++) { /* it follows a density */
+        const char *name = vor_parameter_info(rules[i].parameter)->name;
         double value = spec->value[rules[i].parameter];
-        size_t length = vor_parameter_choice(info, (unsigned)rules[i].wanted, &want);
 
         if (rules[i].refused == VOR_UNSET ? value != rules[i].wanted : value == rules[i].refused)
-            return vor_fail_param(err, VOR_E_PARAM, info->name,
-                                  "%s=%.*s does not work with method=%.*s: use %.*s or method=cvt",
-                                  info->name, SHOWN_SIZE,
-                                  vor_spec_text(spec, rules[i].parameter, is),
-                                  (int)strcspn(word, " "), word, (int)length, want);
+            return vor_fail_param(err, VOR_E_PARAM, name,
+                                  "%s=%.*s does not work with method=%.*s: use %s or method=cvt",
+                                  name, SHOWN_SIZE, vor_spec_text(spec, rules[i].parameter, is),
+                                  (int)strcspn(word, " "), word, rules[i].use);
     }
     return VOR_OK;
 }
@@ -406,10 +406,8 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
         status = vor_fail_param(err, VOR_E_PARAM, "lattice",
                                 "lattice=keep works neither with the process mesh nor if the "
                                 "result is only the filtered input");
-    if (status != VOR_OK)
+    if (status != VOR_OK || given == 1 || !has_target(spec) || vor_spec_only_filters(spec))
         return status;
-    if (given == 1 || !has_target(spec) || vor_spec_only_filters(spec))
-        return VOR_OK;
     if (given == 0)
         return vor_fail_param(err, VOR_E_PARAM, "points",
                               "give exactly one of the parameters points, ratio and spacing: "
@@ -556,7 +554,7 @@ uint32_t vor_spec_steps(const struct vor_spec *spec)
 
     if (vor_spec_given(spec, VOR_PARAM_STEPS))
         return (uint32_t)spec->value[VOR_PARAM_STEPS];
-    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR && spec->value[VOR_PARAM_POLISH] > 0
+    return spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR && vor_spec_polish(spec) > 0
                ? BEFORE_POLISH
                : ALONE;
 }
@@ -573,7 +571,8 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
     enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100, REMESH = 10 };
     double method = spec->value[VOR_PARAM_METHOD];
 
-    if (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT)
+    if (method == VOR_METHOD_INSERT ||
+        (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT))
         return 0;
     if (method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR)
         return (uint32_t)spec->value[VOR_PARAM_ROUNDS] * vor_spec_steps(spec);
@@ -586,9 +585,9 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
 
 uint32_t vor_spec_polish(const struct vor_spec *spec)
 {
-    double polish = spec->value[VOR_PARAM_POLISH];
+    int none = spec->value[VOR_PARAM_METHOD] == VOR_METHOD_INSERT || vor_spec_descends(spec);
 
-    return polish > 0 && !vor_spec_descends(spec) ? (uint32_t)polish : 0;
+    return none ? 0 : (uint32_t)spec->value[VOR_PARAM_POLISH];
 }
 
 const char *vor_spec_text(const struct vor_spec *spec, enum vor_parameter parameter,

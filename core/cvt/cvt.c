@@ -47,6 +47,18 @@ static vor_status start(struct vor_seeds *seeds, const struct vor_domain *domain
     return status;
 }
 
+/* Starts seeds between the points of the input, and joins these to them. */
+static vor_status start_between(struct vor_seeds *seeds, const struct vor_domain *domain, size_t n,
+                                const struct vor_spec *spec, const struct vor_run *run,
+                                struct vor_error *err)
+{
+    vor_status status = n > 0 ? vor_start_between(seeds, domain, n, spec, run, err) : VOR_OK;
+
+    return status == VOR_OK
+               ? vor_seeds_add_input(seeds, domain, vor_seeds_policy_of(spec), run, err)
+               : status;
+}
+
 /* After a warm start: fewer iterations, and a polish of down to half as many steps. After a coarse
  * start as at a coherence of one half: at 0.5 / 0.83, bunny to 20,000, least distance to the
  * nearest point over the mean 0.73 / 0.51, delta 0.0192 / 0.0205. Without a polish all iterations
@@ -73,11 +85,14 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
     struct vor_spec shorter;
+    int inserts = spec->value[VOR_PARAM_METHOD] == VOR_METHOD_INSERT;
     vor_status status = vor_checkpoint_is(run)
                             ? vor_checkpoint_seeds(&seeds, told, domain, run, err)
-                            : (sites ? start_with_sites : start)(&seeds, domain, n, spec, run, err);
+                            : (inserts ? start_between
+                               : sites ? start_with_sites
+                                       : start)(&seeds, domain, n, spec, run, err);
 
-    if (status == VOR_OK)
+    if (status == VOR_OK && !inserts)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
@@ -86,7 +101,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && !vor_checkpoint_is_in(run, VOR_RUN_STAGE_POLISH))
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
                                          : vor_lloyd_run(&seeds, told, &shorter, run, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK && !inserts)
         status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {

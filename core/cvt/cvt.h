@@ -1,4 +1,6 @@
-/** The method `cvt`: centroidal Voronoi tessellation on local quadrics.
+/** The methods `cvt`, centroidal Voronoi tessellation on local quadrics, and `insert`, its start
+ *  alone between the points of the input (vor_start_between), which follow the n others in *out and
+ *  do not move.
  *
  *  Source: Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds". Seeds
  *  start evenly by area (seeds/start.h), or from coarse to fine (cvt/coarse.h), move to the

@@ -215,7 +215,7 @@ static vor_status make(struct vor_cloud *out, struct vor_report *report,
     if (status != VOR_OK)
         return status;
     report->points_in = placed->in->n;
-    report->points_out = seeds->n;
+    report->points_out = out->n;
     vor_output_report_input(report, seeds->domain);
     if (vor_field_is(field)) {
         report->has_density = 1;

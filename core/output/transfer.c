@@ -17,23 +17,23 @@ struct transfer {
     const struct vor_cloud *in;
     struct vor_seeds *seeds;
     const struct vor_transfer_how *how;
-    uint32_t *nearest; /* input point nearest to each seed */
-    float *normal;     /* n x 3, or NULL */
+    size_t kept;       /* points of out before those of seeds that are the input's, as they are; the
+                          seeds that do not move are left out then */
+    uint32_t *nearest; /* input point nearest to each point of out */
+    float *normal;     /* of each, x 3, or NULL */
     const struct vor_attribute
         *carried; /* that decide the sides of the method's normals, or NULL */
 };
 
-/* The normal of the local surface at seed i. */
-static void surface_normal(const struct transfer *transfer, const struct vor_scratch *scratch,
-                           size_t i, double normal[3])
+/* The normal of the local surface at x. */
+static void surface_normal(const struct vor_scratch *scratch, const double x[3], double normal[3])
 {
-    double x[3], local[3];
+    double local[3];
 
     normal[0] = normal[1] = 0;
     normal[2] = 1;
     if (scratch->here.surface.kind == VOR_SURFACE_NONE)
         return;
-    vor_seeds_position(transfer->seeds, i, x);
     vor_surface_to_local(&scratch->here.surface, x, local);
     vor_surface_normal(&scratch->here.surface, local, normal);
 }
@@ -54,18 +54,35 @@ static int take_normal(struct transfer *transfer, size_t i)
 }
 
 /* Points of islands are none of the method's: their normals have no certain side. */
-static void make_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i)
+static void make_normal(struct transfer *transfer, const struct vor_scratch *scratch, size_t i,
+                        const float x[3])
 {
-    double fitted[3];
+    double fitted[3], at[3];
 
     if (transfer->seeds->normal != NULL && take_normal(transfer, i))
         return;
-    surface_normal(transfer, scratch, i, fitted);
+    vor_to_doubles(at, x);
+    surface_normal(scratch, at, fitted);
     if (transfer->seeds->normal == NULL)
-        vor_sides_normal(&transfer->normal[3 * i], transfer->how->sides,
-                         &transfer->seeds->xyz[3 * i], transfer->nearest[i], fitted);
+        vor_sides_normal(&transfer->normal[3 * i], transfer->how->sides, x, transfer->nearest[i],
+                         fitted);
     for (size_t c = 0; c < 3 && transfer->seeds->normal != NULL; c++)
         transfer->normal[3 * i + c] = (float)fitted[c];
+}
+
+/* Point i of the result is point i of the input. */
+static void keep(struct transfer *transfer, struct vor_scratch *scratch, size_t i)
+{
+    float x[3];
+    double at[3];
+
+    transfer->nearest[i] = (uint32_t)i;
+    if (transfer->normal == NULL)
+        return;
+    vor_domain_normalise(transfer->seeds->domain, &transfer->in->xyz[3 * i], x);
+    vor_to_doubles(at, x);
+    (void)vor_seeds_fit_at(transfer->seeds, scratch, &scratch->here, at);
+    make_normal(transfer, scratch, i, x);
 }
 
 static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -77,15 +94,21 @@ static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
     float distance2;
 
     for (size_t i = begin; i < end; i++) {
+        size_t seed = i - transfer->kept;
+
+        if (i < transfer->kept) {
+            keep(transfer, scratch, i);
+            continue;
+        }
         if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
-            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &index, &distance2);
+            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * seed], 1, 1, &index, &distance2);
             transfer->nearest[i] = seeds->domain->source[index];
             continue;
         }
-        (void)vor_seeds_fit(seeds, scratch, i);
-        transfer->nearest[i] = seeds->domain->source[vor_seeds_nearest(seeds, i)];
+        (void)vor_seeds_fit(seeds, scratch, seed);
+        transfer->nearest[i] = seeds->domain->source[vor_seeds_nearest(seeds, seed)];
         if (transfer->normal != NULL)
-            make_normal(transfer, scratch, i);
+            make_normal(transfer, scratch, i, &seeds->xyz[3 * seed]);
     }
 }
 
@@ -101,7 +124,7 @@ static void place(struct transfer *transfer, double spacing)
         far = fmax(far, fabs(shift[c]) + domain->unit);
         out->origin[c] = transfer->in->origin[c];
     }
-    if (out->position_type == VOR_FLOAT32 && spacing > 0 &&
+    if (out->position_type == VOR_FLOAT32 && spacing > 0 && transfer->kept == 0 &&
         far * (double)FLT_EPSILON * STEPS_PER_SPACING > spacing) {
         out->position_type = VOR_FLOAT64;
         for (int c = 0; c < 3; c++) {
@@ -109,12 +132,30 @@ static void place(struct transfer *transfer, double spacing)
             shift[c] = 0;
         }
     }
-    for (size_t i = 0; i < 3 * out->n; i++) {
-        double x = (double)transfer->seeds->xyz[i] * domain->unit + shift[i % 3];
+    memcpy(out->xyz, transfer->in->xyz, 3 * transfer->kept * sizeof *out->xyz);
+    for (size_t i = 3 * transfer->kept; i < 3 * out->n; i++) {
+        double x =
+            (double)transfer->seeds->xyz[i - 3 * transfer->kept] * domain->unit + shift[i % 3];
 
         /* A seed may lie outside an input that fills the range of float32. */
         out->xyz[i] = (float)fmax(-(double)FLT_MAX, fmin(x, (double)FLT_MAX));
     }
+}
+
+/* Takes the coordinates of points that are kept as their doubles, where they are more exact. */
+static vor_status keep_exact(struct transfer *transfer, struct vor_error *err)
+{
+    struct vor_cloud *out = transfer->out;
+
+    if (transfer->kept == 0 || transfer->in->exact == NULL)
+        return VOR_OK;
+    out->exact = vor_malloc(out->memory, out->n, 3 * sizeof *out->exact);
+    if (out->exact == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", out->n);
+    memcpy(out->exact, transfer->in->exact, 3 * transfer->kept * sizeof *out->exact);
+    for (size_t i = 3 * transfer->kept; i < 3 * out->n; i++)
+        out->exact[i] = out->origin[i % 3] + (double)out->xyz[i];
+    return VOR_OK;
 }
 
 vor_status vor_transfer_attributes(struct vor_cloud *out, const struct vor_cloud *in,
@@ -189,7 +230,9 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
 {
     const struct vor_run *run = &seeds->run;
     struct vor_cloud cloud;
-    struct transfer transfer = {&cloud, in, seeds, how, NULL, NULL, NULL};
+    int inserted = how->spec->value[VOR_PARAM_METHOD] == VOR_METHOD_INSERT;
+    struct transfer transfer = {&cloud, in, seeds, how, inserted ? in->n : 0, NULL, NULL, NULL};
+    size_t n = transfer.kept + (inserted ? vor_seeds_moving(seeds) : seeds->n);
     int fit = vor_sides_asked(how->spec) ||
               (seeds->normal != NULL && how->spec->value[VOR_PARAM_NORMALS] != VOR_NORMALS_DROP);
     vor_status status;
@@ -197,21 +240,23 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     vor_cloud_init(&cloud, run->memory);
     if (how->spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_ESTIMATE)
         transfer.carried = vor_carried(in);
-    transfer.nearest = vor_malloc(run->memory, seeds->n, sizeof *transfer.nearest);
+    transfer.nearest = vor_malloc(run->memory, n, sizeof *transfer.nearest);
     if (fit)
-        transfer.normal = vor_malloc(run->memory, seeds->n, 3 * sizeof *transfer.normal);
+        transfer.normal = vor_malloc(run->memory, n, 3 * sizeof *transfer.normal);
     if (transfer.nearest == NULL || (fit && transfer.normal == NULL)) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         goto done;
     }
-    status = vor_cloud_resize(&cloud, seeds->n, err);
+    status = vor_cloud_resize(&cloud, n, err);
     if (status != VOR_OK)
         goto done;
-    status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
+    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
     if (status != VOR_OK)
         goto done;
     place(&transfer, how->spacing);
-    status = add_track(&cloud, seeds, err);
+    status = keep_exact(&transfer, err);
+    if (status == VOR_OK)
+        status = add_track(&cloud, seeds, err);
     if (status == VOR_OK)
         status =
             vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, how->spec, err);

@@ -17,10 +17,12 @@ struct vor_transfer_how {
 /** Makes a cloud of the seeds and the input that they stand for.
  *
  *  Positions are float32 if the input's are and float32 is fine enough for the spacing
- *  (STEPS_PER_SPACING in transfer.c), else double. Attributes and normals are as the request says.
- *  Fitted normals point to the side that `sides` says. With normals=oriented the carried ones do,
- *  in float32 and as long as they are; a point whose nearest input point has none with a direction
- *  gets a fitted one. Seeds with tracks give them as the attribute "track", the first one.
+ *  (STEPS_PER_SPACING in transfer.c), else double. With method=insert the points of the input come
+ *  first, bit for bit, and then the seeds that may move, in the input's type. Attributes and
+ * normals are as the request says. Fitted normals point to the side that `sides` says. With
+ * normals=oriented the carried ones do, in float32 and as long as they are; a point whose nearest
+ * input point has none with a direction gets a fitted one. Seeds with tracks give them as the
+ * attribute "track", the first one.
  *
  *  @param[out] out      initialised, empty; filled only when VOR_OK is returned
  *  @param[in]  in       the cloud that the domain was made of

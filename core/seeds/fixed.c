@@ -137,6 +137,18 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
     return status;
 }
 
+vor_status vor_seeds_add_input(struct vor_seeds *seeds, const struct vor_domain *domain,
+                               struct vor_seeds_policy policy, const struct vor_run *run,
+                               struct vor_error *err)
+{
+    struct fixed fixed = {domain->xyz, domain->n};
+    vor_status status = add_fixed(seeds, fixed, domain, policy, run, err);
+
+    if (status == VOR_OK)
+        seeds->fixed = domain->n;
+    return status;
+}
+
 size_t vor_seeds_beside_sites(size_t n, const struct vor_sites *sites)
 {
     return n - sites->half + sites->half / 2;

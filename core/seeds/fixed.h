@@ -24,6 +24,18 @@ VOR_NODISCARD vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *
                                                struct vor_seeds_policy policy,
                                                const struct vor_run *run, struct vor_error *err);
 
+/** Adds the points of a domain after the seeds as points that do not move. Counters stay.
+ *
+ *  @param[in,out] seeds  may be all zero; on failure as they were, or all zero
+ *
+ *  @retval VOR_E_NOMEM  as vor_seeds_init
+ *
+ *  O(n + N). */
+VOR_NODISCARD vor_status vor_seeds_add_input(struct vor_seeds *seeds,
+                                             const struct vor_domain *domain,
+                                             struct vor_seeds_policy policy,
+                                             const struct vor_run *run, struct vor_error *err);
+
 /** How many seeds are to be started where sites join them, so that n come of both: as many as there
  *  are sites make way for these, but half as many on borders, as a site there has half a cell. */
 size_t vor_seeds_beside_sites(size_t n, const struct vor_sites *sites);

@@ -46,7 +46,8 @@ enum {
 /* The samples of a cell and the random points that they are chosen from, in (u, v, w). */
 struct spread {
     size_t n, each; /* samples; random points for each of them */
-    double at[TOGETHER][3];
+    size_t kept;    /* places before those of the samples that are taken and stay: 0 or 1 */
+    double at[1 + TOGETHER][3];
     double pool[TOGETHER * RANDOM][3];
 };
 
@@ -56,6 +57,7 @@ struct areas {
     double *end;   /* end[i]: sum of the areas of cells 0 .. i, or of their shares of the seeds */
     double offset; /* of the first sample in the running sum, 0 .. 1 samples */
     uint64_t seed;
+    size_t kept; /* 1: the points of the cells stay, and the samples join them; else 0 */
 };
 
 /* Number of the first sample beyond this value of the running sum. */
@@ -82,11 +84,11 @@ static void start_apart(struct spread *spread)
         for (size_t j = i * spread->each; j < (i + 1) * spread->each; j++) {
             double nearest = INFINITY;
 
-            for (size_t before = 0; before < i; before++)
+            for (size_t before = 0; before < spread->kept + i; before++)
                 nearest = fmin(nearest, apart2(spread->pool[j], spread->at[before]));
             if (nearest > farthest) {
                 farthest = nearest;
-                memcpy(spread->at[i], spread->pool[j], sizeof spread->at[i]);
+                memcpy(spread->at[spread->kept + i], spread->pool[j], sizeof spread->at[i]);
             }
         }
     }
@@ -96,7 +98,7 @@ static size_t nearest_sample(const struct spread *spread, const double x[3])
 {
     size_t nearest = 0;
 
-    for (size_t i = 1; i < spread->n; i++)
+    for (size_t i = 1; i < spread->kept + spread->n; i++)
         if (apart2(x, spread->at[i]) < apart2(x, spread->at[nearest]))
             nearest = i;
     return nearest;
@@ -105,7 +107,7 @@ static size_t nearest_sample(const struct spread *spread, const double x[3])
 /* Moves each sample to the mean of the random points nearest to it. */
 static void relax(struct spread *spread)
 {
-    double sum[TOGETHER][3], count[TOGETHER] = {0};
+    double sum[1 + TOGETHER][3], count[1 + TOGETHER] = {0};
 
     memset(sum, 0, sizeof sum);
     for (size_t j = 0; j < spread->n * spread->each; j++) {
@@ -115,9 +117,36 @@ static void relax(struct spread *spread)
         for (int c = 0; c < 3; c++)
             sum[i][c] += spread->pool[j][c];
     }
-    for (size_t i = 0; i < spread->n; i++)
+    for (size_t i = spread->kept; i < spread->kept + spread->n; i++)
         for (int c = 0; c < 3 && count[i] > 0; c++)
             spread->at[i][c] = sum[i][c] / count[i];
+}
+
+/* Moves a place on the surface of a fit to where the points of the fit have it: as far above the
+ * surface as they are, in the mean by the inverse fourth power of their distances (Shepard 1968, "A
+ * two-dimensional interpolation function for irregularly-spaced data"). D2 of nine clouds, a
+ * quarter of their points in 10 bits to all of them, is higher by 0.3 to 1 dB so. */
+static void put_among_points(const struct vor_place *here, double local[3])
+{
+    double above[VOR_NEIGHBORS_MAX], far2[VOR_NEIGHBORS_MAX];
+    double least = INFINITY, sum = 0, weights = 0;
+
+    for (unsigned j = 0; j < here->k; j++) {
+        double x[3], at[3], gradient[2];
+
+        vor_to_doubles(x, &here->near[3 * j]);
+        vor_surface_to_local(&here->surface, x, at);
+        above[j] = at[2] - vor_surface_height(&here->surface, at[0], at[1], gradient);
+        far2[j] = apart2(at, local);
+        least = fmin(least, far2[j]);
+    }
+    for (unsigned j = 0; j < here->k; j++) {
+        double share = far2[j] > least ? least / far2[j] : 1;
+
+        sum += share * share * above[j];
+        weights += share * share;
+    }
+    local[2] += sum / weights;
 }
 
 /* Sets the position of a sample, on the surface and inside the input. */
@@ -130,6 +159,8 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
     double x[3];
 
     vor_surface_project(&scratch->here.surface, local);
+    if (areas->kept)
+        put_among_points(&scratch->here, local);
     vor_surface_to_world(&scratch->here.surface, local, x);
     vor_to_floats(at, x);
     if (!from->policy.keep_border ||
@@ -158,7 +189,9 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
     double unit[3];
 
     spread.n = n;
-    spread.each = n > 1 ? RANDOM : ALONE;
+    spread.kept = areas->kept;
+    spread.each = spread.kept + n > 1 ? RANDOM : ALONE;
+    memcpy(spread.at[0], scratch->cell.seed, sizeof spread.at[0]);
     for (size_t j = 0; j < n * spread.each; j++) {
         for (size_t c = 0; c < 3; c++)
             unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
@@ -168,7 +201,7 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
     for (int round = 0; round < ROUNDS; round++)
         relax(&spread);
     for (size_t i = 0; i < n; i++)
-        place_sample(areas, scratch, first + i, spread.at[i]);
+        place_sample(areas, scratch, first + i, spread.at[spread.kept + i]);
 }
 
 static void sample_block(void *ctx, size_t begin, size_t end, unsigned worker)
@@ -327,6 +360,18 @@ static double variation(const struct areas *areas)
     return sqrt(fmax(0, sum2 / (double)n / (mean * mean) - 1));
 }
 
+/* Turns the areas of cells into equal shares of the seeds; cells without area get none. */
+static void share_equally(double *end, size_t n)
+{
+    double before = 0, cells = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        cells += end[i] > before;
+        before = end[i];
+        end[i] = cells;
+    }
+}
+
 /* Starts the seeds in the cells of areas->from, as many in each as its area asks for. Where the
  * areas are very uneven and both sets are as large, takes the cells of the started seeds and starts
  * again. */
@@ -343,7 +388,7 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", from->n);
     for (int pass = 0; status == VOR_OK && pass < PASSES; pass++) {
         if (pass > 0) {
-            if (from->n != to->n || variation(areas) < UNEVEN)
+            if (areas->kept || from->n != to->n || variation(areas) < UNEVEN)
                 break;
             memcpy(from->xyz, to->xyz, 3 * to->n * sizeof *to->xyz);
         }
@@ -351,6 +396,8 @@ static vor_status sample_cells(struct areas *areas, struct vor_error *err)
         if (status != VOR_OK)
             break;
         to->area = areas->end[from->n - 1];
+        if (areas->kept)
+            share_equally(areas->end, from->n);
         if (from->wanted.value != NULL) {
             double before = 0, sum = 0; /* of the shares, as weigh_block */
 
@@ -389,7 +436,7 @@ vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domai
 {
     uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
     struct vor_seeds from = {0}, to = {0};
-    struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed};
+    struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed, 0};
     int done = 0;
     vor_status status = vor_seeds_init(&to, domain, n, vor_seeds_policy_of(spec), run, err);
 
@@ -401,6 +448,32 @@ vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domai
         status = vor_warm_start(
             &to, vor_spec_given(spec, VOR_PARAM_COHERENCE) ? spec->value[VOR_PARAM_COHERENCE] : 1,
             err);
+    if (status != VOR_OK) {
+        vor_seeds_free(&to);
+        return status;
+    }
+    *out = to;
+    return VOR_OK;
+}
+
+vor_status vor_start_between(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
+{
+    uint64_t seed = (uint64_t)spec->value[VOR_PARAM_SEED];
+    struct vor_seeds_policy policy = vor_seeds_policy_of(spec);
+    struct vor_seeds from = {0}, to = {0};
+    struct areas areas = {&from, &to, NULL, vor_rng_unit(seed, STREAM_ROUND, 0), seed, 1};
+    vor_status status = vor_seeds_init(&to, domain, n, policy, run, err);
+
+    policy.widen = 0.5; /* halfway to the neighbours, where the cells of an even input end */
+    if (status == VOR_OK)
+        status = vor_seeds_init(&from, domain, domain->n, policy, &to.run, err);
+    if (status == VOR_OK) {
+        memcpy(from.xyz, domain->xyz, 3 * domain->n * sizeof *from.xyz);
+        status = sample_cells(&areas, err);
+    }
+    vor_seeds_free(&from);
     if (status != VOR_OK) {
         vor_seeds_free(&to);
         return status;

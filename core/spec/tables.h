@@ -101,6 +101,7 @@ enum vor_group {
     X(WLOP, "wlop")                                                                                \
     X(EAR, "ear")                                                                                  \
     X(ISOTROPIC, "isotropic")                                                                      \
+    X(INSERT, "insert")                                                                            \
     VOR_EXTRA_METHOD_CHOICES(X)
 
 enum vor_method_choice {
@@ -135,9 +136,12 @@ enum vor_method_choice {
       "onto the surface, but away from sharp edges, then inserts points up to the edges; "         \
       "isotropic: isotropic remeshing (Lv 2022), which splits long edges of a "                    \
       "triangulation, collapses short ones and flips others; kmeans: a baseline that moves "       \
-      "each point to the mean of the input points nearest to it. A polish (see the "               \
-      "parameter `polish`) follows every method but kmeans. The result of kmeans is denser "       \
-      "where the input is denser, and cannot have more points than the input")                     \
+      "each point to the mean of the input points nearest to it; insert (only with the process "   \
+      "upsample): the points of the input stay as they are, with the same positions, in their "    \
+      "order, and as many new points as are missing follow them, equally many around each point "  \
+      "of the input. A polish (see the parameter `polish`) follows every method but kmeans and "   \
+      "insert. The result of kmeans is denser where the input is denser, and cannot have more "    \
+      "points than the input")                                                                     \
     X(PATCH, patch, CHOICE, SPREAD, "", 0, 0, VOR_PATCH_QUADRIC, "quadric plane",                  \
       "Kind of local surface that is fitted to the input. quadric: a curved surface; plane: a "    \
       "flat surface, as in Chen 2018, which rounds sharp edges")                                   \
@@ -470,7 +474,7 @@ struct vor_artefact_info {
 #define VOR_SPREAD_GROUPS                                                                          \
     (VOR_IN(TARGET) | VOR_IN(SPREAD) | VOR_IN(CVT) | VOR_IN(LOP) | VOR_IN(INPUT) |                 \
      VOR_IN(FILTER) | VOR_IN(READ) | VOR_IN(OUTPUT) | VOR_IN(FORMAT))
-#define VOR_EVERY_METHOD (~0u)
+#define VOR_EVERY_METHOD (~VOR_BY(INSERT))
 
 /** Processes: identifier, id, whether HTTP offers it (1 or 0), groups of parameters that it takes,
  * methods that it may use, least and most points of the result over those of the input (0, 0
@@ -484,8 +488,8 @@ struct vor_artefact_info {
       VOR_CLOUD_OUT, "Denoise a point cloud",                                                      \
       "Removes the noise and outliers of the input, then spreads points evenly over its "          \
       "surface: the requested number or, by default, as many as the input has")                    \
-    X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD & ~VOR_BY(KMEANS), 1, 16,         \
-      VOR_FRAME_IN, VOR_CLOUD_OUT, "Upsample a point cloud",                                       \
+    X(UPSAMPLE, upsample, 1, VOR_SPREAD_GROUPS, ~VOR_BY(KMEANS), 1, 16, VOR_FRAME_IN,              \
+      VOR_CLOUD_OUT, "Upsample a point cloud",                                                     \
       "Spreads points evenly over the surface of the input: the requested number or, by "          \
       "default, four times as many as the input has")                                              \
     X(SIMPLIFY, simplify, 1, VOR_SPREAD_GROUPS, VOR_EVERY_METHOD, 0, 1, VOR_FRAME_IN,              \

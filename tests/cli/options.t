@@ -163,7 +163,7 @@ refused 'a number with a newline', ['resample', $in, '-fo', $out, '-n', "1\n"], 
 refused 'a wrong word', ['resample', $in, '-fo', $out, @points, '--boundary', 'open'], 2,
     'resample: boundary is "open", want one of keep, free, sites, fill';
 refused 'a method of another process', ['upsample', $in, '-fo', $out, '--method', 'kmeans'], 2,
-    'upsample: method is "kmeans", want one of cvt, wlop, ear, isotropic';
+    'upsample: method is "kmeans", want one of cvt, wlop, ear, isotropic, insert';
 refused 'too many threads', ['resample', $in, '-fo', $out, @points, '--threads', 257], 2,
     'resample: --threads is "257", want a whole number from 0 to 256';
 refused 'threads by the environment', ['resample', $in, '-fo', $out, @points], 2,

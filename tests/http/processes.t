@@ -132,8 +132,31 @@ for my $id (grep { $_ ne 'upsample' } sort keys %as) {
     is_deeply $report->{stages}[0]{steps}, 3, "$id: kmeans makes 3 steps";
     is scalar @{ $report->{stages} }, 1, "$id: of one stage";
 }
-like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear, isotropic$/,
+like json($daemon->post('/v1/upsample?method=kmeans', $cloud))->{detail}, qr/^method is "kmeans", want one of cvt, wlop, ear, isotropic, insert$/,
     'upsample has no means of so many points';
+# method=insert keeps the points of the input: first, in their order, bit for bit, also those in one place.
+my @places = unpack '(a12)*', $cloud =~ s/\A.*?end_header\n//sr;
+$places[1] = $places[0];
+for my $type (['float', 'f<3V', 0], ['double', 'd<3V', 1e5 / 3]) {
+    my ($name, $row, $far) = @$type;
+    my $rows = join '', map { pack $row, (map { $_ + $far } unpack 'f<3', $places[$_]), $_ } 0 .. $points - 1;
+    my $head = join '', "ply\nformat binary_little_endian 1.0\nelement vertex $points\n", map("property $name $_\n", qw(x y z)), "property uint label\nend_header\n";
+    for my $n ($points, $points + 1, 4 * $points) {
+        my (undef, undef, $report) = my ($answer) = done("/v1/upsample?method=insert&points=$n", $head . $rows);
+        my @out = unpack '(a' . length($rows) / $points . ')*', $answer->{content} =~ s/\A.*?end_header\n//sr;
+        is join('', @out[0 .. $points - 1]), $rows, "$name, $n points: the input's are the first";
+        my (%at, %label);
+        for (@out) { my @is = unpack $row, $_; $at{"@is[0 .. 2]"}++; $label{ $is[3] }++ }
+        is scalar @out, $n, "$name, $n points: as many as asked for";
+        is scalar keys %at, $n - 1, "$name, $n points: new ones have places of their own";
+        cmp_ok +(sort { $b <=> $a } values %label)[0], '<=', 2 * $n / $points, "$name, $n points: they have labels near them";
+    }
+}
+is json($daemon->post('/v1/upsample?method=insert&points=599', $cloud))->{type} =~ s{.*/}{}r, 'target-out-of-range', 'none of them is dropped';
+for my $asked ('filters=mls', 'boundary=fill', 'order=progressive', 'lattice=keep', 'sample=faces', 'density=curvature') {
+    like json($daemon->post("/v1/upsample?method=insert&$asked", $cloud))->{detail}, qr/^$asked does not work with method=insert: use /, "nor $asked";
+}
+like json($daemon->post('/v1/resample?points=700&method=insert', $cloud))->{detail}, qr/^method is "insert", want one of/, 'only upsample inserts';
 my $too_many = $daemon->post('/v1/resample?points=700&method=kmeans', $cloud);
 is $too_many->{status}, 422, 'nor has resample';
 like json($too_many)->{detail}, qr/^700 points are requested, want 1 to $points: method=kmeans cannot give more/, 'as it says';

@@ -76,7 +76,7 @@ for my $name (@meshes, @scans) {
         my ($drc, $decoded) = ("$out/codec.$bits.drc", "$out/codec.$bits.ply");
         my $upsampled = "$out/codec.$bits.up.ply";
         my %row = (bits => $bits, few_bytes => code($quarter, $bits, $drc, $decoded));
-        must($voronoid, 'upsample', $decoded, '-n', $n, '-f', '-q', '-o', $upsampled);
+        must($voronoid, 'upsample', $decoded, '-n', $n, qw(--method insert), '-f', '-q', '-o', $upsampled);
         @row{qw(bytes files)} = (code($cloud, $bits, $drc, $decoded), [$decoded]);
         for my $after (@after[0 .. $#after - ($bits != $slow)]) {
             my ($how, $result) = ("@$after", "$out/codec.$bits." . scalar(@{ $row{files} }) . '.ply');
@@ -112,7 +112,7 @@ for my $name (grep { wanted("codec_$_") } @coloured) {
     python('quarter', $cloud, $quarter);
     for my $bits (@bits) {
         code($quarter, $bits, $drc, $files[-1]);
-        must($voronoid, 'upsample', $files[-1], '-n', $n, '-f', '-q', '-o', "$files[-1].up.ply");
+        must($voronoid, 'upsample', $files[-1], '-n', $n, qw(--method insert), '-f', '-q', '-o', "$files[-1].up.ply");
         code($cloud, $bits, $drc, $files[0]);
         must($voronoid, @{ $after[$_] }, $files[0], '-f', '-q', '-o', $files[$_ + 1]) for 0 .. $#after;
         push @colours, [$name, $bits, map { (split)[2] > $exact ? 'exact' : sprintf '%.1f', (split)[2] } python('psnr', $cloud, @files[0 .. @after], "$files[-1].up.ply")];
@@ -125,7 +125,7 @@ table(['cloud', 'bits', 'bytes', 'decoded', map { "@$_" } @after], \@table,
     . "$points points of the mesh, white noise by area; the others are scans. Coded by Debian's draco_encoder (-cl 10).");
 table(['cloud', 'points', 'saved by restore at equal D1', 'at equal D2', 'by upsample at equal D2'], \@rates,
     "Bytes that restore saves over decoding alone, between $bits[0] and $bits[-1] bits (BD-rate); and that a quarter of the points saves, decoded "
-    . "and upsampled to as many, over decoding all: none where that D2 stays below. igea, hippo1 and b9_training had no part in the "
+    . "and upsampled to as many by method=insert, over decoding all: none where that D2 stays below. igea, hippo1 and b9_training had no part in the "
     . "choice of restore's limits.");
 table(['cloud', 'bits', 'decoded', map({ "@$_" } @after), 'a quarter, upsampled'], \@colours,
     'PSNR of the colours in dB, (6 Y + U + V) / 8, as mpeg-pcc-dmetric has them; colours are not rounded.') if @colours;
