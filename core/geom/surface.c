@@ -174,7 +174,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
         hood.x[i][0] = u;
         hood.x[i][1] = v;
         hood.x[i][2] = w;
-        reach2 = du * du + dv * dv > reach2 ? du * du + dv * dv : reach2;
+        reach2 = fmax(reach2, du * du + dv * dv);
     }
     out->reach = sqrt(reach2);
     scale = 1 / out->reach;
@@ -189,7 +189,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
         out->c[i] *= scale;
 }
 
-VOR_CLONES void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
+void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
 {
     fit(out, near, NULL, k, VOR_SURFACE_QUADRIC);
 }
@@ -368,7 +368,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
     double coarse2 = vor_surface_variance(surface, near, k), thick = THICK * surface->reach;
     double a[3] = {(double)x[0], (double)x[1], (double)x[2]}, b[3] = {a[0], a[1], a[2]};
     float few[3 * VOR_REFINED_TO];
-    struct vor_surface fine = {0}; /* gcc cannot see that the fit sets it */
+    struct vor_surface fine;
 
     assert(k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX);
     if (surface->kind != VOR_SURFACE_QUADRIC || coarse2 > thick * thick)
