@@ -8,6 +8,7 @@
 #include "core/mesh/join.h"
 #include "core/mesh/meeting.h"
 #include "core/mesh/relax.h"
+#include "core/mesh/repair.h"
 #include "core/seeds/attach.h"
 
 #include <string.h>
@@ -91,10 +92,21 @@ static vor_status on_one(struct making *making, vor_task task)
     return status == VOR_OK ? making->status : status;
 }
 
-/* Flips edges and moves the corners of the triangles from `since` on, at last onto the input where
- * sheets are near each other. */
-static vor_status better(struct making *making, size_t since, struct vor_error *err)
+/* Whether the triangulation may be repaired: points that change places keep their sheet, density
+ * and number. */
+static int may_repair(const struct making *making)
 {
+    const struct vor_seeds *seeds = making->seeds;
+
+    return making->how->repairs && making->sheet.graph == NULL && seeds->wanted.value == NULL &&
+           seeds->track == NULL && seeds->normal == NULL;
+}
+
+/* Flips edges and moves the corners of the triangles from `since` on, at last onto the input where
+ * sheets are near each other. May repair the triangulation before each flip. */
+static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
+{
+    const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
     const struct vor_relax_how how = {.steps = VOR_RELAX_STEPS,
                                       .fixed = making->how->fixed,
                                       .refine = making->how->refine,
@@ -102,7 +114,11 @@ static vor_status better(struct making *making, size_t since, struct vor_error *
     vor_status status = VOR_OK;
 
     for (int round = 0; round < ROUNDS_BETTER && status == VOR_OK; round++) {
-        status = on_one(making, flip);
+        if (repairs)
+            status = vor_repair(&making->complex, &making->sheet, making->seeds, making->how->fixed,
+                                &recall, err);
+        if (status == VOR_OK)
+            status = on_one(making, flip);
         if (status == VOR_OK)
             status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
     }
@@ -151,7 +167,7 @@ static vor_status make(struct making *making, struct vor_error *err)
 {
     struct vor_seeds *seeds = making->seeds;
     const struct vor_run *run = &seeds->run;
-    const struct vor_recall recall = {.slack = VOR_RELAX_SLACK, .refine = making->how->refine};
+    const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
     int moves = making->how->moves;
     vor_status status = moves ? vor_attach_hanging(seeds, err) : VOR_OK;
 
@@ -169,8 +185,10 @@ static vor_status make(struct making *making, struct vor_error *err)
         status = vor_join(&making->complex, &making->sheet, fronts[k], &making->report->mesh_filled,
                           err);
         if (status == VOR_OK && moves)
-            status = better(making, since, err);
+            status = better(making, since, 0, err);
     }
+    if (status == VOR_OK && moves && may_repair(making))
+        status = better(making, 0, 1, err);
     if (status == VOR_OK)
         status = leave_out(making, err);
     return status == VOR_OK ? on_one(making, finish) : status;

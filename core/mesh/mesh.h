@@ -2,8 +2,9 @@
  *
  *  An advancing front (mesh/front.h), and small loops closed (mesh/close.h). Then edges are flipped
  *  (mesh/flip.h) and points moved a little (mesh/relax.h), so that triangles become better. Where
- *  edges are open then, the front goes on once more. What comes out is a manifold, turned one way
- *  (mesh/facing.h).
+ *  edges are open then, the front goes on once more. At last faults may be repaired
+ *  (mesh/repair.h): not where there are sheets, a density, an earlier result, or normals that the
+ *  method found. What comes out is a manifold, turned one way (mesh/facing.h).
  *
  *  Source: Cohen-Steiner and Da 2004, as mesh/front.h says. Departure: not the dual of restricted
  *  cells as in Chen et al. 2018, Sec. 5.7: three cells rarely agree at creases and tips. */
@@ -18,6 +19,7 @@
 struct vor_mesh_how {
     int moves;    /**< they may be moved along the surface */
     int refine;   /**< to finer fits (vor_seeds_refine) */
+    int repairs;  /**< and taken away in one place and added in another */
     size_t fixed; /**< that many of the last ones stay */
 };
 

@@ -36,17 +36,10 @@ struct relax {
     double length; /* that edges are brought to */
 };
 
-/* The strain around a point in its tangent plane: slope and bend are the first and second
- * derivatives, edge the sum of the distances to the neighbours, each twice. */
-struct pull {
-    double slope[2], bend[3], edge; /* bend: uu, uv, vv */
-};
-
-/* Adds the derivatives by the place x of a triangle's apex over the base from a to b. With the
- * apex at (u, v) from the base's middle, v across it, and the ideal one at (0, h), the strain is
- * (u^2 + v^2 + h^2) / (2 h v). */
-static void add_triangle(struct pull *pull, const struct vor_frame *frame, const float *x,
-                         const float *a, const float *b)
+/* With the apex at (u, v) from the base's middle, v across it, and the ideal one at (0, h), the
+ * strain is (u^2 + v^2 + h^2) / (2 h v). */
+void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, const float *x,
+                   const float *a, const float *b)
 {
     double base[3], across[3], length, u, v, h, slope[2], bend[3], along[2], up[2];
 
@@ -60,6 +53,7 @@ static void add_triangle(struct pull *pull, const struct vor_frame *frame, const
         across[c] -= length > 0 ? u * base[c] / length : 0;
     v = sqrt(vor_dot(across, across));
     h = sqrt(3) / 2 * length;
+    pull->triangles++;
     if (!(v > FLAT * length) || !(length > 0))
         return;
     slope[0] = u / (h * v);
@@ -81,32 +75,40 @@ static void add_triangle(struct pull *pull, const struct vor_frame *frame, const
     pull->edge += sqrt(vor_distance2f(x, a)) + sqrt(vor_distance2f(x, b));
 }
 
+void vor_relax_step(double step[2], const struct vor_relax_pull *pull)
+{
+    double determinant = pull->bend[0] * pull->bend[2] - pull->bend[1] * pull->bend[1];
+    double limit, length;
+
+    step[0] = step[1] = 0;
+    if (!(determinant > 0))
+        return;
+    step[0] =
+        -DAMP * (pull->bend[2] * pull->slope[0] - pull->bend[1] * pull->slope[1]) / determinant;
+    step[1] =
+        -DAMP * (pull->bend[0] * pull->slope[1] - pull->bend[1] * pull->slope[0]) / determinant;
+    length = sqrt(step[0] * step[0] + step[1] * step[1]);
+    limit = STEP_MAX * pull->edge / (2 * pull->triangles);
+    for (int e = 0; e < 2 && length > limit; e++)
+        step[e] *= limit / length;
+}
+
 /* The step of point i in its tangent plane. */
 static void step_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
                     double step[2])
 {
     const struct vor_complex *complex = relax->complex;
     const float *xyz = relax->seeds->xyz;
-    struct pull pull = {{0, 0}, {0, 0, 0}, 0};
-    double limit, length, determinant;
+    struct vor_relax_pull pull = {.triangles = 0};
 
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t other[2];
 
         vor_complex_others(complex, complex->around[i * VOR_AROUND_MOST + t], (uint32_t)i, other);
-        add_triangle(&pull, frame, &xyz[3 * i], &xyz[3 * (size_t)other[0]],
-                     &xyz[3 * (size_t)other[1]]);
+        vor_relax_add(&pull, frame, &xyz[3 * i], &xyz[3 * (size_t)other[0]],
+                      &xyz[3 * (size_t)other[1]]);
     }
-    determinant = pull.bend[0] * pull.bend[2] - pull.bend[1] * pull.bend[1];
-    step[0] = step[1] = 0;
-    if (!(determinant > 0))
-        return;
-    step[0] = -DAMP * (pull.bend[2] * pull.slope[0] - pull.bend[1] * pull.slope[1]) / determinant;
-    step[1] = -DAMP * (pull.bend[0] * pull.slope[1] - pull.bend[1] * pull.slope[0]) / determinant;
-    length = sqrt(step[0] * step[0] + step[1] * step[1]);
-    limit = STEP_MAX * pull.edge / (2 * complex->degree[i]);
-    for (int e = 0; e < 2 && length > limit; e++)
-        step[e] *= limit / length;
+    vor_relax_step(step, &pull);
 }
 
 /* The step of point i towards where the edges to its neighbours, each of which two triangles have,
@@ -227,12 +229,9 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
     }
 }
 
-/* Whether the triangles at point i lie along its tangent plane, or one of them is poor. */
-static int is_free(const struct relax *relax, uint32_t i)
+int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i)
 {
-    const struct vor_complex *complex = relax->complex;
-    const float *m = &relax->sheet->normal[3 * (size_t)i];
-
+    const float *m = &sheet->normal[3 * (size_t)i], *xyz = sheet->seeds->xyz;
     int smooth = 1;
 
     for (unsigned t = 0; t < complex->degree[i]; t++) {
@@ -240,9 +239,9 @@ static int is_free(const struct relax *relax, uint32_t i)
         const uint32_t *corner = &complex->triangle[3 * (size_t)at];
         double n[3], up;
 
-        if (vor_triangle_quality(relax->seeds->xyz, corner) < POOR)
+        if (vor_triangle_quality(xyz, corner) < POOR)
             return 1;
-        vor_triangle_normal(n, relax->seeds->xyz, corner);
+        vor_triangle_normal(n, xyz, corner);
         up = fabs(n[0] * (double)m[0] + n[1] * (double)m[1] + n[2] * (double)m[2]);
         smooth &= up >= SMOOTH * sqrt(vor_dot(n, n));
     }
@@ -259,9 +258,10 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
         for (int c = 0; c < 3 && relax->complex->triangle[3 * t] != VOR_COMPLEX_GONE; c++)
             relax->moves[relax->complex->triangle[3 * t + (size_t)c]] = 1;
     for (size_t i = 0; i < seeds->n; i++)
-        relax->moves[i] = (unsigned char)(relax->moves[i] && i + how->fixed < seeds->n &&
-                                          vor_complex_surrounds(relax->complex, (uint32_t)i) &&
-                                          is_free(relax, (uint32_t)i));
+        relax->moves[i] =
+            (unsigned char)(relax->moves[i] && i + how->fixed < seeds->n &&
+                            vor_complex_surrounds(relax->complex, (uint32_t)i) &&
+                            vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i));
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
         status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, relax, err);
         if (status == VOR_OK)
@@ -279,7 +279,7 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
         .sheet = sheet,
         .seeds = seeds,
         .complex = complex,
-        .how = {.slack = VOR_RELAX_SLACK, .keep_holes = how->keep_holes, .refine = how->refine},
+        .how = {.slack = VOR_SEEDS_SLACK, .keep_holes = how->keep_holes, .refine = how->refine},
         .aim = how->aim,
         .length = how->length};
     vor_status status;

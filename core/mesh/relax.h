@@ -11,14 +11,32 @@
 #define VOR_MESH_RELAX_H
 
 #include "core/mesh/complex.h"
+#include "core/mesh/quality.h"
 #include "core/mesh/sheet.h"
-
-/** Input spacings that a point may move before its surface is fitted again. */
-#define VOR_RELAX_SLACK 0.5
 
 /** Steps after edges were flipped. Mean quality on fandisk, 10,000 points, creases moving too,
  * after two times 0 / 1 / 2 / 3 / 6 steps: 0.930 / 0.950 / 0.954 / 0.956 / 0.959. */
 enum { VOR_RELAX_STEPS = 3 };
+
+/** The strain of the triangles around a point in its tangent plane, as it changes with its place:
+ * all zero before the first triangle. */
+struct vor_relax_pull {
+    double slope[2], bend[3]; /**< first and second derivatives: uu, uv, vv */
+    double edge;              /**< sum of the distances to the neighbours, each twice */
+    unsigned triangles;
+};
+
+/** Adds the triangle that has its apex at x, over the base from a to b. O(1). */
+void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, const float *x,
+                   const float *a, const float *b);
+
+/** The step of the point in the axes of its tangent plane: Newton's, damped, as all points move at
+ *  once. O(1). */
+void vor_relax_step(double step[2], const struct vor_relax_pull *pull);
+
+/** Whether point i may move: its triangles lie along its tangent plane, as they do not on a crease
+ *  or a tip, or one of them is poor. O(1). */
+int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i);
 
 /** Where points move to. */
 enum vor_relax_aim {

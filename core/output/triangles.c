@@ -13,6 +13,7 @@ vor_status vor_triangles_of_seeds(struct vor_mesh *out, uint32_t **order, struct
     const struct vor_mesh_how how = {
         .moves = told->steps[VOR_RUN_STAGE_POLISH] > 0 && !vor_stretched_are(&seeds->stretched),
         .refine = told->refined,
+        .repairs = spec->value[VOR_PARAM_REPAIR] == VOR_REPAIR_AUTO,
         .fixed =
             seeds->fixed > (size_t)report->on_islands ? seeds->fixed : (size_t)report->on_islands};
     double began = vor_run_seconds(&seeds->run);

@@ -13,7 +13,7 @@
  *                         with vor_free, also on failure
  *  @param[in,out] report  receives the members mesh; read: on_islands
  *  @param[in]     told    by the method
- *  @param[in]     spec    read: soup
+ *  @param[in]     spec    read: soup, repair
  *
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED  as vor_mesh_make
  *

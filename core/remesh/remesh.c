@@ -382,7 +382,7 @@ static vor_status spread(struct vor_seeds *seeds, struct vor_outcome *told,
     double before = vor_run_clock(run);
     int polishes = spec->value[VOR_PARAM_POLISH] > 0;
     struct remesh remesh = {.seeds = seeds,
-                            .how = {.slack = VOR_RELAX_SLACK},
+                            .how = {.slack = VOR_SEEDS_SLACK},
                             .stage = {.spec = spec,
                                       .run = run,
                                       .told = told,

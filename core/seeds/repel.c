@@ -62,10 +62,7 @@ enum {
 /* The pull of paces that stay the same: share of the excess that one step goes. At 0.075 / 0.15 /
  * 0.3: igea 0.0172 / 0.0176 / 0.0185, fandisk 0.0188 / 0.0197 / 0.0218. */
 #define HOLE_PULL 0.15
-/* Input spacings that a point may move before its surface is fitted again. 0.25 and 1 move no
- * figure beyond the spread. */
-#define SLACK 0.5
-/* The same in the last FRESH steps. 0.05 and 0.2 move no figure beyond the spread. */
+/* VOR_SEEDS_SLACK in the last FRESH steps. 0.05 and 0.2 move no figure beyond the spread. */
 #define SLACK_FRESH 0.1
 
 struct aim {
@@ -486,7 +483,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         polish->cells = stage->keep_last = 1;
         memset(polish->quiet, 0, seeds->n);
     }
-    polish->recall.slack = done + FRESH < steps ? SLACK : SLACK_FRESH;
+    polish->recall.slack = done + FRESH < steps ? VOR_SEEDS_SLACK : SLACK_FRESH;
     polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0;
     polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     polish->forces = (struct vor_forces){

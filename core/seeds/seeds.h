@@ -40,6 +40,10 @@ static inline size_t vor_seeds_block(const struct vor_domain *domain)
  *  cell that 256 do not secure is cut by those. */
 #define VOR_SEEDS_MORE_MAX 256
 
+/** Input spacings that a seed may move before its surface is fitted again. At 0.25 and 1 no figure
+ *  of the polish (seeds/repel.c) moves beyond its spread. */
+#define VOR_SEEDS_SLACK 0.5
+
 /** Coherence of seeds that are even already, which says how hard the steps of the polish begin.
  * After a start from coarse to fine at 0.5 / 0.83 / 1, a sphere, three seeds: largest gap 0.735 /
  * 0.710 / 0.711 spacings, delta 0.0153 / 0.0152 / 0.0148, eta 0.0052 / 0.0058 / 0.0062. A body at

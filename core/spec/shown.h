@@ -73,6 +73,7 @@ enum vor_level {
     X(ATTRIBUTES, ADVANCED, "Attributes")                                                          \
     X(NORMALS, BASIC, "Normals")                                                                   \
     X(SOUP, ADVANCED, "Voronoi cells as faces")                                                    \
+    X(REPAIR, ADVANCED, "Repair of triangles")                                                     \
     X(BASELINES, ADVANCED, "Baselines")                                                            \
     X(PEAK, BASIC, "Peak of the PSNR")                                                             \
     X(SCALE, BASIC, "Scale")                                                                       \
@@ -91,6 +92,7 @@ enum vor_level {
     X(ITERATIONS, iterations, METHOD, "cvt kmeans isotropic",                                      \
       "with method=cvt, kmeans or isotropic")                                                      \
     X(ETA, eta, DENSITY, "uniform", "with density=uniform")                                        \
+    X(REPAIR, repair, DENSITY, "uniform", "with density=uniform")                                  \
     X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
     X(ANDERSON, anderson, METHOD, "cvt", "with method=cvt")                                        \
     X(POLISH, polish, METHOD, "cvt wlop ear isotropic", "with method=cvt, wlop, ear or isotropic") \

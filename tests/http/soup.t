@@ -47,6 +47,8 @@ like $back->{content}, qr/^element vertex $n$/m, 'and has as many corners';
 my $refused = $daemon->post('/v1/mesh?points=60&soup=7', sphere_ply(900));
 is_problem($refused, 400, 'invalid-parameter', 'a soup that is neither');
 like json($refused)->{detail}, qr/soup.*true.*false/, 'the answer says what it may be';
+$refused = $daemon->post('/v1/mesh?points=60&repair=maybe', sphere_ply(900));
+like json($refused)->{detail}, qr/repair.*maybe.*none, auto/, 'and so of repair';
 $refused = $daemon->post('/v1/resample?points=60&soup=true', sphere_ply(900));
 is_problem($refused, 400, 'invalid-parameter', 'a resampling has no faces');
 

@@ -193,6 +193,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("upsample", make_carrying, 600, 100, "upsample"),
     ROW("simplify", make_carrying, 1500, 0, "simplify ratio=0.25"),
     ROW("mesh", vt_cloud_torus, 2000, 300, "mesh" SHORT),
+    ROW("mesh, repaired", vt_cloud_torus, 2000, 300, "mesh repair=auto" SHORT),
     ROW("mesh, anisotropic", vt_cloud_torus, 1200, 300, "mesh metric=anisotropic" SHORT),
     ROW("mesh of sheets", make_waves, 1500, 250, "mesh" SHORT),
     ROW("mesh of sheets that cross", make_crossing, 1000, 400, "mesh" SHORT),
