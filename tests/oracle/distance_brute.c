@@ -1,5 +1,4 @@
 /* Oracle: distances between clouds against a look at every pair. */
-#include "core/base/linalg.h"
 #include "core/geom/plane.h"
 #include "core/knn/knn.h"
 #include "core/metrics/distance.h"
@@ -18,30 +17,51 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorted distances from x to every point. */
-static void distances_from(double *out, const struct vor_cloud *to, const float *x)
+static void at(double x[3], const struct vor_cloud *cloud, size_t i)
 {
-    for (size_t i = 0; i < to->n; i++) {
-        out[i] = 0;
-        for (size_t c = 0; c < 3; c++)
-            out[i] += pow((double)to->xyz[3 * i + c] - (double)x[c], 2);
-        out[i] = sqrt(out[i]);
+    for (size_t c = 0; c < 3; c++)
+        x[c] = (double)cloud->xyz[3 * i + c];
+}
+
+static double apart(const double a[3], const double b[3])
+{
+    return sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
+}
+
+/* Indices of the k points of a cloud nearest to x. Returns the distance of the last. */
+static double nearest(uint32_t *index, size_t k, const struct vor_cloud *cloud, const double x[3])
+{
+    double least = 0;
+
+    for (size_t j = 0; j < k; j++) {
+        least = INFINITY;
+        for (size_t i = 0; i < cloud->n; i++) {
+            double y[3];
+            int taken = 0;
+
+            at(y, cloud, i);
+            for (size_t before = 0; before < j; before++)
+                taken |= index[before] == i;
+            if (!taken && apart(x, y) < least) {
+                least = apart(x, y);
+                index[j] = (uint32_t)i;
+            }
+        }
     }
-    qsort(out, to->n, sizeof *out, ascending);
+    return least;
 }
 
 /* kth[i] gets the distance of point i of `from` to its nearest point number k of `to`. */
 static void kth_from(double *kth, const struct vor_cloud *from, const struct vor_cloud *to,
                      size_t k)
 {
-    double *all = malloc(to->n * sizeof *all);
-
-    ck_assert_ptr_nonnull(all);
     for (size_t i = 0; i < from->n; i++) {
-        distances_from(all, to, &from->xyz[3 * i]);
-        kth[i] = all[k];
+        uint32_t index[7];
+        double x[3];
+
+        at(x, from, i);
+        kth[i] = nearest(index, k + 1, to, x);
     }
-    free(all);
 }
 
 static double mean_of(const double *d, size_t n)
@@ -122,34 +142,6 @@ VT_TEST_LOOP(the_distances_are_those_of_a_look_at_every_pair, SEEDS)
     vt_free_last(&reference, &cloud);
 }
 
-/* Indices of the k points of a cloud nearest to x. */
-static void nearest(uint32_t *index, size_t k, const struct vor_cloud *cloud, const double x[3])
-{
-    for (size_t j = 0; j < k; j++) {
-        double least = INFINITY;
-
-        for (size_t i = 0; i < cloud->n; i++) {
-            double d2 = 0;
-            int taken = 0;
-
-            for (size_t c = 0; c < 3; c++)
-                d2 += pow((double)cloud->xyz[3 * i + c] - x[c], 2);
-            for (size_t before = 0; before < j; before++)
-                taken |= index[before] == i;
-            if (!taken && d2 < least) {
-                least = d2;
-                index[j] = (uint32_t)i;
-            }
-        }
-    }
-}
-
-static void at(double x[3], const struct vor_cloud *cloud, size_t i)
-{
-    for (size_t c = 0; c < 3; c++)
-        x[c] = (double)cloud->xyz[3 * i + c];
-}
-
 /* The plane through the twenty points nearest to point i. Returns the distance to number 12. */
 static double plane_at(struct vor_plane *plane, const struct vor_cloud *cloud, size_t i)
 {
@@ -157,9 +149,9 @@ static double plane_at(struct vor_plane *plane, const struct vor_cloud *cloud, s
     double x[3];
 
     at(x, cloud, i);
-    nearest(index, 20, cloud, x);
+    (void)nearest(index, 20, cloud, x);
     vor_plane_fit(plane, cloud->xyz, index, 20);
-    return sqrt(vor_distance2f(&cloud->xyz[3 * i], &cloud->xyz[3 * (size_t)index[12]]));
+    return nearest(index, 13, cloud, x);
 }
 
 /* How far ten steps of Eq. 1 of Lv 2022 move p. */
@@ -169,7 +161,7 @@ static double moved(const struct vor_cloud *cloud, const struct vor_plane *plane
     double x[3] = {p[0], p[1], p[2]};
     uint32_t index[12];
 
-    nearest(index, 12, cloud, p);
+    (void)nearest(index, 12, cloud, p);
     for (int step = 0; step < 10; step++) {
         double total = 0, a[3] = {0}, n[3] = {0}, off = 0;
 
@@ -192,7 +184,7 @@ static double moved(const struct vor_cloud *cloud, const struct vor_plane *plane
         for (int c = 0; c < 3; c++)
             x[c] -= off * n[c] / total;
     }
-    return sqrt(pow(x[0] - p[0], 2) + pow(x[1] - p[1], 2) + pow(x[2] - p[2], 2));
+    return apart(x, p);
 }
 
 VT_TEST_LOOP(the_geometric_error_is_that_of_a_look_at_every_pair, 4)
