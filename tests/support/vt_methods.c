@@ -191,6 +191,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("denoise by thinning", make_rough, 1200, 300, "denoise filters=thin" SHORT),
     ROW("denoise by all", make_rough, 1200, 300, "denoise outliers=pull" FILTERED),
     ROW("upsample", make_carrying, 600, 100, "upsample"),
+    ROW("insert", make_carrying, 600, 100, "upsample method=insert normals=fit"),
     ROW("simplify", make_carrying, 1500, 0, "simplify ratio=0.25"),
     ROW("mesh", vt_cloud_torus, 2000, 300, "mesh" SHORT),
     ROW("mesh, repaired", vt_cloud_torus, 2000, 300, "mesh repair=auto" SHORT),
