@@ -223,9 +223,12 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
     *keep_holes = 0;
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    if (stay_near(seeds) && seeds->kept == NULL) /* where it does not fit, nothing is kept */
+    if (stay_near(seeds) && seeds->kept == NULL) {
         seeds->kept = vor_calloc(seeds->run.memory, vor_pool_threads(seeds->run.pool) * KEPT_SLOTS,
                                  kept_size(seeds));
+        if (seeds->kept == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "surfaces around input points");
+    }
     status = vor_run_for(&seeds->run, moving,
                          attach.every == 1 ? vor_seeds_block(seeds->domain) : VOR_SEEDS_BLOCK,
                          count_block, &attach, err);
