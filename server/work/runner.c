@@ -488,6 +488,21 @@ static void clean_up(struct run *run, double began)
             VOR_REAL("dur_s", round((vor_clock_seconds() - began) * 1e6) / 1e6));
 }
 
+/* What was stored after the job had ended elsewhere: who ended it did not find that. */
+static void clean_up_lost(const struct run *run)
+{
+    const struct vor_worker_config *config = &run->worker->config;
+    struct vor_job_brief row = {.expired = 0};
+    int found;
+
+    if (vor_store_brief(config->store, &run->view.id, &row, &found, NULL) != VOR_OK ||
+        (found && !vor_job_status_over(row.status)))
+        return; /* its files are the new owner's */
+    vor_worker_drop_all(run->worker, &run->view.id, run->view.process,
+                        (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
+                            (row.status == VOR_JOB_SUCCESSFUL ? 0 : VOR_HAS_OUTPUTS));
+}
+
 /* Why a row cannot be run; VOR_OK when it can. */
 static vor_status check_row(const struct vor_job_view *row, struct vor_error *why)
 {
@@ -522,7 +537,9 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
                     worker->config.memory, vor_clock_seconds() - began);
     if (!conclude(&run, end, &problem)) {
-        if (!run.is_lost) /* whose files are the new owner's */
+        if (run.is_lost)
+            clean_up_lost(&run);
+        else
             clean_up(&run, began);
         if (!run.is_lost || vor_job_is_over(run.job))
             vor_worker_forget(worker, run.job);
