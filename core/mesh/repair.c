@@ -576,12 +576,12 @@ vor_status vor_repair(struct vor_complex *complex, struct vor_sheet *sheet, stru
     repair.place = vor_calloc(memory, seeds->n, 1);
     repair.moved = vor_calloc(memory, seeds->n, 1);
     repair.seen = vor_calloc(memory, seeds->n, 1);
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2; k++)
+        repair.found[k] = vor_malloc(memory, faults + 1, sizeof *repair.found[k]);
+    for (int k = 0; k < 2 && patches != NULL && grounds != NULL; k++) {
         repair.of[k] = patches + k;
         repair.trial[k] = patches + 2 + k;
-        if (patches != NULL && grounds != NULL)
-            patches[k].on = grounds + k;
-        repair.found[k] = vor_malloc(memory, faults + 1, sizeof *repair.found[k]);
+        patches[k].on = grounds + k;
     }
     if (patches == NULL || grounds == NULL || repair.place == NULL || repair.moved == NULL ||
         repair.seen == NULL || repair.found[0] == NULL || repair.found[1] == NULL)

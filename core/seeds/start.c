@@ -7,6 +7,7 @@
 #include "core/seeds/hurried.h"
 #include "core/seeds/warm_start.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -186,13 +187,16 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
                         size_t n)
 {
     struct spread spread;
+    size_t drawn;
     double unit[3];
 
     spread.n = n;
     spread.kept = areas->kept;
     spread.each = spread.kept + n > 1 ? RANDOM : ALONE;
+    drawn = n * spread.each;
     memcpy(spread.at[0], scratch->cell.seed, sizeof spread.at[0]);
-    for (size_t j = 0; j < n * spread.each; j++) {
+    assert(drawn > 0 && n <= TOGETHER);
+    for (size_t j = 0; j < drawn; j++) {
         for (size_t c = 0; c < 3; c++)
             unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
         vor_cell_sample(&scratch->cell, unit, spread.pool[j]);
