@@ -1,6 +1,6 @@
 /* The same bytes for any number of threads, for every run, and for a cloud that was only shifted
  * (RELIABILITY G20, G21). */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -22,8 +22,7 @@ static void run(struct result *result, const struct vor_cloud *in, unsigned thre
 
     vt_engine_open(&engine, threads);
     vt_engine_count(&engine, "points", points);
-    vt_engine_set(&engine, "iterations", "12");
-    vt_engine_set(&engine, "normals", "fit");
+    vt_ask_set(&engine, "iterations=12 normals=fit");
     vt_engine_set(&engine, "boundary", boundary);
     vt_engine_set(&engine, "polish", polish);
     vt_engine_resample(&engine, &out, &report, in);

@@ -261,9 +261,7 @@ VT_TEST_LOOP(a_run_ends_when_points_hardly_move_or_after_its_iterations, 3)
 
         vt_cloud_sphere(&in, 1, 3000);
         vt_engine_open(&engine, 2);
-        vt_engine_set(&engine, "points", "300");
-        vt_engine_set(&engine, "polish", "0");
-        vt_engine_set(&engine, "iterations", "30");
+        vt_ask_set(&engine, "points=300 polish=0 iterations=30");
         vt_engine_set(&engine, ways[_i][0], ways[_i][1]);
         vt_engine_set(&engine, "moveStop", stop[k]);
         vt_trace_attach(&trace, &engine);

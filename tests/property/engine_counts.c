@@ -72,8 +72,7 @@ static size_t count_of(const char *name, const char *text, const struct vor_clou
 
     vt_engine_open(&engine, 2);
     vt_engine_set(&engine, name, text);
-    vt_engine_set(&engine, "iterations", "0");
-    vt_engine_set(&engine, "polish", "0");
+    vt_ask_set(&engine, "iterations=0 polish=0");
     vt_engine_resample(&engine, &out, &report, in);
     n = out.n;
     ck_assert(report.parameters.value[VOR_PARAM_POINTS] == (double)n);

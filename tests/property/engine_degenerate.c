@@ -1,6 +1,6 @@
 /* Clouds that are hardly clouds: exactly the points asked for and no NaN, or a status that says why
  * (RELIABILITY T5, G10). */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <float.h>
 #include <math.h>
@@ -121,9 +121,7 @@ static void run_shape(int shape, size_t points, size_t n, const char *boundary)
     vt_assert_ok(vor_cloud_check(&in, &vt_err));
     vt_engine_open(&engine, 2);
     vt_engine_count(&engine, "points", n);
-    vt_engine_set(&engine, "iterations", "4");
-    vt_engine_set(&engine, "polish", "6");
-    vt_engine_set(&engine, "normals", "fit");
+    vt_ask_set(&engine, "iterations=4 polish=6 normals=fit");
     vt_engine_set(&engine, "boundary", boundary);
     vor_cloud_init(&out, &vt_memory);
     status = vt_run_engine(&out, &report, &in, &engine.spec, &engine.run, &vt_err);

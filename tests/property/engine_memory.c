@@ -1,6 +1,6 @@
 /* What a run allocates: so much for each point of the input and of the result, nothing more while
  * it iterates, and no more than its cap. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <string.h>
 
@@ -143,9 +143,7 @@ VT_TEST(a_job_beyond_its_cap_is_refused_and_within_its_peak_it_runs)
     vt_engine_open(&engine, 2);
     engine.run.memory = &memory;
     vt_cloud_sphere(&in, 1, 2000);
-    vt_engine_set(&engine, "points", "500");
-    vt_engine_set(&engine, "iterations", "3");
-    vt_engine_set(&engine, "polish", "3");
+    vt_ask_set(&engine, "points=500 iterations=3 polish=3");
     vor_memory_init(&memory, SIZE_MAX);
     vt_engine_resample(&engine, &out, &report, &in);
     vor_cloud_free(&out);

@@ -3,7 +3,7 @@
 #include "core/knn/knn.h"
 #include "core/metrics/uniformity.h"
 #include "proto/codec.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -38,8 +38,7 @@ static void resample(struct vor_cloud *out, const struct vor_cloud *in, const ch
 
     vt_engine_open(&engine, threads);
     if (hasty) {
-        vt_engine_set(&engine, "iterations", "2");
-        vt_engine_set(&engine, "polish", "0");
+        vt_ask_set(&engine, "iterations=2 polish=0");
     }
     vt_engine_count(&engine, "points", OUT);
     vt_engine_set(&engine, "normals", "fit");

@@ -1,5 +1,5 @@
 /* What becomes of a run whose time is over, wherever that happens. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -44,10 +44,7 @@ static void open_hurry(struct hurry *hurry, double step)
     hurry->engine.run.watch = &hurry->watch;
     vt_cloud_sphere(&hurry->in, 3, IN);
     vt_engine_count(&hurry->engine, "points", OUT);
-    vt_engine_set(&hurry->engine, "neighbors", "60");
-    vt_engine_set(&hurry->engine, "iterations", "200");
-    vt_engine_set(&hurry->engine, "polish", "200");
-    vt_engine_set(&hurry->engine, "seconds", "1");
+    vt_ask_set(&hurry->engine, "neighbors=60 iterations=200 polish=200 seconds=1");
 }
 
 static void close_hurry(struct hurry *hurry)
@@ -131,8 +128,7 @@ VT_TEST(a_time_that_is_not_over_changes_no_byte)
     uint64_t hash;
 
     open_hurry(&hurry, 1e-9);
-    vt_engine_set(&hurry.engine, "iterations", "3");
-    vt_engine_set(&hurry.engine, "polish", "3");
+    vt_ask_set(&hurry.engine, "iterations=3 polish=3");
     vt_engine_resample(&hurry.engine, &hurry.out, &hurry.report, &hurry.in);
     hash = vt_cloud_hash(&hurry.out);
     vor_cloud_free(&hurry.out);

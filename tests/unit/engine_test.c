@@ -1,6 +1,6 @@
 /* The door of the engine: targets, stops, the report, measures. */
 #include "core/metrics/measure.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <string.h>
@@ -65,8 +65,9 @@ static void open_job(struct job *job)
     vt_cloud_sphere(&job->in, 1, N);
 }
 
-static void run_job(struct job *job)
+static void run_job(struct job *job, const char *options)
 {
+    vt_ask_set(&job->engine, options);
     vt_engine_resample(&job->engine, &job->out, &job->report, &job->in);
 }
 
@@ -87,8 +88,7 @@ VT_TEST(explicit_iterations_are_run_to_the_last)
         open_job(&job);
         vt_engine_set(&job.engine, "points", "50");
         vt_engine_count(&job.engine, "iterations", counts[k]);
-        vt_engine_set(&job.engine, "polish", "0");
-        run_job(&job);
+        run_job(&job, "polish=0");
         ck_assert_uint_eq(job.report.iterations, counts[k]);
         ck_assert_uint_eq(job.report.polish_steps, 0);
         ck_assert_uint_eq(job.spy.last.polish, 0);
@@ -108,17 +108,13 @@ VT_TEST(a_plateau_ends_the_default_only)
     struct job job;
 
     open_job(&job);
-    vt_engine_set(&job.engine, "points", "12");
-    vt_engine_set(&job.engine, "polish", "0");
-    run_job(&job);
+    run_job(&job, "points=12 polish=0");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_PLATEAU);
     ck_assert_uint_gt(job.report.iterations, 10);
     ck_assert_uint_lt(job.report.iterations, 100);
     close_job(&job);
     open_job(&job);
-    vt_engine_set(&job.engine, "points", "12");
-    vt_engine_set(&job.engine, "iterations", "100");
-    run_job(&job);
+    run_job(&job, "points=12 iterations=100");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_ITERATIONS);
     ck_assert_uint_eq(job.report.iterations, 100);
     close_job(&job);
@@ -133,7 +129,7 @@ VT_TEST(a_request_without_more_iterates_briefly_and_is_polished)
 
         open_job(&job);
         vt_engine_count(&job.engine, "points", points);
-        run_job(&job);
+        run_job(&job, "");
         ck_assert_uint_gt(job.report.iterations, 0);
         ck_assert_uint_le(job.report.iterations, 12);
         ck_assert(job.report.stopped == VOR_STOPPED_ITERATIONS ||
@@ -150,11 +146,7 @@ VT_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
     struct job job;
 
     open_job(&job);
-    vt_engine_set(&job.engine, "points", "200");
-    vt_engine_set(&job.engine, "iterations", "200");
-    vt_engine_set(&job.engine, "polish", "0");
-    vt_engine_set(&job.engine, "delta", "0.12");
-    run_job(&job);
+    run_job(&job, "points=200 iterations=200 polish=0 delta=0.12");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_DELTA);
     ck_assert_double_le(job.spy.last.delta, 0.12);
     ck_assert_double_gt(job.spy.first.delta, 0.12);
@@ -162,9 +154,7 @@ VT_TEST(a_delta_ends_the_run_at_the_first_iterate_that_reaches_it)
     ck_assert_double_eq_tol(job.report.delta, job.spy.last.delta, 0.005);
     close_job(&job);
     open_job(&job);
-    vt_engine_set(&job.engine, "points", "200");
-    vt_engine_set(&job.engine, "delta", "10");
-    run_job(&job);
+    run_job(&job, "points=200 delta=10");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_DELTA);
     ck_assert_uint_eq(job.report.iterations, 0);
     close_job(&job);
@@ -177,11 +167,7 @@ VT_TEST(a_budget_of_seconds_ends_the_run_by_the_watchs_clock)
 
     open_job(&job);
     job.spy.step = 0.25;
-    vt_engine_set(&job.engine, "points", "100");
-    vt_engine_set(&job.engine, "iterations", "1000");
-    vt_engine_set(&job.engine, "polish", "0");
-    vt_engine_set(&job.engine, "seconds", "10");
-    run_job(&job);
+    run_job(&job, "points=100 iterations=1000 polish=0 seconds=10");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_SECONDS);
     ck_assert_uint_gt(job.report.iterations, 5);
     ck_assert_double_le(job.spy.last.seconds, 10);
@@ -195,10 +181,7 @@ VT_TEST(without_a_clock_no_budget_ends_the_run)
 
     open_job(&job);
     job.watch.clock = NULL;
-    vt_engine_set(&job.engine, "points", "50");
-    vt_engine_set(&job.engine, "iterations", "5");
-    vt_engine_set(&job.engine, "seconds", "0");
-    run_job(&job);
+    run_job(&job, "points=50 iterations=5 seconds=0");
     ck_assert_int_eq(job.report.stopped, VOR_STOPPED_ITERATIONS);
     ck_assert(job.report.seconds_iterate == 0 && job.spy.last.seconds == 0);
     close_job(&job);
@@ -211,9 +194,7 @@ VT_TEST(a_caller_who_stops_gets_the_best_cloud_so_far)
 
         open_job(&job);
         job.spy.stop_at = at;
-        vt_engine_set(&job.engine, "points", "150");
-        vt_engine_set(&job.engine, "iterations", "20");
-        run_job(&job);
+        run_job(&job, "points=150 iterations=20");
         ck_assert_int_eq(job.report.stopped, VOR_STOPPED_CALLER);
         ck_assert_uint_eq(job.report.iterations, at - 1);
         ck_assert_uint_eq(job.out.n, 150);
@@ -232,12 +213,9 @@ VT_TEST(the_result_is_the_most_even_iterate)
         struct job job;
 
         open_job(&job);
-        vt_engine_set(&job.engine, "points", "60");
-        vt_engine_set(&job.engine, "iterations", "40");
-        vt_engine_set(&job.engine, "anderson", "0");
-        vt_engine_set(&job.engine, "polish", "0");
+        vt_ask_set(&job.engine, "points=60 iterations=40 anderson=0 polish=0");
         vt_engine_count(&job.engine, "seed", seed);
-        run_job(&job);
+        run_job(&job, "");
         ck_assert_double_le(job.report.delta, 1.04 * job.spy.best);
         if (job.spy.last.delta > 1.005 * job.spy.best) {
             ck_assert_double_lt(job.report.delta, (job.spy.last.delta + job.spy.best) / 2);
@@ -255,10 +233,7 @@ VT_TEST(the_report_says_what_the_result_is)
 
     open_job(&job);
     job.spy.step = 0.5;
-    vt_engine_set(&job.engine, "ratio", "0.25");
-    vt_engine_set(&job.engine, "neighbors", "auto");
-    vt_engine_set(&job.engine, "iterations", "10");
-    run_job(&job);
+    run_job(&job, "ratio=0.25 neighbors=auto iterations=10");
     vt_assert_ok(vor_measure_clouds(&measure, &job.out, &job.in, 0, &job.engine.run, &vt_err));
     ck_assert_uint_eq(job.report.points_in, N);
     ck_assert_uint_eq(job.report.points_out, N / 4);

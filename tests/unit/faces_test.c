@@ -1,6 +1,6 @@
 /* Points drawn from triangles: how many each gets, where they lie in it, and what they carry. */
 #include "core/cloud/faces.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -359,8 +359,7 @@ VT_TEST(a_cloud_without_faces_is_refused)
 
     vt_cloud_sphere(&in, 1, 500);
     vt_engine_open(&engine, 1);
-    vt_engine_set(&engine, "points", "100");
-    vt_engine_set(&engine, "sample", "faces");
+    vt_ask_set(&engine, "points=100 sample=faces");
     vt_assert_fails(VOR_E_FACES, vt_engine_try(&engine, &out, &report, &in));
     ck_assert_str_eq(vt_err.parameter, "sample");
     vt_engine_close(&engine);

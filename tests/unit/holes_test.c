@@ -59,9 +59,7 @@ static vor_status try(struct filled *filled, const struct vor_cloud *in, const c
 
     vt_engine_open(&engine, threads);
     vt_engine_count(&engine, "points", TO);
-    vt_engine_set(&engine, "iterations", "4");
-    vt_engine_set(&engine, "polish", "10");
-    vt_engine_set(&engine, "boundary", "fill");
+    vt_ask_set(&engine, "iterations=4 polish=10 boundary=fill");
     if (name != NULL)
         vt_engine_set(&engine, name, value);
     status = vt_engine_try(&engine, &filled->out, &filled->report, in);

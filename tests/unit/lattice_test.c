@@ -1,7 +1,7 @@
 /* Inputs that were rounded to a lattice: it is found, and the points moved within their cells. */
 #include "core/input/lattice.h"
 #include "core/input/restore.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -220,8 +220,7 @@ static double off_result(const struct vt_shape *shape, const struct vor_cloud *i
     double mean;
 
     vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "2000");
-    vt_engine_set(&engine, "polish", "10");
+    vt_ask_set(&engine, "points=2000 polish=10");
     vt_engine_resample(&engine, &out, report, in);
     mean = vt_off_mean(shape, &out);
     vor_cloud_free(&out);

@@ -1,6 +1,6 @@
 /* Triangles over the points of a result: known shapes, sheets, orders, few points. */
 #include "core/base/rng.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -16,8 +16,7 @@ static void open_mesh(struct vt_engine *engine, unsigned threads, size_t points)
 {
     vt_engine_open(engine, threads);
     vor_spec_preset(&engine->spec, vor_process_find("mesh"));
-    vt_engine_set(engine, "iterations", "6");
-    vt_engine_set(engine, "polish", "30");
+    vt_ask_set(engine, "iterations=6 polish=30");
     if (points > 0)
         vt_engine_count(engine, "points", points);
 }

@@ -1,5 +1,5 @@
 /* neighbors=auto brings a result nearer to the surface than one number for all of it. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -123,8 +123,7 @@ VT_TEST_LOOP(a_plate_is_not_noisy, VT_SOAK_LOOPS(2, SEEDS))
 
     make_plate(&cloud, (uint64_t)_i, 4000, 2 + 6 * _i);
     vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "400");
-    vt_engine_set(&engine, "polish", "0");
+    vt_ask_set(&engine, "points=400 polish=0");
     vt_engine_resample(&engine, &out, &report, &cloud);
     ck_assert(neighbors(&report) == 20 && (_i == 0 || report.fitted_count == 1));
     vor_cloud_free(&out);

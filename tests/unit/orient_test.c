@@ -3,7 +3,7 @@
 #include "core/geom/flip.h"
 #include "core/input/adjacency.h"
 #include "core/input/orient.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_mesh.h"
 #include "tests/support/vt_noise.h"
 #include "tests/support/vt_shape.h"
@@ -56,9 +56,7 @@ static void resample(struct vor_cloud *out, struct vor_report *report, const str
     struct vt_engine engine;
 
     vt_engine_open(&engine, threads);
-    vt_engine_set(&engine, "points", "800");
-    vt_engine_set(&engine, "iterations", "2");
-    vt_engine_set(&engine, "polish", "4");
+    vt_ask_set(&engine, "points=800 iterations=2 polish=4");
     vt_engine_set(&engine, "normals", normals);
     vt_engine_set(&engine, "inputNormals", carried);
     vt_engine_resample(&engine, out, report, in);
@@ -378,8 +376,7 @@ VT_TEST(normals_that_cannot_be_used_are_refused_with_their_count_and_the_first)
 
     vt_cloud_sphere(&in, 1, 100);
     vt_engine_open(&engine, 2);
-    vt_engine_set(&engine, "points", "50");
-    vt_engine_set(&engine, "inputNormals", "use");
+    vt_ask_set(&engine, "points=50 inputNormals=use");
     vt_assert_fails(VOR_E_NORMALS, vt_engine_try(&engine, &out, &report, &in));
     ck_assert_str_eq(vt_err.parameter, "inputNormals");
     normal = carry(&in);

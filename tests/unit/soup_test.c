@@ -1,5 +1,5 @@
 /* The cells of a result as polygons: areas, corners, attributes. */
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_ask.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
@@ -11,9 +11,7 @@ static void open_soup(struct vt_engine *engine, unsigned threads, size_t points)
 {
     vt_engine_open(engine, threads);
     vor_spec_preset(&engine->spec, vor_process_find("mesh"));
-    vt_engine_set(engine, "soup", "true");
-    vt_engine_set(engine, "iterations", "6");
-    vt_engine_set(engine, "polish", "20");
+    vt_ask_set(engine, "soup=true iterations=6 polish=20");
     if (points > 0)
         vt_engine_count(engine, "points", points);
 }

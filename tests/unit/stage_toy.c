@@ -6,7 +6,7 @@ enum { N = 4, STEPS = 12, RECORDS_MAX = 40 };
 
 struct toy {
     float xyz[3 * N];
-    unsigned measured, records, stop_at, ends_at, fails_at;
+    unsigned measured, records, stop, end, fail;
     struct vor_record last;
     double seconds;
 };
@@ -15,7 +15,7 @@ static vor_status halve(struct vor_stage *stage, struct vor_error *err)
 {
     struct toy *toy = stage->of;
 
-    if (toy->fails_at > 0 && stage->record.step + 1 == toy->fails_at)
+    if (toy->fail > 0 && stage->record.step + 1 == toy->fail)
         return vor_fail(err, VOR_E_STOPPED, "stopped");
     stage->moved = (double)toy->xyz[0] / 2;
     for (int c = 0; c < 3 * N; c++)
@@ -35,7 +35,7 @@ static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 
 static int ends(struct vor_stage *stage)
 {
-    return stage->record.step == ((struct toy *)stage->of)->ends_at;
+    return stage->record.step == ((struct toy *)stage->of)->end;
 }
 
 static enum vor_answer progress(void *ctx, const struct vor_record *record)
@@ -43,7 +43,7 @@ static enum vor_answer progress(void *ctx, const struct vor_record *record)
     struct toy *toy = ctx;
 
     toy->last = *record;
-    return ++toy->records == toy->stop_at ? VOR_STOP : VOR_CONTINUE;
+    return ++toy->records == toy->stop ? VOR_STOP : VOR_CONTINUE;
 }
 
 static double tick(void *ctx)
@@ -60,26 +60,26 @@ static const struct {
     unsigned steps, measured, records;
     enum vor_stopped stopped;
 } rows[] = {
-    {"iterations", "9", {.measure_every = 1}, {{0}}, 12, 12, 13, VOR_STOPPED_ITERATIONS},
-    {"delta", "0.3", {.measure_every = 1}, {{0}}, 2, 2, 3, VOR_STOPPED_DELTA},
-    {"delta", "0.3", {.measure_every = 5}, {{0}}, 5, 1, 6, VOR_STOPPED_DELTA},
+    {"iterations", "9", {.measure_every = 1}, {.end = 0}, 12, 12, 13, VOR_STOPPED_ITERATIONS},
+    {"delta", "0.3", {.measure_every = 1}, {.end = 0}, 2, 2, 3, VOR_STOPPED_DELTA},
+    {"delta", "0.3", {.measure_every = 5}, {.end = 0}, 5, 1, 6, VOR_STOPPED_DELTA},
     {"delta",
      "0.3",
      {.measure_every = 1, .unfinished = 1},
-     {{0}},
+     {.end = 0},
      12,
      12,
      13,
      VOR_STOPPED_ITERATIONS},
-    {"moveStop", "0.1", {.measure_every = 1}, {{0}}, 4, 4, 5, VOR_STOPPED_MOVE},
-    {"seconds", "8", {.measure_every = 5, .share = 0.5}, {{0}}, 3, 1, 4, VOR_STOPPED_SECONDS},
-    {"iterations", "9", {.measure_every = 1}, {.ends_at = 3}, 3, 3, 4, VOR_STOPPED_PLATEAU},
-    {"iterations", "9", {.measure_every = 1}, {.stop_at = 4}, 3, 3, 4, VOR_STOPPED_CALLER},
-    {"iterations", "9", {.measure_every = 1}, {.fails_at = 4}, 3, 3, 4, VOR_STOPPED_CALLER},
+    {"moveStop", "0.1", {.measure_every = 1}, {.end = 0}, 4, 4, 5, VOR_STOPPED_MOVE},
+    {"seconds", "8", {.measure_every = 5, .share = 0.5}, {.end = 0}, 3, 1, 4, VOR_STOPPED_SECONDS},
+    {"iterations", "9", {.measure_every = 1}, {.end = 3}, 3, 3, 4, VOR_STOPPED_PLATEAU},
+    {"iterations", "9", {.measure_every = 1}, {.stop = 4}, 3, 3, 4, VOR_STOPPED_CALLER},
+    {"iterations", "9", {.measure_every = 1}, {.fail = 4}, 3, 3, 4, VOR_STOPPED_CALLER},
     {"iterations",
      "9",
      {.measure_every = 4, .measure_last = 3, .tell_every = 5, .follows = 1},
-     {{0}},
+     {.end = 0},
      12,
      6,
      3,
@@ -111,7 +111,7 @@ VT_TEST_LOOP(a_stage_ends_by_the_first_stop_and_tells_what_it_did,
     stage.ends = ends;
     stage.record.of = STEPS;
     stage.record.delta = toy.xyz[0] = 1;
-    toy.ends_at = toy.ends_at > 0 ? toy.ends_at : 2 * STEPS;
+    toy.end = toy.end > 0 ? toy.end : 2 * STEPS;
     vt_assert_ok(vor_stage_run(&stage, &vt_err));
     ck_assert_uint_eq(told.steps[VOR_RUN_STAGE_ITERATE], rows[_i].steps);
     ck_assert_uint_eq(toy.measured, rows[_i].measured);
