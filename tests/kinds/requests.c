@@ -17,14 +17,6 @@ static struct vor_spec request(void)
     return spec;
 }
 
-static struct vor_json *parsed(const char *json)
-{
-    struct vor_json *out = NULL;
-
-    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
-    return out;
-}
-
 /* The request as JSON (static storage). */
 static const char *written(const struct vor_spec *spec)
 {
@@ -44,7 +36,7 @@ static const char *written(const struct vor_spec *spec)
 static void read_json(struct vor_spec *spec, const char *text)
 {
     char pointer[VOR_JSON_POINTER_MAX];
-    struct vor_json *json = parsed(text);
+    struct vor_json *json = vt_json(text);
 
     vt_assert_ok(vor_json_spec_read(spec, json, pointer, &vt_err));
     vor_json_free(json);
@@ -101,7 +93,7 @@ static void refuses(vor_status status, const struct refusal *refusal)
     struct vor_json *json;
 
     (void)snprintf(text, sizeof text, "{\"%s\":%s}", refusal->name, refusal->json);
-    json = parsed(text);
+    json = vt_json(text);
     vt_assert_fails(status, vor_json_spec_read(&spec, json, pointer, &vt_err));
     ck_assert_str_eq(vt_err.message, refusal->message);
     ck_assert_str_eq(vt_err.parameter, refusal->name);
@@ -180,7 +172,7 @@ static const char *schema(const char *name)
     vor_text_init(&text, 0);
     vor_text_init(&part, 0);
     vor_json_process(&text, vor_process_find("kinds"), NULL, 0);
-    json = parsed(text.data);
+    json = vt_json(text.data);
     vor_json_copy(&part, vor_json_get(vor_json_get(vor_json_get(json, "inputs"), name), "schema"));
     ck_assert_uint_lt(part.size, sizeof kept);
     memcpy(kept, part.data, part.size + 1);

@@ -76,10 +76,3 @@ VT_TEST_LOOP(an_open_sheet_does_not_grow, 2)
     vor_cloud_free(&in);
     vt_engine_close(&engine);
 }
-
-int main(void)
-{
-    Suite *suite = suite_create("engine edges");
-
-    return vt_run(suite);
-}

@@ -88,24 +88,6 @@ static void random_cloud(struct vor_cloud *cloud, uint64_t seed, double **wide)
     add_attributes(cloud, seed);
 }
 
-static void assert_same(const struct vor_cloud *a, const struct vor_cloud *b)
-{
-    ck_assert_uint_eq(a->n, b->n);
-    ck_assert_int_eq(a->position_type, b->position_type);
-    ck_assert_mem_eq(a->origin, b->origin, sizeof a->origin);
-    ck_assert_mem_eq(a->xyz, b->xyz, a->n * 3 * sizeof *a->xyz);
-    ck_assert_uint_eq(a->attribute_count, b->attribute_count);
-    for (size_t i = 0; i < a->attribute_count; i++) {
-        const struct vor_attribute *p = &a->attributes[i], *q = &b->attributes[i];
-
-        ck_assert_str_eq(p->name, q->name);
-        ck_assert_int_eq(p->semantic, q->semantic);
-        ck_assert_int_eq(p->type, q->type);
-        ck_assert_uint_eq(p->components, q->components);
-        ck_assert_mem_eq(p->data, q->data, a->n * p->components * vor_type_size(p->type));
-    }
-}
-
 VT_TEST_LOOP(what_we_write_comes_back_bit_for_bit, SEEDS)
 {
     struct vt_bytes bytes = {0};
@@ -117,7 +99,7 @@ VT_TEST_LOOP(what_we_write_comes_back_bit_for_bit, SEEDS)
     vt_assert_ok(vor_ply_write(&sink, &cloud, NULL, &vt_err));
     vor_cloud_init(&back, &vt_memory);
     vt_assert_ok(vor_ply_read(&back, bytes.data, bytes.size, &limits, &vt_err));
-    assert_same(&cloud, &back);
+    vt_assert_same(&cloud, &back);
     vor_cloud_free(&back);
     vor_cloud_free(&cloud);
     free(wide);
@@ -343,7 +325,7 @@ VT_TEST_LOOP(what_others_write_is_read_in_every_encoding, 3 * SEEDS)
     foreign_file(&file, &cloud, wide);
     vor_cloud_init(&back, &vt_memory);
     vt_assert_ok(vor_ply_read(&back, file.bytes.data, file.bytes.size, &limits, &vt_err));
-    assert_same(&cloud, &back);
+    vt_assert_same(&cloud, &back);
     ck_assert_uint_eq(back.triangle_count, file.triangle_count);
     ck_assert_mem_eq(back.triangles, file.triangles, 12 * file.triangle_count);
     vor_cloud_free(&back);

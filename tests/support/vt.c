@@ -217,6 +217,32 @@ int vt_bytes_write(void *ctx, const void *data, size_t size)
     return 0;
 }
 
+void vt_assert_same(const struct vor_cloud *a, const struct vor_cloud *b)
+{
+    ck_assert_uint_eq(a->n, b->n);
+    ck_assert_int_eq(a->position_type, b->position_type);
+    ck_assert_mem_eq(a->origin, b->origin, sizeof a->origin);
+    ck_assert_mem_eq(a->xyz, b->xyz, a->n * 3 * sizeof *a->xyz);
+    ck_assert_uint_eq(a->attribute_count, b->attribute_count);
+    for (size_t i = 0; i < a->attribute_count; i++) {
+        const struct vor_attribute *p = &a->attributes[i], *q = &b->attributes[i];
+
+        ck_assert_str_eq(p->name, q->name);
+        ck_assert_int_eq(p->semantic, q->semantic);
+        ck_assert_int_eq(p->type, q->type);
+        ck_assert_uint_eq(p->components, q->components);
+        ck_assert_mem_eq(p->data, q->data, a->n * p->components * vor_type_size(p->type));
+    }
+}
+
+struct vor_json *vt_json(const char *json)
+{
+    struct vor_json *out = NULL;
+
+    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
+    return out;
+}
+
 size_t vt_json_count(const struct vor_json *value)
 {
     size_t count = 0;

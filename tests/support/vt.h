@@ -48,8 +48,9 @@ void vt_suite(Suite *suite) __attribute__((weak));
  * returns the exit status for main(). */
 int vt_run(Suite *suite);
 
-/** Elements or members of a JSON value. */
+/** JSON that must be valid, and elements or members of a value. */
 struct vor_json;
+struct vor_json *vt_json(const char *json);
 size_t vt_json_count(const struct vor_json *value);
 
 /** Adds a case with one test, or with a loop of `loops` seeds (_i = 0 .. loops - 1). */
@@ -126,6 +127,9 @@ void vt_assert_no_leak(void);
 
 /** Frees two clouds. */
 void vt_free_last(struct vor_cloud *one, struct vor_cloud *other);
+
+/** That two clouds have the same points and attributes, bit for bit. */
+void vt_assert_same(const struct vor_cloud *a, const struct vor_cloud *b);
 
 /** Calls attempt with the first allocation of vt_memory failing, then the second, until it returns
  *  VOR_OK, which frees what it made. Asserts that it wants memory, returns VOR_E_NOMEM each time

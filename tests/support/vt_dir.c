@@ -148,6 +148,31 @@ struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vo
     return writer;
 }
 
+void vt_blob_put(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                 const char *text)
+{
+    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
+}
+
+const char *vt_blob_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+{
+    static char text[256];
+    uint64_t size;
+    int fd, found;
+
+    text[0] = '\0';
+    vt_assert_ok(vor_blob_get(blobs, id, name, &fd, &size, &found, &vt_err));
+    if (!found) {
+        ck_assert_int_eq(fd, -1);
+        return text;
+    }
+    ck_assert_uint_lt(size, sizeof text);
+    ck_assert_int_eq(read(fd, text, sizeof text), (ssize_t)size);
+    text[size] = '\0';
+    close(fd);
+    return text;
+}
+
 struct vor_job_view vt_row(unsigned points)
 {
     struct vor_job_view row = {

@@ -2,10 +2,18 @@
 #ifndef VT_DIR_H
 #define VT_DIR_H
 
+#include "server/base/log.h"
 #include "server/blob/blob.h"
 #include "server/store/store.h"
 
 #include <stddef.h>
+
+/** A program whose daemons log no more than that. */
+#define VT_LOG(level)                                                                              \
+    void vt_suite(Suite *suite VOR_UNUSED)                                                         \
+    {                                                                                              \
+        vor_log_open(2, level);                                                                    \
+    }
 
 /** Makes an empty directory under $TMPDIR or /tmp. It goes, with everything in it, when the process
  *  that made it exits, be it by a failed test. */
@@ -28,6 +36,11 @@ struct vor_blob_writer *vt_upload_cloud(struct vor_blobs *blobs, const struct vo
 
 /** Any bytes in an upload. */
 struct vor_blob_writer *vt_upload(struct vor_blobs *blobs, const void *bytes, size_t size);
+
+/** Text as a blob; what a blob holds, "" when there is none, static. */
+void vt_blob_put(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+                 const char *text);
+const char *vt_blob_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
 
 /** A row to insert: id fresh, `points` asked for of a cloud of 100. */
 struct vor_job_view vt_row(unsigned points);

@@ -8,59 +8,25 @@
 #include <string.h>
 #include <unistd.h>
 
-static struct vor_uuid fresh_id(void)
-{
-    struct vor_uuid id;
-
-    vt_assert_ok(vor_uuid_make(&id, &vt_err));
-    return id;
-}
-
-/* The bytes of a blob as text, "" when there is none. */
-static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
-{
-    static char text[256];
-    uint64_t size;
-    int fd, found;
-
-    text[0] = '\0';
-    vt_assert_ok(vor_blob_get(blobs, id, name, &fd, &size, &found, &vt_err));
-    if (!found) {
-        ck_assert_int_eq(fd, -1);
-        return text;
-    }
-    ck_assert_uint_lt(size, sizeof text);
-    ck_assert_int_eq(read(fd, text, sizeof text), (ssize_t)size);
-    text[size] = '\0';
-    close(fd);
-    return text;
-}
-
-static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                       const char *text)
-{
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
-}
-
 VT_TEST(a_committed_blob_comes_back_byte_for_byte)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid id = fresh_id();
+    struct vor_uuid id = vt_row(1).id;
 
-    store_text(blobs, &id, "input", "the input");
-    store_text(blobs, &id, "cloud", "the cloud");
-    ck_assert_str_eq(content(blobs, &id, "input"), "the input");
-    ck_assert_str_eq(content(blobs, &id, "cloud"), "the cloud");
-    store_text(blobs, &id, "cloud", "a newer one");
-    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
-    store_text(blobs, &id, "a-name_of-24-bytes-is-ok", "another one");
-    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
+    vt_blob_put(blobs, &id, "input", "the input");
+    vt_blob_put(blobs, &id, "cloud", "the cloud");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "input"), "the input");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "cloud"), "the cloud");
+    vt_blob_put(blobs, &id, "cloud", "a newer one");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "cloud"), "a newer one");
+    vt_blob_put(blobs, &id, "a-name_of-24-bytes-is-ok", "another one");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
     vor_blobs_close(blobs);
 
     blobs = vt_dir_blobs(dir); /* and after a restart */
-    ck_assert_str_eq(content(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
-    ck_assert_str_eq(content(blobs, &id, "cloud"), "a newer one");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "a-name_of-24-bytes-is-ok"), "another one");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "cloud"), "a newer one");
     vor_blobs_close(blobs);
 }
 
@@ -86,12 +52,12 @@ VT_TEST(an_open_blob_stays_readable_after_it_was_dropped)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid id = fresh_id();
+    struct vor_uuid id = vt_row(1).id;
     uint64_t size;
     int fd, found;
     char text[4] = "";
 
-    store_text(blobs, &id, "cloud", "abc");
+    vt_blob_put(blobs, &id, "cloud", "abc");
     vt_assert_ok(vor_blob_get(blobs, &id, "cloud", &fd, &size, &found, &vt_err));
     vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
     vt_assert_ok(vor_blob_drop(blobs, &id, "cloud", &vt_err));
@@ -100,7 +66,7 @@ VT_TEST(an_open_blob_stays_readable_after_it_was_dropped)
     close(fd);
     vor_blobs_close(blobs);
     blobs = vt_dir_blobs(dir); /* another machine's may go a little later, but not after that */
-    ck_assert_str_eq(content(blobs, &id, "cloud"), "");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "cloud"), "");
     vor_blobs_close(blobs);
 }
 
@@ -113,18 +79,18 @@ static void die_behind(void *ctx)
 {
     struct crash *crash = ctx;
 
-    store_text(vt_dir_blobs(crash->dir), &crash->id, "input", "all of it");
+    vt_blob_put(vt_dir_blobs(crash->dir), &crash->id, "input", "all of it");
     raise(SIGKILL);
 }
 
 VT_TEST(what_was_committed_outlives_a_kill)
 {
-    struct crash crash = {.dir = vt_dir_make(), .id = fresh_id()};
+    struct crash crash = {.dir = vt_dir_make(), .id = vt_row(1).id};
     struct vor_blobs *blobs;
 
     vt_killed(die_behind, &crash);
     blobs = vt_dir_blobs(crash.dir);
-    ck_assert_str_eq(content(blobs, &crash.id, "input"), "all of it");
+    ck_assert_str_eq(vt_blob_text(blobs, &crash.id, "input"), "all of it");
     vor_blobs_close(blobs);
 }
 
@@ -157,17 +123,17 @@ VT_TEST(a_list_has_every_blob_but_what_was_set_aside)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid one = fresh_id(), other = fresh_id();
+    struct vor_uuid one = vt_row(1).id, other = vt_row(1).id;
     const struct vor_lost_bounds none = {.oldest_ms = INT64_MAX};
     struct listed listed = {.count = 0};
 
-    store_text(blobs, &one, "input", "a");
-    store_text(blobs, &one, "cloud", "b");
-    store_text(blobs, &other, "report-2", "c");
-    store_text(blobs, &other, "cloud", "d");
+    vt_blob_put(blobs, &one, "input", "a");
+    vt_blob_put(blobs, &one, "cloud", "b");
+    vt_blob_put(blobs, &other, "report-2", "c");
+    vt_blob_put(blobs, &other, "cloud", "d");
     vor_blob_discard(vt_upload(blobs, "e", 1));
     vt_assert_ok(vor_blob_set_aside(blobs, &other, "cloud", &vt_err));
-    ck_assert_str_eq(content(blobs, &other, "cloud"), "");
+    ck_assert_str_eq(vt_blob_text(blobs, &other, "cloud"), "");
     vt_assert_ok(vor_blobs_trim_lost(blobs, &none, &vt_err));
     vt_assert_ok(vor_blobs_list(blobs, note, &listed, &vt_err));
     ck_assert_int_eq(listed.count, 3);
@@ -185,9 +151,9 @@ VT_TEST(large_blobs_come_back_and_can_be_the_beginning_of_others)
     static uint8_t bytes[2 * PIECE + 1], back[sizeof bytes];
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_blob_source source = {.id = fresh_id(), .name = "cloud"};
+    struct vor_blob_source source = {.id = vt_row(1).id, .name = "cloud"};
     struct vor_blob_writer *writer;
-    struct vor_uuid id = fresh_id();
+    struct vor_uuid id = vt_row(1).id;
     uint64_t size;
     int fd, found;
 

@@ -13,40 +13,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-static struct vor_uuid fresh_id(void)
-{
-    struct vor_uuid id;
-
-    vt_assert_ok(vor_uuid_make(&id, &vt_err));
-    return id;
-}
-
-/* The bytes of a blob as text, "" when there is none. */
-static const char *content(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
-{
-    static char text[256];
-    uint64_t size;
-    int fd, found;
-
-    text[0] = '\0';
-    vt_assert_ok(vor_blob_get(blobs, id, name, &fd, &size, &found, &vt_err));
-    if (!found) {
-        ck_assert_int_eq(fd, -1);
-        return text;
-    }
-    ck_assert_uint_lt(size, sizeof text);
-    ck_assert_int_eq(read(fd, text, sizeof text), (ssize_t)size);
-    text[size] = '\0';
-    close(fd);
-    return text;
-}
-
-static void store_text(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                       const char *text)
-{
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, text, strlen(text)), id, name, &vt_err));
-}
-
 VT_TEST(a_discarded_blob_leaves_nothing)
 {
     const char *dir = vt_dir_make();
@@ -77,14 +43,14 @@ static void die_writing(void *ctx)
 
 VT_TEST(what_a_killed_writer_left_is_gone_after_the_next_start)
 {
-    struct crash crash = {.dir = vt_dir_make(), .id = fresh_id()};
+    struct crash crash = {.dir = vt_dir_make(), .id = vt_row(1).id};
     struct vor_blobs *blobs;
 
     vt_killed(die_writing, &crash);
     ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 1);
     blobs = vt_dir_blobs(crash.dir);
     ck_assert_int_eq(vt_dir_count(crash.dir, "blobs/tmp"), 0);
-    ck_assert_str_eq(content(blobs, &crash.id, "input"), "");
+    ck_assert_str_eq(vt_blob_text(blobs, &crash.id, "input"), "");
     vor_blobs_close(blobs);
 }
 
@@ -95,10 +61,10 @@ VT_TEST(an_opening_drops_what_is_no_blob)
                                           "0193B5F2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input"};
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid one = fresh_id();
+    struct vor_uuid one = vt_row(1).id;
     char path[512];
 
-    store_text(blobs, &one, "input", "a");
+    vt_blob_put(blobs, &one, "input", "a");
     vor_blob_discard(vt_upload(blobs, "d", 1));
     for (size_t i = 0; i < sizeof rubbish / sizeof rubbish[0]; i++) {
         (void)snprintf(path, sizeof path, "%s/blobs/keep/%s", dir, rubbish[i]);
@@ -108,7 +74,7 @@ VT_TEST(an_opening_drops_what_is_no_blob)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 5);
     blobs = vt_dir_blobs(dir);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
-    ck_assert_str_eq(content(blobs, &one, "input"), "a");
+    ck_assert_str_eq(vt_blob_text(blobs, &one, "input"), "a");
     vor_blobs_close(blobs);
 }
 
@@ -120,7 +86,7 @@ VT_TEST(a_writer_that_failed_cannot_be_committed)
     struct vor_blob_writer *writer = vt_upload(blobs, "abc", 3);
     struct vor_sink sink = vor_blob_sink(writer);
     struct rlimit limit = {.rlim_cur = 8, .rlim_max = RLIM_INFINITY};
-    struct vor_uuid id = fresh_id();
+    struct vor_uuid id = vt_row(1).id;
 
     vt_assert_ok(vor_blob_failure(writer, &vt_err));
     signal(SIGXFSZ, SIG_IGN);
@@ -133,7 +99,7 @@ VT_TEST(a_writer_that_failed_cannot_be_committed)
     ck_assert(!vor_error_storage_full(&vt_err));
     vt_assert_fails(VOR_E_IO, vor_blob_commit(writer, &id, "cloud", &vt_err));
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
-    ck_assert_str_eq(content(blobs, &id, "cloud"), "");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "cloud"), "");
     limit.rlim_cur = limit.rlim_max;
     (void)setrlimit(RLIMIT_FSIZE, &limit);
     vor_blobs_close(blobs);
@@ -176,15 +142,15 @@ VT_TEST(the_bytes_of_all_blobs_are_known)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid id = fresh_id(), other = fresh_id();
+    struct vor_uuid id = vt_row(1).id, other = vt_row(1).id;
 
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 0);
     vor_blob_discard(vt_upload(blobs, "discarded", 9));
-    store_text(blobs, &id, "input", "12345");
-    store_text(blobs, &id, "cloud", "1234567");
+    vt_blob_put(blobs, &id, "input", "12345");
+    vt_blob_put(blobs, &id, "cloud", "1234567");
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 12);
-    store_text(blobs, &id, "cloud", "123"); /* in its place */
-    store_text(blobs, &other, "cloud", "1");
+    vt_blob_put(blobs, &id, "cloud", "123"); /* in its place */
+    vt_blob_put(blobs, &other, "cloud", "1");
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 9);
     vt_assert_ok(vor_blob_drop(blobs, &id, "input", &vt_err));
     vt_assert_ok(vor_blob_drop(blobs, &id, "input", &vt_err)); /* which is gone */

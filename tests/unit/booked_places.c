@@ -1,5 +1,4 @@
 /* A place in the queue that is kept for a job while its inputs are decoded. */
-#include "server/base/log.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -73,7 +72,4 @@ VT_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
     close_scene(&scene);
 }
 
-void vt_suite(Suite *suite VOR_UNUSED)
-{
-    vor_log_open(2, VOR_LOG_ERROR);
-}
+VT_LOG(VOR_LOG_ERROR)

@@ -4,6 +4,7 @@
 #include "server/base/rates.h"
 #include "server/base/uuid.h"
 #include "tests/support/vt.h"
+#include "tests/support/vt_dir.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -42,17 +43,9 @@ VT_TEST(a_slow_rate_still_gives_one_at_first)
     vor_rates_destroy(rates);
 }
 
-static struct vor_uuid new_id(void)
-{
-    struct vor_uuid id;
-
-    vt_assert_ok(vor_uuid_make(&id, &vt_err));
-    return id;
-}
-
 VT_TEST(a_ticket_is_good_for_its_result_for_a_minute)
 {
-    struct vor_uuid job = new_id(), other = new_id();
+    struct vor_uuid job = vt_row(1).id, other = vt_row(1).id;
     char ticket[VOR_TICKET_SIZE];
     struct vor_tickets *tickets, *restarted;
 
@@ -75,7 +68,7 @@ VT_TEST(a_ticket_is_good_for_its_result_for_a_minute)
 VT_TEST(a_ticket_that_was_changed_is_none)
 {
     static const char letters[] = "AZaz09-_ .";
-    struct vor_uuid job = new_id();
+    struct vor_uuid job = vt_row(1).id;
     char ticket[VOR_TICKET_SIZE], changed[VOR_TICKET_SIZE + 1];
     struct vor_tickets *tickets;
     size_t length;
@@ -146,7 +139,7 @@ VT_TEST(identifiers_do_not_repeat_and_their_random_bytes_are_even)
 
     ck_assert_ptr_nonnull(ids);
     for (size_t i = 0; i < count; i++)
-        ids[i] = new_id();
+        ids[i] = vt_row(1).id;
     for (int i = RANDOM_FROM; i < 16; i++)
         worst = fmax(worst, chi_square(ids, count, i));
     qsort(ids, count, sizeof *ids, compare);

@@ -140,18 +140,17 @@ VT_TEST(a_bar_is_not_drawn_for_every_record)
 static const char *bar_of_events(const char *first, const char *second)
 {
     struct vor_progress progress = {.columns = 69};
-    struct vor_json *json = NULL;
+    struct vor_json *json = vt_json(first);
     struct vor_cli cli;
     const char *text;
 
     make_cli(&cli, 1, 1);
     progress.cli = &cli;
-    vt_assert_ok(vor_json_parse(&json, first, strlen(first), &vt_err));
     vor_progress_event(&progress, json);
     vor_json_free(json);
     progress.bar = tmpfile();
     ck_assert_ptr_nonnull(progress.bar);
-    vt_assert_ok(vor_json_parse(&json, second, strlen(second), &vt_err));
+    json = vt_json(second);
     vor_progress_event(&progress, json);
     vor_json_free(json);
     text = content(progress.bar);

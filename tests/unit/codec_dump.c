@@ -39,24 +39,6 @@ static struct vt_bytes dumped(const struct vor_cloud *cloud)
     return bytes;
 }
 
-static void assert_same(const struct vor_cloud *a, const struct vor_cloud *b)
-{
-    ck_assert_uint_eq(a->n, b->n);
-    ck_assert_int_eq(a->position_type, b->position_type);
-    ck_assert_mem_eq(a->origin, b->origin, sizeof a->origin);
-    ck_assert_mem_eq(a->xyz, b->xyz, a->n * 12);
-    ck_assert_uint_eq(a->attribute_count, b->attribute_count);
-    for (size_t i = 0; i < a->attribute_count; i++) {
-        const struct vor_attribute *p = &a->attributes[i], *q = &b->attributes[i];
-
-        ck_assert_str_eq(p->name, q->name);
-        ck_assert_int_eq(p->semantic, q->semantic);
-        ck_assert_int_eq(p->type, q->type);
-        ck_assert_uint_eq(p->components, q->components);
-        ck_assert_mem_eq(p->data, q->data, a->n * p->components * vor_type_size(p->type));
-    }
-}
-
 /* Property. */
 VT_TEST_LOOP(a_dump_comes_back_exactly, 40)
 {
@@ -70,7 +52,7 @@ VT_TEST_LOOP(a_dump_comes_back_exactly, 40)
     vt_assert_ok(vor_dump_check(&points, bytes.data, bytes.size, &vt_err));
     ck_assert_uint_eq(points, cloud.n);
     vt_assert_ok(vor_dump_read(&back, bytes.data, bytes.size, &vt_err));
-    assert_same(&cloud, &back);
+    vt_assert_same(&cloud, &back);
     vor_cloud_free(&back);
     vor_cloud_free(&cloud);
     free(bytes.data);

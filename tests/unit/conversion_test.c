@@ -1,6 +1,5 @@
 /* Conversions of results: one for all who ask at the same time, so many of each caller, none
  * left behind by a job that goes, and a full end of the daemon. */
-#include "server/base/log.h"
 #include "server/work/conversion.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -180,7 +179,4 @@ VT_TEST(what_waits_when_the_daemon_ends_is_told_so)
     end(&scene);
 }
 
-void vt_suite(Suite *suite VOR_UNUSED)
-{
-    vor_log_open(2, VOR_LOG_OFF);
-}
+VT_LOG(VOR_LOG_OFF)

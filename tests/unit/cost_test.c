@@ -1,5 +1,4 @@
 /* How long a job may run: what is estimated before it is accepted, and what ends it. */
-#include "server/base/log.h"
 #include "server/jobs/cost.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -134,7 +133,4 @@ VT_TEST(the_time_of_a_request_ends_a_step_under_way_and_the_report_says_so)
     vt_daemon_stop(&daemon);
 }
 
-void vt_suite(Suite *suite VOR_UNUSED)
-{
-    vor_log_open(2, VOR_LOG_ERROR);
-}
+VT_LOG(VOR_LOG_ERROR)

@@ -1,7 +1,6 @@
 /* What a flipped bit does: to the log of the table of jobs, to inputs, to results. Nothing is swept
  * away, and no wrong byte is taken for a right one. */
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/store/sqlite_wal.h"
 #include "server/work/verify.h"
 #include "tests/support/vt.h"
@@ -69,7 +68,7 @@ static void live_and_die(void *ctx)
 
         if (middle >= 0)
             ck_assert_int_eq(ftruncate(middle, size_of(path_in(life, "jobs.sqlite-wal"))), 0);
-        vt_assert_ok(vor_blob_commit(vt_upload(blobs, "result", 6), &row->id, "cloud", &vt_err));
+        vt_blob_put(blobs, &row->id, "cloud", "result");
         vt_assert_ok(vor_store_insert(store, row, NULL, &vt_err));
         row->status = VOR_JOB_SUCCESSFUL;
         row->finished = vor_clock_wall_ms();
@@ -212,7 +211,7 @@ VT_TEST(lost_bytes_are_bounded_by_age_and_size)
 
         since[1] = since[0];
         vt_assert_ok(vor_uuid_make(&id[i], &vt_err));
-        vt_assert_ok(vor_blob_commit(vt_upload(blobs, "0123456789", 10), &id[i], "x", &vt_err));
+        vt_blob_put(blobs, &id[i], "x", "0123456789");
         vt_assert_ok(vor_blob_set_aside(blobs, &id[i], "x", &vt_err));
         (void)snprintf(path, sizeof path, "%s/blobs/lost/%s.x", dir, id[i].text);
         ck_assert_int_eq(utimensat(AT_FDCWD, path, since, 0), 0);
@@ -269,13 +268,11 @@ VT_TEST(a_job_whose_input_is_damaged_fails_for_that)
     struct vor_uuid blocker, id;
     struct vor_job_view view;
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     char path[512];
 
     vt_daemon_start(&daemon, dir, &options);
-    vt_cloud_sphere(&cloud, 1, 200);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &endless, &blocker), VOR_DONE);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &id), VOR_DONE);
+    blocker = vt_daemon_submit_sphere(&daemon, 200, &endless);
+    id = vt_daemon_submit_sphere(&daemon, 200, &spec);
     (void)snprintf(path, sizeof path, "%s/blobs/keep/%s.input", dir, id.text);
     flip_at(path, 1000);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off", &vt_err), VOR_DONE);
@@ -283,7 +280,6 @@ VT_TEST(a_job_whose_input_is_damaged_fails_for_that)
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_DAMAGED);
     ck_assert_ptr_nonnull(strstr(view.message, "the stored file input is damaged"));
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 
@@ -353,10 +349,4 @@ VT_TEST(a_file_is_read_once_and_again_when_it_changed)
     vor_verify_destroy(verify);
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("damage");
-
-    vor_log_open(2, VOR_LOG_OFF);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_OFF)

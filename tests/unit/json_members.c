@@ -181,11 +181,10 @@ static const struct vor_members crate_members = VOR_MEMBERS(struct crate, crate_
 
 static struct crate read_crate(const char *json)
 {
-    struct vor_json *parsed = NULL;
+    struct vor_json *parsed = vt_json(json);
     struct crate crate;
 
     memset(&crate, 0xff, sizeof crate);
-    vt_assert_ok(vor_json_parse(&parsed, json, strlen(json), &vt_err));
     vor_json_members_read(&crate, &crate_members, parsed);
     vor_json_free(parsed);
     return crate;

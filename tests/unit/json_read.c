@@ -7,14 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static struct vor_json *parsed(const char *json)
-{
-    struct vor_json *out = NULL;
-
-    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
-    return out;
-}
-
 /* Text, where it goes wrong (byte), and a word of the message. */
 struct hostile {
     const char *text;
@@ -177,7 +169,7 @@ static void expect_exceeded(char *text, uint64_t limit, uint64_t got, const char
 
 static void expect_read(char *text)
 {
-    vor_json_free(parsed(text));
+    vor_json_free(vt_json(text));
     free(text);
 }
 
@@ -217,7 +209,7 @@ VT_TEST(the_size_ends_at_its_limit)
     memset(text, ' ', VOR_JSON_SIZE_MAX + 1);
     text[0] = '1';
     text[VOR_JSON_SIZE_MAX] = '\0';
-    vor_json_free(parsed(text));
+    vor_json_free(vt_json(text));
     text[VOR_JSON_SIZE_MAX] = ' ';
     text[VOR_JSON_SIZE_MAX + 1] = '\0';
     expect_exceeded(text, VOR_JSON_SIZE_MAX, VOR_JSON_SIZE_MAX + 1, "bytes");
@@ -232,7 +224,7 @@ VT_TEST(a_long_number_ends_at_its_limit)
     memset(text, '3', sizeof text);
     text[1] = '.';
     text[63] = '\0';
-    json = parsed(text);
+    json = vt_json(text);
     ck_assert(vor_json_get_number(json, &value));
     ck_assert_double_eq_tol(value, 10.0 / 3, 1e-15);
     vor_json_free(json);
@@ -266,8 +258,8 @@ VT_TEST(many_keys_are_told_apart)
 
 VT_TEST(every_kind_is_read)
 {
-    struct vor_json *json = parsed(" {\"o\":{\"x\":-1.5e2},\"a\":[1,\"two\",null],\"t\":true,"
-                                   "\"f\":false,\"n\":null,\"s\":\"\\u00fc\\ud83d\\ude00\\/\"} ");
+    struct vor_json *json = vt_json(" {\"o\":{\"x\":-1.5e2},\"a\":[1,\"two\",null],\"t\":true,"
+                                    "\"f\":false,\"n\":null,\"s\":\"\\u00fc\\ud83d\\ude00\\/\"} ");
     const struct vor_json *a = vor_json_get(json, "a");
     double number = 0;
     int flag = -1;
@@ -290,7 +282,7 @@ VT_TEST(every_kind_is_read)
 
 VT_TEST(names_are_compared_with_their_case)
 {
-    struct vor_json *json = parsed("{\"Points\":1,\"points\":2}");
+    struct vor_json *json = vt_json("{\"Points\":1,\"points\":2}");
     double value = 0;
 
     ck_assert_ptr_null(vor_json_get(json, "POINTS"));
@@ -300,7 +292,7 @@ VT_TEST(names_are_compared_with_their_case)
 
 VT_TEST(getters_of_the_wrong_kind_yield_nothing)
 {
-    struct vor_json *json = parsed("[1,\"a\",true]");
+    struct vor_json *json = vt_json("[1,\"a\",true]");
     const struct vor_json *number = vor_json_first(json), *string = vor_json_next(number);
     double value;
     int flag;

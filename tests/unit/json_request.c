@@ -7,14 +7,6 @@
 
 static struct vor_text text;
 
-static struct vor_json *parsed(const char *json)
-{
-    struct vor_json *out = NULL;
-
-    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
-    return out;
-}
-
 VT_TEST(a_vector_comes_back_with_its_text)
 {
     static const char *const texts[] = {"637000,849000,0", "+1e3,-0.5,.25", "0,0,0"};
@@ -31,7 +23,7 @@ VT_TEST(a_vector_comes_back_with_its_text)
         ck_assert(vor_spec_vector(&spec, VOR_PARAM_ORIGIN, numbers));
         vor_text_init(&text, 0);
         vor_json_spec(&text, &spec);
-        json = parsed(text.data);
+        json = vt_json(text.data);
         vt_assert_ok(vor_json_spec_read(&back, json, pointer, &vt_err));
         ck_assert_mem_eq(&back, &spec, sizeof spec);
         ck_assert_str_eq(vor_spec_name(&back, VOR_PARAM_ORIGIN), texts[i]);
@@ -67,7 +59,7 @@ static const struct refused refused[] = {
 VT_TEST_LOOP(a_wrong_member_is_named_and_nothing_is_set, (int)(sizeof refused / sizeof refused[0]))
 {
     const struct refused *r = &refused[_i];
-    struct vor_json *json = parsed(r->json);
+    struct vor_json *json = vt_json(r->json);
     struct vor_spec spec, before;
     char pointer[VOR_JSON_POINTER_MAX];
 
@@ -97,7 +89,7 @@ VT_TEST_LOOP(a_process_describes_the_documents_that_it_gives, 5)
 
     vor_text_init(&text, 0);
     vor_json_process(&text, process, NULL, 0);
-    json = parsed(text.data);
+    json = vt_json(text.data);
     for (const struct vor_artefact_info *output = process->outputs; output->name != NULL;
          output++) {
         const struct vor_json *schema = at(json, "outputs", output->name, "schema");
@@ -119,7 +111,7 @@ VT_TEST_LOOP(a_process_describes_what_it_takes, 5)
 
     vor_text_init(&text, 0);
     vor_json_process(&text, process, NULL, 0);
-    json = parsed(text.data);
+    json = vt_json(text.data);
     ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "id")), process->id);
     ck_assert_str_eq(vor_json_get_string(vor_json_get(json, "version")), VOR_VERSION);
     ck_assert_uint_eq(vt_json_count(vor_json_get(json, "jobControlOptions")), 3);

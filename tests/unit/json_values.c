@@ -16,14 +16,6 @@ static void expect(const char *wanted)
     vor_text_free(&text);
 }
 
-static struct vor_json *parsed(const char *json)
-{
-    struct vor_json *out = NULL;
-
-    vt_assert_ok(vor_json_parse(&out, json, strlen(json), &vt_err));
-    return out;
-}
-
 static const struct vor_record record = {.iteration = 37,
                                          .polish = 30,
                                          .delta = 0.0813,
@@ -58,16 +50,16 @@ VT_TEST(a_record_has_its_shape)
 
 VT_TEST(a_record_comes_back)
 {
-    struct vor_json *json = parsed(RECORD);
+    struct vor_json *json = vt_json(RECORD);
     struct vor_record back;
 
     ck_assert(vor_json_record_read(&back, json));
     ck_assert_mem_eq(&back, &record, sizeof record);
     vor_json_free(json);
-    json = parsed("{\"delta\":1}");
+    json = vt_json("{\"delta\":1}");
     ck_assert(!vor_json_record_read(&back, json));
     vor_json_free(json);
-    json = parsed("{\"iteration\":-1,\"polish\":4294967296,\"held\":1e300,\"delta\":null}");
+    json = vt_json("{\"iteration\":-1,\"polish\":4294967296,\"held\":1e300,\"delta\":null}");
     ck_assert(vor_json_record_read(&back, json));
     ck_assert(back.iteration == 0 && back.polish == 0 && back.held == 0 && isnan(back.delta));
     vor_json_free(json);
@@ -76,7 +68,7 @@ VT_TEST(a_record_comes_back)
 VT_TEST(a_stage_of_another_build_is_none_of_ours)
 {
     struct vor_json *json =
-        parsed("{\"iteration\":0,\"run_stage\":\"melt\",\"step\":3,\"of\":7,\"ahead\":9}");
+        vt_json("{\"iteration\":0,\"run_stage\":\"melt\",\"step\":3,\"of\":7,\"ahead\":9}");
     struct vor_record back;
 
     ck_assert(vor_json_record_read(&back, json));

@@ -2,7 +2,6 @@
 #define _GNU_SOURCE /* syscall */
 
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -32,13 +31,9 @@ enum { HOUR = 3600, DAY = 24 * HOUR };
 static struct vor_uuid finish_job(struct vt_daemon *daemon)
 {
     struct vor_spec spec = vt_request(20, 1);
-    struct vor_cloud cloud;
-    struct vor_uuid id;
+    struct vor_uuid id = vt_daemon_submit_sphere(daemon, 100, &spec);
 
-    vt_cloud_sphere(&cloud, 1, 100);
-    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &spec, &id), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(daemon, &id).status, VOR_JOB_SUCCESSFUL);
-    vor_cloud_free(&cloud);
     return id;
 }
 
@@ -167,7 +162,4 @@ VT_TEST(results_beyond_their_room_go_in_the_order_in_which_they_ended)
     vt_daemon_stop(&daemon);
 }
 
-void vt_suite(Suite *suite VOR_UNUSED)
-{
-    vor_log_open(2, VOR_LOG_OFF);
-}
+VT_LOG(VOR_LOG_OFF)

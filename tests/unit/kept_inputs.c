@@ -1,7 +1,6 @@
 /* Uploads that are kept: as new bytes of another job, within their quota, and gone with their job,
  * also when the daemon died in between. */
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -22,20 +21,6 @@ static struct vor_blob_source source_of(const struct vor_uuid *id)
     struct vor_blob_source source = {.id = *id, .name = "upload", .sha256 = "5ha"};
 
     return source;
-}
-
-static void expect_bytes(struct vor_blobs *blobs, const struct vor_uuid *id, const char *bytes)
-{
-    char got[32] = "";
-    uint64_t size;
-    int fd, found;
-
-    vt_assert_ok(vor_blob_get(blobs, id, "upload", &fd, &size, &found, &vt_err));
-    ck_assert(found);
-    ck_assert_uint_eq(size, strlen(bytes));
-    ck_assert_int_eq(pread(fd, got, sizeof got, 0), (ssize_t)size);
-    ck_assert_str_eq(got, bytes);
-    close(fd);
 }
 
 /* Shared where the first one is still there, else copied; bytes and name are durable, though the
@@ -65,12 +50,12 @@ VT_TEST_LOOP(a_blob_becomes_that_of_another_job_whether_it_stays_or_goes, 2)
     vt_assert_ok(vor_blob_commit(writer, &second, "upload", &vt_err));
     ck_assert_int_eq(vt_sync_left(), 7);
     ck_assert(vt_sync_open());
-    expect_bytes(blobs, &second, "the cloud");
+    ck_assert_str_eq(vt_blob_text(blobs, &second, "upload"), "the cloud");
     (void)snprintf(path, sizeof path, "%s/blobs/keep/%s.upload", dir, second.text);
     ck_assert_int_eq(stat(path, &info), 0);
     ck_assert_int_eq((int)info.st_nlink, _i == 1 ? 1 : 2);
     vt_assert_ok(vor_blob_drop(blobs, &first, "upload", &vt_err));
-    expect_bytes(blobs, &second, "the cloud");
+    ck_assert_str_eq(vt_blob_text(blobs, &second, "upload"), "the cloud");
     ck_assert_int_eq(vt_dir_count(dir, "blobs/tmp"), 0);
     vor_blobs_close(blobs);
 }
@@ -87,10 +72,10 @@ VT_TEST(a_blob_that_is_not_there_is_not_found_and_one_that_is_discarded_stays)
     vt_assert_ok(vor_blob_reopen(blobs, &source, &writer, &found, &vt_err));
     ck_assert(!found);
     ck_assert_ptr_null(writer);
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "the cloud", 9), &id, "upload", &vt_err));
+    vt_blob_put(blobs, &id, "upload", "the cloud");
     vt_assert_ok(vor_blob_reopen(blobs, &source, &writer, &found, &vt_err));
     vor_blob_discard(writer);
-    expect_bytes(blobs, &id, "the cloud");
+    ck_assert_str_eq(vt_blob_text(blobs, &id, "upload"), "the cloud");
     vor_blobs_close(blobs);
 }
 
@@ -290,7 +275,7 @@ VT_TEST_LOOP(the_next_start_drops_the_uploads_that_no_row_counts_and_no_others, 
     row.kept = admit(&admitted, blobs, UINT64_MAX);
     row.id = admitted.id;
     row.input[0] = admitted.item[0].found;
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, "upload", &vt_err));
+    vt_blob_put(blobs, &stray, "upload", "x");
     leave(store, &row, (enum left)_i);
     vor_store_close(store);
     vor_blobs_close(blobs);
@@ -342,10 +327,4 @@ VT_TEST(the_next_start_forgets_uploads_that_are_missing_or_not_whole)
     ck_assert(is_there(dir, &rows[WHOLE].id));
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("kept_inputs");
-
-    vor_log_open(2, VOR_LOG_ERROR);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_ERROR)

@@ -1,7 +1,6 @@
 /* The memory that a job is let in with beside what its run takes, and what becomes of jobs that do
  * not fit. */
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/jobs/need.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
@@ -176,7 +175,4 @@ VT_TEST(a_job_larger_than_all_memory_is_refused_with_the_numbers)
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 0);
 }
 
-void vt_suite(Suite *suite VOR_UNUSED)
-{
-    vor_log_open(2, VOR_LOG_ERROR);
-}
+VT_LOG(VOR_LOG_ERROR)

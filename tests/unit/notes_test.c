@@ -276,10 +276,3 @@ VT_TEST(a_dump_keeps_the_notes_and_is_refused_where_they_are_cut)
     vor_cloud_free(&cloud);
     free(bytes.data);
 }
-
-int main(void)
-{
-    Suite *suite = suite_create("cloud/notes");
-
-    return vt_run(suite);
-}

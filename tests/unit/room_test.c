@@ -1,7 +1,6 @@
 /* Room on the disk and in the queue: what is decoded is charged before a job is accepted, and what
  * has been promised to one is not promised to another. */
 #include "server/base/disk.h"
-#include "server/base/log.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -106,12 +105,10 @@ VT_TEST_LOOP(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_acce
     struct vor_spec spec = vt_request(20, 1);
     struct vor_job_view row = vt_row(10);
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     struct vor_uuid id;
 
-    vt_cloud_sphere(&cloud, 1, 100);
     vt_daemon_start(&daemon, dir, &options);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &id), VOR_DONE);
+    id = vt_daemon_submit_sphere(&daemon, 100, &spec);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     if (_i == 0) {
         vt_sync_fail(1, 0);
@@ -131,7 +128,6 @@ VT_TEST_LOOP(a_disk_that_fails_is_told_once_and_the_next_start_has_what_was_acce
     vt_daemon_start(&daemon, dir, NULL);
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
-    vor_cloud_free(&cloud);
 }
 
 /* --- the queue -------------------------------------------------------------------------------- */
@@ -187,10 +183,4 @@ VT_TEST(an_input_that_never_fits_into_the_queue_is_told_the_bound)
     vt_daemon_stop(&daemon);
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("room");
-
-    vor_log_open(2, VOR_LOG_OFF);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_OFF)

@@ -105,11 +105,9 @@ static unsigned samples_of(const struct vor_parameter_info *row, struct sample *
 static vor_status read_json(struct vor_spec *spec, const char *text,
                             char pointer[VOR_JSON_POINTER_MAX])
 {
-    struct vor_json *json = NULL;
-    vor_status status;
+    struct vor_json *json = vt_json(text);
+    vor_status status = vor_json_spec_read(spec, json, pointer, &vt_err);
 
-    vt_assert_ok(vor_json_parse(&json, text, strlen(text), &vt_err));
-    status = vor_json_spec_read(spec, json, pointer, &vt_err);
     vor_json_free(json);
     return status;
 }

@@ -112,8 +112,7 @@ VT_TEST(a_store_without_room_refuses_and_goes_on_once_there_is_room)
     ck_assert_int_eq(row.seq, rows + 1);
     vor_store_close(store);
     store = vt_dir_store(dir);
-    vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
-    ck_assert(found);
+    back = vt_stored(store, &row.id);
     vor_store_close(store);
     remove_disk(dir);
 }
@@ -129,14 +128,10 @@ static void start(struct vt_daemon *daemon, const char *dir)
 static struct vor_uuid run_on_full_disk(struct vt_daemon *daemon)
 {
     struct vor_spec endless = vt_request(2000, 10000);
-    struct vor_cloud cloud;
-    struct vor_uuid id;
+    struct vor_uuid id = vt_daemon_submit_sphere(daemon, 1000, &endless);
 
-    vt_cloud_sphere(&cloud, 1, 1000);
-    ck_assert_int_eq(vt_daemon_submit(daemon, &cloud, &endless, &id), VOR_DONE);
     (void)vt_daemon_wait_iteration(daemon, &id, 1);
     fill(daemon->dir);
-    vor_cloud_free(&cloud);
     return id;
 }
 
@@ -212,27 +207,23 @@ VT_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
     struct vor_spec endless = vt_request(300, 10000);
-    struct timespec pause = {.tv_nsec = 300000000};
     struct vor_job_view view;
-    struct vor_cloud cloud;
     struct vor_uuid id;
 
     ck_assert(small_disk(dir, 1000));
     start(&daemon, dir);
-    vt_cloud_sphere(&cloud, 1, 500);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &endless, &id), VOR_DONE);
+    id = vt_daemon_submit_sphere(&daemon, 500, &endless);
     (void)vt_daemon_wait_iteration(&daemon, &id, 1);
     exhaust(&daemon);
     ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_FAILED);
     ck_assert(vor_error_storage_full(&vt_err));
     ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
-    nanosleep(&pause, NULL);
+    nap(300);
     view = vt_daemon_get(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_RUNNING); /* nobody is told what is not stored */
     make_room(dir);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert(view.status == VOR_JOB_FAILED || view.status == VOR_JOB_SUCCESSFUL);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }
@@ -289,10 +280,9 @@ VT_TEST(a_store_on_a_full_disk_opens_by_its_reserve)
 VT_TEST_LOOP(a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2)
 {
     const char *dir = vt_dir_make();
-    struct vor_job_view row = vt_row(10), back;
+    struct vor_job_view row = vt_row(10);
     char reserve[512];
     struct vor_store *store;
-    int found;
 
     ck_assert(small_disk(dir, 1000));
     store = vt_dir_store(dir);
@@ -305,8 +295,7 @@ VT_TEST_LOOP(a_store_opens_on_a_full_disk_whose_reserve_is_spent, 2)
     for (int i = 0; i <= _i; i++) {
         store = vt_dir_store(dir);
         vor_store_set_reserve(store, 200000);
-        vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
-        ck_assert(found);
+        row = vt_stored(store, &row.id);
         vt_assert_fails(VOR_E_IO, vor_store_check_reserve(store, &vt_err));
         vor_store_close(store);
     }
@@ -320,7 +309,6 @@ VT_TEST(what_a_start_cannot_put_in_order_waits_for_room)
     struct vor_spec spec = vt_request(300, 3);
     struct vor_job_view row = vt_row(10);
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     struct vor_uuid id;
 
     ck_assert(small_disk(dir, 1000));
@@ -340,10 +328,8 @@ VT_TEST(what_a_start_cannot_put_in_order_waits_for_room)
         nap(20);
         ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, NULL, &row, &vt_err), VOR_DONE);
     }
-    vt_cloud_sphere(&cloud, 1, 1000);
-    while (vt_daemon_submit(&daemon, &cloud, &spec, &id) != VOR_DONE)
+    while (vt_daemon_try_sphere(&daemon, 1000, &spec, &id) != VOR_DONE)
         nap(20);
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
     remove_disk(dir);
 }

@@ -165,8 +165,8 @@ VT_TEST(a_store_of_version_6_or_13_is_taken_with_its_jobs)
     for (int opening = 0; opening < 2; opening++) {
         run_sql(path, opening == 0 ? store_of_version_6 : back_to_version_13);
         store = vt_dir_store(dir);
-        vt_assert_ok(vor_store_get(store, &id, NULL, &row, &found, &vt_err));
-        ck_assert(found && row.seq == 3 && row.status == VOR_JOB_SUCCESSFUL && row.expires == 99);
+        row = vt_stored(store, &id);
+        ck_assert(row.seq == 3 && row.status == VOR_JOB_SUCCESSFUL && row.expires == 99);
         ck_assert_str_eq(row.key.text, "k");
         vt_assert_ok(vor_store_report(store, &id, &report, &vt_err));
         ck_assert_str_eq(report, "{\"a\":1}");
@@ -196,7 +196,7 @@ VT_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     struct vor_store *store = vt_dir_store(dir);
     struct vor_job_view row = vt_row(10), more = vt_row(10);
     struct rlimit limit;
-    int found, is_lost;
+    int is_lost;
 
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
     signal(SIGXFSZ, SIG_IGN);
@@ -209,8 +209,7 @@ VT_TEST(a_store_whose_disk_failed_takes_no_more_and_says_so)
     vt_assert_fails(VOR_E_IO, vor_store_insert(store, &more, NULL, &vt_err));
     vt_assert_fails(VOR_E_IO, vor_store_check(store, &is_lost, &vt_err));
     ck_assert(is_lost);
-    vt_assert_ok(vor_store_get(store, &row.id, NULL, &row, &found, &vt_err));
-    ck_assert(found);
+    row = vt_stored(store, &row.id);
     vor_store_close(store);
     store = vt_dir_store(dir); /* only a restart helps, and it does */
     vt_assert_ok(vor_store_check(store, &is_lost, &vt_err));

@@ -521,11 +521,7 @@ VT_TEST(an_order_arrives_with_its_files_or_not_at_all)
     close(ends[1]);
 }
 
-int main(void)
+void vt_suite(Suite *suite VOR_UNUSED)
 {
-    Suite *suite = suite_create("supervisor");
-
     vor_log_open(STDERR_FILENO, VOR_LOG_OFF);
-
-    return vt_run(suite);
 }

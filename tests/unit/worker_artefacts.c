@@ -3,7 +3,6 @@
 #include "core/engine.h"
 #include "proto/codec.h"
 #include "proto/json/json.h"
-#include "server/base/log.h"
 #include "server/work/artefacts.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
@@ -548,10 +547,4 @@ VT_TEST(no_two_artefacts_of_a_process_share_a_blob)
     }
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("worker_artefacts");
-
-    vor_log_open(2, VOR_LOG_OFF);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_OFF)

@@ -1,5 +1,4 @@
 /* Down and up again: in good order, by kill -9, with bytes missing or left over. */
-#include "server/base/log.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -229,8 +228,8 @@ VT_TEST(a_row_without_its_bytes_fails_with_a_reason_and_bytes_without_a_row_go)
     struct vor_blobs *blobs = vt_dir_blobs(daemon.dir);
 
     vt_assert_ok(vor_store_insert(store, &row, NULL, &vt_err));
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "x", 1), &stray, "input", &vt_err));
-    vt_assert_ok(vor_blob_commit(vt_upload(blobs, "y", 1), &stray, "cloud", &vt_err));
+    vt_blob_put(blobs, &stray, "input", "x");
+    vt_blob_put(blobs, &stray, "cloud", "y");
     vor_store_close(store);
     vor_blobs_close(blobs);
     vt_daemon_start(&daemon, daemon.dir, NULL);
@@ -262,8 +261,4 @@ VT_TEST_LOOP(damaged_bytes_fail_the_job_and_not_the_daemon, 8)
     vt_daemon_stop(&daemon);
 }
 
-int main(void)
-{
-    vor_log_open(2, VOR_LOG_ERROR);
-    return vt_run(suite_create("worker_crash"));
-}
+VT_LOG(VOR_LOG_ERROR)

@@ -3,7 +3,6 @@
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
-#include "server/base/log.h"
 #include "server/work/live.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
@@ -495,10 +494,4 @@ VT_TEST_LOOP(a_job_interrupted_at_any_instant_ends_once, 6)
     vt_daemon_stop(&daemon);
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("worker_jobs");
-
-    vor_log_open(2, VOR_LOG_ERROR);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_ERROR)

@@ -2,7 +2,6 @@
  * nobody waits for the tidying up. */
 #include "server/base/clock.h"
 #include "server/base/disk.h"
-#include "server/base/log.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -89,7 +88,6 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     struct vor_spec spec = vt_request(10, 1);
     struct vor_worker_load load;
     struct vt_daemon daemon;
-    struct vor_cloud cloud;
     int64_t started = 0;
 
     ck_assert_uint_eq(vt_claim(life.store, &blocker), 1);
@@ -100,8 +98,7 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     /* The blocker more, which may be on its way from the line to a runner. */
     ck_assert_uint_ge(load.waiting + load.running, ROWS);
     ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_FULL);
-    vt_cloud_sphere(&cloud, 1, 100);
-    ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
+    ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 100, &spec, &refused), VOR_FULL);
     ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);
     vor_worker_load(daemon.worker, &load);
     ck_assert_uint_eq(load.waiting + load.running, ROWS + 1);
@@ -120,7 +117,6 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
             started = view.started;
         }
     }
-    vor_cloud_free(&cloud);
     vt_daemon_stop(&daemon);
 }
 
@@ -256,7 +252,6 @@ VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     struct vor_uuid runs = leave_endless(&life);
     struct vor_job_view row;
     struct vt_daemon daemon;
-    int found;
 
     ck_assert_uint_eq(vt_claim(life.store, &runs), 1);
     end_life(&life);
@@ -267,8 +262,8 @@ VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK)
         usleep(10000);
     ck_assert_int_eq(atomic_load(&recoveries), 3);
-    vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
-    ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
+    row = vt_stored(daemon.store, &runs);
+    ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2);
     ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
@@ -329,7 +324,7 @@ VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     struct vor_job_view row;
     struct vt_daemon daemon;
     uint64_t reaped;
-    int found, changed;
+    int changed;
 
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1});
@@ -338,8 +333,8 @@ VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     ck_assert_uint_eq(reaped, 1);
     ck_assert_uint_eq(vt_claim(daemon.store, &runs), 2);
     vt_daemon_wait_idle(&daemon);
-    vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
-    ck_assert(found && row.status == VOR_JOB_RUNNING && row.attempt == 2);
+    row = vt_stored(daemon.store, &runs);
+    ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 1);
     row.status = VOR_JOB_FAILED;
     vt_assert_ok(vor_store_finish(daemon.store, &row, VT_LEASE(2), NULL, &changed, &vt_err));
@@ -372,7 +367,7 @@ VT_TEST(a_job_that_was_lost_and_comes_back_runs_again)
         vt_nap();
         vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
         if (row.attempt == 2 && row.status == VOR_JOB_RUNNING)
-            (void)vor_worker_stop(daemon.worker, &runs, &vt_err);
+            ck_assert_int_ne(vor_worker_stop(daemon.worker, &runs, &vt_err), VOR_FAILED);
     } while (!vor_job_status_over(row.status));
     ck_assert_msg(row.status == VOR_JOB_SUCCESSFUL && row.attempt == 2, "%s", row.message);
     vt_daemon_stop(&daemon);
@@ -408,10 +403,4 @@ VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     vt_daemon_stop(&daemon);
 }
 
-int main(void)
-{
-    Suite *suite = suite_create("worker_recover");
-
-    vor_log_open(2, VOR_LOG_OFF);
-    return vt_run(suite);
-}
+VT_LOG(VOR_LOG_OFF)
