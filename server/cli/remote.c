@@ -305,7 +305,8 @@ static int send_headers(const struct exchange *exchange, struct curl_slist **out
 {
     const struct vor_remote *remote = exchange->remote;
     const struct vor_remote_call *call = exchange->call;
-    const char *authorization = authorization_for(remote, exchange->url);
+    const char *authorization = /* a link is signed itself, even at the origin of the daemon */
+        exchange->digest == NULL ? authorization_for(remote, exchange->url) : NULL;
 
     *out = NULL;
     for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++)

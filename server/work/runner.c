@@ -205,8 +205,10 @@ static vor_status place_order(struct run *run, struct vor_error *err)
         run->writer[i] = NULL;
     }
     status = open_inputs(run, err);
+    if (status != VOR_OK)
+        return status;
     open_saved(run);
-    return status == VOR_OK ? create_outputs(run, err) : status;
+    return create_outputs(run, err);
 }
 
 /* Closes what place_order opened. */
