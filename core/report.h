@@ -296,8 +296,8 @@ struct vor_stage_done {
       "fitted")                                                                                    \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
       "Area of the surface. If the request has the parameter `spacing`, this is the area from "    \
-      "which the number of points was computed; else it is the sum of the areas of all Voronoi "   \
-      "cells of the result")                                                                       \
+      "which the number of points was computed, and with method=insert or kmeans it is computed "  \
+      "in the same way; else it is the sum of the areas of all Voronoi cells of the result")       \
     X(REAL, spacing_mean, "spacing", "unit of the cloud",                                          \
       "Mean distance to the nearest neighbour in the result")                                      \
     X(REAL, min_over_mean, "min_over_mean", "",                                                    \

@@ -10,19 +10,21 @@ vor_status vor_target_resolve(struct vor_target *out, const struct vor_domain *d
                               const struct vor_spec *spec, const struct vor_run *run,
                               struct vor_error *err)
 {
-    double target = vor_spec_target(spec, input);
-    vor_status status;
+    double target = vor_spec_target(spec, input), method = spec->value[VOR_PARAM_METHOD];
+    int spaced = vor_spec_given(spec, VOR_PARAM_SPACING);
+    vor_status status = VOR_OK;
 
     *out = (struct vor_target){0, 0};
     if (vor_spec_only_filters(spec))
         return VOR_OK;
-    if (vor_spec_given(spec, VOR_PARAM_SPACING)) {
-        double spacing = spec->value[VOR_PARAM_SPACING] / domain->unit;
-
+    if (spaced || method == VOR_METHOD_INSERT || method == VOR_METHOD_KMEANS)
         status = vor_area_of_surface(&out->area, domain, (uint64_t)spec->value[VOR_PARAM_SEED], run,
                                      err);
-        if (status != VOR_OK)
-            return status;
+    if (status != VOR_OK && (spaced || status != VOR_E_DEGENERATE))
+        return status;
+    if (spaced) {
+        double spacing = spec->value[VOR_PARAM_SPACING] / domain->unit;
+
         target = rint(out->area / (VOR_HEXAGON_HEIGHT * spacing * spacing));
         if (target <= (double)VOR_POINTS_MAX)
             target += (double)vor_islands_beside(domain, (size_t)target);
