@@ -1,5 +1,6 @@
 #include "core/metrics/mls_error.h"
 
+#include "core/base/bounds.h"
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
 #include "core/geom/plane.h"
@@ -147,22 +148,6 @@ static void error_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     measure->sums[begin / BLOCK] = sums;
 }
 
-static double longest_side(const float *xyz, size_t n)
-{
-    float side = 0;
-
-    for (size_t c = 0; c < 3; c++) {
-        float low = xyz[c], high = xyz[c];
-
-        for (size_t i = 1; i < n; i++) {
-            low = xyz[3 * i + c] < low ? xyz[3 * i + c] : low;
-            high = xyz[3 * i + c] > high ? xyz[3 * i + c] : high;
-        }
-        side = high - low > side ? high - low : side;
-    }
-    return (double)side;
-}
-
 static vor_status run_blocks(struct vor_sums *all, struct measure *measure,
                              const struct vor_run *run, struct vor_error *err)
 {
@@ -184,6 +169,7 @@ vor_status vor_mls_error_measure(struct vor_mls_error *out, const struct vor_mls
     struct measure measure = {.of = of, .points = of->m < of->most ? of->m : of->most};
     struct vor_memory *memory = run->memory;
     struct vor_sums all = {0};
+    struct vor_box box;
     vor_status status;
 
     measure.normal = vor_malloc(memory, of->n, 3 * sizeof *measure.normal);
@@ -194,10 +180,14 @@ vor_status vor_mls_error_measure(struct vor_mls_error *out, const struct vor_mls
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", of->n);
     else
         status = run_blocks(&all, &measure, run, err);
+    if (status == VOR_OK)
+        status = vor_bounds(&box, of->input, of->m, run, err);
     if (status == VOR_OK) {
         struct vor_stat stat = vor_sums_stat(&all, measure.points);
-        double half = longest_side(of->input, of->m) / 2;
+        double half = 0;
 
+        for (int c = 0; c < 3; c++)
+            half = fmax(half, (double)(box.high[c] - box.low[c]) / 2);
         *out =
             (struct vor_mls_error){half > 0 ? stat.max / half : 0, half > 0 ? stat.mean / half : 0};
     }

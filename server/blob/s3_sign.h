@@ -1,5 +1,5 @@
-/** A request to S3 that is signed in its URL (AWS Signature Version 4), so that whoever has the URL
- *  can make it. libcurl signs in headers alone. */
+/** Presigned URLs for S3 (AWS Signature Version 4): the signature is in the query, so no key is
+ *  needed to use one. libcurl can only sign headers. */
 #ifndef VOR_SERVER_BLOB_S3_SIGN_H
 #define VOR_SERVER_BLOB_S3_SIGN_H
 

@@ -315,22 +315,37 @@ VT_TEST(a_job_for_which_there_was_no_memory_is_tried_again)
     vt_daemon_stop(&daemon);
 }
 
+static void share(struct vt_daemon *daemon)
+{
+    daemon->store->is_shared = 1;
+}
+
+/* Starts a daemon with an endless run and takes the lease of that away. */
+static struct life lose_lease(struct vt_daemon *daemon, struct vor_uuid *runs,
+                              void (*prepare)(struct vt_daemon *))
+{
+    struct life life = begin_life();
+    uint64_t reaped;
+
+    *runs = leave_endless(&life);
+    end_life(&life);
+    vt_daemon_start(daemon, life.dir, &(struct vt_daemon_options){.jobs = 1, .prepare = prepare});
+    (void)vt_daemon_wait_iteration(daemon, runs, 0);
+    vt_assert_ok(vor_store_reap(daemon->store, VT_OWNER, 1, 1, &reaped, &vt_err));
+    ck_assert_uint_eq(reaped, 1);
+    return life;
+}
+
 /* As a daemon that was stopped for longer than its lease goes on: here it is told within seconds.
  */
 VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
 {
-    struct life life = begin_life();
-    struct vor_uuid runs = leave_endless(&life);
+    struct vor_uuid runs;
     struct vor_job_view row;
     struct vt_daemon daemon;
-    uint64_t reaped;
+    struct life life = lose_lease(&daemon, &runs, NULL);
     int changed;
 
-    end_life(&life);
-    vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1});
-    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, 1, 1, &reaped, &vt_err));
-    ck_assert_uint_eq(reaped, 1);
     ck_assert_uint_eq(vt_claim(daemon.store, &runs), 2);
     vt_daemon_wait_idle(&daemon);
     row = vt_stored(daemon.store, &runs);
@@ -342,27 +357,16 @@ VT_TEST(a_run_whose_job_another_owner_has_ends_and_leaves_it_alone)
     vt_daemon_stop(&daemon);
 }
 
-static void share(struct vt_daemon *daemon)
-{
-    daemon->store->is_shared = 1;
-}
-
 /* Regression: what told the run before to end also ended the next one, "cancelled by the caller".
  */
 VT_TEST(a_job_that_was_lost_and_comes_back_runs_again)
 {
-    struct life life = begin_life();
-    struct vor_uuid runs = leave_endless(&life);
+    struct vor_uuid runs;
     struct vor_job_view row;
     struct vt_daemon daemon;
-    uint64_t reaped;
     int found;
 
-    end_life(&life);
-    vt_daemon_start(&daemon, life.dir, &(struct vt_daemon_options){.jobs = 1, .prepare = share});
-    (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
-    vt_assert_ok(vor_store_reap(daemon.store, VT_OWNER, 1, 1, &reaped, &vt_err));
-    ck_assert_uint_eq(reaped, 1);
+    (void)lose_lease(&daemon, &runs, share);
     do { /* a stop that comes before the second run begins counts for the first */
         vt_nap();
         vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
