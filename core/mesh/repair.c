@@ -497,12 +497,16 @@ static int gains_more(const void *a, const void *b)
     return x->center < y->center ? -1 : x->center > y->center;
 }
 
-/* Finds the next candidate that still holds, from *next on. */
+/* Finds the next candidate that still holds, from *next on; none once repair->status is a failure.
+ */
 static int holds(struct repair *repair, int k, size_t *next, unsigned worker)
 {
     while (*next < repair->count[k]) {
         const struct candidate *found = &repair->found[k][(*next)++];
 
+        repair->status = vor_run_answered(vor_run_poll(&repair->seeds->run), repair->err);
+        if (repair->status != VOR_OK)
+            return 0;
         if (gather(repair, repair->of[k], found->center, worker) && repair->of[k]->faults > 0 &&
             attempt(repair->trial[k], repair->of[k], k == 0 ? COLLAPSE : SPLIT, found->end,
                     repair->of[k]->faults - 1))
@@ -521,25 +525,23 @@ static int overlap(const struct patch *a, const struct patch *b)
 }
 
 /* Makes collapses and splits in pairs. */
-static vor_status trade(struct repair *repair, unsigned worker)
+static void trade(struct repair *repair, unsigned worker)
 {
     size_t next[2] = {0, 0};
-    vor_status status = VOR_OK;
 
     for (int k = 0; k < 2; k++)
         qsort(repair->found[k], repair->count[k], sizeof *repair->found[k], gains_more);
-    while (status == VOR_OK && holds(repair, 0, &next[0], worker)) {
+    while (repair->status == VOR_OK && holds(repair, 0, &next[0], worker)) {
         uint32_t spare = VOR_COMPLEX_GONE;
 
         do {
             if (!holds(repair, 1, &next[1], worker))
-                return VOR_OK;
+                return;
         } while (overlap(repair->of[0], repair->of[1]));
-        status = replace(repair, repair->of[0], repair->trial[0], &spare);
-        if (status == VOR_OK)
-            status = replace(repair, repair->of[1], repair->trial[1], &spare);
+        repair->status = replace(repair, repair->of[0], repair->trial[0], &spare);
+        if (repair->status == VOR_OK)
+            repair->status = replace(repair, repair->of[1], repair->trial[1], &spare);
     }
-    return status;
 }
 
 static void repair_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
@@ -557,7 +559,7 @@ static void repair_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t 
                 repair->status = look_at(repair, i, worker);
         }
     if (repair->status == VOR_OK)
-        repair->status = trade(repair, worker);
+        trade(repair, worker);
 }
 
 vor_status vor_repair(struct vor_complex *complex, struct vor_sheet *sheet, struct vor_seeds *seeds,
