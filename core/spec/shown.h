@@ -91,6 +91,7 @@ enum vor_level {
     X(P, p, METRIC, "lp", "with metric=lp")                                                        \
     X(ITERATIONS, iterations, METHOD, "cvt kmeans isotropic",                                      \
       "with method=cvt, kmeans or isotropic")                                                      \
+    X(DELTA, delta, METHOD, "cvt kmeans wlop ear isotropic", "with methods other than insert")     \
     X(ETA, eta, DENSITY, "uniform", "with density=uniform")                                        \
     X(REPAIR, repair, DENSITY, "uniform", "with density=uniform")                                  \
     X(MOVE_STOP, moveStop, METHOD, "cvt", "with method=cvt")                                       \
