@@ -54,36 +54,30 @@ struct align {
     struct vor_align_fit fit[VOR_ALIGN_CANDIDATES];
 };
 
-static void refine_few(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void refine_few(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct align *align = ctx;
+    struct vor_align_fit *fit = &align->fit[i];
 
-    for (size_t i = begin; i < end; i++) {
-        struct vor_align_fit *fit = &align->fit[i];
-
-        *fit = (struct vor_align_fit){.pose = align->candidate[i].pose,
-                                      .flip = align->candidate[i].flip};
-        vor_align_refine_few(&fit->pose, fit->flip, &align->of);
-        vor_align_judge(fit, &align->of, align->within);
-    }
+    *fit =
+        (struct vor_align_fit){.pose = align->candidate[i].pose, .flip = align->candidate[i].flip};
+    vor_align_refine_few(&fit->pose, fit->flip, &align->of);
+    vor_align_judge(fit, &align->of, align->within);
 }
 
-static void refine(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void refine(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct align *align = ctx;
 
-    for (size_t i = begin; i < end; i++) {
-        vor_align_refine(&align->fit[i], &align->of);
-        vor_align_judge(&align->fit[i], &align->of, align->within);
-    }
+    vor_align_refine(&align->fit[i], &align->of);
+    vor_align_judge(&align->fit[i], &align->of, align->within);
 }
 
-static void judge(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void judge(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct align *align = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        vor_align_judge(&align->fit[i], &align->of, align->within);
+    vor_align_judge(&align->fit[i], &align->of, align->within);
 }
 
 static int better_first(const void *a, const void *b)
@@ -128,11 +122,11 @@ static void keep_best(struct align *align, unsigned most)
     align->count = kept;
 }
 
-static vor_status run_step(struct align *align, vor_task task, unsigned every,
+static vor_status run_step(struct align *align, vor_row_task task, unsigned every,
                            const struct vor_run *run, struct vor_error *err)
 {
     align->of.every = every;
-    return vor_run_for(run, align->count, 1, task, align, err);
+    return vor_run_rows(run, align->count, 1, task, align, err);
 }
 
 /* Narrows what counts as lying on the other cloud to what the good poses have. */

@@ -335,12 +335,11 @@ static void try_query(struct vor_align_candidate *best, const struct match *matc
         best->score = score(match, &best->pose, flip, 0, few->n) / (double)few->n;
 }
 
-static void try_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void try_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct match *match = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        try_query(&match->found[i], match, i / match->sides, (int)(i % match->sides));
+    try_query(&match->found[i], match, i / match->sides, (int)(i % match->sides));
 }
 
 static int better_first(const void *a, const void *b)
@@ -400,7 +399,7 @@ vor_status vor_align_match(struct vor_align_candidate out[VOR_ALIGN_CANDIDATES],
     if (status == VOR_OK && match.found == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu poses", n);
     if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, try_block, &match, err);
+        status = vor_run_rows(run, n, BLOCK, try_row, &match, err);
     if (status == VOR_OK)
         keep_best(out, count, &match, n);
     VOR_FREE_ALL(run->memory, match.of[0].x, match.of[0].normal, match.of[1].x, match.of[1].normal,

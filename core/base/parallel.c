@@ -188,3 +188,22 @@ enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *
     pthread_mutex_unlock(&pool->mutex);
     return loop.answer;
 }
+
+struct rows {
+    vor_row_task task;
+    void *ctx;
+};
+
+static void do_rows(void *ctx, size_t begin, size_t end, unsigned worker)
+{
+    const struct rows *rows = ctx;
+
+    for (size_t i = begin; i < end; i++)
+        rows->task(rows->ctx, i, worker);
+}
+
+enum vor_answer vor_parallel_rows(struct vor_pool *pool, const struct vor_watch *watch, size_t n,
+                                  size_t block, vor_row_task task, void *ctx)
+{
+    return vor_parallel_for(pool, watch, n, block, do_rows, &(struct rows){task, ctx});
+}

@@ -43,6 +43,15 @@ typedef void (*vor_task)(void *ctx, size_t begin, size_t end, unsigned worker);
 VOR_NODISCARD enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *watch,
                                                size_t n, size_t block, vor_task task, void *ctx);
 
+/** Does row i of a loop, with the scratch space of a worker: a task that does each row by itself.
+ */
+typedef void (*vor_row_task)(void *ctx, size_t i, unsigned worker);
+
+/** As vor_parallel_for, a row after the other. A call a row: not for rows of a few additions. */
+VOR_NODISCARD enum vor_answer vor_parallel_rows(struct vor_pool *pool,
+                                                const struct vor_watch *watch, size_t n,
+                                                size_t block, vor_row_task task, void *ctx);
+
 /** How many blocks of `block` rows n rows have. */
 static inline size_t vor_blocks_of(size_t n, size_t block)
 {

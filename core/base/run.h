@@ -72,6 +72,14 @@ VOR_NODISCARD static inline vor_status vor_run_for(const struct vor_run *run, si
     return vor_run_answered(vor_parallel_for(run->pool, run->watch, n, block, task, ctx), err);
 }
 
+/** Does rows 0 .. n - 1 on the run's pool, as vor_parallel_rows; fails as vor_run_for. */
+VOR_NODISCARD static inline vor_status vor_run_rows(const struct vor_run *run, size_t n,
+                                                    size_t block, vor_row_task task, void *ctx,
+                                                    struct vor_error *err)
+{
+    return vor_run_answered(vor_parallel_rows(run->pool, run->watch, n, block, task, ctx), err);
+}
+
 /** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP; with its clock. */
 struct vor_no_stop {
     const struct vor_watch *inner;

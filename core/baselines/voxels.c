@@ -35,18 +35,15 @@ struct voxels {
     struct cell *cell; /* slots */
 };
 
-static void number_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void number_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct voxels *voxels = ctx;
+    uint64_t number = 0;
 
-    for (size_t i = begin; i < end; i++) {
-        uint64_t number = 0;
-
-        for (size_t c = 0; c < 3; c++)
-            number =
-                number << BITS | (uint64_t)(((double)voxels->xyz[3 * i + c] + 1) * voxels->inverse);
-        voxels->number[i] = number;
-    }
+    for (size_t c = 0; c < 3; c++)
+        number =
+            number << BITS | (uint64_t)(((double)voxels->xyz[3 * i + c] + 1) * voxels->inverse);
+    voxels->number[i] = number;
 }
 
 /* Sorts the points into cells of that edge. *cells is how many there are, or limit + 1 for more. */
@@ -57,7 +54,7 @@ static vor_status fill(struct voxels *voxels, size_t *cells, double edge, const 
     vor_status status;
 
     voxels->inverse = 1 / edge;
-    status = vor_run_for(run, voxels->n, BLOCK, number_block, voxels, err);
+    status = vor_run_rows(run, voxels->n, BLOCK, number_row, voxels, err);
     if (status != VOR_OK)
         return status;
     for (size_t slot = 0; slot < voxels->slots; slot++)

@@ -97,31 +97,27 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     }
 }
 
-static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void plane_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
     struct vor_graph *graph = make->graph;
+    const uint32_t *list = &graph->list[i * graph->most];
+    const float *x = vor_domain_point(make->domain, i);
+    unsigned last = graph->count[i] < VOR_PLANE_POINTS - 1 ? graph->count[i] : VOR_PLANE_POINTS - 1;
+    double r2 = vor_distance2f(x, vor_domain_point(make->domain, list[last - 1]));
+    const struct vor_plane *take = &make->known[i].plane;
+    double best = KEEP * vor_plane_cost(take, x, r2);
 
-    for (size_t i = begin; i < end; i++) {
-        const uint32_t *list = &graph->list[i * graph->most];
-        const float *x = vor_domain_point(make->domain, i);
-        unsigned last =
-            graph->count[i] < VOR_PLANE_POINTS - 1 ? graph->count[i] : VOR_PLANE_POINTS - 1;
-        double r2 = vor_distance2f(x, vor_domain_point(make->domain, list[last - 1]));
-        const struct vor_plane *take = &make->known[i].plane;
-        double best = KEEP * vor_plane_cost(take, x, r2);
+    for (unsigned j = 0; j < last; j++) {
+        const struct vor_plane *plane = &make->known[list[j]].plane;
+        double here = vor_plane_cost(plane, x, r2);
 
-        for (unsigned j = 0; j < last; j++) {
-            const struct vor_plane *plane = &make->known[list[j]].plane;
-            double here = vor_plane_cost(plane, x, r2);
-
-            if (here < best) {
-                best = here;
-                take = plane;
-            }
+        if (here < best) {
+            best = here;
+            take = plane;
         }
-        memcpy(&graph->normal[3 * i], take->normal, sizeof take->normal);
     }
+    memcpy(&graph->normal[3 * i], take->normal, sizeof take->normal);
 }
 
 /* Takes n points, of which i is one, as the list of i. */
@@ -288,22 +284,19 @@ static int lies_steep(const struct make *make, size_t i, size_t j)
 }
 
 /* Drops those entries of lists that lie over their point. */
-static void drop_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void drop_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct make *make = ctx;
     struct vor_graph *graph = make->graph;
+    uint32_t *list = &graph->list[i * graph->most], stay[VOR_ADJACENT];
+    unsigned left = 0;
 
-    for (size_t i = begin; i < end; i++) {
-        uint32_t *list = &graph->list[i * graph->most], stay[VOR_ADJACENT];
-        unsigned left = 0;
-
-        for (unsigned j = 0; j < graph->count[i]; j++)
-            if (make->noisy[i] || !lies_steep(make, i, list[j]))
-                stay[left++] = list[j];
-        if (left >= VOR_ADJACENT_FEWEST) {
-            memcpy(list, stay, left * sizeof *list);
-            graph->count[i] = (unsigned char)left;
-        }
+    for (unsigned j = 0; j < graph->count[i]; j++)
+        if (make->noisy[i] || !lies_steep(make, i, list[j]))
+            stay[left++] = list[j];
+    if (left >= VOR_ADJACENT_FEWEST) {
+        memcpy(list, stay, left * sizeof *list);
+        graph->count[i] = (unsigned char)left;
     }
 }
 
@@ -314,7 +307,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
 
     /* Where two layers are known, their nearest points are those of one: they are no noise. */
     for (int round = 0; status == VOR_OK && round < ROUNDS; round++) {
-        status = vor_run_for(run, n, BLOCK, plane_block, make, err);
+        status = vor_run_rows(run, n, BLOCK, plane_row, make, err);
         make->layers = round == 0 && make->domain->known.sheets;
         if (status == VOR_OK && make->layers)
             status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
@@ -326,7 +319,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     }
     if (status == VOR_OK && make->domain->known.lists != VOR_LISTS_FEW)
         status = vor_run_for(run, n, BLOCK, rest_block, make, err);
-    return status == VOR_OK ? vor_run_for(run, n, BLOCK, drop_block, make, err) : status;
+    return status == VOR_OK ? vor_run_rows(run, n, BLOCK, drop_row, make, err) : status;
 }
 
 vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *domain,

@@ -182,28 +182,25 @@ static void turn(double share, double out[2])
     out[1] = sum[1];
 }
 
-static void unroll_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void unroll_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct lay *lay = ctx;
     struct vor_band *band = lay->band;
     double length = lay->along[band->rim], way[2];
+    const float *p = &lay->domain->xyz[3 * (size_t)band->point[i]];
+    double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
+    struct vor_polygon_near near;
+    size_t next;
 
-    for (size_t i = begin; i < end; i++) {
-        const float *p = &lay->domain->xyz[3 * (size_t)band->point[i]];
-        double x[3] = {(double)p[0], (double)p[1], (double)p[2]};
-        struct vor_polygon_near near;
-        size_t next;
-
-        vor_polygon_nearest(&near, &lay->polygon, x);
-        next = (near.edge + 1) % band->rim;
-        turn((lay->along[near.edge] +
-              near.t * sqrt(vor_distance2f(&lay->domain->xyz[3 * (size_t)lay->loop[near.edge]],
-                                           &lay->domain->xyz[3 * (size_t)lay->loop[next]]))) /
-                 length,
-             way);
-        for (size_t c = 0; c < 2; c++)
-            band->at[2 * i + c] = (length / (2 * M_PI) + sqrt(near.distance2)) * way[c];
-    }
+    vor_polygon_nearest(&near, &lay->polygon, x);
+    next = (near.edge + 1) % band->rim;
+    turn((lay->along[near.edge] +
+          near.t * sqrt(vor_distance2f(&lay->domain->xyz[3 * (size_t)lay->loop[near.edge]],
+                                       &lay->domain->xyz[3 * (size_t)lay->loop[next]]))) /
+             length,
+         way);
+    for (size_t c = 0; c < 2; c++)
+        band->at[2 * i + c] = (length / (2 * M_PI) + sqrt(near.distance2)) * way[c];
 }
 
 /* Sets how long the loop is before each of its points, and makes it a circle. */
@@ -245,7 +242,7 @@ static vor_status unroll(struct lay *lay, const struct vor_run *run, struct vor_
     if (status == VOR_OK)
         status = vor_polygon_init(&lay->polygon, lay->rim, band->rim, 3, band->memory, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, band->count, BLOCK, unroll_block, lay, err);
+        status = vor_run_rows(run, band->count, BLOCK, unroll_row, lay, err);
     return status;
 }
 

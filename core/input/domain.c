@@ -73,12 +73,11 @@ struct work {
     size_t *first; /* where the points of each block of the order go */
 };
 
-static void normalise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void normalise_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        vor_domain_normalise(work->out, &work->in->xyz[3 * i], &work->unsorted[3 * i]);
+    vor_domain_normalise(work->out, &work->in->xyz[3 * i], &work->unsorted[3 * i]);
 }
 
 /* Whether point i of the order is the first of those that coincide with it. */
@@ -142,7 +141,7 @@ static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in
     if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
     else
-        status = vor_run_for(run, in->n, BLOCK, normalise_block, &work, err);
+        status = vor_run_rows(run, in->n, BLOCK, normalise_row, &work, err);
     if (status == VOR_OK)
         status = vor_morton_order(work.order, work.unsorted, in->n, run, err);
     if (status == VOR_OK)

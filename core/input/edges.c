@@ -116,22 +116,21 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
 }
 
 /* Leaves in flag which points are bent. */
-static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void plane_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct vor_plane plane;
     struct around around;
 
     around.last.k = 0;
-    for (size_t i = begin; i < end; i++) {
-        search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
-        vor_plane_fit(&plane, find->domain->xyz, around.index, around.k);
-        memcpy(&find->normal[3 * i], plane.normal, sizeof plane.normal);
-        find->edges->flag[i] = (double)plane.flatness > BENT;
-    }
+
+    search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
+    vor_plane_fit(&plane, find->domain->xyz, around.index, around.k);
+    memcpy(&find->normal[3 * i], plane.normal, sizeof plane.normal);
+    find->edges->flag[i] = (double)plane.flatness > BENT;
 }
 
-static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void noise_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     const struct vor_domain *domain = find->domain;
@@ -139,16 +138,14 @@ static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     struct vor_surface surface;
 
     around.last.k = 0;
-    for (size_t i = begin; i < end; i++) {
-        size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
-        double unit2;
+    size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
+    double unit2;
 
-        search(&around, domain, &domain->xyz[3 * at],
-               domain->known.sheets ? VOR_NEIGHBORS_EXACT : AROUND);
-        vor_surface_fit(&surface, around.near, around.k);
-        unit2 = around.spacing * around.spacing * (around.k - VOR_QUADRIC_TERMS) / around.k;
-        find->off2[i] = unit2 > 0 ? (float)(surface.off2 / unit2) : -1;
-    }
+    search(&around, domain, &domain->xyz[3 * at],
+           domain->known.sheets ? VOR_NEIGHBORS_EXACT : AROUND);
+    vor_surface_fit(&surface, around.near, around.k);
+    unit2 = around.spacing * around.spacing * (around.k - VOR_QUADRIC_TERMS) / around.k;
+    find->off2[i] = unit2 > 0 ? (float)(surface.off2 / unit2) : -1;
 }
 
 /* Sets the variance of the noise beyond what detail has. Where the input has sheets, what quadrics
@@ -158,7 +155,7 @@ static void noise_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
  * 11 if there were none. */
 static vor_status measure_noise(struct find *find, const struct vor_run *run, struct vor_error *err)
 {
-    vor_status status = vor_run_for(run, find->places, BLOCK, noise_block, find, err);
+    vor_status status = vor_run_rows(run, find->places, BLOCK, noise_row, find, err);
     double low;
 
     if (status != VOR_OK)
@@ -257,7 +254,7 @@ static vor_status find_all(struct find *find, const struct vor_run *run, struct 
     vor_status status = measure_noise(find, run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, plane_block, find, err);
+        status = vor_run_rows(run, n, BLOCK, plane_row, find, err);
     if (status == VOR_OK)
         status = vor_run_for(run, n, BLOCK, edge_block, find, err);
     for (size_t b = 0; status == VOR_OK && b < vor_blocks_of(n, BLOCK); b++) {

@@ -230,26 +230,23 @@ static vor_status fit(struct fill *fill, const struct vor_run *run, struct vor_e
 }
 
 /* Computes places of the rows, one after another. */
-static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void place_row(void *ctx, size_t k, VOR_UNUSED unsigned worker)
 {
     struct fill *fill = ctx;
     double step = STEP * fill->loop->spacing;
+    size_t column = k % fill->grid[0], row = fill->row + k / fill->grid[0];
+    double u[2] = {fill->low[0] + (double)column * step, fill->low[1] + (double)row * step};
+    double *x = &fill->place[3 * k], most = 0;
 
-    for (size_t k = begin; k < end; k++) {
-        size_t column = k % fill->grid[0], row = fill->row + k / fill->grid[0];
-        double u[2] = {fill->low[0] + (double)column * step, fill->low[1] + (double)row * step};
-        double *x = &fill->place[3 * k], most = 0;
+    x[0] = NAN;
+    if (!vor_polygon_within(&fill->band.polygon, u))
+        return;
+    for (unsigned s = 0; s < fill->sides; s++) {
+        double other[3], height = side_at(fill, s, u, other) * fill->ahead;
 
-        x[0] = NAN;
-        if (!vor_polygon_within(&fill->band.polygon, u))
-            continue;
-        for (unsigned s = 0; s < fill->sides; s++) {
-            double other[3], height = side_at(fill, s, u, other) * fill->ahead;
-
-            if (s == 0 || height > most) {
-                most = height;
-                memcpy(x, other, sizeof other);
-            }
+        if (s == 0 || height > most) {
+            most = height;
+            memcpy(x, other, sizeof other);
         }
     }
 }
@@ -324,7 +321,7 @@ static vor_status put_points(struct fill *fill, int *inside, const struct vor_ru
     for (; status == VOR_OK && *inside && fill->row < fill->grid[1]; fill->row += rows) {
         if (rows > fill->grid[1] - fill->row)
             rows = fill->grid[1] - fill->row;
-        status = vor_run_for(run, rows * fill->grid[0], BLOCK, place_block, fill, err);
+        status = vor_run_rows(run, rows * fill->grid[0], BLOCK, place_row, fill, err);
         *inside &= !vor_run_is_late(run);
         for (size_t i = 0; status == VOR_OK && i < rows * fill->grid[0]; i++)
             status = try_place(fill, &fill->place[3 * i], inside, err);

@@ -372,16 +372,13 @@ static void place_island(const struct placing *placing, size_t island, size_t at
     }
 }
 
-static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void place_row(void *ctx, size_t island, VOR_UNUSED unsigned worker)
 {
     const struct placing *placing = ctx;
+    size_t at = share_before(placing, island), next = share_before(placing, island + 1);
 
-    for (size_t island = begin; island < end; island++) {
-        size_t at = share_before(placing, island), next = share_before(placing, island + 1);
-
-        if (next > at)
-            place_island(placing, island, at, next - at);
-    }
+    if (next > at)
+        place_island(placing, island, at, next - at);
 }
 
 vor_status vor_islands_place(float *xyz, const struct vor_domain *domain, size_t share,
@@ -389,7 +386,7 @@ vor_status vor_islands_place(float *xyz, const struct vor_domain *domain, size_t
 {
     struct placing placing = {domain, share, xyz};
 
-    return vor_run_for(run, domain->islands.count, BLOCK, place_block, &placing, err);
+    return vor_run_rows(run, domain->islands.count, BLOCK, place_row, &placing, err);
 }
 
 vor_status vor_islands_return(struct vor_domain *domain, const struct vor_run *run,

@@ -242,21 +242,18 @@ static unsigned openings_at(struct vor_opening *out, const struct find *find, si
     return vor_openings_find(out, around->near, around->k, x, normal, radius);
 }
 
-static void flag_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void flag_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct vor_opening opening[VOR_OPENINGS];
     struct around around;
+    double radius;
 
-    for (size_t i = begin; i < end; i++) {
-        double radius;
-
-        search(&around, find, i, NEAR + 1);
-        find->spacing[i] = (float)spacing_of(around.distance2[around.k - 1], around.k);
-        /* at a straight border half of the disc of the neighbours is empty */
-        radius = M_SQRT1_2 * VOR_LOOPS_RADIUS * (double)find->spacing[i];
-        find->flag[i] = radius > 0 && openings_at(opening, find, i, &around, radius) > 0;
-    }
+    search(&around, find, i, NEAR + 1);
+    find->spacing[i] = (float)spacing_of(around.distance2[around.k - 1], around.k);
+    /* at a straight border half of the disc of the neighbours is empty */
+    radius = M_SQRT1_2 * VOR_LOOPS_RADIUS * (double)find->spacing[i];
+    find->flag[i] = radius > 0 && openings_at(opening, find, i, &around, radius) > 0;
 }
 
 /* Spacing at point i: that of its neighbours, without those that lie at the border as well. */
@@ -311,7 +308,7 @@ static vor_status find_corners(struct find *find, size_t *count, const struct vo
                                struct vor_error *err)
 {
     size_t n = find->domain->n, found = 0;
-    vor_status status = vor_run_for(run, n, BLOCK, flag_block, find, err);
+    vor_status status = vor_run_rows(run, n, BLOCK, flag_row, find, err);
 
     if (status != VOR_OK)
         return status;

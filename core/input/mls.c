@@ -118,23 +118,21 @@ static void fit_best(struct hood *hood)
     hood->surface = best;
 }
 
-static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void project_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct pass *pass = ctx;
     struct hood hood;
 
     memset(&hood, 0, sizeof hood); /* analyzers cannot see that k >= 1 */
-    for (size_t i = begin; i < end; i++) {
-        const float *from = &pass->domain->xyz[3 * i];
-        double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
+    const float *from = &pass->domain->xyz[3 * i];
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
 
-        gather(&hood, pass, i);
-        fit_best(&hood);
-        if (hood.surface.kind != VOR_SURFACE_NONE)
-            vor_surface_put(&hood.surface, x);
-        for (size_t c = 0; c < 3; c++)
-            pass->xyz[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
-    }
+    gather(&hood, pass, i);
+    fit_best(&hood);
+    if (hood.surface.kind != VOR_SURFACE_NONE)
+        vor_surface_put(&hood.surface, x);
+    for (size_t c = 0; c < 3; c++)
+        pass->xyz[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
 }
 
 static vor_status project(struct vor_domain *domain, const struct vor_run *run,
@@ -145,7 +143,7 @@ static vor_status project(struct vor_domain *domain, const struct vor_run *run,
 
     if (pass.xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    status = vor_run_for(run, domain->n, BLOCK, project_block, &pass, err);
+    status = vor_run_rows(run, domain->n, BLOCK, project_row, &pass, err);
     if (status != VOR_OK) {
         vor_free(run->memory, pass.xyz);
         return status;

@@ -91,8 +91,9 @@ static double variance_of(struct vor_surface *surface, const struct vor_domain *
     return vor_surface_variance(surface, own, k);
 }
 
-static void fit_place(struct survey *survey, size_t place)
+static void fit_place(void *ctx, size_t place, VOR_UNUSED unsigned worker)
 {
+    struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
     const float *from = &domain->xyz[3 * place_at(domain, place)];
     double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, least;
@@ -113,12 +114,6 @@ static void fit_place(struct survey *survey, size_t place)
         survey->thickness[s][place] =
             surface.reach > 0 ? sqrt(survey->noise[s][place]) / surface.reach : 0;
     }
-}
-
-static void fit_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    for (size_t place = begin; place < end; place++)
-        fit_place(ctx, place);
 }
 
 /* Places that are judged together. */
@@ -275,7 +270,7 @@ static vor_status fit_places(struct survey *survey, unsigned steps, const struct
 {
     survey->steps = steps;
     survey->most = ladder[steps - 1];
-    return vor_run_for(run, PLACES, BLOCK, fit_block, survey, err);
+    return vor_run_rows(run, PLACES, BLOCK, fit_place, survey, err);
 }
 
 /* Whether the smallest number is best at every place, by the first steps of the ladder: then the

@@ -50,8 +50,9 @@ static double deviation_of(const struct vor_surface *surface, unsigned k)
     return surface->reach * t / (1 - vor_power(t / BALL, 5));
 }
 
-static void fit_place(struct survey *survey, size_t place)
+static void fit_place(void *ctx, size_t place, VOR_UNUSED unsigned worker)
 {
+    struct survey *survey = ctx;
     const float *x = &survey->out->xyz[3 * place], *xyz = survey->halves->level[survey->level].xyz;
     float near[3 * MOST] = {0}, distance2[MOST];
     uint32_t index[MOST];
@@ -69,13 +70,6 @@ static void fit_place(struct survey *survey, size_t place)
         survey->deviation[step][place] =
             fmin(survey->deviation[step][place], deviation_of(&surface, ladder[step]));
     }
-}
-
-static void fit_block(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    (void)worker;
-    for (size_t place = begin; place < end; place++)
-        fit_place(ctx, place);
 }
 
 /* The value of the pool's place number `rank` by size. */
@@ -163,7 +157,7 @@ static vor_status look(struct survey *survey, struct vor_halves *halves, const s
         for (unsigned step = 0; step < STEPS; step++)
             survey->deviation[step][place] = INFINITY;
     for (;;) {
-        status = vor_run_for(run, PLACES, BLOCK, fit_block, survey, err);
+        status = vor_run_rows(run, PLACES, BLOCK, fit_place, survey, err);
         if (status != VOR_OK)
             return status;
         agree(survey, few);

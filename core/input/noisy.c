@@ -43,12 +43,11 @@ static double roughness(const struct find *find, size_t i)
     return sqrt(surface.off2 * n / (n - VOR_QUADRIC_TERMS)) / surface.spacing;
 }
 
-static void rough_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void rough_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        find->rough[i] = (float)roughness(find, i);
+    find->rough[i] = (float)roughness(find, i);
 }
 
 static void region_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -76,7 +75,7 @@ vor_status vor_noisy_find(unsigned char *out, const struct vor_domain *domain,
     find.rough = vor_malloc(run->memory, domain->n, sizeof *find.rough);
     if (find.rough == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    status = vor_run_for(run, domain->n, BLOCK, rough_block, &find, err);
+    status = vor_run_rows(run, domain->n, BLOCK, rough_row, &find, err);
     if (status == VOR_OK)
         status = vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &find, err);
     vor_free(run->memory, find.rough);

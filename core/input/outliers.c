@@ -112,12 +112,11 @@ static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         point_batch(ctx, i, end - i < BATCH ? end - i : BATCH);
 }
 
-static void judge_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
+    look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
 }
 
 /* Whether point i lies off the surface of the nearest points around point `root`, without itself.
@@ -148,17 +147,14 @@ static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
-static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void look_closer_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
+    uint32_t nearest, other;
 
-    for (size_t i = begin; i < end; i++) {
-        uint32_t nearest, other;
-
-        if (!look->is_out[i])
-            look->is_out[i] =
-                is_off(look->domain, i, i, &nearest) || is_off(look->domain, i, nearest, &other);
-    }
+    if (!look->is_out[i])
+        look->is_out[i] =
+            is_off(look->domain, i, i, &nearest) || is_off(look->domain, i, nearest, &other);
 }
 
 /* Adds `count` points of the domain to those aside. */
@@ -204,9 +200,9 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
     find_sparse(look);
     status = vor_run_for(run, n, BLOCK, point_block, look, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, judge_block, look, err);
+        status = vor_run_rows(run, n, BLOCK, judge_row, look, err);
     if (status == VOR_OK && closer)
-        status = vor_run_for(run, n, CLOSER_BLOCK, look_closer_block, look, err);
+        status = vor_run_rows(run, n, CLOSER_BLOCK, look_closer_row, look, err);
     return status;
 }
 
@@ -371,8 +367,9 @@ static void put_near(const struct vor_surface *surface, double x[3])
     vor_surface_to_world(surface, local, x);
 }
 
-static void pull_point(struct pull *pull, size_t i)
+static void pull_point(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
+    struct pull *pull = ctx;
     const struct vor_domain *domain = pull->domain;
     const float *from = &pull->outliers->xyz[3 * i];
     float near[3 * VOR_NEIGHBORS_MAX], distance2[VOR_NEIGHBORS_MAX];
@@ -394,12 +391,6 @@ static void pull_point(struct pull *pull, size_t i)
     for (size_t c = 0; c < 3; c++)
         pull->foot[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
     pull->goes[i] = (uint64_t)nearest << 32 | i;
-}
-
-static void pull_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    for (size_t i = begin; i < end; i++)
-        pull_point(ctx, i);
 }
 
 static int earlier(const void *a, const void *b)
@@ -461,7 +452,7 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
     if (pull.foot == NULL || pull.goes == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu outliers", outliers->n);
     } else {
-        status = vor_run_for(run, outliers->n, BATCH, pull_block, &pull, err);
+        status = vor_run_rows(run, outliers->n, BATCH, pull_point, &pull, err);
         if (status == VOR_OK)
             status = insert(domain, &pull, run, err);
     }

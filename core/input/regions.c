@@ -89,8 +89,9 @@ static void to_double(double out[3], const float *x)
     vor_to_doubles(out, x);
 }
 
-static void fit_leaf(struct regions *regions, size_t i)
+static void fit_leaf(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
+    struct regions *regions = ctx;
     const struct vor_graph *graph = regions->graph;
     const uint32_t *list = &graph->list[i * graph->most];
     struct leaf *leaf = &regions->leaf[i];
@@ -113,12 +114,6 @@ static void fit_leaf(struct regions *regions, size_t i)
     leaf->reach = (float)s.reach;
     leaf->spacing = (float)s.spacing;
     leaf->noise = (float)(sqrt(s.off2) / s.spacing);
-}
-
-static void leaf_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    for (size_t i = begin; i < end; i++)
-        fit_leaf(ctx, i);
 }
 
 /* Distance of point j off the surface of point i, in spacings. */
@@ -350,13 +345,12 @@ static void take_list(struct regions *regions, uint32_t i)
     vor_to_floats(&graph->normal[3 * (size_t)i], normal);
 }
 
-static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void list_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct regions *regions = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        if (regions->mixed[i] && regions->region[i] != NONE)
-            take_list(regions, (uint32_t)i);
+    if (regions->mixed[i] && regions->region[i] != NONE)
+        take_list(regions, (uint32_t)i);
 }
 
 /* Takes the regions that have a list of points, by pairs of these; those in smaller ones are asked
@@ -384,7 +378,7 @@ static vor_status decide(struct regions *regions, const struct vor_run *run, str
 static vor_status make(struct regions *regions, const struct vor_run *run, struct vor_error *err)
 {
     size_t n = regions->domain->n;
-    vor_status status = vor_run_for(run, n, BLOCK, leaf_block, regions, err);
+    vor_status status = vor_run_rows(run, n, BLOCK, fit_leaf, regions, err);
 
     if (status == VOR_OK)
         status = vor_votes_make(&regions->votes, regions->domain, regions->graph, run, err);
@@ -402,7 +396,7 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
         regions->region = regions->next;
         regions->next = held;
     }
-    return status == VOR_OK ? vor_run_for(run, n, BLOCK, list_block, regions, err) : status;
+    return status == VOR_OK ? vor_run_rows(run, n, BLOCK, list_row, regions, err) : status;
 }
 
 vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *domain,

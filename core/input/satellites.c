@@ -167,12 +167,11 @@ static vor_status list_component(struct make *make, size_t c, const struct vor_r
     return status;
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void normal_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        fit_normal(&make->graph->normal[3 * i], make, i);
+    fit_normal(&make->graph->normal[3 * i], make, i);
 }
 
 static vor_status allocate(struct make *make, const struct vor_run *run, struct vor_error *err)
@@ -218,7 +217,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     for (size_t c = 0; c < make->components && status == VOR_OK; c++)
         status = list_component(make, c, run, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, make->domain->n, BLOCK, normal_block, make, err);
+        status = vor_run_rows(run, make->domain->n, BLOCK, normal_row, make, err);
     return status;
 }
 

@@ -253,27 +253,25 @@ static void move_point(struct hood *hood, const struct pass *pass, const float *
         memcpy(hood->x, hood->from, sizeof hood->x);
 }
 
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_row(void *ctx, size_t i, unsigned worker)
 {
     const struct pass *pass = ctx;
     struct hood hood;
 
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        size_t place = vor_noise_place(pass->noise, &pass->origin[3 * i]);
+    size_t place = vor_noise_place(pass->noise, &pass->origin[3 * i]);
 
-        for (size_t c = 0; c < 3; c++)
-            hood.from[c] = hood.x[c] = (double)pass->from[3 * i + c];
-        memset(hood.axis, 0, sizeof hood.axis);
-        hood.noise = pass->noise->deviation[place];
-        if (hood.noise > 0) {
-            search(&hood, pass, place);
-            move_point(&hood, pass, &pass->origin[3 * i]);
-        }
-        for (size_t c = 0; c < 3; c++) {
-            pass->xyz[3 * i + c] = (float)fmax(-1, fmin(1, hood.x[c]));
-            pass->normal[3 * i + c] = (float)hood.axis[2][c];
-        }
+    for (size_t c = 0; c < 3; c++)
+        hood.from[c] = hood.x[c] = (double)pass->from[3 * i + c];
+    memset(hood.axis, 0, sizeof hood.axis);
+    hood.noise = pass->noise->deviation[place];
+    if (hood.noise > 0) {
+        search(&hood, pass, place);
+        move_point(&hood, pass, &pass->origin[3 * i]);
+    }
+    for (size_t c = 0; c < 3; c++) {
+        pass->xyz[3 * i + c] = (float)fmax(-1, fmin(1, hood.x[c]));
+        pass->normal[3 * i + c] = (float)hood.axis[2][c];
     }
 }
 
@@ -338,7 +336,7 @@ static vor_status move(struct vor_domain *some, struct pass *pass, const struct 
     pass->xyz = vor_malloc(run->memory, some->n, 3 * sizeof *pass->xyz);
     if (pass->xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", some->n);
-    status = vor_run_for(run, some->n, BLOCK, move_block, pass, err);
+    status = vor_run_rows(run, some->n, BLOCK, move_row, pass, err);
     if (status == VOR_OK)
         return vor_domain_move(some, pass->xyz, run, err);
     vor_free(run->memory, pass->xyz);
@@ -416,20 +414,18 @@ static double beyond_end(double inward[3], const double x[3], const float normal
     return length > 0 ? 2 * length / total - r / 2 + VOR_EDGE_ROOM * spacing : 0;
 }
 
-static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void end_row(void *ctx, size_t i, unsigned worker)
 {
     const struct rest *rest = ctx;
     double x[3], inward[3];
 
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        size_t place = vor_noise_place(rest->noise, &rest->some->xyz[3 * i]);
+    size_t place = vor_noise_place(rest->noise, &rest->some->xyz[3 * i]);
 
-        vor_to_doubles(x, &rest->some->xyz[3 * i]);
-        rest->beyond[i] = 0;
-        if (rest->noise->deviation[place] > 0)
-            rest->beyond[i] = (float)beyond_end(inward, x, &rest->normal[3 * i], rest, place);
-    }
+    vor_to_doubles(x, &rest->some->xyz[3 * i]);
+    rest->beyond[i] = 0;
+    if (rest->noise->deviation[place] > 0)
+        rest->beyond[i] = (float)beyond_end(inward, x, &rest->normal[3 * i], rest, place);
 }
 
 /* Moves x onto the planes of the representatives around, which count the more the nearer they are
@@ -467,25 +463,23 @@ static void follow_some(double x[3], const struct rest *rest, const float *from,
         x[c] += beyond * inward[c];
 }
 
-static void follow_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void follow_row(void *ctx, size_t i, unsigned worker)
 {
     const struct rest *rest = ctx;
 
     (void)worker;
-    for (size_t i = begin; i < end; i++) {
-        const float *from = &rest->domain->xyz[3 * i];
-        size_t place = vor_noise_place(rest->noise, from);
-        double limit = REACH * rest->noise->deviation[place];
-        double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
+    const float *from = &rest->domain->xyz[3 * i];
+    size_t place = vor_noise_place(rest->noise, from);
+    double limit = REACH * rest->noise->deviation[place];
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
 
-        if (limit > 0)
-            follow_some(x, rest, from, place);
-        if (!(distance2_of(x, from) <= limit * limit))
-            for (int c = 0; c < 3; c++)
-                x[c] = (double)from[c];
-        for (size_t c = 0; c < 3; c++)
-            rest->xyz[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
-    }
+    if (limit > 0)
+        follow_some(x, rest, from, place);
+    if (!(distance2_of(x, from) <= limit * limit))
+        for (int c = 0; c < 3; c++)
+            x[c] = (double)from[c];
+    for (size_t c = 0; c < 3; c++)
+        rest->xyz[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
 }
 
 static vor_status follow(struct vor_domain *domain, const struct vor_domain *some,
@@ -506,9 +500,9 @@ static vor_status follow(struct vor_domain *domain, const struct vor_domain *som
     if (rest.beyond == NULL || rest.xyz == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     else
-        status = vor_run_for(run, some->n, BLOCK, end_block, &rest, err);
+        status = vor_run_rows(run, some->n, BLOCK, end_row, &rest, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, follow_block, &rest, err);
+        status = vor_run_rows(run, domain->n, BLOCK, follow_row, &rest, err);
     vor_free(run->memory, rest.beyond);
     if (status == VOR_OK)
         return vor_domain_move(domain, rest.xyz, run, err);

@@ -27,13 +27,12 @@ static unsigned search(const struct vor_balls *balls, uint32_t i, unsigned aroun
     return count;
 }
 
-static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void list_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct vor_balls *balls = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        balls->count[i] = (unsigned char)search(balls, (uint32_t)i, VOR_BALLS_FEW,
-                                                &balls->list[i * VOR_BALLS_FEW], &balls->far2[i]);
+    balls->count[i] = (unsigned char)search(balls, (uint32_t)i, VOR_BALLS_FEW,
+                                            &balls->list[i * VOR_BALLS_FEW], &balls->far2[i]);
 }
 
 vor_status vor_balls_make(struct vor_balls *out, const struct vor_sheet *sheet,
@@ -51,7 +50,7 @@ vor_status vor_balls_make(struct vor_balls *out, const struct vor_sheet *sheet,
     if (out->list == NULL || out->count == NULL || out->far2 == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_knn_build(&out->knn, seeds->xyz, seeds->n, run->memory, err);
-    return status == VOR_OK ? vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, list_block, out, err)
+    return status == VOR_OK ? vor_run_rows(run, seeds->n, VOR_SEEDS_BLOCK, list_row, out, err)
                             : status;
 }
 

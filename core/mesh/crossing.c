@@ -182,13 +182,12 @@ static int is_crossed(const struct crossing *crossing, size_t t)
     return crosses(complex, xyz, corner, &(const struct near){index, crossing->most, 0, xyz, 0});
 }
 
-static void cross_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void cross_row(void *ctx, size_t t, VOR_UNUSED unsigned worker)
 {
     const struct crossing *crossing = ctx;
 
-    for (size_t t = begin; t < end; t++)
-        crossing->passes[t] =
-            crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE && is_crossed(crossing, t);
+    crossing->passes[t] =
+        crossing->complex->triangle[3 * t] != VOR_COMPLEX_GONE && is_crossed(crossing, t);
 }
 
 vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet *sheet,
@@ -211,7 +210,7 @@ vor_status vor_crossing_drop(struct vor_complex *complex, const struct vor_sheet
     if (crossing.passes == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
     } else {
-        status = vor_run_for(run, complex->count, BLOCK, cross_block, &crossing, err);
+        status = vor_run_rows(run, complex->count, BLOCK, cross_row, &crossing, err);
         if (status == VOR_OK) {
             for (size_t t = 0; t < complex->count; t++)
                 if (crossing.passes[t])

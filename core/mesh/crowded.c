@@ -62,12 +62,11 @@ static int is_crowded(const struct crowded *crowded, uint32_t i)
     return 0;
 }
 
-static void find_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void find_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct crowded *crowded = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        crowded->sheet->crowded[i] = (unsigned char)is_crowded(crowded, (uint32_t)i);
+    crowded->sheet->crowded[i] = (unsigned char)is_crowded(crowded, (uint32_t)i);
 }
 
 vor_status vor_crowded_find(struct vor_sheet *sheet, const struct vor_complex *complex,
@@ -82,5 +81,5 @@ vor_status vor_crowded_find(struct vor_sheet *sheet, const struct vor_complex *c
         sheet->crowded = vor_malloc(run->memory, complex->n, 1);
     return sheet->crowded == NULL
                ? vor_fail(err, VOR_E_NOMEM, "%zu points", complex->n)
-               : vor_run_for(run, complex->n, VOR_SEEDS_BLOCK, find_block, &crowded, err);
+               : vor_run_rows(run, complex->n, VOR_SEEDS_BLOCK, find_row, &crowded, err);
 }

@@ -85,23 +85,20 @@ static int put(const struct around *around, double x[3])
     return 1;
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void put_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct putting *putting = ctx;
     struct vor_seeds *seeds = putting->seeds;
+    struct around around;
+    double x[3];
 
-    for (size_t i = begin; i < end; i++) {
-        struct around around;
-        double x[3];
-
-        if (!seeds->last_fit[i].layered)
-            continue;
-        gather(&around, putting->sheet, i);
-        vor_seeds_position(seeds, i, x);
-        if (around.count < VOR_ADJACENT_FEWEST || !put(&around, x))
-            continue;
-        vor_to_floats(&seeds->xyz[3 * i], x);
-    }
+    if (!seeds->last_fit[i].layered)
+        return;
+    gather(&around, putting->sheet, i);
+    vor_seeds_position(seeds, i, x);
+    if (around.count < VOR_ADJACENT_FEWEST || !put(&around, x))
+        return;
+    vor_to_floats(&seeds->xyz[3 * i], x);
 }
 
 vor_status vor_exact_put(const struct vor_sheet *sheet, struct vor_seeds *seeds, size_t fixed,
@@ -111,5 +108,5 @@ vor_status vor_exact_put(const struct vor_sheet *sheet, struct vor_seeds *seeds,
 
     if (sheet->graph == NULL || sheet->root == NULL)
         return VOR_OK;
-    return vor_run_for(&seeds->run, seeds->n - fixed, VOR_SEEDS_BLOCK, put_block, &putting, err);
+    return vor_run_rows(&seeds->run, seeds->n - fixed, VOR_SEEDS_BLOCK, put_row, &putting, err);
 }

@@ -201,31 +201,28 @@ static int leaves(const struct vor_seeds *seeds, struct vor_scratch *scratch, si
 static void (*const steps_of[])(const struct relax *, const struct vor_frame *, size_t,
                                 double[2]) = {step_of, mean_of, push_of};
 
-static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void move_row(void *ctx, size_t i, unsigned worker)
 {
     struct relax *relax = ctx;
     struct vor_seeds *seeds = relax->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
 
-    for (size_t i = begin; i < end; i++) {
-        memcpy(&relax->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
-        if (relax->moves[i] &&
-            vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE) {
-            struct vor_frame frame;
-            double x[3], step[2];
+    memcpy(&relax->next[3 * i], &seeds->xyz[3 * i], 3 * sizeof(float));
+    if (relax->moves[i] && vor_seeds_recall(seeds, scratch, i, &relax->how) != VOR_SURFACE_NONE) {
+        struct vor_frame frame;
+        double x[3], step[2];
 
-            vor_seeds_position(relax->seeds, i, x);
-            set_normal(relax->sheet, &scratch->onto, i, x);
-            vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
-            steps_of[relax->aim](relax, &frame, i, step);
-            for (int c = 0; c < 3; c++)
-                x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
-            vor_surface_put(&scratch->onto, x);
-            if (relax->aim != VOR_RELAX_STRAIN && leaves(seeds, scratch, i, &relax->how, x))
-                continue;
-            set_normal(relax->sheet, &scratch->onto, i, x);
-            vor_to_floats(&relax->next[3 * i], x);
-        }
+        vor_seeds_position(relax->seeds, i, x);
+        set_normal(relax->sheet, &scratch->onto, i, x);
+        vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
+        steps_of[relax->aim](relax, &frame, i, step);
+        for (int c = 0; c < 3; c++)
+            x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
+        vor_surface_put(&scratch->onto, x);
+        if (relax->aim != VOR_RELAX_STRAIN && leaves(seeds, scratch, i, &relax->how, x))
+            return;
+        set_normal(relax->sheet, &scratch->onto, i, x);
+        vor_to_floats(&relax->next[3 * i], x);
     }
 }
 
@@ -263,7 +260,7 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
                             vor_complex_surrounds(relax->complex, (uint32_t)i) &&
                             vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i));
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_block, relax, err);
+        status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_row, relax, err);
         if (status == VOR_OK)
             memcpy(seeds->xyz, relax->next, 3 * seeds->n * sizeof *seeds->xyz);
     }

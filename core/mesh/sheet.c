@@ -52,35 +52,32 @@ struct finding {
     const unsigned char *moved; /* only these are looked at, and put onto the surface; NULL: all */
 };
 
-static void find_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void find_row(void *ctx, size_t i, unsigned worker)
 {
     struct finding *finding = ctx;
     struct vor_sheet *sheet = finding->sheet;
     struct vor_seeds *seeds = finding->seeds;
     float distance2;
+    uint32_t nearest;
 
-    for (size_t i = begin; i < end; i++) {
-        uint32_t nearest;
+    if (finding->moved != NULL && !finding->moved[i])
+        return;
+    if (finding->moved != NULL &&
+        vor_seeds_recall(seeds, &seeds->scratch[worker], i, finding->how) != VOR_SURFACE_NONE) {
+        double x[3];
 
-        if (finding->moved != NULL && !finding->moved[i])
-            continue;
-        if (finding->moved != NULL &&
-            vor_seeds_recall(seeds, &seeds->scratch[worker], i, finding->how) != VOR_SURFACE_NONE) {
-            double x[3];
-
-            vor_seeds_position(seeds, i, x);
-            vor_surface_put(&seeds->scratch[worker].onto, x);
-            vor_to_floats(&seeds->xyz[3 * i], x);
-        }
-        find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
-        vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &nearest, &distance2);
-        sheet->near[i] = sqrtf(distance2);
-        if (sheet->root == NULL)
-            continue;
-        sheet->root[i] = seeds->last_fit[i].root;
-        if (sheet->root[i] == VOR_LISTS_NO_ROOT)
-            sheet->root[i] = nearest;
+        vor_seeds_position(seeds, i, x);
+        vor_surface_put(&seeds->scratch[worker].onto, x);
+        vor_to_floats(&seeds->xyz[3 * i], x);
     }
+    find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
+    vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &nearest, &distance2);
+    sheet->near[i] = sqrtf(distance2);
+    if (sheet->root == NULL)
+        return;
+    sheet->root[i] = seeds->last_fit[i].root;
+    if (sheet->root[i] == VOR_LISTS_NO_ROOT)
+        sheet->root[i] = nearest;
 }
 
 /* Takes the domain's graph, or makes one where fits look for layers without. */
@@ -117,7 +114,7 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = take_graph(out, seeds, run, err);
     if (status == VOR_OK)
-        status = vor_run_for(run, seeds->n, VOR_SEEDS_BLOCK, find_block, &finding, err);
+        status = vor_run_rows(run, seeds->n, VOR_SEEDS_BLOCK, find_row, &finding, err);
     return status;
 }
 
@@ -127,7 +124,7 @@ vor_status vor_sheet_put(struct vor_sheet *sheet, struct vor_seeds *seeds,
 {
     struct finding finding = {sheet, seeds, how, moved};
 
-    return vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, find_block, &finding, err);
+    return vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, find_row, &finding, err);
 }
 
 void vor_sheet_free(struct vor_sheet *sheet)

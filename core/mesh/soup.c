@@ -24,20 +24,17 @@ static const struct vor_cell *cell_of(const struct soup *soup, struct vor_scratc
                : &scratch->cell;
 }
 
-static void count_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void count_row(void *ctx, size_t k, unsigned worker)
 {
     struct soup *soup = ctx;
+    const struct vor_cell *cell = cell_of(soup, &soup->of->seeds->scratch[worker], k);
 
-    for (size_t k = begin; k < end; k++) {
-        const struct vor_cell *cell = cell_of(soup, &soup->of->seeds->scratch[worker], k);
-
-        soup->corner[k + 1] = soup->triangle[k + 1] = 0;
-        for (unsigned p = 0; cell != NULL && p < cell->count; p++)
-            if (cell->piece[p].count >= 3) {
-                soup->corner[k + 1] += cell->piece[p].count;
-                soup->triangle[k + 1] += cell->piece[p].count - 2;
-            }
-    }
+    soup->corner[k + 1] = soup->triangle[k + 1] = 0;
+    for (unsigned p = 0; cell != NULL && p < cell->count; p++)
+        if (cell->piece[p].count >= 3) {
+            soup->corner[k + 1] += cell->piece[p].count;
+            soup->triangle[k + 1] += cell->piece[p].count - 2;
+        }
 }
 
 /* Whether the surface's normal points away from that of point k. */
@@ -78,24 +75,21 @@ static uint32_t *put_piece(struct soup *soup, const struct vor_surface *surface,
     return triangle;
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_row(void *ctx, size_t k, unsigned worker)
 {
     struct soup *soup = ctx;
     struct vor_scratch *scratch = &soup->of->seeds->scratch[worker];
+    const struct vor_cell *cell = cell_of(soup, scratch, k);
+    uint32_t *triangle = &soup->mesh.triangle[3 * soup->triangle[k]];
+    size_t corner = soup->corner[k];
 
-    for (size_t k = begin; k < end; k++) {
-        const struct vor_cell *cell = cell_of(soup, scratch, k);
-        uint32_t *triangle = &soup->mesh.triangle[3 * soup->triangle[k]];
-        size_t corner = soup->corner[k];
+    for (unsigned p = 0; cell != NULL && p < cell->count; p++) {
+        const struct vor_polygon *piece = &cell->piece[p];
 
-        for (unsigned p = 0; cell != NULL && p < cell->count; p++) {
-            const struct vor_polygon *piece = &cell->piece[p];
-
-            if (piece->count < 3)
-                continue;
-            triangle = put_piece(soup, &scratch->here.surface, k, piece, corner, triangle);
-            corner += piece->count;
-        }
+        if (piece->count < 3)
+            continue;
+        triangle = put_piece(soup, &scratch->here.surface, k, piece, corner, triangle);
+        corner += piece->count;
     }
 }
 
@@ -134,7 +128,7 @@ static vor_status put(struct soup *soup, struct vor_error *err)
     soup->source = vor_malloc(mesh->memory, corners, sizeof *soup->source);
     if (mesh->triangle == NULL || soup->source == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu corners", corners);
-    status = vor_run_for(&seeds->run, result->n, VOR_SEEDS_BLOCK, put_block, soup, err);
+    status = vor_run_rows(&seeds->run, result->n, VOR_SEEDS_BLOCK, put_row, soup, err);
     if (status != VOR_OK)
         return status;
     soup->cloud.position_type = result->position_type;
@@ -155,7 +149,7 @@ static vor_status make(struct soup *soup, struct vor_error *err)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_seeds_index(seeds, &seeds->run, err);
     if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, n, VOR_SEEDS_BLOCK, count_block, soup, err);
+        status = vor_run_rows(&seeds->run, n, VOR_SEEDS_BLOCK, count_row, soup, err);
     if (status != VOR_OK)
         return status;
     add_up(soup->corner, n);

@@ -180,13 +180,12 @@ static void fit_normal(struct side *side, size_t i)
     side->fitted[i] = 1;
 }
 
-static void normals_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void normals_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct normals *normals = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        if (!take_normal(normals, i))
-            fit_normal(normals->side, i);
+    if (!take_normal(normals, i))
+        fit_normal(normals->side, i);
 }
 
 static int is_none(const float normal[3])
@@ -214,12 +213,11 @@ struct mapping {
     size_t first;
 };
 
-static void mapping_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void mapping_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct mapping *mapping = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        find_ties(&mapping->ties[i], mapping->to, &mapping->from->xyz[3 * (mapping->first + i)]);
+    find_ties(&mapping->ties[i], mapping->to, &mapping->from->xyz[3 * (mapping->first + i)]);
 }
 
 /* Gives each point of the cloud the mean normal of the reference points whose nearest it is. The
@@ -237,7 +235,7 @@ static vor_status map_normals(struct side *cloud, const struct side *reference,
     for (; mapping.first < reference->n && status == VOR_OK; mapping.first += room) {
         size_t left = reference->n - mapping.first, count = left < room ? left : room;
 
-        status = vor_run_for(run, count, BLOCK, mapping_block, &mapping, err);
+        status = vor_run_rows(run, count, BLOCK, mapping_row, &mapping, err);
         for (size_t i = 0; i < count && status == VOR_OK; i++)
             for (unsigned j = 0; j < mapping.ties[i].count; j++)
                 add_normal(cloud, mapping.ties[i].index[j], reference, mapping.first + i);
@@ -321,7 +319,7 @@ static vor_status measure(struct vor_distortion *out, struct side *cloud, struct
     vor_status status = find_peak(&out->peak, reference, run, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(run, reference->n, BLOCK, normals_block, &normals, err);
+        status = vor_run_rows(run, reference->n, BLOCK, normals_row, &normals, err);
     if (status == VOR_OK)
         status = map_normals(cloud, reference, run, err);
     if (status == VOR_OK)

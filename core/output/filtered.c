@@ -52,23 +52,20 @@ struct twins {
     struct vor_domain all;
 };
 
-static void join_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void join_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct twins *twins = ctx;
     const struct vor_domain *all = &twins->all;
     struct work *work = twins->work;
+    float x[3], distance2;
+    uint32_t index;
 
-    for (size_t i = begin; i < end; i++) {
-        float x[3], distance2;
-        uint32_t index;
-
-        if (work->place[i] != NONE)
-            continue;
-        vor_domain_normalise(all, &work->in->xyz[3 * i], x);
-        vor_knn_search(all->knn, x, 1, 1, &index, &distance2);
-        if (all->source[index] != i && !(distance2 > 0))
-            work->place[i] = work->place[all->source[index]];
-    }
+    if (work->place[i] != NONE)
+        return;
+    vor_domain_normalise(all, &work->in->xyz[3 * i], x);
+    vor_knn_search(all->knn, x, 1, 1, &index, &distance2);
+    if (all->source[index] != i && !(distance2 > 0))
+        work->place[i] = work->place[all->source[index]];
 }
 
 /* Gives points that share the place of another one, which alone is in the domain, the same place
@@ -85,7 +82,7 @@ static vor_status join_twins(struct work *work, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     if (twins.all.n < work->in->n)
-        status = vor_run_for(work->run, work->in->n, BLOCK, join_block, &twins, err);
+        status = vor_run_rows(work->run, work->in->n, BLOCK, join_row, &twins, err);
     vor_domain_free(&twins.all);
     return status;
 }
@@ -132,17 +129,13 @@ static void surface_normal(const struct work *work, size_t i, double normal[3])
     vor_surface_normal(&surface, local, normal);
 }
 
-static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void normal_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct work *work = ctx;
+    double fitted[3];
 
-    for (size_t i = begin; i < end; i++) {
-        double fitted[3];
-
-        surface_normal(work, i, fitted);
-        vor_sides_normal(&work->normal[3 * i], &work->sides, is_at(work, i), work->source[i],
-                         fitted);
-    }
+    surface_normal(work, i, fitted);
+    vor_sides_normal(&work->normal[3 * i], &work->sides, is_at(work, i), work->source[i], fitted);
 }
 
 static vor_status make_normals(struct work *work, struct vor_error *err)
@@ -158,7 +151,7 @@ static vor_status make_normals(struct work *work, struct vor_error *err)
     status = vor_sides_find(&work->sides, &of, work->run, err);
     if (status != VOR_OK)
         return status;
-    return vor_run_for(work->run, work->n, BLOCK, normal_block, work, err);
+    return vor_run_rows(work->run, work->n, BLOCK, normal_row, work, err);
 }
 
 /* Fills an empty cloud. */

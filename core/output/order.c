@@ -231,20 +231,18 @@ static void sum_gain(struct order *order, void *ctx, uint32_t i, double distance
     *(double *)ctx += gain_of(order, (double)order->reach[i], distance);
 }
 
-/* Rates the points of a block of the heap, from the grid of the chosen. */
-static void rate_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+/* Rates a point of the heap, from the grid of the chosen. */
+static void rate_row(void *ctx, size_t k, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
 
     if (vor_run_is_late(order->run))
         return; /* no rating is read any more: choose_all */
-    for (size_t k = begin; k < end; k++) {
-        uint32_t i = order->heap[k];
-        double sum = -misfit(order, (double)order->reach[i]);
+    uint32_t i = order->heap[k];
+    double sum = -misfit(order, (double)order->reach[i]);
 
-        around(order, &order->xyz[3 * (size_t)i], horizon(order), sum_gain, &sum);
-        order->gain[i] = (float)sum;
-    }
+    around(order, &order->xyz[3 * (size_t)i], horizon(order), sum_gain, &sum);
+    order->gain[i] = (float)sum;
 }
 
 /* A chosen point that has got a nearer neighbour. */
@@ -435,7 +433,7 @@ static vor_status choose_all(struct order *order, struct vor_error *err)
         } else if (order->heaped == 0) {
             break;
         } else {
-            status = vor_run_for(order->run, order->heaped, BLOCK, rate_block, order, err);
+            status = vor_run_rows(order->run, order->heaped, BLOCK, rate_row, order, err);
             if (status == VOR_OK && !vor_run_is_late(order->run))
                 status = on_one(order, build_heap, err);
             while (status == VOR_OK && order->heaped > 0 && !vor_run_is_late(order->run))

@@ -85,31 +85,28 @@ static void keep(struct transfer *transfer, struct vor_scratch *scratch, size_t 
     make_normal(transfer, scratch, i, x);
 }
 
-static void transfer_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void transfer_row(void *ctx, size_t i, unsigned worker)
 {
     struct transfer *transfer = ctx;
     struct vor_seeds *seeds = transfer->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     uint32_t index;
     float distance2;
+    size_t seed = i - transfer->kept;
 
-    for (size_t i = begin; i < end; i++) {
-        size_t seed = i - transfer->kept;
-
-        if (i < transfer->kept) {
-            keep(transfer, scratch, i);
-            continue;
-        }
-        if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
-            vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * seed], 1, 1, &index, &distance2);
-            transfer->nearest[i] = seeds->domain->source[index];
-            continue;
-        }
-        (void)vor_seeds_fit(seeds, scratch, seed);
-        transfer->nearest[i] = seeds->domain->source[vor_seeds_nearest(seeds, seed)];
-        if (transfer->normal != NULL)
-            make_normal(transfer, scratch, i, &seeds->xyz[3 * seed]);
+    if (i < transfer->kept) {
+        keep(transfer, scratch, i);
+        return;
     }
+    if (transfer->normal == NULL && vor_run_is_late(&seeds->run)) {
+        vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * seed], 1, 1, &index, &distance2);
+        transfer->nearest[i] = seeds->domain->source[index];
+        return;
+    }
+    (void)vor_seeds_fit(seeds, scratch, seed);
+    transfer->nearest[i] = seeds->domain->source[vor_seeds_nearest(seeds, seed)];
+    if (transfer->normal != NULL)
+        make_normal(transfer, scratch, i, &seeds->xyz[3 * seed]);
 }
 
 static void place(struct transfer *transfer, double spacing)
@@ -250,7 +247,7 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
     status = vor_cloud_resize(&cloud, n, err);
     if (status != VOR_OK)
         goto done;
-    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, transfer_block, &transfer, err);
+    status = vor_run_rows(run, n, VOR_SEEDS_BLOCK, transfer_row, &transfer, err);
     if (status != VOR_OK)
         goto done;
     place(&transfer, how->spacing);

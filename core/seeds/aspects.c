@@ -47,23 +47,20 @@ static double aspect_of(const struct vor_cell *cell)
     return mean > apart ? sqrt((mean + apart) / (mean - apart)) : 0;
 }
 
-static void measure_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void measure_row(void *ctx, size_t i, unsigned worker)
 {
     const struct measure *measure = ctx;
     struct vor_seeds *seeds = measure->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
+    double wanted = (double)seeds->stretched.near[i].aspect, aspect = 0;
 
-    for (size_t i = begin; i < end; i++) {
-        double wanted = (double)seeds->stretched.near[i].aspect, aspect = 0;
-
-        if (vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE) {
-            vor_seeds_crowd(seeds, scratch, i);
-            vor_seeds_clip(seeds, scratch, i, 1);
-            aspect = aspect_of(&scratch->cell);
-        }
-        measure->aspect[i] = (float)aspect;
-        measure->off[i] = (float)fabs(aspect / wanted - 1);
+    if (vor_seeds_fit(seeds, scratch, i) != VOR_SURFACE_NONE) {
+        vor_seeds_crowd(seeds, scratch, i);
+        vor_seeds_clip(seeds, scratch, i, 1);
+        aspect = aspect_of(&scratch->cell);
     }
+    measure->aspect[i] = (float)aspect;
+    measure->off[i] = (float)fabs(aspect / wanted - 1);
 }
 
 vor_status vor_seeds_aspects(struct vor_aspects *out, struct vor_seeds *seeds,
@@ -79,7 +76,7 @@ vor_status vor_seeds_aspects(struct vor_aspects *out, struct vor_seeds *seeds,
     else
         status = vor_seeds_index(seeds, &seeds->run, err);
     if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_block, &measure, err);
+        status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_row, &measure, err);
     if (status == VOR_OK) {
         vor_sort_floats(measure.aspect, seeds->n);
         vor_sort_floats(measure.off, seeds->n);

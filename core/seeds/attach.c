@@ -182,36 +182,33 @@ int vor_attach_near(const struct vor_seeds *seeds, struct vor_scratch *scratch, 
     return (!vor_seeds_surrounded(scratch, x) && draw_in(around, least, x)) || moved;
 }
 
-/* Moves the seeds of a block to where a result may be. */
-static void attach_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Moves a seed to where a result may be. */
+static void attach_row(void *ctx, size_t i, unsigned worker)
 {
     const struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
     struct vor_border border;
+    int moved = attach->onto_whole;
+    double x[3];
 
-    for (size_t i = begin; i < end; i++) {
-        int moved = attach->onto_whole;
-        double x[3];
-
-        if (vor_run_is_late(&seeds->run)) {
-            attach_hurried(seeds, i);
-            continue;
-        }
-        vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
-            continue;
-        if (attach->onto_whole)
-            vor_surface_put(&scratch->here.surface, x);
-        if (seeds->policy.keep_border) {
-            moved |= !attach->fast && vor_attach_near(seeds, scratch, x);
-            vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
-            moved |= attach->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
-            moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
-        }
-        for (size_t c = 0; moved && c < 3; c++)
-            seeds->xyz[3 * i + c] = (float)x[c];
+    if (vor_run_is_late(&seeds->run)) {
+        attach_hurried(seeds, i);
+        return;
     }
+    vor_seeds_position(seeds, i, x);
+    if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+        return;
+    if (attach->onto_whole)
+        vor_surface_put(&scratch->here.surface, x);
+    if (seeds->policy.keep_border) {
+        moved |= !attach->fast && vor_attach_near(seeds, scratch, x);
+        vor_seeds_border(seeds, scratch, &scratch->here, &border, x);
+        moved |= attach->keep_holes && vor_seeds_hold(seeds, scratch, i, x);
+        moved |= vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x);
+    }
+    for (size_t c = 0; moved && c < 3; c++)
+        seeds->xyz[3 * i + c] = (float)x[c];
 }
 
 vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error *err)
@@ -237,8 +234,8 @@ vor_status vor_attach(struct vor_seeds *seeds, int *keep_holes, struct vor_error
     attach.keep_holes = !vor_run_is_late(&seeds->run) &&
                         (double)(attach.beyond * attach.every) <= VOR_GAPS_SHARE * (double)seeds->n;
     *keep_holes = attach.keep_holes;
-    return vor_run_for(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_block, &attach,
-                       err);
+    return vor_run_rows(&seeds->run, moving, vor_seeds_block(seeds->domain), attach_row, &attach,
+                        err);
 }
 
 vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
@@ -247,8 +244,8 @@ vor_status vor_attach_fast(struct vor_seeds *seeds, struct vor_error *err)
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
-                       attach_block, &attach, err);
+    return vor_run_rows(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                        attach_row, &attach, err);
 }
 
 /* Whether the input point that was nearest to seed i in its last search, if there was one, is near
@@ -263,56 +260,45 @@ static int lies_near(const struct vor_seeds *seeds, size_t i, double near2)
     return vor_distance2f(&seeds->domain->xyz[3 * first], &seeds->xyz[3 * i]) <= near2;
 }
 
-/* Moves the seeds of a block that are too far from all of the input. */
-static void end_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Moves a seed that is too far from all of the input. */
+static void end_row(void *ctx, size_t i, unsigned worker)
 {
     const struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse;
-    double near2;
+    struct vor_place *here = &scratch->here;
+    struct vor_border border;
+    double near = VOR_OUTSIDE_BEYOND * VOR_OUTSIDE_IN_RESULT * seeds->domain->sparse, x[3];
+    int late = vor_run_is_late(&seeds->run), moved;
 
     if (stay_near(seeds) && seeds->policy.near_input == VOR_NEAR_ALWAYS)
         near = fmin(near, least_allowed(seeds));
-    near2 = near * near;
-
-    for (size_t i = begin; i < end; i++) {
-        struct vor_place *here = &scratch->here;
-        struct vor_border border;
-        double x[3];
-        int moved;
-
-        if (vor_run_is_late(&seeds->run)) {
-            attach_hurried(seeds, i);
-            continue;
-        }
-        if (lies_near(seeds, i, near2))
-            continue;
-        vor_seeds_position(seeds, i, x);
-        if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE) {
-            attach_hurried(seeds, i);
-            continue;
-        }
-        moved = vor_attach_near(seeds, scratch, x);
-        border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
-        if (vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x) || moved)
-            vor_to_floats(&seeds->xyz[3 * i], x);
+    if (!late && lies_near(seeds, i, near * near))
+        return;
+    vor_seeds_position(seeds, i, x);
+    if (late || vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE) {
+        attach_hurried(seeds, i);
+        return;
     }
+    moved = vor_attach_near(seeds, scratch, x);
+    border = (struct vor_border){&here->surface, here->near, here->k, seeds->domain->sparse};
+    if (vor_boundary_restrict(&border, VOR_OUTSIDE_IN_RESULT, x) || moved)
+        vor_to_floats(&seeds->xyz[3 * i], x);
 }
 
 /* Runs a task over all seeds that move, if the border is kept. */
-static vor_status attach_all(struct vor_seeds *seeds, vor_task task, struct vor_error *err)
+static vor_status attach_all(struct vor_seeds *seeds, vor_row_task task, struct vor_error *err)
 {
     struct attach attach = {.seeds = seeds};
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, task, &attach, err);
+    return vor_run_rows(&seeds->run, vor_seeds_moving(seeds), VOR_SEEDS_BLOCK, task, &attach, err);
 }
 
 vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 {
-    return attach_all(seeds, end_block, err);
+    return attach_all(seeds, end_row, err);
 }
 
 /* Moves seed i, if it hangs steeply above the points nearest to it, which are at hand, back to
@@ -354,28 +340,25 @@ static const struct vor_place *nearest_of(struct vor_seeds *seeds, struct vor_sc
     return there->surface.kind != VOR_SURFACE_NONE ? there : NULL;
 }
 
-/* Moves the seeds of a block that hang steeply above the input. */
-static void steep_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Moves a seed that hangs steeply above the input. */
+static void steep_row(void *ctx, size_t i, unsigned worker)
 {
     const struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     double spacing = sqrt(seeds->area / (double)seeds->n);
+    double near = VOR_HOLE_INSIDE * fmax(spacing, seeds->last_fit[i].surface.spacing);
+    const struct vor_place *here;
 
-    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
-        double near = VOR_HOLE_INSIDE * fmax(spacing, seeds->last_fit[i].surface.spacing);
-        const struct vor_place *here;
-
-        if (lies_near(seeds, i, near * near))
-            continue;
-        here = nearest_of(seeds, &seeds->scratch[worker], i);
-        if (here != NULL)
-            hold_steep(seeds, here, i, spacing);
-    }
+    if (vor_run_is_late(&seeds->run) || lies_near(seeds, i, near * near))
+        return;
+    here = nearest_of(seeds, &seeds->scratch[worker], i);
+    if (here != NULL)
+        hold_steep(seeds, here, i, spacing);
 }
 
 vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_error *err)
 {
-    return attach_all(seeds, steep_block, err);
+    return attach_all(seeds, steep_row, err);
 }
 
 /* Whether points within VOR_RIM_RING times the distance from x to the nearest lie more to one side
@@ -400,35 +383,32 @@ static int is_beside_all(const struct vor_place *here, const double x[3], double
     return sqrt(vor_dot(sum, sum)) > 2 / M_PI * count;
 }
 
-/* Moves the seeds of a block that hang in the air. */
-static void hanging_block(void *ctx, size_t begin, size_t end, unsigned worker)
+/* Moves a seed that hangs in the air. */
+static void hanging_row(void *ctx, size_t i, unsigned worker)
 {
     const struct attach *attach = ctx;
     struct vor_seeds *seeds = attach->seeds;
     struct vor_scratch *scratch = &seeds->scratch[worker];
-    double spacing = sqrt(seeds->area / (double)seeds->n);
+    const struct vor_place *here = &scratch->here;
+    double x[3], foot[3], way[3], distance, most = sqrt(seeds->area / (double)seeds->n);
 
-    for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
-        const struct vor_place *here = &scratch->here;
-        double x[3], foot[3], way[3], distance, most = spacing;
-
-        if (lies_near(seeds, i, VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most) ||
-            vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
-            continue;
-        vor_seeds_position(seeds, i, x);
-        most = fmax(most, here->surface.spacing);
-        distance = vor_boundary_foot(here->near, here->k, x, foot, way);
-        if (distance <= VOR_HOLE_INSIDE * most || !is_beside_all(here, x, distance))
-            continue;
-        for (int c = 0; c < 3; c++)
-            x[c] = foot[c] + VOR_HOLE_MARGIN * most * way[c];
-        vor_to_floats(&seeds->xyz[3 * i], x);
-    }
+    if (vor_run_is_late(&seeds->run) ||
+        lies_near(seeds, i, VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most) ||
+        vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
+        return;
+    vor_seeds_position(seeds, i, x);
+    most = fmax(most, here->surface.spacing);
+    distance = vor_boundary_foot(here->near, here->k, x, foot, way);
+    if (distance <= VOR_HOLE_INSIDE * most || !is_beside_all(here, x, distance))
+        return;
+    for (int c = 0; c < 3; c++)
+        x[c] = foot[c] + VOR_HOLE_MARGIN * most * way[c];
+    vor_to_floats(&seeds->xyz[3 * i], x);
 }
 
 vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err)
 {
-    return attach_all(seeds, hanging_block, err);
+    return attach_all(seeds, hanging_row, err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
@@ -438,8 +418,8 @@ vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct v
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
     vor_seeds_onto(seeds, seeds->whole);
-    return vor_run_for(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
-                       attach_block, &attach, err);
+    return vor_run_rows(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
+                        attach_row, &attach, err);
 }
 
 /* Fewer points do not say how a surface goes on beyond them: a quadric fitted to all of them bends

@@ -185,19 +185,16 @@ struct work {
     const struct walkers *walkers;
 };
 
-static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void move_row(void *ctx, size_t j, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
     struct line *line = work->line;
+    double out[3];
 
-    for (size_t j = begin; j < end; j++) {
-        double out[3];
-
-        way_out(out, work->on->domain, place(line, j), place(line, j + line->n - 1),
-                place(line, j + 1));
-        for (size_t c = 0; c < 3; c++)
-            line->next[3 * j + c] = line->at[3 * j + c] + work->step * out[c];
-    }
+    way_out(out, work->on->domain, place(line, j), place(line, j + line->n - 1),
+            place(line, j + 1));
+    for (size_t c = 0; c < 3; c++)
+        line->next[3 * j + c] = line->at[3 * j + c] + work->step * out[c];
 }
 
 /* Moves a line from the last points out to where the border lies, VOR_EDGE_ROOM spacings. */
@@ -205,7 +202,7 @@ static vor_status move_out(struct line *line, const struct place_on *on, double 
                            struct vor_error *err)
 {
     struct work work = {.on = on, .line = line, .step = VOR_EDGE_ROOM * spacing};
-    vor_status status = vor_run_for(on->run, line->n, BLOCK, move_block, &work, err);
+    vor_status status = vor_run_rows(on->run, line->n, BLOCK, move_row, &work, err);
     double *held = line->at;
 
     line->at = line->next;
@@ -333,18 +330,15 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     }
 }
 
-static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void put_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
+    float near[3 * VOR_NEIGHBORS_MAX];
+    struct vor_surface surface;
 
-    for (size_t i = begin; i < end; i++) {
-        float near[3 * VOR_NEIGHBORS_MAX];
-        struct vor_surface surface;
-
-        (void)fit_around(&surface, near, work->on->domain, &work->walkers->xyz[3 * i]);
-        if (surface.kind != VOR_SURFACE_NONE)
-            vor_surface_put(&surface, &work->walkers->xyz[3 * i]);
-    }
+    (void)fit_around(&surface, near, work->on->domain, &work->walkers->xyz[3 * i]);
+    if (surface.kind != VOR_SURFACE_NONE)
+        vor_surface_put(&surface, &work->walkers->xyz[3 * i]);
 }
 
 /* Makes room for walkers and the places of their gaps, and for as many again. */
@@ -382,7 +376,7 @@ static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
     if (status == VOR_OK)
         status = vor_run_for(on->run, walkers->gaps, BLOCK, place_block, &work, err);
     if (status == VOR_OK && !on->is_edge)
-        status = vor_run_for(on->run, walkers->n, BLOCK, put_block, &work, err);
+        status = vor_run_rows(on->run, walkers->n, BLOCK, put_row, &work, err);
     sites->places += status == VOR_OK ? 2 * walkers->gaps : 0;
     for (size_t i = 0; i < walkers->n && status == VOR_OK; i++) {
         float *to = &sites->xyz[3 * sites->n];

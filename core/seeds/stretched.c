@@ -41,18 +41,15 @@ struct renew {
     const float *xyz;
 };
 
-static void renew_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void renew_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct renew *renew = ctx;
+    struct vor_tensor_near *near = &renew->stretched->near[i];
+    const float *x = &renew->xyz[3 * i];
+    double reach = (double)near->reach;
 
-    for (size_t i = begin; i < end; i++) {
-        struct vor_tensor_near *near = &renew->stretched->near[i];
-        const float *x = &renew->xyz[3 * i];
-        double reach = (double)near->reach;
-
-        if (near->aspect == 0 || vor_distance2f(near->at, x) > reach * reach)
-            vor_tensor_find(near, renew->stretched->field, x);
-    }
+    if (near->aspect == 0 || vor_distance2f(near->at, x) > reach * reach)
+        vor_tensor_find(near, renew->stretched->field, x);
 }
 
 vor_status vor_stretched_renew(struct vor_stretched *stretched, const float *xyz,
@@ -62,7 +59,7 @@ vor_status vor_stretched_renew(struct vor_stretched *stretched, const float *xyz
 
     if (stretched->near == NULL)
         return VOR_OK;
-    return vor_run_for(run, stretched->n, BLOCK, renew_block, &renew, err);
+    return vor_run_rows(run, stretched->n, BLOCK, renew_row, &renew, err);
 }
 
 unsigned vor_stretched_listed(const struct vor_tensors *field, unsigned listed)

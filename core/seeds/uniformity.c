@@ -50,23 +50,20 @@ static double nearest_wide(const struct even *even, size_t i, struct vor_scratch
 }
 
 /* Distances from the lists; negative where a seed beyond the list could be nearer. */
-static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void list_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct even *even = ctx;
 
-    for (size_t i = begin; i < end; i++)
-        even->nearest[i] =
-            (float)vor_point_lists_nearest(&even->seeds->point_lists, &even->view, i);
+    even->nearest[i] = (float)vor_point_lists_nearest(&even->seeds->point_lists, &even->view, i);
 }
 
-static void wide_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void wide_row(void *ctx, size_t i, unsigned worker)
 {
     const struct even *even = ctx;
     struct vor_scratch *scratch = &even->seeds->scratch[worker];
 
-    for (size_t i = begin; i < end; i++)
-        if (even->nearest[i] < 0)
-            even->nearest[i] = (float)nearest_wide(even, i, scratch);
+    if (even->nearest[i] < 0)
+        even->nearest[i] = (float)nearest_wide(even, i, scratch);
 }
 
 static size_t count_open(const struct even *even)
@@ -99,12 +96,12 @@ static vor_status search_all(const struct even *even, struct vor_error *err)
 static vor_status measure(struct even *even, struct vor_error *err)
 {
     const struct vor_seeds *seeds = even->seeds;
-    vor_status status = vor_run_for(even->run, seeds->n, VOR_SEEDS_BLOCK, list_block, even, err);
+    vor_status status = vor_run_rows(even->run, seeds->n, VOR_SEEDS_BLOCK, list_row, even, err);
 
     if (status != VOR_OK || count_open(even) == 0)
         return status;
     if (count_open(even) <= seeds->n / VOR_SEEDS_LISTED) {
-        status = vor_run_for(even->run, seeds->n, VOR_SEEDS_BLOCK, wide_block, even, err);
+        status = vor_run_rows(even->run, seeds->n, VOR_SEEDS_BLOCK, wide_row, even, err);
         if (status != VOR_OK || count_open(even) == 0)
             return status;
     }
@@ -128,9 +125,9 @@ static double nearest_of(const struct even *even, size_t i, const uint32_t *inde
     return sqrt(best);
 }
 
-/* Distances in the metric to the nearest neighbour, of a block. Where the list leaves it open, a
+/* Distance in the metric to the nearest neighbour. Where the list leaves it open, a
  * wide search answers; beyond that, nothing is near in any metric allowed. */
-static void stretched_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void stretched_row(void *ctx, size_t i, unsigned worker)
 {
     const struct even *even = ctx;
     const struct vor_seeds *seeds = even->seeds;
@@ -140,24 +137,20 @@ static void stretched_block(void *ctx, size_t begin, size_t end, unsigned worker
     unsigned width = seeds->n < VOR_SEEDS_MORE_MAX ? (unsigned)seeds->n : VOR_SEEDS_MORE_MAX;
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
+    double found;
 
-    for (size_t i = begin; i < end; i++) {
-        double found;
-
-        vor_point_lists_candidates(crowd, &seeds->point_lists, &even->view, i);
-        found = nearest_of(even, i, crowd->index, crowd->count);
-        if (!(found * longest <= crowd->sure)) {
-            (void)vor_point_lists_wide(&seeds->point_lists, &even->view, i, width, index,
-                                       distance2);
-            scratch->queries++;
-            found = fmin(found, nearest_of(even, i, index, width));
-        }
-        even->nearest[i] = (float)found;
+    vor_point_lists_candidates(crowd, &seeds->point_lists, &even->view, i);
+    found = nearest_of(even, i, crowd->index, crowd->count);
+    if (!(found * longest <= crowd->sure)) {
+        (void)vor_point_lists_wide(&seeds->point_lists, &even->view, i, width, index, distance2);
+        scratch->queries++;
+        found = fmin(found, nearest_of(even, i, index, width));
     }
+    even->nearest[i] = (float)found;
 }
 
 /* The same by an index of the positions. */
-static void searched_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void searched_row(void *ctx, size_t i, unsigned worker)
 {
     const struct even *even = ctx;
     const struct vor_seeds *seeds = even->seeds;
@@ -165,11 +158,9 @@ static void searched_block(void *ctx, size_t begin, size_t end, unsigned worker)
     uint32_t index[VOR_SEEDS_MORE_MAX];
     float distance2[VOR_SEEDS_MORE_MAX];
 
-    for (size_t i = begin; i < end; i++) {
-        vor_knn_search(even->knn, &even->view.xyz[3 * i], 1, width, index, distance2);
-        seeds->scratch[worker].queries++;
-        even->nearest[i] = (float)nearest_of(even, i, index, width);
-    }
+    vor_knn_search(even->knn, &even->view.xyz[3 * i], 1, width, index, distance2);
+    seeds->scratch[worker].queries++;
+    even->nearest[i] = (float)nearest_of(even, i, index, width);
 }
 
 /* Distances in the metric. */
@@ -180,11 +171,11 @@ static vor_status measure_stretched(struct even *even, int looked, struct vor_er
     vor_status status;
 
     if (looked)
-        return vor_run_for(run, n, VOR_SEEDS_BLOCK, stretched_block, even, err);
+        return vor_run_rows(run, n, VOR_SEEDS_BLOCK, stretched_row, even, err);
     status = vor_knn_build(&even->knn, even->view.xyz, n, run->memory, err);
     if (status != VOR_OK)
         return status;
-    status = vor_run_for(run, n, VOR_SEEDS_BLOCK, searched_block, even, err);
+    status = vor_run_rows(run, n, VOR_SEEDS_BLOCK, searched_row, even, err);
     vor_knn_free(even->knn);
     return status;
 }

@@ -31,20 +31,17 @@ struct renew {
     const float *xyz;
 };
 
-static void renew_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void renew_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct renew *renew = ctx;
     struct vor_wanted *wanted = renew->wanted;
+    struct vor_field_near *near = &wanted->near[i];
+    const float *x = &renew->xyz[3 * i];
+    double reach = (double)near->reach;
 
-    for (size_t i = begin; i < end; i++) {
-        struct vor_field_near *near = &wanted->near[i];
-        const float *x = &renew->xyz[3 * i];
-        double reach = (double)near->reach;
-
-        if (near->value == 0 || vor_distance2f(near->at, x) > reach * reach)
-            vor_field_find(near, wanted->field, x);
-        wanted->value[i] = (float)vor_field_value(near, x);
-    }
+    if (near->value == 0 || vor_distance2f(near->at, x) > reach * reach)
+        vor_field_find(near, wanted->field, x);
+    wanted->value[i] = (float)vor_field_value(near, x);
 }
 
 vor_status vor_wanted_renew(struct vor_wanted *wanted, const float *xyz, const struct vor_run *run,
@@ -54,7 +51,7 @@ vor_status vor_wanted_renew(struct vor_wanted *wanted, const float *xyz, const s
 
     if (wanted->value == NULL)
         return VOR_OK;
-    return vor_run_for(run, wanted->n, BLOCK, renew_block, &renew, err);
+    return vor_run_rows(run, wanted->n, BLOCK, renew_row, &renew, err);
 }
 
 void vor_wanted_uniformity(struct vor_uniformity *out, const struct vor_wanted *wanted,

@@ -75,24 +75,21 @@ static int put(const struct vor_seeds *seeds, struct vor_scratch *scratch, doubl
 }
 
 /* Puts earlier points onto the surface; one that dies is NAN. */
-static void put_block(void *ctx, size_t begin, size_t end, unsigned worker)
+static void put_row(void *ctx, size_t i, unsigned worker)
 {
     const struct warm *warm = ctx;
+    const float *from = &warm->previous->xyz[3 * i];
+    float *to = &warm->xyz[3 * i];
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
 
-    for (size_t i = begin; i < end; i++) {
-        const float *from = &warm->previous->xyz[3 * i];
-        float *to = &warm->xyz[3 * i];
-        double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
-
+    to[0] = NAN;
+    /* The domain lies within 1 of the middle. */
+    if (vor_run_is_late(&warm->seeds->run) || !(vor_dot(x, x) < LEFT) ||
+        !put(warm->seeds, &warm->seeds->scratch[worker], x))
+        return;
+    vor_to_floats(to, x);
+    if (!((double)vor_distance2f(to, from) <= LEFT * LEFT * spacing2(warm, to)))
         to[0] = NAN;
-        /* The domain lies within 1 of the middle. */
-        if (vor_run_is_late(&warm->seeds->run) || !(vor_dot(x, x) < LEFT) ||
-            !put(warm->seeds, &warm->seeds->scratch[worker], x))
-            continue;
-        vor_to_floats(to, x);
-        if (!((double)vor_distance2f(to, from) <= LEFT * LEFT * spacing2(warm, to)))
-            to[0] = NAN;
-    }
 }
 
 /* Sorts points and their tracks along the Morton curve. */
@@ -132,17 +129,14 @@ static void gather(struct warm *warm)
     }
 }
 
-static void room_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+static void room_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct warm *warm = ctx;
+    uint32_t index[2];
+    float distance2[2] = {0, INFINITY};
 
-    for (size_t i = begin; i < end; i++) {
-        uint32_t index[2];
-        float distance2[2] = {0, INFINITY};
-
-        vor_knn_search(warm->knn, &warm->xyz[3 * i], 1, warm->m > 1 ? 2 : 1, index, distance2);
-        warm->room[i] = distance2[1];
-    }
+    vor_knn_search(warm->knn, &warm->xyz[3 * i], 1, warm->m > 1 ? 2 : 1, index, distance2);
+    warm->room[i] = distance2[1];
 }
 
 static void gap_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -269,8 +263,8 @@ static vor_status start(struct warm *warm, struct vor_error *err)
     struct vor_seeds *seeds = warm->seeds;
     struct vor_memory *memory = seeds->run.memory;
     int64_t missing;
-    vor_status status = vor_run_for(&seeds->run, warm->previous->n, vor_seeds_block(seeds->domain),
-                                    put_block, warm, err);
+    vor_status status = vor_run_rows(&seeds->run, warm->previous->n, vor_seeds_block(seeds->domain),
+                                     put_row, warm, err);
 
     if (status != VOR_OK)
         return status;
@@ -283,7 +277,7 @@ static vor_status start(struct warm *warm, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_knn_build_sorted(&warm->knn, warm->xyz, warm->m, &seeds->run, err);
     if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, warm->m, VOR_SEEDS_BLOCK, room_block, warm, err);
+        status = vor_run_rows(&seeds->run, warm->m, VOR_SEEDS_BLOCK, room_row, warm, err);
     if (status == VOR_OK)
         status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, gap_block, warm, err);
     if (status != VOR_OK)
