@@ -58,16 +58,16 @@ static const char *take_item(struct vor_markup_block *out, const char *at)
     return end;
 }
 
-/* Lines of code may have blank ones between them. */
+/* Lines of code may have blank ones between them. The first is one, however deep. */
 static const char *take_code(struct vor_markup_block *out, const char *at)
 {
     const char *begin = at, *end = at;
 
-    while (*at != '\0' && (is_blank(at) || strspn(at, " ") >= CODE_INDENT)) {
+    do {
         at = after_line(at);
         if (*at == '\0' || !is_blank(at))
             end = at;
-    }
+    } while (*at != '\0' && (is_blank(at) || strspn(at, " ") >= CODE_INDENT));
     out->kind = VOR_MARKUP_CODE;
     out->text = between(begin, end);
     return end;
