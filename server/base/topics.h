@@ -19,6 +19,7 @@
     X(container, 8)                                                                                \
     X(proxies, 8)                                                                                  \
     X(data, 8)                                                                                     \
+    X(scale, 8)                                                                                    \
     X(keys, 8)                                                                                     \
     X(metrics, 8)                                                                                  \
     X(limits, 8)                                                                                   \

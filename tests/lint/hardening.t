@@ -75,16 +75,24 @@ sub holds {
     is join(' ', sort grep { /^AWS_.*_FILE$/ } keys %set), 'AWS_ACCESS_KEY_ID_FILE AWS_SECRET_ACCESS_KEY_FILE', 'and has keys for S3';
 }
 holds($_, %{ merged(merged($scale->{$_})->{environment}) }) for qw(api-1 api-2 worker);
-my $kustomization = YAML::XS::LoadFile('docker/k8s/kustomization.yaml');
+my %other = slurp('docker/compose.scale.yaml') =~ /^ +# (VORONOID_\w+): (\S+)$/mg;
+for my $name (sort keys %other) {
+    my %set = (%{ merged(merged($scale->{'api-1'})->{environment}) }, $name => $other{$name});
+    delete $set{ $name =~ s/_FILE$//r } if $name =~ /_FILE$/;
+    holds("api-1 with $name", %set);
+}
+my ($kustomization, $without_s3) = map { YAML::XS::LoadFile("docker/$_/kustomization.yaml") } qw(k8s k8s-postgresql);
 my @objects = map { YAML::XS::LoadFile("docker/k8s/$_") } @{ $kustomization->{resources} };
 is join(' ', map { $_->{kind} } @objects), 'Deployment PodDisruptionBudget Service Deployment PodDisruptionBudget', 'Kubernetes gets these';
 for my $object (grep { $_->{kind} eq 'Deployment' } @objects) {
     my $pod = $object->{spec}{template}{spec};
     my $daemon = $pod->{containers}[0];
-    my %set = map { split /=/, $_, 2 } @{ $kustomization->{configMapGenerator}[0]{literals} };
-    holds($object->{metadata}{name}, %set, map { $_->{name} => $_->{value} } @{ $daemon->{env} });
+    for my $literals (map { $_->{configMapGenerator}[0]{literals} } $kustomization, $without_s3) {
+        holds($object->{metadata}{name}, map({ split /=/, $_, 2 } @$literals), map { $_->{name} => $_->{value} } @{ $daemon->{env} });
+    }
     is scalar(grep { exists $_->{value} && !/_FILE|_KEYS/ && $_->{value} =~ m{//} } @{ $daemon->{env} }), 0, 'no secret stands there';
     ok $pod->{securityContext}{runAsNonRoot} && $daemon->{securityContext}{readOnlyRootFilesystem}, 'it is shut in';
     ok $daemon->{$_}{httpGet}{path} =~ m{^/(?:livez|readyz)$}, "and has a $_" for qw(startupProbe livenessProbe readinessProbe);
 }
+-x '/usr/bin/kubectl' and like qx(kubectl kustomize docker/$_ 2>&1), qr/^kind: Deployment\n/m, "kubectl takes $_" for qw(k8s k8s-postgresql);
 done_testing();
