@@ -19,7 +19,7 @@ our @EXPORT = qw(sphere_ply json is_problem wait_until head_of body_of data_file
 our $PATIENCE = 120;
 
 my $OGC = 'http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0';
-my $binary = abs_path($ENV{VORONOID} // 'build/release/voronoid');
+our $binary = abs_path($ENV{VORONOID} // 'build/release/voronoid');
 my %running;
 
 # Starts a daemon and waits until it listens. Settings are pairs; dir => keeps a directory of before.

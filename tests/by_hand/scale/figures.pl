@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # usage: figures.pl [PART...]: what several daemons on one PostgreSQL and one S3 reach, with real servers that are started here; parts:
-# churn, finish, standby, workers, large, events, faults, eventsource. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
+# churn, finish, standby, workers, large, events, faults, eventsource, resume, capacity; and upgrade. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
 use strict;
 use warnings;
 use FindBin;
@@ -10,7 +10,7 @@ use Scale;
 use Time::HiRes qw(time sleep);
 use Vt;
 
-my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events faults eventsource);
+my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events faults eventsource resume capacity);
 my $cloud = sphere_ply(4000);
 $| = 1;
 start_postgres() or die Vt::slurp("$Scale::dir/postgres.out");
@@ -35,7 +35,7 @@ if ($want{churn}) {
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
     print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
 }
-exit unless grep { $want{$_} } qw(finish standby workers large events faults eventsource);
+exit unless grep { $_ ne 'churn' } keys %want;
 
 start_swift() or die Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
@@ -207,6 +207,161 @@ JS
     print 'eventsource: ', <$node>;
 }
 
+# What a core does: CPU seconds of the daemon that answers, of the worker, of PostgreSQL and of Swift for small jobs, for events that
+# another daemon shows, and for bytes.
+if ($want{capacity}) {
+    my $worker = Vt->start(%place, role => 'worker', jobs => 2, threads => 1);
+    my $of = sub {
+        my ($what, $count, $unit, $run) = @_;
+        my @groups = ([$api[0]{pid}, $api[1]{pid}], [$worker->{pid}], [Vt::slurp("$Scale::dir/data/postmaster.pid") =~ /^(\d+)/], [grep { $_ } @Scale::pid{qw(account container object proxy memcached)}]);
+        my ($began, @before) = (time, map { cpu(@$_) } @groups);
+        $run->();
+        my @used = map { cpu(@{ $groups[$_] }) - $before[$_] } 0 .. $#groups;
+        printf "capacity: %s: %.1f s; %s a CPU s: api %s, worker %s, PostgreSQL %s, Swift %s\n", $what, time - $began, $unit,
+            map { $_ > .02 ? sprintf '%.0f', $count / $_ : 'uncounted' } @used;
+    };
+    my $small = sphere_ply(1000);
+    my $jobs = $ENV{VT_JOBS} // 300;
+    $of->("$jobs jobs of 1,000 points to 100", $jobs, 'jobs', sub {
+        my @ids = map { $api[$_ % 2]->submit('points=100&iterations=1&polish=0', $small) } 1 .. $jobs;
+        $api[0]->finish($_) for @ids;
+        $api[1]->get("/v1/jobs/$_/results/cloud") for @ids;
+    });
+    $of->('6,300 events, written and followed by two', 6300, 'events', sub {
+        my $id = $api[0]->submit('points=300&iterations=6300&delta=0&polish=0', $small);
+        my @readers = map { my $pid = fork // die; if (!$pid) { follow($id, 1 << 30, $api[$_]); POSIX::_exit(0) } $pid } 0, 1;
+        waitpid $_, 0 for @readers;
+    });
+    my $padded = $small =~ s/(?=^end_header)/element padding 1\nproperty list int uchar bytes\n/mr . pack('l<', 64 << 20) . 'x' x (64 << 20);
+    my $id;
+    $of->('64 MiB uploaded', 64, 'MiB', sub { $id = $api[0]->submit('points=100&iterations=1', $padded); $api[0]->finish($id) });
+    $of->("64 MiB downloaded $_", 64, 'MiB', sub { `curl -sS -o /dev/null $api[1]{url}/v1/jobs/$id/input` }) for 'from a daemon without a copy', 'from one that has a copy';
+    $worker->stop;
+}
+
+# Daemons of VT_OLDER, another build, give way to those of this one while jobs come: each goes to a daemon that was ready when it was
+# asked last, once a second, as balancers do.
+if ($want{upgrade}) {
+    ask('postgres', 'CREATE DATABASE upgrade');
+    my @of = (store => $place{store} =~ s/daemons$/upgrade/r, blobs => "$place{blobs}/upgrade", jobs => 1, threads => 1, 'drain-delay' => 4);
+    my ($newer, $older) = ($Vt::binary, $ENV{VT_OLDER} // die 'VT_OLDER is the path of another build');
+    my $start = sub { local $Vt::binary = $_[0]; return map { Vt->start(@of) } 1 .. 2 };
+    my @old = $start->($older);
+    my ($began, $asked, $stopped, @new, @ready, @ids, %refused) = (time, 0, 0);
+    while ((my $passed = time - $began) < 50) {
+        @new = $start->($newer) if $passed > 15 && !@new;
+        kill 'TERM', $old[$stopped++]{pid} if $stopped < 2 && $passed > 25 + 8 * $stopped;
+        if (time > $asked + 1) {
+            @ready = grep { $_->{http}->get("$_->{url}/readyz")->{status} == 200 } @old, @new;
+            $asked = time;
+        }
+        my $answer = eval { $ready[rand @ready]->post('/v1/resample?points=1000&iterations=60&delta=0', $cloud, Prefer => 'respond-async') } // { status => 599, content => $@ };
+        if ($answer->{status} == 201) { push @ids, json($answer)->{jobID} }
+        else { $refused{"$answer->{status} " . substr $answer->{content}, 0, 200}++ }
+        sleep .5;
+    }
+    my %ends;
+    $ends{ $new[0]->finish($_)->{status} }++ for @ids;
+    my $ran = sub { my $text = join '', map { $_->log_text } @_; return scalar(() = $text =~ /"msg":"job started"/g) };
+    printf "upgrade: %d accepted, refused: %s; ended: %s; started by the older %d, by the newer %d, again %s; the older ended with %s\n", scalar @ids,
+        join(', ', map { "$refused{$_} x $_" } sort keys %refused) || 'none', join(', ', map { "$ends{$_} $_" } sort keys %ends), $ran->(@old), $ran->(@new),
+        ask('upgrade', 'SELECT count(*) FROM job WHERE attempt > 1'), join ' and ', map { $_->stop } @old;
+    print "  $_->{log}: ", grep { /"level":"(?:warn|error)"/ } $_->log_text =~ /.*\n/g for @old, @new;
+    $_->stop for @new;
+}
+
+# Each process and method whose runs make checkpoints: a daemon that runs one is killed at a random moment after the checkpoint, another
+# one goes on, and the bytes are those of a daemon that nobody kills. VT_POINTS of each input; VT_ROWS: a pattern of the rows that are run.
+if ($want{resume}) {
+    my ($points, $only, $threads) = ($ENV{VT_POINTS} // 400_000, $ENV{VT_ROWS} // '.', 1);
+    my %in = clouds($points);
+    my @rows = grep { "@$_" =~ /$only/ } map { [split] } grep { /\S/ } split /\n/, <<'ROWS';
+        sphere resample ratio=1&delta=0
+        sphere resample ratio=.5&anderson=4&iterations=40&delta=0
+        sphere resample ratio=.5&method=kmeans&iterations=60&delta=0
+        noisy  resample ratio=.5&method=wlop&delta=0
+        noisy  resample ratio=1&method=ear&rho=0
+        dome   resample ratio=.5&method=isotropic&delta=0
+        dome   resample ratio=.3&density=curvature&delta=0
+        box    resample ratio=.3&density=edges&groups=5&delta=0
+        sphere resample ratio=.5&density=attribute:weight&delta=0
+        sphere resample ratio=.3&metric=lp&delta=0
+        dome   resample ratio=.3&metric=anisotropic&delta=0
+        dome   resample ratio=.3&metric=anisotropic&cells=euclid&iterations=60&delta=0
+        box    resample ratio=.5&edges=sites&delta=0
+        dome   resample ratio=.5&boundary=sites&delta=0
+        dome   resample ratio=.5&boundary=fill&delta=0
+        sphere resample ratio=.7&evenness=cover&order=progressive&normals=fit
+        sphere resample ratio=.7&coherence=.5&previous
+        noisy  denoise  filters=mls,outliers&ratio=1
+        dome   upsample ratio=2&polish=40
+        dome   upsample ratio=3&method=insert
+        sphere simplify ratio=.5&delta=0
+        dome   mesh     ratio=.5&delta=0
+        dome   mesh     ratio=.5&repair=auto
+        noisy  mesh     ratio=.5&method=ear
+ROWS
+    my $alone = Vt->start(jobs => 2, threads => 2);
+    ask('postgres', 'CREATE DATABASE resume');
+    my @of = (store => $place{store} =~ s/daemons$/resume/r, blobs => "$place{blobs}/resume");
+    my $front = Vt->start(@of, role => 'api');
+    my ($first, @bytes);
+    my $submit = sub {
+        my ($daemon, $in, $process, $query) = @_;
+        my $answer = $daemon->post("/v1/$process?$query", $in{$in}, Prefer => 'respond-async');
+        return $answer->{status} == 201 ? json($answer)->{jobID} : die "$process?$query: $answer->{content}";
+    };
+    my $all = sub {
+        my ($daemon) = @_;
+        my $previous = (grep { "@$_" =~ /previous/ } @rows) ? $submit->($daemon, 'sphere', 'resample', 'ratio=.7&coherence=.5') : '';
+        return $previous, map { $submit->($daemon, @$_[0, 1], $_->[2] =~ s/previous$/previous=job:$previous/r) } @rows;
+    };
+    my $result = sub { my $answer = $_[0]->get("/v1/jobs/$_[1]/results/cloud"); $answer->{status} == 200 ? $answer->{content} : die $answer->{content} };
+    local $Vt::PATIENCE = 7200;
+    my ($before, @unbroken) = $all->($alone);
+    my @whole = map { my $end = $alone->finish($unbroken[$_]); print "resume: $end->{message}\n" if $end->{status} ne 'successful'; $result->($alone, $unbroken[$_]) } 0 .. $#rows;
+    $alone->stop;
+    my $base;
+    my @workers = map { Vt->start(@of, role => 'worker', jobs => 3, threads => $threads) } 1 .. 2;
+    ($base, my @ids) = $all->($front);
+    my %row = map { $ids[$_] => $_ } 0 .. $#ids;
+    my (%killed, %noticed, %went_on, @logs);
+    srand($ENV{VT_SEED} // 1);
+    while ((my @running = split /\n/, ask('resume', "SELECT id FROM job WHERE status IN ('accepted', 'running')")) > 0) {
+        my %kept = map { m{([-0-9a-f]{36})\.input-checkpoint$} ? ($1 => 1) : () } objects();
+        my %victims;
+        for my $at (0 .. $#workers) {
+            my $text = $workers[$at]->log_text;
+            for my $id (@running) {
+                next unless exists $row{$id} && $text =~ /"msg":"job started","job":"$id"/;
+                $noticed{$id} //= time - $killed{$id} if $killed{$id};
+                $went_on{$id} = $1 if $text =~ /"msg":"job resumed from a checkpoint","job":"$id"[^\n]*"iteration":(\d+)/;
+                $victims{$at} = 1 if $kept{$id} && !$killed{$id};
+            }
+        }
+        sleep .1;
+        my ($at) = keys %victims or next;
+        sleep rand 1.5;
+        $workers[$at]->stop('KILL');
+        my $text = $workers[$at]->log_text;
+        push @logs, $text;
+        for my $id (@running) { $killed{$id} //= time if $text =~ /"msg":"job started","job":"$id"/ && $kept{$id} && $front->status($id) eq 'running' }
+        $workers[$at] = Vt->start(@of, role => 'worker', jobs => 3, threads => $threads);
+    }
+    my $texts = join '', @logs, map { $_->log_text } @workers;
+    my ($same, $resumed) = (0, 0);
+    for my $at (0 .. $#rows) {
+        my $id = $ids[$at];
+        my $times = () = $texts =~ /"msg":"job resumed from a checkpoint","job":"$id"/g;
+        my $equal = $result->($front, $id) eq $whole[$at];
+        ($same, $resumed) = ($same + $equal, $resumed + ($times > 0));
+        printf "resume: %-8s %-9s %-62s %s, attempts %s, went on %d times%s\n", @{ $rows[$at] }, $equal ? 'same bytes' : 'OTHER BYTES',
+            ask('resume', "SELECT attempt FROM job WHERE id = '$id'"), $times, defined $noticed{$id} ? sprintf(', noticed after %.1f s', $noticed{$id}) : '';
+    }
+    printf "resume: %d of %d with the same bytes, %d went on from a checkpoint; %d daemons killed\n", $same, scalar @rows, $resumed, scalar @logs;
+    $_->stop for @workers, $front;
+}
+
 sub programs { return (sort { $b cmp $a } glob '/usr/lib/postgresql/*/bin')[0] }
 
 # Starts a standby of the server, for which each commit waits from now on.
@@ -233,4 +388,22 @@ sub cpu {
     my @left = @_;
     while (defined(my $pid = shift @left)) { $ticks += $of{$pid} // 0; push @left, @{ $children{$pid} // [] } }
     return ($ticks // 0) / 100;
+}
+
+# Clouds of so many points: a sphere with a weight, a noisy one, a dome with a border, a box.
+sub clouds {
+    my ($n) = @_;
+    my $cloud = sub {
+        return "ply\nformat binary_little_endian 1.0\nelement vertex " . @_ . "\n" . join('', map { "property float $_\n" } qw(x y z weight))
+            . "end_header\n" . join '', map { pack 'f<4', @$_ } @_;
+    };
+    srand 1;
+    my @sphere = map {
+        my ($z, $angle) = (1 - 2 * ($_ + .5) / $n, $_ * 2.399963229728653 + .3 * sin($_ * 12.9898));
+        my $r = sqrt(1 - $z * $z);
+        [$r * cos $angle, $r * sin $angle, $z, 2 + $z];
+    } 0 .. $n - 1;
+    my @noisy = map { my $far = 1 + .01 * (rand() - .5); [map { $_ * $far } @$_] } @sphere;
+    my @box = map { my @x = (2 * rand() - 1, 2 * rand() - 1); splice @x, $_ % 3, 0, $_ % 2 ? 1 : -1; [@x, 1] } 1 .. $n;
+    return (sphere => $cloud->(@sphere), noisy => $cloud->(@noisy), dome => $cloud->(grep { $_->[2] > -.2 && $_->[0] < .8 } @sphere), box => $cloud->(@box));
 }
