@@ -568,6 +568,7 @@ struct vor_loop_told {
     X(U64, edge_points, "edges.points", "points", "Number of points that lie on a sharp edge")     \
     X(REAL, edge_length, "edges.length", "unit of the cloud",                                      \
       "Estimated total length of all sharp edges")                                                 \
+    VOR_VCM_TABLE(X)                                                                               \
     X(REAL, area, "area", "unit of the cloud^2",                                                   \
       "Area of the surface: the sum of the areas of the points' Voronoi cells")                    \
     X(U64, border_loops, "border.loops", "",                                                       \

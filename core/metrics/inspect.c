@@ -5,6 +5,7 @@
 #include "core/input/lists.h"
 #include "core/input/loops.h"
 #include "core/metrics/uniformity.h"
+#include "core/metrics/vcm.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -180,12 +181,36 @@ static vor_status measure_border(struct vor_inspect *out, const struct vor_domai
     return status;
 }
 
+/* The detector's edges and, if asked for, those by VCM. */
+static vor_status find_edges(struct vor_inspect *out, const struct vor_domain *domain, int with_vcm,
+                             const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_edges edges = {.n = 0};
+    unsigned char *flag = NULL;
+    vor_status status = vor_edges_find(&edges, domain, run, err);
+
+    out->edge_points = edges.flagged;
+    out->edge_length = edges.length * domain->unit;
+    out->has_vcm = with_vcm;
+    if (status == VOR_OK && with_vcm) {
+        flag = vor_calloc(run->memory, domain->n, sizeof *flag);
+        status = flag != NULL ? vor_vcm_mark(flag, domain, run, err)
+                              : vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+        for (size_t i = 0; flag != NULL && i < domain->n; i++) {
+            out->vcm_points += flag[i];
+            out->vcm_common += flag[i] & edges.flag[i];
+        }
+    }
+    vor_free(run->memory, flag);
+    vor_edges_free(&edges);
+    return status;
+}
+
 vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain,
                               const struct vor_spec *spec, const struct vor_run *run,
                               struct vor_error *err)
 {
     int plain = spec->value[VOR_PARAM_INTRINSIC] == VOR_INTRINSIC_NONE;
-    struct vor_edges edges = {.n = 0};
     vor_status status = vor_lists_make_any(domain, plain, run, err);
     size_t owns = 0;
 
@@ -205,10 +230,7 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
     if (status == VOR_OK)
         status = measure_noise(out, domain, run, err);
     if (status == VOR_OK)
-        status = vor_edges_find(&edges, domain, run, err);
-    out->edge_points = edges.flagged;
-    out->edge_length = edges.length * domain->unit;
-    vor_edges_free(&edges);
+        status = find_edges(out, domain, spec->value[VOR_PARAM_VCM] != 0, run, err);
     if (status == VOR_OK)
         status = measure_border(out, domain, run, err);
     if (status == VOR_OK)

@@ -16,10 +16,10 @@ void vor_inspect_cloud(struct vor_inspect *out, const struct vor_cloud *cloud);
  *  points of a lone cluster lie beyond it, but it is not among theirs.
  *
  *  @param[in,out] domain  gets the lists; one-sided entries are dropped
- *  @param[in]     spec    read: intrinsic
+ *  @param[in]     spec    read: intrinsic, vcm
  *
- *  @retval VOR_E_NOMEM    the lists (input/adjacency.h) or 29 bytes a point do not fit, or
- *                         those of vor_loops_find (input/loops.h)
+ *  @retval VOR_E_NOMEM    the lists (input/adjacency.h) or 29 bytes a point (with vcm 54) do not
+ *                         fit, or those of vor_loops_find (input/loops.h)
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n), on the run's pool. The same document for any number of threads. */

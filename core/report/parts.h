@@ -222,6 +222,15 @@ struct vor_hole_told {
     X(REAL, mls_error_max, "mls_error.max", "", "Largest error")                                   \
     X(REAL, mls_error_mean, "mls_error.mean", "", "Mean error")
 
+/** Sharp edges of an input, found in another way (metrics/vcm.h). */
+#define VOR_VCM_TABLE(X)                                                                           \
+    X(OPTIONAL, has_vcm, "vcm", "",                                                                \
+      "Sharp edges by the Voronoi covariance measure (VCM); only with vcm=true. Unlike "           \
+      "edges.points, this counts all points within about two spacings of an edge, and points at "  \
+      "borders")                                                                                   \
+    X(U64, vcm_points, "vcm.points", "points", "Number of points that lie on edges by VCM")        \
+    X(U64, vcm_common, "vcm.common", "points", "How many of them edges.points counts, too")
+
 /** Why the pose of a registered cloud may be wrong: identifier, word. */
 #define VOR_DOUBT_TABLE(X)                                                                         \
     X(NONE, "none")                                                                                \

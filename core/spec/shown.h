@@ -77,7 +77,8 @@ enum vor_level {
     X(BASELINES, ADVANCED, "Baselines")                                                            \
     X(PEAK, BASIC, "Peak of the PSNR")                                                             \
     X(SCALE, BASIC, "Scale")                                                                       \
-    X(OVERLAP, ADVANCED, "Overlap")
+    X(OVERLAP, ADVANCED, "Overlap")                                                                \
+    X(VCM, ADVANCED, "Edges by VCM")
 
 /** What parameters hang on: parameter, its name, another one, words of it with blanks between, when
  *  it has an effect. Without one of these words the parameter changes nothing: a form need not show

@@ -159,7 +159,7 @@ vor_status vor_lines_from_json(struct vor_text *text, const struct vor_cli *cli,
     for (unsigned i = 0; status == VOR_OK && i < members->count; i++) {
         const struct vor_json *value = find(json, members->rows[i].name);
 
-        if (value != NULL)
+        if (value != NULL && members->rows[i].kind != VOR_MEMBER_OPTIONAL)
             add_member(&lines, &members->rows[i], value);
     }
     if (status == VOR_OK)

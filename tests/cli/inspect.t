@@ -61,6 +61,8 @@ is slurp("$folder/told.json"), $stdout, 'and the file has it as JSON';
 my ($there_code, $there) = run(['inspect', $in, '-fo', "$folder/there.json", '--server', $daemon->{url}]);
 is "$there_code$there", '0', 'nor where a daemon makes it';
 is slurp("$folder/there.json") =~ s/\n*\z/\n/r, $stdout, 'and it is the same';
+is join("\n", grep {/^vcm/} split /\n/, (run(['inspect', $in, '--vcm']))[1]), sprintf("%-24s0 points\n%-24s0 points", 'vcm.points', 'vcm.common'),
+    'edges by VCM have lines if they are asked for';
 like +(run(['inspect', '--help']))[1], qr/--json\n(?: {6}\S.*\n)*?.*inspect\s+prints\s+a\s+single\s+document$/m, '--help says so';
 
 # A square far from zero, in double precision, has one loop.

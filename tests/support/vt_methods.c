@@ -201,7 +201,7 @@ const struct vt_row vt_methods[VT_METHODS_MAX] = {
     ROW("mesh with a border", make_punched, 2000, 0, "mesh boundary=fill holeMax=10" SHORT),
     ROW("soup", make_carrying, 2000, 300, "mesh soup=true" SHORT),
     ROW("mesh by ear", make_oriented, 1000, 0, "mesh method=ear ratio=2 samples=100 polish=2"),
-    ROW("inspect", make_rough, 1500, 300, "inspect"),
+    ROW("inspect", make_rough, 1500, 300, "inspect vcm=true"),
     ROW("inspect holes", make_punched, 1200, 300, "inspect"),
     ROW("inspect sheets", make_waves, 1200, 300, "inspect outliers=keep intrinsic=satellites"),
     ROW("restore", make_voxels, 4000, 300, "restore"),

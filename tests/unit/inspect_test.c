@@ -23,6 +23,7 @@ static vor_status try(struct vor_inspect *out, const struct vor_cloud *in, const
     vor_spec_preset(&engine.spec, vor_process_find("inspect"));
     set(&engine.spec, "intrinsic", intrinsic);
     set(&engine.spec, "outliers", outliers);
+    set(&engine.spec, "vcm", "true");
     vor_artefacts_init(&inputs, &vt_memory);
     vor_artefacts_init(&outputs, &vt_memory);
     inputs.item[inputs.count++] =
@@ -231,7 +232,8 @@ VT_TEST_FIGURES(edges_are_told_in_the_unit_of_the_cloud, VT_ONCE(VT_SOAK_LOOPS(1
     told = inspect(&cloud, "none", "keep");
     ck_assert_double_eq_tol(told.edge_length, 600, 60);
     ck_assert_uint_gt(told.edge_points, 100);
+    ck_assert_uint_gt(told.vcm_common, told.edge_points * 9 / 10);
     vt_cloud_sphere(&cloud, (uint64_t)_i, N);
     told = inspect(&cloud, "none", "keep");
-    ck_assert_uint_le(told.edge_points, N / 200);
+    ck_assert_uint_le(told.edge_points + told.vcm_points, N / 200);
 }
