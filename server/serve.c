@@ -315,6 +315,8 @@ static vor_status start(struct daemon *daemon, struct vor_error *err)
 
 static void stop(struct daemon *daemon)
 {
+    if (daemon->app.blobs != NULL)
+        vor_blobs_hurry(daemon->app.blobs);
     vor_http_stop(daemon->admin);
     vor_http_stop(daemon->app.http);
     vor_verify_destroy(daemon->app.verify);

@@ -1,11 +1,15 @@
 #include "server/base/postgres_library.h"
 
+#include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/library.h"
 
 #include <errno.h>
+#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 
 static struct vor_pg functions;
 static const char *const names[] = {
@@ -33,23 +37,10 @@ char *vor_pg_where(const char *place)
     return where;
 }
 
-/* The first line, without the newline at its end. */
-vor_status vor_pg_fail(const char *what, const char *why, const char *state, struct vor_error *err)
+/* VOR_E_IO with the first line of a reason. */
+static void fail(const char *what, const char *why, struct vor_error *err)
 {
     (void)vor_fail(err, VOR_E_IO, "%s reports: %.*s", what, (int)strcspn(why, "\n"), why);
-    if (err != NULL)
-        err->got = state != NULL && atoi(state) == VOR_PG_DISK_FULL ? ENOSPC : 0;
-    return VOR_E_IO;
-}
-
-vor_status vor_pg_fail_result(const char *what, const PGconn *connection, const PGresult *result,
-                              struct vor_error *err)
-{
-    enum { SEVERITY_PRIMARY = 'M', SQLSTATE = 'C' };
-    const char *why = result != NULL ? functions.resultErrorField(result, SEVERITY_PRIMARY) : NULL;
-
-    return vor_pg_fail(what, why != NULL ? why : functions.errorMessage(connection),
-                       result != NULL ? functions.resultErrorField(result, SQLSTATE) : NULL, err);
 }
 
 /* False for a string that is none. The library's reason may show a part of it, and so a password:
@@ -64,12 +55,12 @@ static int is_sound(const char *where, const char *what, struct vor_error *err)
     if (parsed == NULL && why != NULL &&
         (strncmp(why, named, sizeof named - 1) == 0 ||
          strncmp(why, of_uri, sizeof of_uri - 1) == 0))
-        (void)vor_pg_fail(what, why, NULL, err);
+        fail(what, why, err);
     else if (parsed == NULL)
-        (void)vor_pg_fail(what,
-                          "the connection string is malformed, want "
-                          "postgresql://USER:PASSWORD@HOST/DATABASE with special characters as %XX",
-                          NULL, err);
+        fail(what,
+             "the connection string is malformed, want "
+             "postgresql://USER:PASSWORD@HOST/DATABASE with special characters as %XX",
+             err);
     functions.freemem(why);
     functions.conninfoFree(parsed);
     return parsed != NULL;
@@ -98,9 +89,85 @@ PGconn *vor_pg_connect(const char *where, const char *what, struct vor_error *er
         return NULL;
     }
     (void)functions.setNoticeProcessor(connection, ignore, NULL);
-    if (functions.status(connection) == VOR_PG_OK)
+    if (functions.status(connection) == VOR_PG_OK && functions.setnonblocking(connection, 1) == 0)
         return connection;
-    (void)vor_pg_fail(what, functions.errorMessage(connection), NULL, err);
+    fail(what, functions.errorMessage(connection), err);
     functions.finish(connection);
     return NULL;
+}
+
+/* Waits until the socket has bytes, or room for some; false when it is not to be waited for. */
+static int await(PGconn *connection, int is_full, double until,
+                 const struct vor_pg_question *question)
+{
+    enum { SLICE_MS = 200 };
+    struct pollfd fd = {.fd = functions.socket(connection),
+                        .events = (short)(POLLIN | (is_full ? POLLOUT : 0))};
+
+    while (poll(&fd, 1, SLICE_MS) == 0)
+        if (vor_clock_seconds() > until ||
+            (question->is_wanted != NULL && !question->is_wanted(question->ctx)))
+            return 0;
+    return 1;
+}
+
+/* Sends what is to be sent and takes in one result; false where await is. */
+static int take_result(PGresult **out, PGconn *connection, double until,
+                       const struct vor_pg_question *question)
+{
+    int left = functions.flush(connection);
+
+    while (left >= 0 && (left > 0 || functions.isBusy(connection))) {
+        if (!await(connection, left > 0, until, question))
+            return 0;
+        if (!functions.consumeInput(connection))
+            break; /* the result says why */
+        left = functions.flush(connection);
+    }
+    *out = functions.getResult(connection);
+    return 1;
+}
+
+/* The server may be stopped, or behind a network that drops what we send: nothing more is sent. */
+static vor_status give_up(PGconn *connection, const struct vor_pg_question *question,
+                          struct vor_error *err)
+{
+    (void)shutdown(functions.socket(connection), SHUT_RDWR);
+    while (functions.status(connection) == VOR_PG_OK && functions.consumeInput(connection))
+        continue;
+    return vor_fail_errno(err, ETIMEDOUT, question->what);
+}
+
+vor_status vor_pg_ask(PGresult **out, PGconn *connection, const struct vor_pg_question *question,
+                      struct vor_error *err)
+{
+    enum { SEVERITY_PRIMARY = 'M', SQLSTATE = 'C' };
+    double until = vor_clock_seconds() + question->seconds;
+    const char *why = NULL, *state = NULL;
+    PGresult *next = NULL;
+    int code;
+
+    *out = NULL;
+    if (question->count > 0 || question->is_binary
+            ? functions.sendQueryParams(connection, question->sql, question->count, question->type,
+                                        question->value, question->length, question->format,
+                                        question->is_binary)
+            : functions.sendQuery(connection, question->sql))
+        do {
+            functions.clear(next != NULL ? *out : NULL);
+            *out = next != NULL ? next : *out;
+            if (!take_result(&next, connection, until, question))
+                return give_up(connection, question, err);
+        } while (next != NULL);
+    code = functions.resultStatus(*out);
+    if (code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK)
+        return VOR_OK;
+    if (*out != NULL) {
+        why = functions.resultErrorField(*out, SEVERITY_PRIMARY);
+        state = functions.resultErrorField(*out, SQLSTATE);
+    }
+    fail(question->what, why != NULL ? why : functions.errorMessage(connection), err);
+    if (err != NULL)
+        err->got = state != NULL && atoi(state) == VOR_PG_DISK_FULL ? ENOSPC : 0;
+    return VOR_E_IO;
 }

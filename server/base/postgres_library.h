@@ -32,10 +32,16 @@ enum {
     X(setNoticeProcessor, void *, (PGconn *, void (*)(void *, const char *), void *))              \
     X(status, int, (const PGconn *))                                                               \
     X(errorMessage, char *, (const PGconn *))                                                      \
-    X(exec, PGresult *, (PGconn *, const char *))                                                  \
-    X(execParams, PGresult *,                                                                      \
+    X(socket, int, (const PGconn *))                                                               \
+    X(setnonblocking, int, (PGconn *, int))                                                        \
+    X(sendQuery, int, (PGconn *, const char *))                                                    \
+    X(sendQueryParams, int,                                                                        \
       (PGconn *, const char *, int, const unsigned *, const char *const *, const int *,            \
        const int *, int))                                                                          \
+    X(flush, int, (PGconn *))                                                                      \
+    X(consumeInput, int, (PGconn *))                                                               \
+    X(isBusy, int, (PGconn *))                                                                     \
+    X(getResult, PGresult *, (PGconn *))                                                           \
     X(resultStatus, int, (const PGresult *))                                                       \
     X(resultErrorField, char *, (const PGresult *, int))                                           \
     X(ntuples, int, (const PGresult *))                                                            \
@@ -70,12 +76,27 @@ char *vor_pg_where(const char *place);
  * never with a password; VOR_E_NOMEM */
 PGconn *vor_pg_connect(const char *where, const char *what, struct vor_error *err);
 
-/** VOR_E_IO with the first line of a reason; got is ENOSPC where the state (SQLSTATE or NULL) says
- *  that the disk is full. */
-vor_status vor_pg_fail(const char *what, const char *why, const char *state, struct vor_error *err);
+/** A statement, or several without values: who is told of its failure, and how long it may take. */
+struct vor_pg_question {
+    const char *what, *sql;
+    int count; /**< of the values */
+    const unsigned *type;
+    const char *const *value;
+    const int *length, *format;
+    int is_binary;               /**< so is the answer; and there is one statement */
+    double seconds;              /**< in which it is to be answered */
+    int (*is_wanted)(void *ctx); /**< asked several times a second; NULL: it is */
+    void *ctx;
+};
 
-/** The same, for a statement; result may be NULL. */
-vor_status vor_pg_fail_result(const char *what, const PGconn *connection, const PGresult *result,
-                              struct vor_error *err);
+/** Asks, and waits for the answer. Where it does not come in time, or is not wanted any more, the
+ *  connection is closed: vor_pg.status tells, and nobody knows whether it was done.
+ *
+ *  @param[out] out  the last result, also of a failure, for the caller to clear; NULL for none
+ *
+ *  @retval VOR_E_IO the server says no, or nothing; `got` of err is ENOSPC where its disk is full,
+ *                   ETIMEDOUT where it did not answer in time */
+VOR_NODISCARD vor_status vor_pg_ask(PGresult **out, PGconn *connection,
+                                    const struct vor_pg_question *question, struct vor_error *err);
 
 #endif

@@ -182,6 +182,12 @@ vor_status vor_blobs_reach(struct vor_blobs *blobs, struct vor_error *err)
     return blobs->driver->reach != NULL ? blobs->driver->reach(blobs, err) : VOR_OK;
 }
 
+void vor_blobs_hurry(struct vor_blobs *blobs)
+{
+    if (blobs->driver->hurry != NULL)
+        blobs->driver->hurry(blobs);
+}
+
 /* --- writing ---------------------------------------------------------------------------------- */
 
 vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out,
@@ -260,11 +266,9 @@ void vor_blob_be_lazy(struct vor_blob_writer *writer)
     writer->is_lazy = 1;
 }
 
-void vor_blob_be_patient(struct vor_blob_writer *writer,
-                         int (*may_wait)(void *ctx, const struct vor_error *why), void *ctx)
+void vor_blob_be_patient(struct vor_blob_writer *writer, const struct vor_blob_patience *patience)
 {
-    writer->may_wait = may_wait;
-    writer->waits_ctx = ctx;
+    writer->patience = *patience;
 }
 
 vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, size_t size,

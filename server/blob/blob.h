@@ -92,6 +92,10 @@ VOR_NODISCARD vor_status vor_blobs_check(struct vor_blobs *blobs, struct vor_err
  *  @retval VOR_E_IO vor_error_storage_away or vor_error_storage_refused: it may come back */
 VOR_NODISCARD vor_status vor_blobs_reach(struct vor_blobs *blobs, struct vor_error *err);
 
+/** The process ends: from now on no request to another machine takes more than two seconds, those
+ * under way included. */
+void vor_blobs_hurry(struct vor_blobs *blobs);
+
 /** Begins a blob, of which size and SHA-256 are known as it grows. A writer belongs to one thread
  *  at a time. Nothing of it is kept until it is committed, not after a crash either.
  *
@@ -180,10 +184,9 @@ VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha
  * that no job needs. */
 void vor_blob_be_lazy(struct vor_blob_writer *writer);
 
-/** The commit is tried again while vor_blobs_reach fails and may_wait, which lets time pass, is
- *  true. */
-void vor_blob_be_patient(struct vor_blob_writer *writer,
-                         int (*may_wait)(void *ctx, const struct vor_error *why), void *ctx);
+/** For a commit that waits for another machine: whether it is tried again while vor_blobs_reach
+ * fails, and whether it is still wanted, at any moment; else it fails as if they were away. */
+void vor_blob_be_patient(struct vor_blob_writer *writer, const struct vor_blob_patience *patience);
 
 /** The file, for reading (pread, mmap); borrowed until commit or discard. */
 int vor_blob_fd(const struct vor_blob_writer *writer);

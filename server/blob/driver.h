@@ -42,6 +42,15 @@ struct vor_lost_bounds {
     int64_t shift_ms;  /**< the wall clock moved by that: the dates of what is left follow */
 };
 
+/** Who waits for a commit; all may be NULL. */
+struct vor_blob_patience {
+    /** Lets time pass while the blobs are away: true when it is to be tried again. NULL: it is not.
+     */
+    int (*may_wait)(void *ctx, const struct vor_error *why);
+    int (*is_wanted)(void *ctx); /**< asked once a second or more often; NULL: it is */
+    void *ctx;
+};
+
 /** A blob being written. A driver's writer begins with this; the driver opens fd, the door does the
  *  rest. */
 struct vor_blob_writer {
@@ -53,8 +62,7 @@ struct vor_blob_writer {
     uint64_t promised;            /**< bytes that are still to come */
     struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
     char sha256[VOR_DIGEST_SIZE]; /**< then */
-    int (*may_wait)(void *ctx, const struct vor_error *why); /**< vor_blob_be_patient, or NULL */
-    void *waits_ctx;
+    struct vor_blob_patience patience;
     struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */
 };
 
@@ -108,6 +116,8 @@ struct vor_blob_driver {
     int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
     /** NULL: blobs are never away. */
     vor_status (*reach)(struct vor_blobs *blobs, struct vor_error *err);
+    /** NULL: none ever waits for another machine. */
+    void (*hurry)(struct vor_blobs *blobs);
     /** NULL: clients cannot read blobs where they lie. */
     vor_status (*link)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        const struct vor_blob_reading *reading, struct vor_text *out,

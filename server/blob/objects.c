@@ -47,18 +47,35 @@ void vor_objects_note(struct vor_objects *objects, const struct vor_error *failu
                                                                        : "other"));
 }
 
-/* A half to the whole of a pause that doubles. */
-void vor_objects_pause(int attempt)
+int vor_objects_are_wanted(struct vor_objects *objects, const struct vor_blob_patience *patience,
+                           double sent)
 {
-    enum { FIRST_PAUSE_MS = 100 };
+    static const double closing_seconds = 2;
+
+    if (atomic_load(&objects->is_closing) && vor_clock_seconds() - sent > closing_seconds)
+        return 0;
+    return patience == NULL || patience->is_wanted == NULL || patience->is_wanted(patience->ctx);
+}
+
+/* A half to the whole of a pause that doubles. */
+int vor_objects_again(struct vor_objects *objects, int attempt, double began)
+{
+    enum { TRIES = 6, FIRST_PAUSE_MS = 100 };
+    static const double tries_seconds = 60, away_seconds = 10;
     uint8_t part = 0;
     int64_t ms = (int64_t)FIRST_PAUSE_MS << attempt;
     struct timespec pause;
+    const double most =
+        vor_objects_state(objects, NULL, NULL) == VOR_OK ? tries_seconds : away_seconds;
 
+    if (attempt + 1 == TRIES || atomic_load(&objects->is_closing) ||
+        vor_clock_seconds() - began > most)
+        return 0;
     vor_metric_add(VOR_METRIC_BLOB_RETRIES, 1, NULL);
     (void)(vor_random_fill(&part, sizeof part, NULL) == VOR_OK);
     ms -= ms / 2 * part / 255;
     pause = (struct timespec){.tv_sec = ms / 1000, .tv_nsec = ms % 1000 * 1000000};
     while (nanosleep(&pause, &pause) != 0 && errno == EINTR)
         continue;
+    return 1;
 }

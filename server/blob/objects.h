@@ -2,9 +2,10 @@
  *  The driver remote.h makes blobs of them.
  *
  *  Every function may be called from any thread and waits for the network. A request that fails for
- *  a reason that may pass is sent again, up to VOR_OBJECTS_TRIES times in all, after pauses that
- *  double from .1 s and are shortened at random. Failures are VOR_E_IO with the reason;
- *  vor_error_storage_away and vor_error_storage_refused tell what kind they are.
+ *  a reason that may pass is sent again, up to six times in all and within a minute (within 10 s
+ *  while others fail too), after pauses that double from .1 s and are shortened at random. Failures
+ * are VOR_E_IO with the reason; vor_error_storage_away and vor_error_storage_refused tell what kind
+ * they are.
  *
  *  Keys are made of letters, digits and "._/-". */
 #ifndef VOR_SERVER_BLOB_OBJECTS_H
@@ -15,8 +16,7 @@
 #include <pthread.h>
 
 enum {
-    VOR_OBJECT_KEY_MAX = 128, /**< bytes of a key */
-    VOR_OBJECTS_TRIES = 6
+    VOR_OBJECT_KEY_MAX = 128 /**< bytes of a key */
 };
 
 /** The objects of a kind begin with this. */
@@ -25,6 +25,15 @@ struct vor_objects {
     pthread_mutex_t mutex;  /**< of what follows, and of the kind's idle connections */
     struct vor_error state; /**< VOR_OK while they answer; else why they do not */
     double answered;        /**< when they did last */
+    atomic_int is_closing;  /**< nothing is waited for any more */
+};
+
+/** What is put: the first size bytes of a file, whose digest is sha256. */
+struct vor_object_bytes {
+    int fd;
+    uint64_t size;
+    const char *sha256;
+    const struct vor_blob_patience *patience; /**< borrowed; its is_wanted counts */
 };
 
 struct vor_object {
@@ -38,9 +47,9 @@ struct vor_objects_kind {
     /** Asks nobody. */
     vor_status (*open)(struct vor_objects **out, const char *place, struct vor_error *err);
     void (*close)(struct vor_objects *objects);
-    /** Puts the first size bytes of a file, whose digest is sha256, in place of what was there. */
-    vor_status (*put)(struct vor_objects *objects, const char *key, int fd, uint64_t size,
-                      const char *sha256, struct vor_error *err);
+    /** Puts bytes in place of what was there. */
+    vor_status (*put)(struct vor_objects *objects, const char *key,
+                      const struct vor_object_bytes *bytes, struct vor_error *err);
     /** Writes the bytes of an object to an empty file; fd -1: it is only looked for. watch may be
      *  NULL. */
     vor_status (*get)(struct vor_objects *objects, const char *key, int fd,
@@ -77,8 +86,13 @@ VOR_NODISCARD vor_status vor_objects_state(struct vor_objects *objects, double *
  *  refused says nothing of others: a probe does. */
 void vor_objects_note(struct vor_objects *objects, const struct vor_error *failure, int is_probe);
 
-/** For the kinds: waits before a request is sent again, which is counted; attempt 0 failed first.
- */
-void vor_objects_pause(int attempt);
+/** For the kinds: is the answer to a request still waited for, that was sent then? patience may be
+ *  NULL. */
+int vor_objects_are_wanted(struct vor_objects *objects, const struct vor_blob_patience *patience,
+                           double sent);
+
+/** For the kinds: true when a request, of which `attempt` came to nothing (from 0 on), is to be
+ * sent again; waits before that. It was first sent at `began`. */
+int vor_objects_again(struct vor_objects *objects, int attempt, double began);
 
 #endif

@@ -14,7 +14,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PIECE = 1 << 20, IDLE_MAX = 4, STATEMENT_SIZE = 1536, PAGE = 1000 };
+enum {
+    PIECE = 1 << 20,
+    IDLE_MAX = 4,
+    STATEMENT_SIZE = 1536,
+    PAGE = 1000,
+    STATEMENT_SECONDS = 15, /* in which one is to be answered */
+    PROBE_SECONDS = 5
+};
 
 #define NOW_MS "(extract(epoch FROM clock_timestamp()) * 1000)::bigint"
 
@@ -38,7 +45,9 @@ struct call {
     uint64_t size;
     const char *sha256;
     const struct vor_blob_watch *watch;
-    int found, is_probe;
+    const struct vor_blob_patience *patience;
+    double began; /* the statement */
+    int found, is_probe, is_unwanted;
     int64_t object;
     PGresult *result; /* of the last question */
 };
@@ -59,7 +68,6 @@ static vor_status fail(struct call *call, struct vor_error *err)
     const char *code = call->result != NULL ? pg->resultErrorField(call->result, 'C') : NULL;
     char class[3] = "";
 
-    (void)vor_pg_fail_result(what, call->connection, call->result, err);
     (void)snprintf(class, sizeof class, "%s", code != NULL ? code : "");
     if (err->got == ENOSPC)
         return VOR_E_IO;
@@ -71,6 +79,14 @@ static vor_status fail(struct call *call, struct vor_error *err)
     return VOR_E_IO;
 }
 
+static int is_wanted(void *ctx)
+{
+    struct call *call = ctx;
+
+    call->is_unwanted = !vor_objects_are_wanted(&call->db->base, call->patience, call->began);
+    return !call->is_unwanted;
+}
+
 /* Runs a statement of numbers and keys, none of whose characters needs quoting; the result is in
  * binary, with numbers as text. $1 is bytes, where there are any. */
 VOR_PRINTF(5, 6)
@@ -80,20 +96,30 @@ static vor_status ask(struct call *call, const void *bytes, size_t size, struct 
     const unsigned type[] = {VOR_PG_BYTEA};
     const char *value[] = {bytes};
     const int length[] = {(int)size}, is_binary[] = {1};
-    const struct vor_pg *pg = call->db->pg;
     char sql[STATEMENT_SIZE];
+    const struct vor_pg_question question = {.what = what,
+                                             .sql = sql,
+                                             .count = bytes != NULL,
+                                             .type = type,
+                                             .value = value,
+                                             .length = length,
+                                             .format = is_binary,
+                                             .is_binary = 1,
+                                             .seconds =
+                                                 call->is_probe ? PROBE_SECONDS : STATEMENT_SECONDS,
+                                             .is_wanted = is_wanted,
+                                             .ctx = call};
     va_list args;
-    int code;
+    int length_of_sql;
 
     va_start(args, format);
-    code = vsnprintf(sql, sizeof sql, format, args);
+    length_of_sql = vsnprintf(sql, sizeof sql, format, args);
     va_end(args);
-    assert(code > 0 && (size_t)code < sizeof sql);
+    assert(length_of_sql > 0 && (size_t)length_of_sql < sizeof sql);
     clear(call);
-    call->result =
-        pg->execParams(call->connection, sql, bytes != NULL, type, value, length, is_binary, 1);
-    code = pg->resultStatus(call->result);
-    return code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK ? VOR_OK : fail(call, err);
+    call->began = vor_clock_seconds();
+    return vor_pg_ask(&call->result, call->connection, &question, err) == VOR_OK ? VOR_OK
+                                                                                 : fail(call, err);
 }
 
 /* --- connections ------------------------------------------------------------------------------ */
@@ -152,19 +178,18 @@ static vor_status perform(struct call *call,
                           vor_status (*once)(struct call *call, struct vor_error *err),
                           struct vor_error *err)
 {
-    int tries = call->is_probe ? 1 : VOR_OBJECTS_TRIES;
-    struct vor_error failure = {.status = VOR_OK};
-    vor_status status = VOR_E_IO;
+    struct vor_error failure;
+    double began = vor_clock_seconds();
+    vor_status status;
 
-    for (int i = 0; i < tries; i++) {
-        if (i > 0)
-            vor_objects_pause(i - 1);
+    for (int i = 0;; i++) {
         failure = (struct vor_error){.status = VOR_OK};
         status = try_once(call, once, &failure);
-        if (status == VOR_OK || !vor_error_storage_away(&failure))
+        if (status == VOR_OK || !vor_error_storage_away(&failure) || call->is_probe ||
+            call->is_unwanted || !vor_objects_again(&call->db->base, i, began))
             break;
     }
-    if (status == VOR_OK || status == VOR_E_IO)
+    if ((status == VOR_OK || status == VOR_E_IO) && !call->is_unwanted)
         vor_objects_note(&call->db->base, &failure, call->is_probe);
     if (status != VOR_OK && err != NULL)
         *err = failure;
@@ -258,11 +283,16 @@ static vor_status put_once(struct call *call, struct vor_error *err)
     return status;
 }
 
-static vor_status put(struct vor_objects *objects, const char *key, int fd, uint64_t size,
-                      const char *sha256, struct vor_error *err)
+static vor_status put(struct vor_objects *objects, const char *key,
+                      const struct vor_object_bytes *bytes, struct vor_error *err)
 {
-    struct call call = {
-        .db = of(objects), .verb = "put", .key = key, .fd = fd, .size = size, .sha256 = sha256};
+    struct call call = {.db = of(objects),
+                        .verb = "put",
+                        .key = key,
+                        .fd = bytes->fd,
+                        .size = bytes->size,
+                        .sha256 = bytes->sha256,
+                        .patience = bytes->patience};
     vor_status status = perform(&call, put_once, err);
 
     clear(&call);

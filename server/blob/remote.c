@@ -200,7 +200,9 @@ static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *
                          const char *name, struct vor_error *err)
 {
     struct remote *remote = (struct remote *)writer->blobs;
+    const struct vor_blob_patience *patience = &writer->patience;
     char key[VOR_OBJECT_KEY_MAX + 1], sha256[VOR_DIGEST_SIZE];
+    const struct vor_object_bytes bytes = {writer->fd, writer->size, sha256, patience};
     vor_status status;
 
     if (writer->digest != NULL)
@@ -209,10 +211,9 @@ static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *
         memcpy(sha256, writer->sha256, sizeof sha256);
     vor_drop_not(remote->drops, key_of(key, KEEP, id, name));
     do
-        status =
-            remote->objects->kind->put(remote->objects, key, writer->fd, writer->size, sha256, err);
-    while (status != VOR_OK && vor_error_storage_absent(err) && writer->may_wait != NULL &&
-           writer->may_wait(writer->waits_ctx, err));
+        status = remote->objects->kind->put(remote->objects, key, &bytes, err);
+    while (status != VOR_OK && vor_error_storage_absent(err) && patience->may_wait != NULL &&
+           patience->may_wait(patience->ctx, err));
     return status == VOR_OK ? name_copy(writer, id, name, err) : status;
 }
 
@@ -366,6 +367,11 @@ static vor_status reach(struct vor_blobs *blobs, struct vor_error *err)
     return vor_objects_state(objects_of(blobs), NULL, err);
 }
 
+static void hurry(struct vor_blobs *blobs)
+{
+    atomic_store(&objects_of(blobs)->is_closing, 1);
+}
+
 static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *total,
                         struct vor_error *err)
 {
@@ -387,7 +393,7 @@ static void discard(struct vor_blob_writer *writer)
 #define REMOTE                                                                                     \
     .close = close_blobs, .space = space, .create = create, .reopen = reopen, .commit = commit,    \
     .discard = discard, .get = get, .bring = bring, .is_near = is_near, .reach = reach,            \
-    .drop = drop, .set_aside = set_aside, .trim_lost = trim_lost, .list = list
+    .hurry = hurry, .drop = drop, .set_aside = set_aside, .trim_lost = trim_lost, .list = list
 
 const struct vor_blob_driver vor_blob_s3 = {.scheme = "s3",
                                             .place = "https://HOST/BUCKET/PREFIX",

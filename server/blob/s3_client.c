@@ -190,25 +190,26 @@ static vor_status ask(struct vor_s3_call *call, const char *key, int *found, str
 
 #define UNSIGNED "x-amz-content-sha256: UNSIGNED-PAYLOAD"
 
-static vor_status put(struct vor_objects *objects, const char *key, int fd, uint64_t size,
-                      const char *sha256, struct vor_error *err)
+static vor_status put(struct vor_objects *objects, const char *key,
+                      const struct vor_object_bytes *bytes, struct vor_error *err)
 {
     char digest[128];
     struct vor_s3_call call = {.s3 = of(objects),
                                .verb = "put",
                                .method = "PUT",
                                .is_put = 1,
-                               .fd = fd,
-                               .size = size,
+                               .fd = bytes->fd,
+                               .size = bytes->size,
+                               .patience = bytes->patience,
                                .header = {digest, "Content-Type: application/octet-stream"}};
 
-    if (size > VOR_S3_PART) {
+    if (bytes->size > VOR_S3_PART) {
         char url[PATH_SIZE];
 
         write_url(call.s3, key, url);
-        return vor_s3_put_parts(call.s3, url, fd, size, sha256, err);
+        return vor_s3_put_parts(call.s3, url, bytes, err);
     }
-    (void)snprintf(digest, sizeof digest, "x-amz-content-sha256: %s", sha256);
+    (void)snprintf(digest, sizeof digest, "x-amz-content-sha256: %s", bytes->sha256);
     return ask(&call, key, NULL, err);
 }
 

@@ -22,6 +22,7 @@ enum {
 struct upload {
     struct vor_s3 *s3;
     const char *url; /* of the object */
+    const struct vor_object_bytes *bytes;
     char id[ID_SIZE];
     struct vor_text parts; /* the document that lists them */
     struct vor_digest *whole;
@@ -45,6 +46,7 @@ static vor_status begin(struct upload *upload, struct vor_error *err)
                                .body = "",
                                .fd = -1,
                                .ends = "</InitiateMultipartUploadResult>",
+                               .patience = upload->bytes->patience,
                                .header = {UNSIGNED, "Content-Type: application/octet-stream"}};
     char url[PARTS_URL_SIZE], id[ID_SIZE / 3], *escaped;
     vor_status status;
@@ -116,9 +118,9 @@ static vor_status put_part(struct upload *upload, unsigned number, struct vor_s3
     return status;
 }
 
-static vor_status put_all(struct upload *upload, int fd, uint64_t size, const char *sha256,
-                          struct vor_error *err)
+static vor_status put_all(struct upload *upload, struct vor_error *err)
 {
+    const uint64_t size = upload->bytes->size;
     char read_sha256[VOR_DIGEST_SIZE];
     vor_status status = VOR_OK;
     unsigned number = 1;
@@ -129,7 +131,8 @@ static vor_status put_all(struct upload *upload, int fd, uint64_t size, const ch
                                    .verb = "part",
                                    .method = "PUT",
                                    .is_put = 1,
-                                   .fd = fd,
+                                   .fd = upload->bytes->fd,
+                                   .patience = upload->bytes->patience,
                                    .from = at,
                                    .size = size - at < VOR_S3_PART ? size - at : VOR_S3_PART};
 
@@ -141,22 +144,22 @@ static vor_status put_all(struct upload *upload, int fd, uint64_t size, const ch
     if (status != VOR_OK)
         return status;
     vor_digest_hex(upload->whole, read_sha256);
-    return strcmp(read_sha256, sha256) == 0
+    return strcmp(read_sha256, upload->bytes->sha256) == 0
                ? VOR_OK
                : vor_fail(err, VOR_E_DAMAGED,
                           "a temporary file does not contain what was written to it");
 }
 
 /* The object is there with that size: whose answer was lost is asked for twice. */
-static int is_made(struct upload *upload, uint64_t size)
+static int is_made(struct upload *upload)
 {
     struct vor_s3_call call = {
         .s3 = upload->s3, .verb = "head", .method = "HEAD", .fd = -1, .header = {UNSIGNED}};
 
-    return ask(&call, upload->url, NULL) == VOR_OK && (uint64_t)call.length == size;
+    return ask(&call, upload->url, NULL) == VOR_OK && (uint64_t)call.length == upload->bytes->size;
 }
 
-static vor_status complete(struct upload *upload, uint64_t size, struct vor_error *err)
+static vor_status complete(struct upload *upload, struct vor_error *err)
 {
     struct vor_s3_call call = {.s3 = upload->s3,
                                .verb = "parts",
@@ -164,6 +167,7 @@ static vor_status complete(struct upload *upload, uint64_t size, struct vor_erro
                                .body = upload->parts.data,
                                .fd = -1,
                                .ends = "</CompleteMultipartUploadResult>",
+                               .patience = upload->bytes->patience,
                                .header = {UNSIGNED, "Content-Type: application/xml"}};
     char url[PARTS_URL_SIZE];
     vor_status status;
@@ -172,13 +176,17 @@ static vor_status complete(struct upload *upload, uint64_t size, struct vor_erro
     vor_text_init(&call.text, ANSWER_MAX);
     status = ask(&call, url, err);
     vor_text_free(&call.text);
-    return status != VOR_OK && call.http == 404 && is_made(upload, size) ? VOR_OK : status;
+    return status != VOR_OK && call.http == 404 && is_made(upload) ? VOR_OK : status;
 }
 
 static void abort_parts(struct upload *upload)
 {
-    struct vor_s3_call call = {
-        .s3 = upload->s3, .verb = "parts", .method = "DELETE", .fd = -1, .header = {UNSIGNED}};
+    struct vor_s3_call call = {.s3 = upload->s3,
+                               .verb = "parts",
+                               .method = "DELETE",
+                               .fd = -1,
+                               .is_probe = 1,
+                               .header = {UNSIGNED}};
     char url[PARTS_URL_SIZE];
 
     (void)snprintf(url, sizeof url, "%s?uploadId=%s", upload->url, upload->id);
@@ -187,10 +195,10 @@ static void abort_parts(struct upload *upload)
     vor_text_free(&call.text);
 }
 
-vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url, int fd, uint64_t size,
-                            const char *sha256, struct vor_error *err)
+vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url,
+                            const struct vor_object_bytes *bytes, struct vor_error *err)
 {
-    struct upload upload = {.s3 = s3, .url = url, .whole = vor_digest_create()};
+    struct upload upload = {.s3 = s3, .url = url, .bytes = bytes, .whole = vor_digest_create()};
     vor_status status;
 
     if (upload.whole == NULL)
@@ -198,9 +206,9 @@ vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url, int fd, uint64_t
     vor_text_init(&upload.parts, 0);
     status = begin(&upload, err);
     if (status == VOR_OK) {
-        status = put_all(&upload, fd, size, sha256, err);
+        status = put_all(&upload, err);
         if (status == VOR_OK)
-            status = complete(&upload, size, err);
+            status = complete(&upload, err);
         if (status != VOR_OK)
             abort_parts(&upload);
     }

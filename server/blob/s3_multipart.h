@@ -12,12 +12,12 @@
  *  SHA-256, which S3 compares; all are read once, and the object is made of them only if sha256 is
  *  that of what was read. The parts of one that fails are removed.
  *
- *  @param[in] url     of the object
- *  @param[in] sha256  64 digits
+ *  @param[in] url  of the object
  *
  *  @retval VOR_E_DAMAGED the bytes are not those
  *  @retval VOR_E_IO, VOR_E_NOMEM  as the functions of s3_client.h */
-VOR_NODISCARD vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url, int fd, uint64_t size,
-                                          const char *sha256, struct vor_error *err);
+VOR_NODISCARD vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url,
+                                          const struct vor_object_bytes *bytes,
+                                          struct vor_error *err);
 
 #endif

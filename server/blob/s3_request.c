@@ -108,6 +108,16 @@ static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
     return size;
 }
 
+/* Called once a second or more often. */
+static int on_wait(void *ctx, curl_off_t to_come, curl_off_t have, curl_off_t to_send,
+                   curl_off_t sent)
+{
+    struct vor_s3_call *call = ctx;
+
+    (void)to_come, (void)have, (void)to_send, (void)sent;
+    return !vor_objects_are_wanted(&call->s3->base, call->patience, call->began);
+}
+
 static int set_headers(struct vor_s3_call *call, struct curl_slist **list)
 {
     const struct vor_curl *curl = call->s3->curl;
@@ -147,6 +157,9 @@ static CURLcode perform_once(struct vor_s3_call *call)
     curl->easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
     curl->easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS);
     curl->easy_setopt(handle, CURLOPT_TIMEOUT, call->is_probe ? (long)PROBE_SECONDS : 0L);
+    curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
+    curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_wait);
+    curl->easy_setopt(handle, CURLOPT_XFERINFODATA, call);
     curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl->easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, (long)STALL_SECONDS);
     curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
@@ -231,7 +244,7 @@ static vor_status fail(const struct vor_s3_call *call, CURLcode code, struct vor
 {
     const struct vor_s3 *s3 = call->s3;
     char reason[80] = "";
-    int number = is_passing(call, code) ? EAGAIN : 0;
+    int number = is_passing(call, code) || code == CURLE_ABORTED_BY_CALLBACK ? EAGAIN : 0;
 
     if (code == CURLE_OUT_OF_MEMORY)
         return vor_fail(err, VOR_E_NOMEM, "a request to S3");
@@ -263,24 +276,21 @@ vor_status vor_s3_fail(const struct vor_s3_call *call, struct vor_error *err)
 static CURLcode try_all(struct vor_s3_call *call)
 {
     CURLcode code = CURLE_OUT_OF_MEMORY;
-    int tries = call->is_probe ? 1 : VOR_OBJECTS_TRIES;
+    double began = vor_clock_seconds();
 
-    for (int i = 0; i < tries; i++) {
-        double began;
-
-        if (i > 0)
-            vor_objects_pause(i - 1);
+    for (int i = 0;; i++) {
         /* What an attempt has written is not part of the next one. */
         if (i > 0 && call->fd >= 0 && !call->is_put &&
             (ftruncate(call->fd, 0) != 0 || lseek(call->fd, 0, SEEK_SET) != 0))
             call->number = errno;
         if (call->number != 0)
             break;
-        began = vor_clock_seconds();
+        call->began = vor_clock_seconds();
         code = perform_once(call);
-        vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - began,
+        vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - call->began,
                            VOR_LABELS("s3", call->verb));
-        if (!is_passing(call, code))
+        if (!is_passing(call, code) || call->is_probe ||
+            !vor_objects_again(&call->s3->base, i, began))
             break;
     }
     return code;
@@ -303,7 +313,7 @@ vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err)
     if (code != CURLE_OK || call->number != 0 || is_cut(call) ||
         (call->http / 100 != 2 && call->http != 404) || strcmp(reason, "NoSuchBucket") == 0)
         (void)fail(call, code, &failure);
-    if (failure.status != VOR_E_NOMEM && call->number == 0)
+    if (failure.status != VOR_E_NOMEM && call->number == 0 && code != CURLE_ABORTED_BY_CALLBACK)
         vor_objects_note(&s3->base, &failure, call->is_probe);
     if (failure.status != VOR_OK && err != NULL)
         *err = failure;

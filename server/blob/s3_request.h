@@ -43,7 +43,9 @@ struct vor_s3_call {
     int is_probe;            /**< once, and soon over */
     struct vor_text text;    /**< an answer that is no object */
     const struct vor_blob_watch *watch; /**< of what is received; may be NULL */
-    int number;                         /**< errno of a write that failed */
+    const struct vor_blob_patience *patience;
+    double began; /**< when it was sent */
+    int number;   /**< errno of a write that failed */
     long http;
     curl_off_t length; /**< of the answer, as it was declared */
     char etag[80];     /**< of the answer, with its quotes; cut where it is longer */

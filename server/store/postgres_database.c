@@ -1,14 +1,27 @@
 #include "server/store/postgres_database.h"
 
+#include "server/base/clock.h"
+#include "server/base/disk.h"
 #include "server/base/postgres_library.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { STATEMENT_SIZE = 4096, NUMBER_SIZE = 32 };
+
+/* In which a statement is to be answered; a change of the tables; and one that asks for nothing.
+ * Who has waited for `doubt_seconds` asks that, by the connection that has the lock. */
+static const double statement_seconds = 30, schema_seconds = 3600, ping_seconds = 4;
+static const double doubt_seconds = 2;
+
+/* Once a server does not answer, only one connection tries again for so long: longer than a look of
+ * the worker takes, so that no thread of HTTP does where there is one. */
+static const double away_seconds = 8;
 
 struct connection {
     PGconn *handle; /* NULL before it is needed */
@@ -20,6 +33,7 @@ struct vor_postgres {
     char *where;
     pthread_mutex_t writing; /* recursive: a transaction has several statements */
     pthread_mutex_t locking;
+    _Atomic double away_until; /* 0 while the server answers */
     struct connection writer, lock, reader[VOR_SQL_READERS];
     int in_transaction; /* of the writer */
     int is_shared;
@@ -36,16 +50,25 @@ struct answer {
 
 static const char what[] = "the job database";
 
-/* Makes a connection, or anew where it broke. One thread at a time, as all that follow. */
+/* Makes a connection, or anew where it broke. One thread at a time, as all that follow. While the
+ * server does not answer, one thread of all tries again. */
 static vor_status connect_to(struct vor_postgres *db, struct connection *connection,
                              struct vor_error *err)
 {
+    double until = atomic_load(&db->away_until), began = vor_clock_seconds();
     struct vor_error why;
 
-    if (connection->handle != NULL && db->pg->status(connection->handle) == VOR_PG_OK)
+    if (until == 0 && connection->handle != NULL && db->pg->status(connection->handle) == VOR_PG_OK)
         return VOR_OK;
+    if (until != 0 && connection != &db->lock &&
+        (began < until ||
+         !atomic_compare_exchange_strong(&db->away_until, &until, began + away_seconds)))
+        return vor_fail_errno(err, ETIMEDOUT, what);
     db->pg->finish(connection->handle);
     connection->handle = vor_pg_connect(db->where, what, &why);
+    if (connection->handle != NULL || vor_clock_seconds() - began > doubt_seconds)
+        atomic_store(&db->away_until,
+                     connection->handle != NULL ? 0 : vor_clock_seconds() + away_seconds);
     if (connection->handle != NULL)
         return VOR_OK;
     if (err != NULL)
@@ -53,17 +76,68 @@ static vor_status connect_to(struct vor_postgres *db, struct connection *connect
     return why.status;
 }
 
+/* Who waits for an answer. */
+struct waiting {
+    struct vor_postgres *db;
+    double since;
+};
+
+static vor_status send(struct answer *out, struct connection *connection,
+                       const struct vor_pg_question *question, struct vor_error *err);
+
+static vor_status run_for(struct vor_postgres *db, struct connection *connection, const char *sql,
+                          double seconds, struct vor_error *err)
+{
+    const struct vor_pg_question question = {.sql = sql, .seconds = seconds};
+    struct answer answer = {.db = db};
+    vor_status status = send(&answer, connection, &question, err);
+
+    db->pg->clear(answer.result);
+    return status;
+}
+
+/* A slow statement is waited for as long as the server answers others. */
+static int is_wanted(void *ctx)
+{
+    struct waiting *waiting = ctx;
+    struct vor_postgres *db = waiting->db;
+
+    if (vor_clock_seconds() - waiting->since > doubt_seconds &&
+        pthread_mutex_trylock(&db->locking) == 0) {
+        if (db->lock.handle != NULL && db->pg->status(db->lock.handle) == VOR_PG_OK)
+            (void)run_for(db, &db->lock, "SELECT 1", ping_seconds, NULL);
+        waiting->since = vor_clock_seconds();
+        pthread_mutex_unlock(&db->locking);
+    }
+    return atomic_load(&db->away_until) == 0;
+}
+
+/* Has a statement answered on a connection that is there. */
+static vor_status send(struct answer *out, struct connection *connection,
+                       const struct vor_pg_question *question, struct vor_error *err)
+{
+    struct vor_postgres *db = out->db;
+    struct waiting waiting = {db, vor_clock_seconds()};
+    struct vor_pg_question with = *question;
+    struct vor_error why = {.status = VOR_OK};
+    vor_status status;
+
+    with.what = what;
+    with.is_wanted = connection != &db->lock ? is_wanted : NULL;
+    with.ctx = &waiting;
+    status = vor_pg_ask(&out->result, connection->handle, &with, &why);
+    if (connection == &db->lock && status != VOR_OK && why.got == ETIMEDOUT)
+        atomic_store(&db->away_until, vor_clock_seconds() + away_seconds);
+    if (status != VOR_OK && err != NULL)
+        *err = why;
+    return status;
+}
+
 static vor_status run(struct vor_postgres *db, struct connection *connection, const char *sql,
                       struct vor_error *err)
 {
-    PGresult *result = db->pg->exec(connection->handle, sql);
-    int code = db->pg->resultStatus(result);
-    vor_status status = VOR_OK;
-
-    if (code != VOR_PG_COMMAND_OK && code != VOR_PG_TUPLES_OK)
-        status = vor_pg_fail_result(what, connection->handle, result, err);
-    db->pg->clear(result);
-    return status;
+    return run_for(db, connection, sql, connection == &db->lock ? ping_seconds : statement_seconds,
+                   err);
 }
 
 /* Writes a statement in PostgreSQL's words: ?1 is $1, a ? without a number the next one, clock_ms()
@@ -132,18 +206,19 @@ static vor_status ask(struct answer *out, struct vor_postgres *db, struct connec
 {
     char text[STATEMENT_SIZE];
     struct parameters with;
-    int code;
+    const struct vor_pg_question question = {.sql = text,
+                                             .count = (int)values->count,
+                                             .type = with.type,
+                                             .value = with.value,
+                                             .length = with.length,
+                                             .format = with.format,
+                                             .seconds = statement_seconds};
 
     *out = (struct answer){.db = db};
     if (!translate(text, sizeof text, sql))
         return vor_fail(err, VOR_E_IO, "the job store: a statement is too long");
     write_parameters(&with, values);
-    out->result = db->pg->execParams(connection->handle, text, (int)values->count, with.type,
-                                     with.value, with.length, with.format, 0);
-    code = db->pg->resultStatus(out->result);
-    if (code == VOR_PG_COMMAND_OK || code == VOR_PG_TUPLES_OK)
-        return VOR_OK;
-    return vor_pg_fail_result(what, connection->handle, out->result, err);
+    return send(out, connection, &question, err);
 }
 
 static void end_answer(struct answer *answer)
@@ -341,7 +416,7 @@ vor_status vor_postgres_run(struct vor_postgres *db, const char *sql, struct vor
 
     if (status != VOR_OK)
         return status;
-    return end(&db->base, run(db, &db->writer, sql, err), err);
+    return end(&db->base, run_for(db, &db->writer, sql, schema_seconds, err), err);
 }
 
 /* The first number is ours, the second stands for the schema: several may share a database. */
@@ -360,7 +435,11 @@ vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_erro
     struct answer answer = {.db = db};
     vor_status status = VOR_OK;
 
-    pthread_mutex_lock(&db->locking);
+    *held = 0;
+    if (atomic_load(&db->away_until) == 0)
+        pthread_mutex_lock(&db->locking);
+    else if (pthread_mutex_trylock(&db->locking) != 0) /* another thread asks just now */
+        return vor_fail_errno(err, ETIMEDOUT, what);
     if (db->is_locked) /* a question shows whether the connection is there */
         status = run(db, &db->lock, "SELECT 1", err);
     *held = db->is_locked && status == VOR_OK;

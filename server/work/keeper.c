@@ -40,15 +40,25 @@ int vor_keeper_file(struct vor_keeper *keeper)
     return -1;
 }
 
+static int is_wanted(void *ctx)
+{
+    struct vor_keeper *keeper = ctx;
+
+    return !atomic_load(&keeper->is_closing) || vor_clock_seconds() < keeper->until;
+}
+
 static void *store(void *arg)
 {
     struct vor_keeper *keeper = arg;
+    const struct vor_blob_patience patience = {.is_wanted = is_wanted, .ctx = keeper};
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_error err;
 
     vor_blob_be_lazy(keeper->writer);
+    vor_blob_be_patient(keeper->writer, &patience);
     if (vor_blob_commit(keeper->writer, &keeper->id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, name),
-                        &err) != VOR_OK)
+                        &err) != VOR_OK &&
+        is_wanted(keeper))
         vor_log(VOR_LOG_WARN, "a checkpoint was not stored", VOR_TEXT("job", keeper->id.text),
                 VOR_TEXT("error", err.message));
     atomic_store(&keeper->is_stored, 1);
@@ -76,8 +86,10 @@ void vor_keeper_take(struct vor_keeper *keeper, const struct vor_job_output *fil
     keeper->is_storing = keeper->has_kept = 1;
 }
 
-int vor_keeper_close(struct vor_keeper *keeper)
+int vor_keeper_close(struct vor_keeper *keeper, double seconds)
 {
+    keeper->until = vor_clock_seconds() + seconds;
+    atomic_store(&keeper->is_closing, 1);
     (void)settle(keeper, 1);
     discard(keeper);
     return keeper->has_kept;

@@ -20,7 +20,8 @@ struct vor_keeper {
     struct vor_blob_writer *writer; /* of a file that the run has, or that is being stored */
     pthread_t thread;               /* stores it */
     int is_storing;
-    atomic_int is_stored;
+    atomic_int is_stored, is_closing;
+    double until; /* for which a store is waited for that is closing */
     int has_kept; /* something was */
 };
 
@@ -36,7 +37,8 @@ int vor_keeper_file(struct vor_keeper *keeper);
 /** Has a thread store what the run wrote: file->bytes is 0 when it could not. Quick. */
 void vor_keeper_take(struct vor_keeper *keeper, const struct vor_job_output *file);
 
-/** Waits until what was taken is stored; true when something was. */
-int vor_keeper_close(struct vor_keeper *keeper);
+/** Ends, and waits for about so long until what was taken is stored. True when something was, or
+ * may have been. */
+int vor_keeper_close(struct vor_keeper *keeper, double seconds);
 
 #endif

@@ -18,6 +18,9 @@
 static const double store_seconds = 2;      /* between two pieces of events for the store */
 static const double retry_seconds = 1;      /* while the disk is full */
 static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
+/* For the last checkpoint of a run that is lost, and of one that the daemon gives back as it ends.
+ */
+static const double lost_seconds = 30, leaving_seconds = 5;
 
 struct run {
     struct vor_worker *worker;
@@ -110,6 +113,11 @@ static int is_looked_at(void *ctx)
 static void take_points(void *ctx, const struct vor_shown *shown)
 {
     vor_job_show(((struct run *)ctx)->job, shown);
+}
+
+static int is_not_cancelled(void *ctx)
+{
+    return vor_job_asked(((struct run *)ctx)->job) != VOR_CANCEL;
 }
 
 static int file_of(void *ctx)
@@ -228,7 +236,8 @@ static int wait_for_blobs(void *ctx, const struct vor_error *why)
 {
     struct run *run = ctx;
 
-    tell_wait(run, why);
+    if (is_not_cancelled(run))
+        tell_wait(run, why);
     return vor_worker_wait_room(run->worker, run->job, retry_seconds);
 }
 
@@ -236,6 +245,7 @@ static int wait_for_blobs(void *ctx, const struct vor_error *why)
 static vor_status commit_outputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
+    const struct vor_blob_patience patience = {wait_for_blobs, is_not_cancelled, run};
     vor_status status = VOR_OK;
 
     for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
@@ -248,10 +258,20 @@ static vor_status commit_outputs(struct run *run, struct vor_error *err)
         if (status != VOR_OK)
             break;
         run->writer[i] = NULL;
-        vor_blob_be_patient(writer, wait_for_blobs, run);
+        vor_blob_be_patient(writer, &patience);
         status = vor_blob_commit(writer, &run->view.id, outputs[i].name, err);
     }
     return status;
+}
+
+static int is_aborting(struct vor_worker *worker)
+{
+    int aborting;
+
+    pthread_mutex_lock(&worker->mutex);
+    aborting = worker->aborting;
+    pthread_mutex_unlock(&worker->mutex);
+    return aborting;
 }
 
 /* Has the order run, once. */
@@ -274,7 +294,10 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
                     run->worker->config.checkpoint_seconds);
     if (place_order(run, err) == VOR_OK)
         end = executor->run(executor, &run->order, &listener, &run->result, &run->kept, err);
-    run->has_kept |= vor_keeper_close(&run->keeper);
+    run->has_kept |= vor_keeper_close(
+        &run->keeper, end != VOR_RUN_DONE && end != VOR_RUN_FAILED        ? lost_seconds
+                      : end == VOR_RUN_FAILED && is_aborting(run->worker) ? leaving_seconds
+                                                                          : 0);
     if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
         end = VOR_RUN_FAILED;
     close_files(run);
@@ -327,6 +350,19 @@ static void describe_failure(struct vor_job_view *row, const struct vor_error *p
                    problem->message);
 }
 
+/* True when this end was written before, and the answer lost: *row then is the job's. */
+static int is_written(const struct run *run, struct vor_job_view *row)
+{
+    struct vor_job_view there;
+    int found = 0;
+
+    if (vor_store_get(run->worker->config.store, &row->id, NULL, &there, &found, NULL) != VOR_OK ||
+        !found || there.status != row->status || there.attempt != run->lease.attempt)
+        return 0;
+    *row = there;
+    return 1;
+}
+
 /* Writes the last row once, of a success when problem is NULL; a failure asks for another try. */
 static vor_status finish_once(struct run *run, const struct vor_error *problem,
                               struct vor_error *err)
@@ -345,7 +381,9 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
     else
         describe_success(run, &row);
     status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
-    if (status == VOR_OK && !changed) {
+    if (status == VOR_OK && !changed && is_written(run, &row)) {
+        vor_job_end(run->job, &row);
+    } else if (status == VOR_OK && !changed) {
         vor_log(VOR_LOG_WARN, "job lost: another daemon has it, or it was deleted",
                 VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
         run->is_lost = 1;
@@ -369,16 +407,6 @@ static void finish(struct run *run, const struct vor_error *problem)
         if (vor_worker_pause(run->worker, retry_seconds))
             break;
     }
-}
-
-static int is_aborting(struct vor_worker *worker)
-{
-    int aborting;
-
-    pthread_mutex_lock(&worker->mutex);
-    aborting = worker->aborting;
-    pthread_mutex_unlock(&worker->mutex);
-    return aborting;
 }
 
 /* The daemon goes down: the next one runs the job again. */

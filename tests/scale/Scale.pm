@@ -11,7 +11,7 @@ use IO::Socket::INET;
 use POSIX ();
 use Vt;
 
-our @EXPORT = qw(free_port child end_child ask start_postgres stop_postgres start_swift start_cutter objects follow);
+our @EXPORT = qw(free_port child end_child ask start_postgres stop_postgres signal_postgres start_swift start_cutter objects follow);
 
 our $dir = tempdir(CLEANUP => 1);
 our %pid;
@@ -66,6 +66,11 @@ sub pg_ctl {
     return as_user("$programs/" . shift, '-D', "$dir/data", @_);
 }
 sub stop_postgres { return pg_ctl('pg_ctl', '-w', '-m', $_[0], 'stop') }
+# To the server and all that it has started.
+sub signal_postgres {
+    my ($pid) = Vt::slurp("$dir/data/postmaster.pid") =~ /^(\d+)/;
+    return kill $_[0], $pid, split ' ', Vt::slurp("/proc/$pid/task/$pid/children");
+}
 
 # Starts the server, again where it was stopped; true when it serves. Its pooler, in transaction mode, has two connections to it.
 sub start_postgres {

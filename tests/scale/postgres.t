@@ -49,17 +49,19 @@ my $next = Vt->start(dir => $daemon->{dir}, store => "postgres:host=127.0.0.1 po
 is $next->finish($long)->{status}, 'successful', 'the next daemon runs what the killed one ran, from tables of the version before';
 is $next->finish($report->{jobID})->{status}, 'successful', 'and has its results';
 
-$long = $next->submit('points=2000&iterations=300&delta=0', $cloud);
-ok wait_until(sub { $next->status($long) eq 'running' }), 'while a job runs';
-is stop_postgres('immediate'), 0, 'the server dies';
-is $next->post('/v1/resample?points=100', $cloud, Prefer => 'respond-async')->{status}, 503, 'a submit is told to come again';
-is $next->get('/readyz')->{status}, 503, 'the daemon is not ready';
-ok start_postgres(), 'and comes back';
-my $ended = $next->finish($long);
-is $ended->{status}, 'successful', 'the job ends';
-ok wait_until(sub { $next->log_text =~ /"msg":"job ended","job":"$long"[^\n]*"attempt":1/ }), 'by its first attempt';
-ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and the daemon is ready again';
-is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
+for my $way (['dies', sub { !stop_postgres('immediate') }, \&start_postgres], ['hangs', map { my $s = $_; sub { signal_postgres($s) } } qw(STOP CONT)]) {
+    $long = $next->submit('points=2000&iterations=300&delta=0', $cloud);
+    ok wait_until(sub { $next->status($long) eq 'running' }), 'while a job runs';
+    ok $way->[1]->(), "the server $way->[0]";
+    is_problem($next->post('/v1/resample?points=100', $cloud, Prefer => 'respond-async'), 503, 'store-unavailable', 'a submit is told to come again');
+    like json($next->get('/readyz'))->{detail}, qr/^--store: /, 'the daemon is not ready';
+    is $next->get('/livez')->{status}, 200, 'but lives';
+    ok $way->[2]->(), 'and comes back';
+    is $next->finish($long)->{status}, 'successful', 'the job ends';
+    ok wait_until(sub { $next->log_text =~ /"msg":"job ended","job":"$long"[^\n]*"attempt":1/ }), 'by its first attempt';
+    ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and the daemon is ready again';
+    is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
+}
 
 # Files as well, through the pooler, of daemons that share them.
 my $files = $uri =~ s/:$port/:$Scale::pooler/r;

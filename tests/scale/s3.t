@@ -80,7 +80,14 @@ ok wait_until(sub { $next->get("/v1/jobs/$ids[6]/results/cloud")->{content} eq $
 ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'the daemon is ready';
 like json($next->get("/v1/jobs/$long"))->{status}, qr/running|successful/, 'the job is not lost';
 is $next->finish($long)->{status}, 'successful', 'and ends';
-is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'as does a new one';
+my $unwanted = $next->submit('points=1000&iterations=300&delta=0', $cloud);
+ok wait_until(sub { $next->status($unwanted) eq 'running' }), 'while a job runs S3 hangs';
+kill 'STOP', $Scale::pid{proxy};
+ok wait_until(sub { json($next->get("/v1/jobs/$unwanted"))->{voronoid}{stage} eq 'encode' }), 'and the job comes to its end';
+is $next->request('DELETE', "/v1/jobs/$unwanted")->{status}, 200, 'it is dismissed';
+ok wait_until(sub { !counted('queue_jobs{state="running"}') }), 'which does not wait for S3';
+kill 'CONT', $Scale::pid{proxy};
+is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'and another one ends well';
 
 # With an address of the bucket for clients, a result is a link to it, which is good for two minutes and for nothing else.
 my $linked = Vt->start(dir => do { $next->stop; $next->{dir} }, blobs => $place, 'blobs-public-url' => "http://127.0.0.1:$Scale::swift{proxy}/bucket/");
