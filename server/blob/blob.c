@@ -45,6 +45,29 @@ int vor_blob_is_upload(const char *name)
     return strcmp(name, "upload") == 0 || strncmp(name, "upload-", 7) == 0;
 }
 
+#define TRY "-try-"
+
+const char *vor_blob_of_output(const char *output, uint32_t attempt,
+                               char out[VOR_BLOB_NAME_MAX + 1])
+{
+    int length = attempt > 1 ? snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s" TRY "%u", output, attempt)
+                             : snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s", output);
+
+    assert(length <= VOR_BLOB_NAME_MAX);
+    return out;
+}
+
+/* Where former versions have what is not there under this name; NULL: nowhere else. */
+static const char *former(const char *name, char out[VOR_BLOB_NAME_MAX + 1])
+{
+    const char *at = strstr(name, TRY);
+
+    if (at == NULL)
+        return NULL;
+    (void)snprintf(out, VOR_BLOB_NAME_MAX + 1, "%.*s", (int)(at - name), name);
+    return out;
+}
+
 const char *vor_blob_of_converted(const char *output, const char *format,
                                   char out[VOR_BLOB_NAME_MAX + 1])
 {
@@ -211,11 +234,14 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
 vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
                            struct vor_blob_writer **out, int *found, struct vor_error *err)
 {
+    struct vor_blob_source before = *from;
     vor_status status;
 
     *out = NULL;
     *found = 0;
     status = blobs->driver->reopen(blobs, from, out, found, err);
+    if (status == VOR_OK && !*found && former(from->name, before.name) != NULL)
+        status = blobs->driver->reopen(blobs, &before, out, found, err);
     if (status != VOR_OK || !*found)
         return status;
     (*out)->blobs = blobs;
@@ -408,27 +434,41 @@ void vor_blob_discard(struct vor_blob_writer *writer)
 vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                         int *fd, uint64_t *size, int *found, struct vor_error *err)
 {
+    char before[VOR_BLOB_NAME_MAX + 1];
+    vor_status status;
+
     if (fd != NULL)
         *fd = -1;
     *size = 0;
     *found = 0;
-    return blobs->driver->get(blobs, id, name, fd, size, found, err);
+    status = blobs->driver->get(blobs, id, name, fd, size, found, err);
+    return status == VOR_OK && !*found && former(name, before) != NULL
+               ? blobs->driver->get(blobs, id, before, fd, size, found, err)
+               : status;
 }
 
 vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                           const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {
+    char before[VOR_BLOB_NAME_MAX + 1];
     uint64_t size;
+    vor_status status;
 
+    if (blobs->driver->bring == NULL)
+        return vor_blob_get(blobs, id, name, NULL, &size, found, err);
     *found = 0;
-    return blobs->driver->bring != NULL
-               ? blobs->driver->bring(blobs, id, name, watch, found, err)
-               : blobs->driver->get(blobs, id, name, NULL, &size, found, err);
+    status = blobs->driver->bring(blobs, id, name, watch, found, err);
+    return status == VOR_OK && !*found && former(name, before) != NULL
+               ? blobs->driver->bring(blobs, id, before, watch, found, err)
+               : status;
 }
 
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
-    return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name);
+    char before[VOR_BLOB_NAME_MAX + 1];
+
+    return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name) ||
+           (former(name, before) != NULL && blobs->driver->is_near(blobs, id, before));
 }
 
 void vor_blobs_set_public_url(struct vor_blobs *blobs, const char *url)

@@ -10,6 +10,7 @@
  *    "upload-NAME" the input of that name, likewise
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
  *                  the job expires or is removed
+ *    "NAME-try-K"  the same of attempt K, from 2 on; former versions wrote all as NAME
  *    "NAME-as-FORMAT"  that cloud in another format, and behind it the SHA-256 of its bytes in 64
  *                  digits; kept as long, and made anew when asked for
  *
@@ -32,6 +33,14 @@ const char *vor_blob_of_input(const char *input, char out[VOR_BLOB_NAME_MAX + 1]
 /** The same for an input as it came, and whether a blob is one. */
 const char *vor_blob_of_upload(const char *input, char out[VOR_BLOB_NAME_MAX + 1]);
 int vor_blob_is_upload(const char *name);
+
+/** The name of the blob of an output, as above: an attempt that has lost its job replaces nothing
+ * of the one that has it. Returns out.
+ *
+ *  @param[in] output  the output's name, at most 20 bytes
+ *  @param[in] attempt  of the row */
+const char *vor_blob_of_output(const char *output, uint32_t attempt,
+                               char out[VOR_BLOB_NAME_MAX + 1]);
 
 /** The name of the blob of an output in another format, as above. Returns out.
  *

@@ -72,6 +72,7 @@ struct vor_job_brief {
     char process[32]; /**< as in the view, as the next two */
     uint64_t kept;
     int expired;
+    uint32_t attempt; /**< 0 where none was begun */
 };
 
 /** What a principal may have, and has: jobs that wait or run, bytes of kept uploads and of results.
@@ -104,6 +105,7 @@ struct vor_evictions {
     struct vor_evicted {
         struct vor_uuid id;
         char process[32]; /**< as in the view */
+        uint32_t attempt; /**< as in the brief */
     } * job;              /**< the caller's room for so many */
     size_t max, count;
 };

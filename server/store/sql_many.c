@@ -12,6 +12,7 @@ static void take_evicted(void *ctx, struct vor_sql_row *row)
 
     vor_sql_copy(row, one->id.text, sizeof one->id.text);
     vor_sql_copy(row, one->process, sizeof one->process);
+    one->attempt = (uint32_t)vor_sql_number(row);
 }
 
 #define TIME "CASE ?1 WHEN 0 THEN clock_ms() ELSE ?1 END"
@@ -28,18 +29,18 @@ static const struct {
     [VOR_EVICT_EXPIRED] = {NULL, EXPIRE " WHERE seq IN (SELECT seq FROM job WHERE expires > 0"
                                         " AND expires <= " TIME
                                         " AND expired = 0 ORDER BY expires LIMIT ?2)"
-                                        " RETURNING id, process_id"},
+                                        " RETURNING id, process_id, attempt"},
     [VOR_EVICT_UPLOADS] = {"SELECT sum(kept) FROM ledger",
                            "UPDATE job SET kept = 0 WHERE seq IN"
                            " (SELECT seq FROM (SELECT seq, sum(kept) OVER (ORDER BY finished, seq)"
                            " - kept AS earlier FROM job WHERE kept > 0 AND finished > 0) AS ended"
                            " WHERE earlier < (SELECT sum(kept) FROM ledger) - ?1"
-                           " ORDER BY earlier LIMIT ?2) RETURNING id, process_id"},
+                           " ORDER BY earlier LIMIT ?2) RETURNING id, process_id, attempt"},
     [VOR_EVICT_RESULTS] = {"SELECT sum(held) FROM ledger", EXPIRE
                            " WHERE seq IN (SELECT seq FROM (SELECT seq, held,"
                            " sum(held) OVER (ORDER BY finished DESC, seq DESC) AS later"
                            " FROM job WHERE held > 0) AS ended WHERE later > ?1 AND later > held"
-                           " ORDER BY later DESC LIMIT ?2) RETURNING id, process_id"},
+                           " ORDER BY later DESC LIMIT ?2) RETURNING id, process_id, attempt"},
 };
 
 static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t limit,

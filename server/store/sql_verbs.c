@@ -411,6 +411,7 @@ static int take_brief(void *ctx, struct vor_sql_row *row)
     vor_sql_copy(row, brief->job->process, sizeof brief->job->process);
     brief->job->kept = (uint64_t)vor_sql_number(row);
     brief->job->expired = (int)vor_sql_number(row);
+    brief->job->attempt = (uint32_t)vor_sql_number(row);
     return 0;
 }
 
@@ -420,7 +421,7 @@ vor_status vor_store_brief(struct vor_store *store, const struct vor_uuid *id,
     struct brief brief = {.job = out};
     vor_status status = vor_sql_query(
         vor_sql_of(store), take_brief, &brief, err,
-        "SELECT status, process_id, kept, expired FROM job WHERE id = ?", "t", id->text);
+        "SELECT status, process_id, kept, expired, attempt FROM job WHERE id = ?", "t", id->text);
 
     *found = brief.found;
     return status;

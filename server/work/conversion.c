@@ -168,14 +168,16 @@ static void drop_if_gone(const struct conversion *conversion)
 
 static vor_status convert(const struct conversion *conversion, struct vor_error *err)
 {
+    char blob[VOR_BLOB_NAME_MAX + 1];
     uint64_t size;
     int fd, found;
     vor_status status;
 
     if (vor_crew_closing(conversion->service->config.crew))
         return vor_fail(err, VOR_E_CANCELLED, "the daemon is shutting down");
-    status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id,
-                          output_name(conversion), &fd, &size, &found, err);
+    (void)vor_blob_of_output(output_name(conversion), conversion->row.attempt, blob);
+    status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id, blob, &fd, &size,
+                          &found, err);
     if (status != VOR_OK)
         return status;
     if (!found)

@@ -241,7 +241,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
  * before a crash. */
 static void dismissed(struct vor_worker *worker, const struct vor_job_view *row, int runs)
 {
-    vor_worker_drop_all(worker, &row->id, row->process,
+    vor_worker_drop_all(worker, &row->id, row->process, row->attempt,
                         vor_has_inputs(row) | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
     if (!runs)
         vor_capacity_wait(worker, row, -1);
@@ -279,7 +279,7 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
 
 static void drop_bytes(struct vor_worker *worker, const struct vor_job_view *row)
 {
-    vor_worker_drop_all(worker, &row->id, row->process,
+    vor_worker_drop_all(worker, &row->id, row->process, row->attempt,
                         vor_has_inputs(row) | VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
 }
 

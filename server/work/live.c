@@ -215,7 +215,7 @@ void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const
 }
 
 void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
-                         unsigned what)
+                         uint32_t attempts, unsigned what)
 {
     static const struct vor_artefact_info none = {.name = NULL};
     const struct vor_process_info *info = vor_process_find(process);
@@ -234,7 +234,8 @@ void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, c
     for (; (what & VOR_HAS_OUTPUTS) != 0 && output->name != NULL; output++) {
         if (vor_output_in_row(output))
             continue;
-        vor_worker_drop(worker, id, output->name);
+        for (uint32_t k = 1; k <= attempts; k++)
+            vor_worker_drop(worker, id, vor_blob_of_output(output->name, k, blob));
         for (unsigned i = 0; output->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
             vor_worker_drop(worker, id,
                             vor_blob_of_converted(output->name, vor_format(i)->name, blob));
@@ -259,7 +260,7 @@ vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struc
     do {
         status = vor_store_evict(worker->config.store, why, limit[why], &evictions, err);
         for (size_t i = 0; i < evictions.count; i++)
-            vor_worker_drop_all(worker, &job[i].id, job[i].process,
+            vor_worker_drop_all(worker, &job[i].id, job[i].process, job[i].attempt,
                                 why == VOR_EVICT_UPLOADS ? VOR_HAS_UPLOADS
                                                          : VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
         total += evictions.count;

@@ -148,10 +148,18 @@ static inline unsigned vor_has_inputs(const struct vor_job_view *row)
     return row->inputs << 3 | (row->attempt > 1 ? VOR_HAS_CHECKPOINT : 0);
 }
 
-/** Removes those of a job of that process; those of a process that this version does not know are
- *  left to the next start. */
+/** Removes those of a job of that process, outputs of its first attempts; those of a process that
+ *  this version does not know are left to the next start. */
 void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
-                         unsigned what);
+                         uint32_t attempts, unsigned what);
+
+/** How many attempts have left outputs that nobody needs: all, or all before the last one. */
+static inline uint32_t vor_attempts_gone(enum vor_job_status status, uint32_t attempt)
+{
+    int is_needed = !vor_job_status_over(status) || status == VOR_JOB_SUCCESSFUL;
+
+    return is_needed && attempt > 0 ? attempt - 1 : attempt;
+}
 
 /** Takes from jobs what they keep as far as the time or a quota of the configuration wants it
  *  (vor_store_evict), with its bytes.

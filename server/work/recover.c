@@ -38,14 +38,15 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->count++;
 }
 
-/* The output that a blob is of, be it converted; NULL for none. */
+/* The output of an attempt that a blob is of, be it converted; NULL for none. */
 static const struct vor_artefact_info *output_of(const struct vor_process_info *process,
-                                                 const char *blob)
+                                                 uint32_t attempt, const char *blob)
 {
     char converted[VOR_BLOB_NAME_MAX + 1];
 
     for (const struct vor_artefact_info *o = process->outputs; o->name != NULL; o++) {
-        if (strcmp(o->name, blob) == 0)
+        if (strcmp(o->name, blob) == 0 ||
+            strcmp(vor_blob_of_output(o->name, attempt, converted), blob) == 0)
             return o;
         for (unsigned i = 0; o->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
             if (strcmp(vor_blob_of_converted(o->name, vor_format(i)->name, converted), blob) == 0)
@@ -73,7 +74,7 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
         return 1;
     if (vor_blob_is_upload(blob->name))
         return row.kept > 0;
-    output = output_of(process, blob->name);
+    output = output_of(process, row.attempt, blob->name);
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
@@ -202,7 +203,7 @@ static void forget_missing(struct vor_worker *worker)
 
             if (vor_store_forget_uploads(worker->config.store, &job->id, &err) != VOR_OK)
                 continue; /* the next start finds it */
-            vor_worker_drop_all(worker, &job->id, job->process, VOR_HAS_UPLOADS);
+            vor_worker_drop_all(worker, &job->id, job->process, 0, VOR_HAS_UPLOADS);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
         filter.before_seq = missing.seq;

@@ -246,6 +246,7 @@ static vor_status commit_outputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
     const struct vor_blob_patience patience = {wait_for_blobs, is_not_cancelled, run};
+    char blob[VOR_BLOB_NAME_MAX + 1];
     vor_status status = VOR_OK;
 
     for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
@@ -259,7 +260,9 @@ static vor_status commit_outputs(struct run *run, struct vor_error *err)
             break;
         run->writer[i] = NULL;
         vor_blob_be_patient(writer, &patience);
-        status = vor_blob_commit(writer, &run->view.id, outputs[i].name, err);
+        status =
+            vor_blob_commit(writer, &run->view.id,
+                            vor_blob_of_output(outputs[i].name, run->lease.attempt, blob), err);
     }
     return status;
 }
@@ -500,13 +503,15 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
 static void clean_up(struct run *run, double began)
 {
     struct vor_job_view view;
+    uint32_t gone;
 
     vor_job_view(run->job, &view);
     if (!vor_job_status_over(view.status))
         return;
-    vor_worker_drop_all(run->worker, &view.id, view.process,
+    gone = vor_attempts_gone(view.status, view.attempt);
+    vor_worker_drop_all(run->worker, &view.id, view.process, gone,
                         vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
-                            (view.status == VOR_JOB_SUCCESSFUL ? 0 : VOR_HAS_OUTPUTS));
+                            (gone > 0 ? VOR_HAS_OUTPUTS : 0));
     if (view.kept > 0)
         vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);
     if (view.status == VOR_JOB_SUCCESSFUL)
@@ -522,15 +527,15 @@ static void clean_up(struct run *run, double began)
 static void clean_up_lost(const struct run *run)
 {
     const struct vor_worker_config *config = &run->worker->config;
-    struct vor_job_brief row = {.expired = 0};
+    struct vor_job_brief row = {.status = VOR_JOB_DISMISSED, .attempt = run->lease.attempt};
     int found;
 
-    if (vor_store_brief(config->store, &run->view.id, &row, &found, NULL) != VOR_OK ||
-        (found && !vor_job_status_over(row.status)))
-        return; /* its files are the new owner's */
-    vor_worker_drop_all(run->worker, &run->view.id, run->view.process,
-                        (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
-                            (row.status == VOR_JOB_SUCCESSFUL ? 0 : VOR_HAS_OUTPUTS));
+    if (vor_store_brief(config->store, &run->view.id, &row, &found, NULL) != VOR_OK)
+        return;
+    vor_worker_drop_all(
+        run->worker, &run->view.id, run->view.process, vor_attempts_gone(row.status, row.attempt),
+        VOR_HAS_OUTPUTS |
+            (run->has_kept && vor_job_status_over(row.status) ? VOR_HAS_CHECKPOINT : 0));
 }
 
 /* Why a row cannot be run; VOR_OK when it can. */

@@ -199,11 +199,16 @@ int vt_daemon_kept(const struct vt_daemon *daemon)
 uint8_t *vt_daemon_output(struct vt_daemon *daemon, const struct vor_uuid *id, const char *name,
                           size_t *size)
 {
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_job_brief row = {.attempt = 1};
     uint8_t *bytes;
     uint64_t length;
     int fd, found;
 
-    vt_assert_ok(vor_blob_get(daemon->blobs, id, name, &fd, &length, &found, &vt_err));
+    if (daemon->store != NULL)
+        vt_assert_ok(vor_store_brief(daemon->store, id, &row, &found, &vt_err));
+    (void)vor_blob_of_output(name, row.attempt, blob);
+    vt_assert_ok(vor_blob_get(daemon->blobs, id, blob, &fd, &length, &found, &vt_err));
     ck_assert(found);
     bytes = malloc(length + 1);
     ck_assert_int_eq(read(fd, bytes, length), (ssize_t)length);

@@ -23,6 +23,7 @@ struct vor_frame {
     bool is_over;
     struct vor_text told; /* then: the statusInfo of its job, or why there is none */
     struct vor_uuid id;   /* then: of the job that has its result; "" for none */
+    uint32_t attempt;     /* that wrote it */
     unsigned format;      /* of that */
 };
 
@@ -49,8 +50,9 @@ struct vor_sequence {
     struct vor_quota quota; /* of the key */
     struct vor_span span;
     struct vor_fairness_key caller;
-    bool is_linked;          /* each frame starts from the last result */
-    struct vor_uuid last;    /* whose result that is; "" for none */
+    bool is_linked;       /* each frame starts from the last result */
+    struct vor_uuid last; /* whose result that is; "" for none */
+    uint32_t last_attempt;
     struct vor_uploads body; /* one: all files that came, one after the other, or the archive */
     union {
         struct vor_tar tar;
@@ -104,9 +106,9 @@ void vor_sequence_advance(struct vor_sequence *sequence);
 void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
                                enum vor_job_outcome outcome, const struct vor_error *err);
 
-/** Brings the result of a job here from another machine. False when it is on its way: the request
- * is woken then. err says why it failed. */
-bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id,
+/** Brings the result of a job, of this attempt, here from another machine. False when it is on its
+ * way: the request is woken then. err says why it failed. */
+bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id, uint32_t attempt,
                         enum vor_fetched *fetched, struct vor_error *err);
 
 /** Ends following the job of a frame, if there is one. */

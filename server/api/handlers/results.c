@@ -72,10 +72,11 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
 static bool open_blob(struct vor_app *app, struct vor_request *request,
                       const struct vor_job_view *view, unsigned index, struct output *out)
 {
-    const char *name = view->spec.process->outputs[index].name;
+    char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_error err;
     int found = out->flow != NULL;
 
+    (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, name);
     out->size = view->output[index].bytes;
     if (!found &&
         vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
@@ -340,6 +341,7 @@ static bool reply_link(struct vor_app *app, struct vor_request *request,
                                        .media_type = vor_output_media_type(view, index)};
     struct output out = {.fd = -1};
     struct vor_text link, disposition;
+    char blob[VOR_BLOB_NAME_MAX + 1];
     bool done;
 
     if (reading.media_type == NULL)
@@ -349,8 +351,8 @@ static bool reply_link(struct vor_app *app, struct vor_request *request,
     name_file(view, index, vor_format(output->format), &out);
     put_disposition(&disposition, out.name);
     reading.disposition = disposition.failed ? "attachment" : disposition.data;
-    done = vor_blob_link(app->blobs, &view->id, view->spec.process->outputs[index].name, &reading,
-                         &link, NULL) == VOR_OK &&
+    (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, blob);
+    done = vor_blob_link(app->blobs, &view->id, blob, &reading, &link, NULL) == VOR_OK &&
            link.size > 0;
     if (done) {
         (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", output->sha256);
@@ -377,7 +379,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     struct vor_job_view view;
     const char *segment;
     size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
-    char name[64];
+    char name[64], blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_here here = {.exists = true};
 
     (void)step;
@@ -413,7 +415,8 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
         return VOR_NEXT_REPLY;
     here.may_flow = may_flow(request, view.output[output - outputs].sha256,
                              view.output[output - outputs].bytes);
-    if (!vor_output_in_row(output) && !vor_blob_is_here(app, request, &view.id, name, &here, &next))
+    (void)vor_blob_of_output(output->name, view.attempt, blob);
+    if (!vor_output_in_row(output) && !vor_blob_is_here(app, request, &view.id, blob, &here, &next))
         return next;
     if (!here.exists)
         return vor_result_missing(app, request, &view);

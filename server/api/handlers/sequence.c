@@ -57,14 +57,15 @@ static bool open_result(struct vor_sequence *sequence, size_t index)
 {
     struct vor_app *app = sequence->app;
     struct vor_frame *frame = &sequence->frames[index];
-    const char *name = sequence->head.spec.process->outputs[0].name;
+    char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_error err;
     enum vor_fetched fetched;
     int found = 0;
     vor_status status = VOR_OK;
 
-    if (!vor_sequence_fetch(sequence, &frame->id, &fetched, &err))
+    if (!vor_sequence_fetch(sequence, &frame->id, frame->attempt, &fetched, &err))
         return false;
+    (void)vor_blob_of_output(sequence->head.spec.process->outputs[0].name, frame->attempt, name);
     if (fetched == VOR_FETCH_FAILED)
         status = err.status;
     else if (fetched != VOR_FETCH_NONE)

@@ -74,13 +74,14 @@ void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
     frame->is_over = true;
 }
 
-bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id,
+bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id, uint32_t attempt,
                         enum vor_fetched *fetched, struct vor_error *err)
 {
     struct vor_asker asker = vor_asker_of(sequence->request);
+    char blob[VOR_BLOB_NAME_MAX + 1];
 
-    *fetched = vor_fetch(vor_verify_fetcher(sequence->app->verify), id,
-                         sequence->head.spec.process->outputs[0].name, &asker, NULL, err);
+    (void)vor_blob_of_output(sequence->head.spec.process->outputs[0].name, attempt, blob);
+    *fetched = vor_fetch(vor_verify_fetcher(sequence->app->verify), id, blob, &asker, NULL, err);
     if (*fetched == VOR_FETCH_WAIT)
         return false;
     vor_waker_drop(asker.ctx);
@@ -103,7 +104,7 @@ static vor_status add_last(struct vor_sequence *sequence, struct vor_uploads *up
     if (outcome == VOR_FAILED)
         return err->status;
     if (outcome == VOR_DONE && view.status == VOR_JOB_SUCCESSFUL && !view.expired) {
-        (void)snprintf(source.name, sizeof source.name, "%s", view.spec.process->outputs[0].name);
+        (void)vor_blob_of_output(view.spec.process->outputs[0].name, view.attempt, source.name);
         memcpy(source.sha256, view.output[0].sha256, sizeof source.sha256);
         status = vor_blob_reopen(sequence->app->blobs, &source, &upload.bytes, &found, err);
     }
@@ -145,7 +146,7 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
     enum vor_fetched fetched;
 
     if (sequence->last.text[0] != '\0' &&
-        !vor_sequence_fetch(sequence, &sequence->last, &fetched, &err))
+        !vor_sequence_fetch(sequence, &sequence->last, sequence->last_attempt, &fetched, &err))
         return false;
     outcome = vor_worker_book(app->worker);
     wait = outcome == VOR_DONE ? wait_for_rate(sequence) : 1;
@@ -256,9 +257,12 @@ static void land(struct vor_sequence *sequence, struct vor_flight *flight)
     if (view.status != VOR_JOB_SUCCESSFUL)
         return;
     frame->id = view.id;
+    frame->attempt = view.attempt;
     frame->format = view.output[0].format;
-    if (sequence->is_linked)
+    if (sequence->is_linked) {
         sequence->last = view.id;
+        sequence->last_attempt = view.attempt;
+    }
 }
 
 void vor_sequence_advance(struct vor_sequence *sequence)

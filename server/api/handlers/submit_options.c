@@ -148,7 +148,7 @@ static bool find_result(struct vor_app *app, struct vor_request *request, const 
         return false;
     }
     out->source.id = *id;
-    (void)snprintf(out->source.name, sizeof out->source.name, "%s", output->name);
+    (void)vor_blob_of_output(output->name, out->view.attempt, out->source.name);
     memcpy(out->source.sha256, out->view.output[0].sha256, sizeof out->source.sha256);
     return true;
 }
