@@ -93,9 +93,12 @@ is $last->finish($last->submit('points=100', $cloud))->{status}, 'successful', '
 # What is refused, each in one line without the password.
 ask('postgres', 'CREATE DATABASE other');
 ask('other', 'CREATE TABLE job (id int)');
+Scale::write_file("$Scale::dir/data/pg_hba.conf", "host all locked all scram-sha-256\n" . Vt::slurp("$Scale::dir/data/pg_hba.conf"));
+ask('postgres', $_) for "CREATE ROLE locked LOGIN PASSWORD 'another-word'", 'SELECT pg_reload_conf()';
 for my $case (
     ["postgresql://voronoid:secret-word\@127.0.0.1:$port/other", qr/table "job" of this database belongs to another program/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:$port/none", qr/database "none" does not exist/],
+    ["postgresql://locked:secret-word\@127.0.0.1:$port/daemons", qr/password authentication failed for user "locked"/],
     ["postgresql://voronoid:secret-word\@127.0.0.1:1/daemons", qr/Connection refused/],
     ['postgres:nonsense=1', qr/invalid connection option "nonsense"/], ['postgre:secret-word', qr/is "postgre:...", want .*or postgres:URI/],
     map { [$_, qr/malformed/] } 'postgresql://a:secret-word@[host', 'postgresql://a:secret-word%4@h/b', 'postgres:password=x secret-word'
@@ -104,7 +107,7 @@ for my $case (
         my $why = $case->[1];
         next if $option eq '--blobs' && $case->[0] =~ /other$/; # files stand beside any other table
         ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", $option, $case->[0]);
-        isnt $status, 0, "$option $case->[0] is refused";
+        is $status, $why =~ /want/ ? 2 : 1, "$option $case->[0] is refused";
         like $text, qr/\A[^\n]*${why}[^\n]*\n\z/, 'with the reason in a line';
         unlike $text, qr/secret-word/, 'and no password';
     }
