@@ -34,6 +34,8 @@ if ($want{churn}) {
     ask('churn', 'VACUUM');
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
     print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
+    `build/release/tests/by_hand/scale/churn`;
+    print "  after $count more: ", ask('churn', $sizes), "\n";
 }
 exit unless grep { $_ ne 'churn' } keys %want;
 
