@@ -49,11 +49,14 @@ static double read_clock(void *ctx)
     return vor_clock_seconds();
 }
 
+static void say(const struct run *run, enum vor_said what, const void *of)
+{
+    run->listener->said(run->listener->ctx, what, of);
+}
+
 static enum vor_answer take_progress(void *ctx, const struct vor_record *record)
 {
-    const struct vor_listener *listener = ((struct run *)ctx)->listener;
-
-    listener->progress(listener->ctx, record);
+    say(ctx, VOR_SAID_RECORD, record);
     return asked(ctx);
 }
 
@@ -89,8 +92,8 @@ static void take_checkpoint(void *ctx, const struct vor_part *part, unsigned par
     vor_status status = VOR_E_NOMEM;
     int fd;
 
-    if (parts == 0 && listener->resumed != NULL)
-        listener->resumed(listener->ctx);
+    if (parts == 0)
+        say(ctx, VOR_SAID_RESUMED, "");
     fd = parts > 0 && listener->file != NULL ? listener->file(listener->ctx) : -1;
     if (fd < 0)
         return;
@@ -105,7 +108,7 @@ static void take_checkpoint(void *ctx, const struct vor_part *part, unsigned par
         vor_blob_sha256(writer, file.sha256);
     }
     vor_blob_discard(writer);
-    listener->checkpoint(listener->ctx, &file);
+    say(ctx, VOR_SAID_CHECKPOINT, &file);
 }
 
 /* Maps the checkpoint that the run may go on from; size 0 for none. */
@@ -203,7 +206,7 @@ static int wait_for_room(struct run *run, double seconds)
     const struct timespec look = {0, 20 * 1000 * 1000};
     double until = vor_clock_seconds() + seconds;
 
-    while (run->listener->asked(run->listener->ctx) != VOR_CANCEL) {
+    while (asked(run) != VOR_CANCEL) {
         if (vor_clock_seconds() >= until)
             return 1;
         (void)nanosleep(&look, NULL);
@@ -219,7 +222,7 @@ static vor_status write_files(struct run *run, const struct vor_artefacts *out,
     double pause = retry_seconds;
 
     while (status == VOR_E_IO && vor_error_storage_full(err)) {
-        run->listener->waits(run->listener->ctx, err);
+        say(run, VOR_SAID_WAITS, err);
         if (!wait_for_room(run, pause))
             return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
         pause = pause < retry_seconds_max ? 2 * pause : pause;
@@ -289,7 +292,7 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     double began = vor_clock_seconds();
     vor_status status;
 
-    run->listener->stage(run->listener->ctx, VOR_STAGE_ENCODE);
+    say(run, VOR_SAID_STAGE, &(const enum vor_stage){VOR_STAGE_ENCODE});
     run->facts.spacing = report != NULL ? report->spacing_mean : 0;
     status = write_files(run, out, err);
     if (status != VOR_OK)
@@ -320,7 +323,7 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
     vor_memory_init(&run.memory, order->memory);
     vor_artefacts_init(&out, &run.memory);
     status = compute(&run, &out, err);
-    if (status == VOR_OK && listener->asked(listener->ctx) == VOR_CANCEL)
+    if (status == VOR_OK && asked(&run) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
     if (status == VOR_OK)
         status = save(&run, &out, err);

@@ -39,21 +39,29 @@ struct vor_run_result {
     char message[128]; /**< a sentence for people: "300 points after 12 iterations, ..." */
 };
 
+/** What a run says, and the value that comes with it. */
+enum vor_said {
+    VOR_SAID_STAGE,      /**< enum vor_stage: the next one begins */
+    VOR_SAID_RECORD,     /**< struct vor_record */
+    VOR_SAID_RESUMED,    /**< nothing: it went on from order.saved */
+    VOR_SAID_CHECKPOINT, /**< struct vor_job_output: the listener's file is written; bytes 0: it
+                              is not to be used */
+    VOR_SAID_WAITS,      /**< struct vor_error, a VOR_E_IO: the outputs wait for room on the disk */
+    VOR_SAID_KEPT,       /**< from here between processes alone (wire.h) */
+    VOR_SAID_DONE,
+    VOR_SAID_FAILED,
+    VOR_SAID_KINDS
+};
+
 /** Whom a run talks to. asked is called from any thread, often, and must be quick; the others from
  *  one thread at a time. */
 struct vor_listener {
     void *ctx;
     enum vor_answer (*asked)(void *ctx);
-    void (*progress)(void *ctx, const struct vor_record *record);
-    void (*stage)(void *ctx, enum vor_stage stage); /**< the next one begins */
+    void (*said)(void *ctx, enum vor_said what, const void *of);
     /** An empty file for a checkpoint, -1: none is wanted now. The run writes it, says so, and has
-     * no more to do with it. These two may be NULL. */
+     * no more to do with it. May be NULL: none ever is. */
     int (*file)(void *ctx);
-    void (*checkpoint)(void *ctx, const struct vor_job_output *file); /**< bytes 0: it failed */
-    /** The run went on from order.saved. May be NULL where there is none. */
-    void (*resumed)(void *ctx);
-    /** The outputs wait for room on the disk: why is the VOR_E_IO. */
-    void (*waits)(void *ctx, const struct vor_error *why);
     /** Whether somebody looks at the points as they move; as asked. May be NULL: nobody does. */
     int (*is_looked_at)(void *ctx);
     /** The points, while somebody does, at most once in VOR_PREVIEW_SECONDS; borrowed. */

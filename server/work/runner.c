@@ -78,9 +78,8 @@ static void store_events(struct run *run)
         vor_job_ask(run->job, VOR_CANCEL);
 }
 
-static void take_progress(void *ctx, const struct vor_record *record)
+static void take_record(struct run *run, const struct vor_record *record)
 {
-    struct run *run = ctx;
     double now = vor_clock_seconds();
 
     if (run->is_resumed)
@@ -95,14 +94,29 @@ static void take_progress(void *ctx, const struct vor_record *record)
     }
 }
 
-static void take_stage(void *ctx, enum vor_stage stage)
+static void take(void *ctx, enum vor_said what, const void *of)
 {
-    vor_job_stage(((struct run *)ctx)->job, stage, vor_clock_wall_ms());
-}
+    struct run *run = ctx;
 
-static void take_wait(void *ctx, const struct vor_error *why)
-{
-    tell_wait(ctx, why);
+    switch (what) {
+    case VOR_SAID_STAGE:
+        vor_job_stage(run->job, *(const enum vor_stage *)of, vor_clock_wall_ms());
+        break;
+    case VOR_SAID_RECORD:
+        take_record(run, of);
+        break;
+    case VOR_SAID_RESUMED:
+        run->is_resumed = 1;
+        break;
+    case VOR_SAID_CHECKPOINT:
+        vor_keeper_take(&run->keeper, of);
+        break;
+    case VOR_SAID_WAITS:
+        tell_wait(run, of);
+        break;
+    default:
+        break;
+    }
 }
 
 static int is_looked_at(void *ctx)
@@ -123,16 +137,6 @@ static int is_not_cancelled(void *ctx)
 static int file_of(void *ctx)
 {
     return vor_keeper_file(&((struct run *)ctx)->keeper);
-}
-
-static void take_checkpoint(void *ctx, const struct vor_job_output *file)
-{
-    vor_keeper_take(&((struct run *)ctx)->keeper, file);
-}
-
-static void take_resumed(void *ctx)
-{
-    ((struct run *)ctx)->is_resumed = 1;
 }
 
 /* --- the order and its files ------------------------------------------------------------------ */
@@ -282,14 +286,10 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
 {
     const struct vor_listener listener = {.ctx = run,
                                           .asked = asked,
-                                          .progress = take_progress,
-                                          .stage = take_stage,
-                                          .waits = take_wait,
+                                          .said = take,
                                           .is_looked_at = is_looked_at,
                                           .points = take_points,
-                                          .file = file_of,
-                                          .checkpoint = take_checkpoint,
-                                          .resumed = take_resumed};
+                                          .file = file_of};
     struct vor_run_executor *executor = run->worker->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 

@@ -97,19 +97,15 @@ static void say(const struct sitting *sitting, enum vor_said what, const void *o
         _exit(EXIT_SUCCESS);
 }
 
-static void take_progress(void *ctx, const struct vor_record *record)
+static void take(void *ctx, enum vor_said what, const void *of)
 {
-    say(ctx, VOR_SAID_RECORD, record, sizeof *record);
-}
+    struct sitting *sitting = ctx;
 
-static void take_stage(void *ctx, enum vor_stage stage)
-{
-    say(ctx, VOR_SAID_STAGE, &stage, sizeof stage);
-}
-
-static void take_wait(void *ctx, const struct vor_error *why)
-{
-    say(ctx, VOR_SAID_WAITS, why, sizeof *why);
+    if (what == VOR_SAID_CHECKPOINT) {
+        (void)close(sitting->file);
+        sitting->file = -1;
+    }
+    say(sitting, what, of, vor_said_size(what));
 }
 
 static int is_looked_at(void *ctx)
@@ -136,42 +132,15 @@ static int file_of(void *ctx)
     return sitting->file;
 }
 
-static void take_checkpoint(void *ctx, const struct vor_job_output *file)
-{
-    struct sitting *sitting = ctx;
-
-    (void)close(sitting->file);
-    sitting->file = -1;
-    say(sitting, VOR_SAID_CHECKPOINT, file, sizeof *file);
-}
-
-static void take_resumed(void *ctx)
-{
-    say(ctx, VOR_SAID_RESUMED, "", 0);
-}
-
-static void say_kept(const struct sitting *sitting, const struct vor_text *kept)
-{
-    for (size_t at = 0; at < kept->size; at += VOR_KEPT_PART) {
-        size_t left = kept->size - at;
-
-        say(sitting, VOR_SAID_KEPT, kept->data + at, left < VOR_KEPT_PART ? left : VOR_KEPT_PART);
-    }
-}
-
 static vor_status run_order(struct sitting *sitting, const struct vor_order *order,
                             struct vor_error *err)
 {
     const struct vor_listener listener = {.ctx = sitting,
                                           .asked = asked,
-                                          .progress = take_progress,
-                                          .stage = take_stage,
-                                          .waits = take_wait,
+                                          .said = take,
                                           .is_looked_at = is_looked_at,
                                           .points = take_points,
-                                          .file = file_of,
-                                          .checkpoint = take_checkpoint,
-                                          .resumed = take_resumed};
+                                          .file = file_of};
     struct vor_run_result result;
     struct vor_text kept;
     vor_status status;
@@ -180,10 +149,13 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
     status = vor_execute(&result, &kept, order, &sitting->station->means, &listener, err);
     if (status == VOR_E_NOMEM && is_exhausted(sitting->station))
         _exit(VOR_STATION_NO_MEMORY);
-    if (status == VOR_OK) {
-        say_kept(sitting, &kept);
-        say(sitting, VOR_SAID_DONE, &result, sizeof result);
+    for (size_t at = 0; status == VOR_OK && at < kept.size; at += VOR_KEPT_PART) {
+        size_t left = kept.size - at;
+
+        say(sitting, VOR_SAID_KEPT, kept.data + at, left < VOR_KEPT_PART ? left : VOR_KEPT_PART);
     }
+    if (status == VOR_OK)
+        say(sitting, VOR_SAID_DONE, &result, sizeof result);
     vor_text_free(&kept);
     return status;
 }

@@ -355,21 +355,6 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
     const struct vor_listener *listener = sitting->listener;
 
     switch (said->what) {
-    case VOR_SAID_STAGE:
-        listener->stage(listener->ctx, said->of.stage);
-        return 0;
-    case VOR_SAID_RECORD:
-        listener->progress(listener->ctx, &said->of.record);
-        return 0;
-    case VOR_SAID_RESUMED:
-        listener->resumed(listener->ctx);
-        return 0;
-    case VOR_SAID_CHECKPOINT:
-        listener->checkpoint(listener->ctx, &said->of.file);
-        return 0;
-    case VOR_SAID_WAITS:
-        listener->waits(listener->ctx, &said->of.error);
-        return 0;
     case VOR_SAID_KEPT:
         vor_text_append(handed->kept, said->of.kept, size);
         return 0;
@@ -377,10 +362,13 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
         *handed->result = said->of.result;
         *end = vor_text_status(handed->kept, handed->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
         return 1;
-    default:
+    case VOR_SAID_FAILED:
         *handed->err = said->of.error;
         *end = VOR_RUN_FAILED;
         return 1;
+    default:
+        listener->said(listener->ctx, said->what, &said->of);
+        return 0;
     }
 }
 

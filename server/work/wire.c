@@ -29,14 +29,6 @@ void vor_board_unmap(struct vor_board *board)
         (void)munmap(board, sizeof *board);
 }
 
-static uint32_t bits_of(float value)
-{
-    uint32_t bits;
-
-    memcpy(&bits, &value, sizeof bits);
-    return bits;
-}
-
 void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_shown *shown)
 {
     struct vor_showing *showing = &board->showing[seat];
@@ -47,11 +39,12 @@ void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_sho
     (void)atomic_exchange_explicit(&showing->sequence, sequence + 1, memory_order_acq_rel);
     for (size_t i = 0; i < count; i++) {
         float x[3];
+        uint32_t bits[3];
 
         vor_shown_point(&shown->moving, i, count, x);
+        memcpy(bits, x, sizeof bits);
         for (size_t c = 0; c < 3; c++)
-            atomic_store_explicit(&board->shown[seat][3 * i + c], bits_of(x[c]),
-                                  memory_order_relaxed);
+            atomic_store_explicit(&board->shown[seat][3 * i + c], bits[c], memory_order_relaxed);
     }
     for (int c = 0; c < 3; c++) {
         uint64_t bits;
@@ -63,17 +56,6 @@ void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_sho
     atomic_store_explicit(&showing->iteration, shown->iteration, memory_order_relaxed);
     atomic_store_explicit(&showing->polish, shown->polish, memory_order_relaxed);
     atomic_store_explicit(&showing->sequence, sequence + 2, memory_order_release);
-}
-
-static void read_showing(struct vor_shown *out, struct vor_showing *showing)
-{
-    out->iteration = atomic_load_explicit(&showing->iteration, memory_order_relaxed);
-    out->polish = atomic_load_explicit(&showing->polish, memory_order_relaxed);
-    for (int c = 0; c < 3; c++) {
-        uint64_t bits = atomic_load_explicit(&showing->origin[c], memory_order_relaxed);
-
-        memcpy(&out->origin[c], &bits, sizeof bits);
-    }
 }
 
 int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
@@ -88,7 +70,13 @@ int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
     count = vor_shown_count(atomic_load_explicit(&showing->count, memory_order_relaxed),
                             VOR_PREVIEW_POINTS_MAX); /* the worker may have gone mad */
     *out = (struct vor_shown){.moving = {.xyz = xyz, .n = count, .unit = 1}};
-    read_showing(out, showing);
+    out->iteration = atomic_load_explicit(&showing->iteration, memory_order_relaxed);
+    out->polish = atomic_load_explicit(&showing->polish, memory_order_relaxed);
+    for (int c = 0; c < 3; c++) {
+        uint64_t bits = atomic_load_explicit(&showing->origin[c], memory_order_relaxed);
+
+        memcpy(&out->origin[c], &bits, sizeof bits);
+    }
     for (size_t i = 0; i < 3 * count; i++) {
         uint32_t bits = atomic_load_explicit(&board->shown[seat][i], memory_order_relaxed);
 
@@ -186,7 +174,7 @@ void vor_offer_send(int channel, const struct vor_listener *listener)
     int file = listener->file != NULL ? listener->file(listener->ctx) : -1;
 
     if (file >= 0 && vor_channel_send(channel, "", 1, &file, 1, NULL) != VOR_OK)
-        listener->checkpoint(listener->ctx, &none);
+        listener->said(listener->ctx, VOR_SAID_CHECKPOINT, &none);
 }
 
 int vor_offer_receive(int channel)
@@ -270,6 +258,19 @@ enum { HEAD = offsetof(struct vor_message_said, of) };
 
 _Static_assert(sizeof(struct vor_message_said) <= VOR_CHANNEL_BYTES, "one message holds it");
 
+size_t vor_said_size(enum vor_said what)
+{
+    static const size_t sizes[VOR_SAID_KINDS] = {[VOR_SAID_STAGE] = sizeof(enum vor_stage),
+                                                 [VOR_SAID_RECORD] = sizeof(struct vor_record),
+                                                 [VOR_SAID_CHECKPOINT] =
+                                                     sizeof(struct vor_job_output),
+                                                 [VOR_SAID_WAITS] = sizeof(struct vor_error),
+                                                 [VOR_SAID_DONE] = sizeof(struct vor_run_result),
+                                                 [VOR_SAID_FAILED] = sizeof(struct vor_error)};
+
+    return sizes[what];
+}
+
 vor_status vor_say(int channel, enum vor_said what, const void *of, size_t size)
 {
     struct vor_message_said said;
@@ -280,19 +281,10 @@ vor_status vor_say(int channel, enum vor_said what, const void *of, size_t size)
     return vor_channel_send(channel, &said, HEAD + size, NULL, 0, NULL);
 }
 
-/* What leads somewhere in a report. */
-static int check_stages(const struct vor_report *report)
-{
-    if (report->stages_count > sizeof report->stages / sizeof report->stages[0])
-        return 0;
-    for (unsigned i = 0; i < report->stages_count; i++)
-        if ((unsigned)report->stages[i].stage >= VOR_RUN_STAGE_COUNT)
-            return 0;
-    return 1;
-}
-
 static int check_result(struct vor_run_result *result)
 {
+    const struct vor_report *report = &result->report;
+
     for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
         if (vor_format(result->output[i].format) == NULL)
             return 0;
@@ -300,7 +292,12 @@ static int check_result(struct vor_run_result *result)
     }
     result->message[sizeof result->message - 1] = '\0';
     result->report.parameters.process = NULL; /* a pointer of the other process */
-    return check_stages(&result->report) && result->report.stopped < VOR_STOPPED_COUNT;
+    if (report->stages_count > sizeof report->stages / sizeof report->stages[0])
+        return 0;
+    for (unsigned i = 0; i < report->stages_count; i++)
+        if ((unsigned)report->stages[i].stage >= VOR_RUN_STAGE_COUNT)
+            return 0;
+    return report->stopped < VOR_STOPPED_COUNT;
 }
 
 static int check_error(struct vor_error *error)
@@ -313,25 +310,25 @@ static int check_error(struct vor_error *error)
 /* Whether what was said makes sense, `size` bytes of it. */
 static int check_said(struct vor_message_said *said, size_t size)
 {
+    if ((unsigned)said->what >= VOR_SAID_KINDS ||
+        (said->what == VOR_SAID_KEPT ? size > sizeof said->of.kept
+                                     : size != vor_said_size(said->what)))
+        return 0;
     switch (said->what) {
     case VOR_SAID_STAGE:
-        return size == sizeof said->of.stage && said->of.stage < VOR_STAGES;
+        return said->of.stage < VOR_STAGES;
     case VOR_SAID_RECORD:
-        return size == sizeof said->of.record && said->of.record.stage < VOR_RUN_STAGE_COUNT;
-    case VOR_SAID_RESUMED:
-        return size == 0;
+        return said->of.record.stage < VOR_RUN_STAGE_COUNT;
     case VOR_SAID_CHECKPOINT:
         said->of.file.sha256[VOR_DIGEST_SIZE - 1] = '\0';
-        return size == sizeof said->of.file;
-    case VOR_SAID_KEPT:
-        return size <= sizeof said->of.kept;
+        return 1;
     case VOR_SAID_DONE:
-        return size == sizeof said->of.result && check_result(&said->of.result);
+        return check_result(&said->of.result);
     case VOR_SAID_WAITS:
     case VOR_SAID_FAILED:
-        return size == sizeof said->of.error && check_error(&said->of.error);
+        return check_error(&said->of.error);
     default:
-        return 0;
+        return 1;
     }
 }
 

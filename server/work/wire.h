@@ -97,23 +97,11 @@ void vor_offer_send(int channel, const struct vor_listener *listener);
 /** The run's: the file that was offered last, the caller's to close; -1 for none. Does not wait. */
 int vor_offer_receive(int channel);
 
-/** What a run says, in this order but for the last two, of which one comes. */
-enum vor_said {
-    VOR_SAID_STAGE,
-    VOR_SAID_RECORD,
-    VOR_SAID_RESUMED,    /**< it went on from the checkpoint of its order */
-    VOR_SAID_CHECKPOINT, /**< the file of the last offer is written, or is not to be used */
-    VOR_SAID_WAITS,      /**< its outputs wait for room on the disk */
-    VOR_SAID_KEPT,       /**< the next bytes of what is kept in the row */
-    VOR_SAID_DONE,
-    VOR_SAID_FAILED,
-    VOR_SAID_KINDS
-};
-
 /** Bytes of a part of what is kept in the row, and of all its parts: a report has 10 to 100 KB. */
 enum { VOR_KEPT_PART = 32768, VOR_KEPT_MAX = 1 << 24 };
 
-/** A message of a run. */
+/** A message of a run: what a listener hears, then the next bytes of what is kept in the row
+ *  (KEPT), and one of the last two. */
 struct vor_message_said {
     enum vor_said what;
     union {
@@ -125,6 +113,9 @@ struct vor_message_said {
         struct vor_error error; /**< WAITS, FAILED */
     } of;
 };
+
+/** Bytes of the value of a kind; 0 for KEPT, which has some. */
+size_t vor_said_size(enum vor_said what);
 
 /** Says one thing; `of` has `size` bytes, as its member of the union.
  *

@@ -150,38 +150,11 @@ static enum vor_answer answer_cancel(void *ctx)
     return VOR_CANCEL;
 }
 
-static void ignore_record(void *ctx, const struct vor_record *record)
+static void ignore(void *ctx, enum vor_said what, const void *of)
 {
     (void)ctx;
-    (void)record;
+    (void)what;
+    (void)of;
 }
 
-static void ignore_stage(void *ctx, enum vor_stage stage)
-{
-    (void)ctx;
-    (void)stage;
-}
-
-static void ignore_wait(void *ctx, const struct vor_error *why)
-{
-    (void)ctx;
-    (void)why;
-}
-
-static void ignore_file(void *ctx, const struct vor_job_output *file)
-{
-    (void)ctx;
-    (void)file;
-}
-
-static void ignore(void *ctx)
-{
-    (void)ctx;
-}
-
-const struct vor_listener vor_nobody = {.asked = answer_cancel,
-                                        .progress = ignore_record,
-                                        .stage = ignore_stage,
-                                        .waits = ignore_wait,
-                                        .checkpoint = ignore_file,
-                                        .resumed = ignore};
+const struct vor_listener vor_nobody = {.asked = answer_cancel, .said = ignore};

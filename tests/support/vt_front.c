@@ -39,26 +39,20 @@ static enum vor_answer answer(void *ctx)
     return (enum vor_answer)atomic_load(&((struct vt_heard *)ctx)->asked);
 }
 
-static void hear_record(void *ctx, const struct vor_record *record)
+static void hear(void *ctx, enum vor_said what, const void *of)
 {
     struct vt_heard *heard = ctx;
 
-    heard->records++;
-    heard->record = *record;
-}
-
-static void hear_stage(void *ctx, enum vor_stage stage)
-{
-    struct vt_heard *heard = ctx;
-
-    if (stage == VOR_STAGE_ENCODE)
+    if (what == VOR_SAID_RECORD) {
+        heard->records++;
+        heard->record = *(const struct vor_record *)of;
+    }
+    if (what == VOR_SAID_STAGE && *(const enum vor_stage *)of == VOR_STAGE_ENCODE)
         atomic_fetch_add(&heard->stages, 1);
-}
-
-static void hear_wait(void *ctx, const struct vor_error *why)
-{
-    (void)why;
-    ((struct vt_heard *)ctx)->waits++;
+    if (what == VOR_SAID_CHECKPOINT)
+        heard->saved = ((const struct vor_job_output *)of)->bytes;
+    heard->waits += what == VOR_SAID_WAITS;
+    heard->resumed += what == VOR_SAID_RESUMED;
 }
 
 static int offer(void *ctx)
@@ -68,26 +62,9 @@ static int offer(void *ctx)
     return heard->offered != NULL && heard->offers++ == 0 ? fileno(heard->offered) : -1;
 }
 
-static void hear_checkpoint(void *ctx, const struct vor_job_output *file)
-{
-    ((struct vt_heard *)ctx)->saved = file->bytes;
-}
-
-static void hear_resumed(void *ctx)
-{
-    ((struct vt_heard *)ctx)->resumed++;
-}
-
 struct vor_listener vt_listener_of(struct vt_heard *heard)
 {
-    return (struct vor_listener){.ctx = heard,
-                                 .asked = answer,
-                                 .progress = hear_record,
-                                 .stage = hear_stage,
-                                 .waits = hear_wait,
-                                 .file = offer,
-                                 .checkpoint = hear_checkpoint,
-                                 .resumed = hear_resumed};
+    return (struct vor_listener){.ctx = heard, .asked = answer, .said = hear, .file = offer};
 }
 
 void vt_heard_run(struct vt_heard *heard, struct vor_run_executor *executor,
