@@ -1,6 +1,6 @@
 #include "proto/csv.h"
 
-#include "proto/json/json_write.h"
+#include "proto/json/json.h"
 
 #include <assert.h>
 #include <inttypes.h>

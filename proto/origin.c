@@ -1,6 +1,6 @@
 #include "proto/origin.h"
 
-#include "proto/json/json_write.h"
+#include "proto/json/json.h"
 
 #include <math.h>
 #include <stdio.h>

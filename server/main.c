@@ -1,7 +1,6 @@
 #include "server/cli/cli.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/help.h"
-#include "server/cli/pages.h"
 #include "server/serve.h"
 
 #include <stdio.h>

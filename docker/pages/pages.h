@@ -1,5 +1,5 @@
 /** What the build makes of the tables of commands, options and settings, and embeds in the binary
- *  (server/cli/pages.h): the manual and the completions. */
+ *  (server/cli/cli.h): the manual and the completions. */
 #ifndef VOR_PAGES_H
 #define VOR_PAGES_H
 

@@ -1,7 +1,4 @@
-#include "proto/json/json_members.h"
-
-#include "proto/json/json_spec.h"
-#include "proto/json/json_write.h"
+#include "proto/json/json.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,11 +1,8 @@
 /* Descriptions of the processes (OGC API - Processes, core), made of the tables in core/spec.h and
  * of the formats: what is described is what is accepted. */
-#include "proto/json/json_process.h"
 #include "core/report.h"
 #include "proto/codec.h"
-#include "proto/json/json_members.h"
-#include "proto/json/json_spec.h"
-#include "proto/json/json_write.h"
+#include "proto/json/json.h"
 
 #include <stdio.h>
 

@@ -1,7 +1,5 @@
-#include "proto/json/json_read.h"
 #include "core/base/quote.h"
-#include "proto/json/json_scan.h"
-#include "proto/json/json_write.h"
+#include "proto/json/json.h"
 
 #include <cjson/cJSON.h>
 

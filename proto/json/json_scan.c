@@ -1,6 +1,6 @@
 /* Recursion is as deep as the text may be nested. */
-#include "proto/json/json_scan.h"
 #include "core/base/utf8.h"
+#include "proto/json/json.h"
 
 #include <math.h>
 #include <stdio.h>

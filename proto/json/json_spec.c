@@ -1,9 +1,8 @@
 /* A request as JSON: what is written of it, what of a stranger's object is taken for one, and the
  * schema of a parameter. */
-#include "proto/json/json_spec.h"
+#include "proto/json/json.h"
 
 #include "core/base/quote.h"
-#include "proto/json/json_write.h"
 
 #include <assert.h>
 #include <stdbool.h>

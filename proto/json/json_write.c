@@ -1,5 +1,5 @@
-#include "proto/json/json_write.h"
 #include "core/base/utf8.h"
+#include "proto/json/json.h"
 
 #include <inttypes.h>
 #include <math.h>

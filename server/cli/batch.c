@@ -1,4 +1,4 @@
-#include "server/cli/batch.h"
+#include "server/cli/commands.h"
 
 #include "proto/codec.h"
 #include "proto/json/json.h"

@@ -2,12 +2,10 @@
 
 #include "core/base/nearest.h"
 #include "server/base/topics.h"
-#include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/commands.h"
 #include "server/cli/help.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/key.h"
 #include "server/cli/options.h"
 
 #include <limits.h>

@@ -3,6 +3,7 @@
 #ifndef VOR_CLI_COMMANDS_H
 #define VOR_CLI_COMMANDS_H
 
+#include "server/base/keys.h"
 #include "server/cli/options.h"
 
 /** Reads the clouds, runs the process and writes its main output. Returns the exit code. */
@@ -35,10 +36,45 @@ int vor_cli_stop(const struct vor_cli *cli);
  *  them, or that one, into a folder, as JOB-RESULT.SUFFIX. Returns the exit code. */
 int vor_cli_fetch(const struct vor_cli *cli);
 
-/** Asks the daemon (server/cli/server.h) and prints one line. Returns the exit code. */
+/** Asks the daemon (server/cli/remote.h) and prints one line. Returns the exit code. */
 int vor_cli_health(const struct vor_cli *cli);
 
 /** Copies DATA/jobs.sqlite and DATA/blobs to --store and --blobs; returns an exit code. */
 int vor_cli_migrate(const struct vor_cli *cli);
+
+/* One command on several operands: each in its turn, and what fails does not stop the rest. */
+
+/** Calls one for each operand, in their order, until all are done or a signal came.
+ *
+ *  @return the first exit code that is not VOR_EXIT_OK; else that */
+int vor_cli_each(const struct vor_cli *cli,
+                 int (*one)(const struct vor_cli *cli, const char *operand, void *ctx), void *ctx);
+
+/** Runs a process on each input and puts the results into the folder of -o, which is made if it is
+ *  not there. A result has the name of its input; with the parameter format, or for a document,
+ *  that of a format at its end gives way to the suffix of the result. Names are checked before any
+ *  work is done. With --json, a line {"input": ..., "output": ...} precedes those of an input.
+ *  Of the frames of a sequence each gets the last result before it as the input `previous`, and
+ *  none keeps an attribute that not all have.
+ *
+ *  @param[in] run  runs the process on the one input of its command line
+ *  @return VOR_EXIT_USAGE when two results would have one name, or an input has none to give;
+ *          VOR_EXIT_FAILED when the folder cannot be made; else as vor_cli_each */
+int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli));
+
+/* Keys on the command line: one is made for a daemon, or read for a call to one. */
+
+/** voronoid key NAME: prints a new key on stderr, this once, and its line for --api-keys on stdout.
+ *  Returns an exit code. */
+int vor_cli_key(const struct vor_cli *cli);
+
+/** The key to send: the first line of --api-key-file, else VORONOID_KEY; "" when there is neither.
+ *  It never stands on a command line, which every user of the machine may read.
+ *
+ *  @retval VOR_E_PARAM it is longer than VOR_KEY_SENT_MAX, or holds a blank or a control character;
+ *                      the message does not show it
+ *  @retval VOR_E_IO    the file cannot be read */
+VOR_NODISCARD vor_status vor_cli_key_read(char out[VOR_KEY_SENT_MAX + 1], const struct vor_cli *cli,
+                                          struct vor_error *err);
 
 #endif

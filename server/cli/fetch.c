@@ -3,10 +3,9 @@
 #include "core/base/quote.h"
 #include "proto/codec.h"
 #include "server/base/result_name.h"
-#include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
-#include "server/cli/job_list.h"
+#include "server/cli/follow.h"
 
 #include <limits.h>
 #include <stdio.h>

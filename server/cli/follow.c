@@ -3,9 +3,9 @@
 #include "core/base/quote.h"
 #include "server/base/clock.h"
 #include "server/cli/cli_log.h"
+#include "server/cli/commands.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/key.h"
-#include "server/cli/server.h"
+#include "server/cli/remote.h"
 
 #include <stdio.h>
 #include <string.h>

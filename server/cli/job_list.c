@@ -1,4 +1,4 @@
-#include "server/cli/job_list.h"
+#include "server/cli/follow.h"
 
 #include "server/cli/cli_log.h"
 

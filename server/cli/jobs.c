@@ -2,9 +2,8 @@
 
 #include "core/base/quote.h"
 #include "server/base/clock.h"
-#include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
-#include "server/cli/job_list.h"
+#include "server/cli/follow.h"
 
 #include <stdio.h>
 #include <stdlib.h>

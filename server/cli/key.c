@@ -1,4 +1,4 @@
-#include "server/cli/key.h"
+#include "server/cli/commands.h"
 
 #include "server/base/disk.h"
 #include "server/cli/cli_log.h"

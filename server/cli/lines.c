@@ -1,4 +1,4 @@
-#include "server/cli/lines.h"
+#include "server/cli/files.h"
 
 #include "core/report.h"
 #include "proto/json/json.h"

@@ -1,4 +1,4 @@
-#include "server/cli/pages.h"
+#include "server/cli/cli.h"
 
 #include "server/cli/cli_log.h"
 

@@ -4,6 +4,7 @@
 
 #include "core/base/status.h"
 #include "proto/json/json.h"
+#include "server/cli/options.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -75,5 +76,15 @@ VOR_NODISCARD vor_status vor_remote_perform(struct vor_remote *remote, struct vo
 
 /** The text of an answer as JSON, to be freed with vor_json_free; NULL when it is none. */
 struct vor_json *vor_remote_json(const struct vor_remote_call *call);
+
+/* Which daemon a command asks. */
+
+/** Writes the URL of the daemon without a slash at its end: that of --server or its variable, else
+ *  of the daemon that VORONOID_LISTEN has listen on this machine (an address that stands for all of
+ *  them is asked at its loopback one), else http://127.0.0.1:8080.
+ *
+ *  @retval VOR_E_PARAM the URL is too long, or VORONOID_LISTEN names no port that can be asked */
+VOR_NODISCARD vor_status vor_cli_server(char out[VOR_REMOTE_URL_MAX], const struct vor_cli *cli,
+                                        struct vor_error *err);
 
 #endif

@@ -6,7 +6,6 @@
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/lines.h"
 #include "server/cli/sequence.h"
 #include "server/cli/work.h"
 

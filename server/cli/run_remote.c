@@ -5,12 +5,10 @@
 
 #include "core/base/utf8.h"
 #include "proto/codec.h"
-#include "server/cli/batch.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/follow.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/lines.h"
 #include "server/store/row.h"
 
 #include <string.h>

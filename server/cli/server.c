@@ -1,4 +1,3 @@
-#include "server/cli/server.h"
 
 #include "server/base/option.h"
 #include "server/cli/cli_log.h"

@@ -5,8 +5,8 @@
 #include "server/base/log.h"
 #include "server/jobs/cost.h"
 #include "server/jobs/need.h"
-#include "server/work/capacity.h"
 #include "server/work/counted.h"
+#include "server/work/live.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,8 +1,7 @@
-#include "server/work/calendar.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/room.h"
 
 /* Milliseconds. A clock that is corrected in small steps, or a thread that waits for its core, is
  * no jump; a daemon that was down for less than an hour is common, and an hour more of a result

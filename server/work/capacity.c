@@ -1,4 +1,4 @@
-#include "server/work/capacity.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 

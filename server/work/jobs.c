@@ -2,8 +2,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/capacity.h"
-#include "server/work/mirror.h"
+#include "server/work/live.h"
 
 #include <stdio.h>
 #include <stdlib.h>

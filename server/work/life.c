@@ -2,12 +2,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
-#include "server/work/calendar.h"
-#include "server/work/capacity.h"
-#include "server/work/mirror.h"
-#include "server/work/recover.h"
-#include "server/work/room.h"
-#include "server/work/runner.h"
+#include "server/work/live.h"
 
 #include <assert.h>
 #include <signal.h>

@@ -10,7 +10,7 @@
 
 #define VOR_WORKER_JOBS_MAX 64
 
-/** What jobs take (capacity.h). */
+/** What jobs take. */
 struct vor_capacity {
     int64_t waiting, booked; /* jobs; waiting may be 1 too few while one of them is claimed */
     uint64_t bytes;          /* of decoded inputs, of those that wait or are being stored */
@@ -32,7 +32,7 @@ struct vor_found {
 
 void vor_found_free(struct vor_found *found);
 
-/** What is known of the wall clock (calendar.h); milliseconds. */
+/** What is known of the wall clock; milliseconds. */
 struct vor_calendar {
     int64_t wall, steady; /**< both clocks at the last look */
     int64_t newest;       /**< time in the store at the start; 0 for none */
@@ -170,5 +170,114 @@ VOR_NODISCARD vor_status vor_worker_evict(struct vor_worker *worker, enum vor_ev
 
 /** The same; a failure is logged, and the next call tries again. */
 void vor_worker_keep_quota(struct vor_worker *worker, enum vor_evict why);
+
+/* What jobs take of the daemon, and whether there is room for one more: places in the queue, bytes
+ * of decoded inputs that wait, memory of what runs. A job books a place while its inputs are
+ * decoded, waits, runs, and waits again or is over: each step is counted here. What a principal may
+ * have is counted by the store (struct vor_ledger). vor_worker_room, _book, _unbook and _load are
+ * in worker.h. */
+
+/** A former life of the daemon has left so much that waits. */
+void vor_capacity_begin(struct vor_worker *worker, const struct vor_waiting *waiting);
+
+/** Makes the row of a job durable that has booked a place, if its inputs still fit into the queue
+ *  and its principal may have it; it then waits.
+ *
+ *  @retval VOR_DONE
+ *  @retval VOR_FULL, VOR_CROWDED, VOR_OVER_BYTES, VOR_FAILED  it keeps the place that it booked */
+VOR_NODISCARD enum vor_job_outcome vor_capacity_insert(struct vor_worker *worker,
+                                                       struct vor_job_view *row,
+                                                       struct vor_ledger *ledger,
+                                                       struct vor_error *err);
+
+/** A row waits from now on (1), or does no longer (-1); tells the runners. */
+void vor_capacity_wait(struct vor_worker *worker, const struct vor_job_view *row, int by);
+
+/** What may be claimed beside what runs; false when nothing may. */
+VOR_NODISCARD int vor_capacity_claim(struct vor_worker *worker, struct vor_claim *claim);
+
+/** A row that was claimed runs from now on, or does no longer; the mutex is held. */
+void vor_capacity_run(struct vor_worker *worker, const struct vor_job_view *row);
+void vor_capacity_leave(struct vor_worker *worker, const struct vor_job_view *row);
+
+/* When results expire, whatever is done to the wall clock. Rows say it in wall time, which jumps.
+ *
+ *  While the daemon lives it knows how much time has passed: when the wall clock moves by more than
+ *  that, the expiry of every row, and the date of every lost file, is moved along, so that each
+ *  keeps the time that it had left.
+ *
+ *  A start knows only the newest time in the store. If the clock is an hour ahead of that, the
+ *  daemon was down that long, or the clock is wrong; if it is behind, it is wrong. Then nothing
+ *  expires, and nothing is moved, until the clock fits, or an hour has passed and it is believed.
+ *
+ *  The functions are for the sweeper's thread. */
+
+/** At the start, before the first row is changed.
+ *
+ *  @retval VOR_E_IO */
+VOR_NODISCARD vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err);
+
+/** Looks for a jump and moves what it would expire. True when rows may expire now.
+ *
+ *  Cost: none without a jump; else a change of every row. */
+int vor_calendar_look(struct vor_worker *worker);
+
+/* Room on the disk: looking after the reserve, waiting for it, and saying that a disk has failed.
+ * vor_worker_ready is in worker.h. */
+
+/** What the sweeper's thread does twice a second: makes the reserve again once there is room, and
+ *  tells config.failed, once, that a disk has failed. */
+void vor_worker_look(struct vor_worker *worker);
+
+/** Waits `seconds`, and longer while the disk is full. False when the job is to end instead: it was
+ *  cancelled, or the daemon goes down. */
+int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double seconds);
+
+/** Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
+void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms);
+
+/* Recovery: puts in order what a former life of the daemon left. Jobs come first, before anybody is
+ * answered; files are tidied up later, on the sweeper's thread. */
+
+/** Every row that ran in another life waits again when this returns, in its place, however many the
+ *  queue takes. One whose bytes are gone, or whose request cannot be read, fails once it is
+ * claimed. Also notes which blobs there are, for vor_worker_drop_strays. Call before any other
+ * thread knows the worker.
+ *
+ *  On a disk without a byte rows cannot be put in order. Then they stay as they are, which the log
+ *  says, nothing is accepted, and vor_worker_recover_late does it later.
+ *
+ *  @retval VOR_E_IO, VOR_E_NOMEM
+ *
+ *  Cost: a change of the store and a read, however many jobs wait. */
+VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
+
+/** Does that if there is room by now. The sweeper's, each time it looks. */
+void vor_worker_recover_late(struct vor_worker *worker);
+
+/** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
+ *  warning, when the store has lost rows: it says so itself, or there are more results without any
+ *  row than a crash leaves. Rows of uploads that are missing, or not whole, keep none from then on.
+ *  Ends early when the daemon goes down; the next start does the rest.
+ *
+ *  Cost: a read of the store for each blob, and of the rows that keep uploads. */
+void vor_worker_drop_strays(struct vor_worker *worker);
+
+/* Where other daemons share the store: what they do to jobs is seen here. */
+
+/** A live job that no runner here has becomes what its row says; ended and off the live ones if
+ * that is over. */
+VOR_NODISCARD vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job,
+                                           struct vor_error *err);
+
+/** The same with all live jobs; makes jobs wait again whose leases have ended, and counts what
+ *  waits. For the sweeper; nothing where nobody shares the store. */
+void vor_worker_follow_others(struct vor_worker *worker);
+
+/* One run of one job: from its claim to its last row. */
+
+/** Runs and ends the job of a runner; row is what the claim returned. Returns when it is over, or
+ *  waits again: its process has ended, or the daemon goes down. */
+void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row);
 
 #endif

@@ -1,11 +1,10 @@
 /* Where other daemons share the store: what they do to jobs is seen here. A job that somebody here
  * waits for, and that no runner here has, follows its row. */
-#include "server/work/mirror.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/work/capacity.h"
 
 #include <stdlib.h>
 

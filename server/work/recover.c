@@ -1,13 +1,10 @@
 /* Start-up is recovery: whatever the last run left, however it ended, is put in order. */
-#include "server/work/recover.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/work/calendar.h"
-#include "server/work/capacity.h"
-#include "server/work/room.h"
 
 #include <stdio.h>
 #include <stdlib.h>

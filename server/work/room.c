@@ -1,4 +1,4 @@
-#include "server/work/room.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"

@@ -1,13 +1,11 @@
 /* One run of one job: its files, where it runs, its outputs, its last row. */
-#include "server/work/runner.h"
+#include "server/work/live.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/capacity.h"
 #include "server/work/counted.h"
 #include "server/work/keeper.h"
-#include "server/work/room.h"
 
 #include <math.h>
 #include <stdatomic.h>

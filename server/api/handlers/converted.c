@@ -1,4 +1,3 @@
-#include "server/api/handlers/converted.h"
 
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"

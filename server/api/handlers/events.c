@@ -11,7 +11,6 @@
 #include "server/api/handlers/event_text.h"
 #include "server/api/handlers/events_query.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/metrics.h"

@@ -1,7 +1,7 @@
 #include "server/api/handlers/events_query.h"
 
 #include "core/base/quote.h"
-#include "server/api/handlers/prefer.h"
+#include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/base/option.h"
 

@@ -3,7 +3,11 @@
 #define VOR_SERVER_API_HANDLERS_H
 
 #include "server/api/app.h"
+#include "server/http/http.h"
 #include "server/work/asker.h"
+#include "server/work/conversion.h"
+
+#include <stdbool.h>
 
 /** health.c */
 enum vor_next vor_handle_landing(void *app, struct vor_request *request, enum vor_step step);
@@ -147,5 +151,51 @@ enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
  *  released first; the stream becomes its state. */
 enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
                                const struct vor_uuid *id);
+
+/* The preferences of a request (RFC 7240). */
+
+struct vor_preferences {
+    bool is_async;       /**< respond-async */
+    double wait_seconds; /**< wait=N, 0 .. 86400 (more counts as that); -1 for none */
+};
+
+/** Reads every Prefer header; preferences that we do not know, or cannot read, do not matter. */
+void vor_prefer_read(const struct vor_request *request, struct vor_preferences *out);
+
+/* A result in another format than the job's: waits while it is made. */
+
+/** Looks for output `index` of a successful job in that format, and has it made if it was not. HEAD
+ *  has nothing made.
+ *
+ *  @param[out] out  its fd is -1 unless the bytes are there
+ *
+ *  @retval VOR_NEXT_REPLY  the bytes are there; or, if fd is -1, a reply has been made
+ *  @retval VOR_NEXT_WAIT   the request waits; the handler is to call this again at the next step */
+enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request,
+                                const struct vor_job_view *view, unsigned index, unsigned format,
+                                struct vor_converted *out);
+
+/* What a request for a result asks for besides its path. */
+
+/** The query of a request for a result. */
+struct vor_result_query {
+    bool has_format;
+    unsigned format; /**< index of vor_format */
+    bool stays;      /**< link=false: the bytes come from here, wherever they lie */
+};
+
+/** Reads the query of a request for a result.
+ *
+ *  @param[in] takes_format  it may have the parameter format; one for one result may have link
+ *                           and a ticket, and no other
+ *
+ *  @return true, or false after an invalid-query-parameter-value problem has been replied */
+bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+                           struct vor_result_query *out);
+
+/** Checks that the caller takes what will be sent.
+ *
+ *  @return true, or false after a not-acceptable problem has been replied */
+bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const char *media_type);
 
 #endif

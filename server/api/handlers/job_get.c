@@ -1,7 +1,6 @@
 /* GET of a job: its statusInfo, or 304 to who has it already. With "Prefer: wait=N" the 304 waits
  * for a change: a long poll. */
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/digest.h"

@@ -1,4 +1,4 @@
-#include "server/api/handlers/prefer.h"
+#include "server/api/handlers/handlers.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "server/api/handlers/result_query.h"
+#include "server/api/handlers/handlers.h"
 
 #include "core/base/quote.h"
 #include "proto/codec.h"

@@ -5,7 +5,6 @@
 #include "proto/multipart.h"
 #include "server/api/accept.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/handlers/prefer.h"
 #include "server/api/problem.h"
 
 #include <stdio.h>
