@@ -47,45 +47,36 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
     vor_json_end_object(text);
 }
 
-static void put_cloud_schema(struct vor_text *text, const char *name)
+/* What a cloud or a document is. */
+static void put_schema(struct vor_text *text, const struct vor_artefact_info *artefact)
 {
+    const struct vor_members *members = vor_document_members(artefact->name);
     const struct vor_format *format;
 
-    (void)name;
     vor_json_begin_object(text);
-    vor_json_key(text, "oneOf");
-    vor_json_begin_array(text);
-    for (unsigned i = 0; (format = vor_format(i)) != NULL; i++) {
-        vor_json_begin_object(text);
-        vor_json_put_string(text, "type", "string");
-        vor_json_put_string(text, "contentEncoding", "binary");
-        vor_json_put_string(text, "contentMediaType", format->media_type);
-        vor_json_end_object(text);
+    if (artefact->kind == VOR_ARTEFACT_CLOUD) {
+        vor_json_key(text, "oneOf");
+        vor_json_begin_array(text);
+        for (unsigned i = 0; (format = vor_format(i)) != NULL; i++) {
+            vor_json_begin_object(text);
+            vor_json_put_string(text, "type", "string");
+            vor_json_put_string(text, "contentEncoding", "binary");
+            vor_json_put_string(text, "contentMediaType", format->media_type);
+            vor_json_end_object(text);
+        }
+        vor_json_end_array(text);
+    } else {
+        if (members != NULL)
+            vor_json_members_schema(text, members);
+        else
+            vor_json_put_string(text, "type", "object");
+        vor_json_put_string(text, "contentMediaType", "application/json");
     }
-    vor_json_end_array(text);
-    vor_json_end_object(text);
-}
-
-static void put_document_schema(struct vor_text *text, const char *name)
-{
-    const struct vor_members *members = vor_document_members(name);
-
-    vor_json_begin_object(text);
-    if (members != NULL)
-        vor_json_members_schema(text, members);
-    else
-        vor_json_put_string(text, "type", "object");
-    vor_json_put_string(text, "contentMediaType", "application/json");
     vor_json_end_object(text);
 }
 
 static void put_artefact(struct vor_text *text, const struct vor_artefact_info *artefact)
 {
-    static void (*const schemas[])(struct vor_text *, const char *) = {
-        [VOR_ARTEFACT_CLOUD] = put_cloud_schema,
-        [VOR_ARTEFACT_DOCUMENT] = put_document_schema,
-    };
-
     vor_json_key(text, artefact->name);
     vor_json_begin_object(text);
     vor_json_put_string(text, "title", artefact->name);
@@ -93,7 +84,7 @@ static void put_artefact(struct vor_text *text, const struct vor_artefact_info *
     if (!artefact->is_required)
         vor_json_put_u64(text, "minOccurs", 0);
     vor_json_key(text, "schema");
-    schemas[artefact->kind](text, artefact->name);
+    put_schema(text, artefact);
     vor_json_end_object(text);
 }
 
