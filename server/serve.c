@@ -16,8 +16,9 @@
 #include "server/base/rates.h"
 #include "server/cli/cli_log.h"
 #include "server/work/admit.h"
+#include "server/work/codec_child.h"
 #include "server/work/conversion.h"
-#include "server/work/kinds.h"
+#include "server/work/station.h"
 #include "server/work/supervisor.h"
 #include "server/work/verify.h"
 
@@ -48,6 +49,15 @@ static const double farewell_seconds = 0.2; /* kept connections are told Connect
 
 /* Before children, when the kernel is out of memory, and after what can wait for it. */
 enum { OOM_SCORE = -100 };
+
+/* What the zygote forks: children for a piece of work with strangers' bytes, and for runs of jobs.
+ */
+enum { CHILD_CODEC, CHILD_WORKER, CHILD_KINDS };
+
+static const struct vor_child_kind child_kinds[CHILD_KINDS] = {
+    [CHILD_CODEC] = {"vor-codec", vor_codec_child},
+    [CHILD_WORKER] = {"vor-worker", vor_station_run},
+};
 
 /* The parts, in the order in which they start. */
 struct daemon {
@@ -132,20 +142,7 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 static struct vor_codec_place place_of(struct daemon *daemon)
 {
     return (struct vor_codec_place){
-        .zygote = &daemon->zygote, .kind = VOR_CHILD_CODEC, .sandbox = daemon->sandbox};
-}
-
-/* Results are converted where uploads are decoded. */
-static vor_status start_conversions(struct daemon *daemon, struct vor_error *err)
-{
-    struct vor_conversions_config conversions = {.store = daemon->app.store,
-                                                 .blobs = daemon->app.blobs,
-                                                 .worker = daemon->app.worker,
-                                                 .crew = vor_admit_crew(daemon->app.admit),
-                                                 .place = place_of(daemon),
-                                                 .memory = job_memory(&daemon->config)};
-
-    return vor_conversions_create(&daemon->app.conversions, &conversions, err);
+        .zygote = &daemon->zygote, .kind = CHILD_CODEC, .sandbox = daemon->sandbox};
 }
 
 /* Half of the disk unless somebody says; all of it when nobody can tell its size. */
@@ -188,7 +185,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                       .memory = job_memory(config),
                                       .keep = worker.keep};
     const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
-                                               .kind = VOR_CHILD_WORKER,
+                                               .kind = CHILD_WORKER,
                                                .codec = place_of(daemon),
                                                .threads = thread_count(config),
                                                .memory = (size_t)config->number[VOR_SET_JOBS] *
@@ -212,7 +209,18 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
                                   ADMIT_WAITING_MAX, err);
     if (status == VOR_OK)
         status = vor_verify_create(&daemon->app.verify, daemon->app.blobs, err);
-    return status == VOR_OK ? start_conversions(daemon, err) : status;
+    if (status == VOR_OK) { /* results are converted where uploads are decoded */
+        const struct vor_conversions_config conversions = {.store = daemon->app.store,
+                                                           .blobs = daemon->app.blobs,
+                                                           .worker = daemon->app.worker,
+                                                           .crew =
+                                                               vor_admit_crew(daemon->app.admit),
+                                                           .place = limits.place,
+                                                           .memory = limits.memory};
+
+        status = vor_conversions_create(&daemon->app.conversions, &conversions, err);
+    }
+    return status;
 }
 
 static void library_line(void *ctx, const char *line)
@@ -504,7 +512,7 @@ static vor_status start_zygote(struct daemon *daemon, struct vor_error *err)
                         "%.300s; with --allow-weak-sandbox, the processes that decode uploads run "
                         "with only limits of memory and time",
                         why.message);
-    if (vor_zygote_start(&daemon->zygote, vor_child_kinds, VOR_CHILD_KINDS, err) != VOR_OK)
+    if (vor_zygote_start(&daemon->zygote, child_kinds, CHILD_KINDS, err) != VOR_OK)
         return err->status;
     vor_machine_set_oom_score(OOM_SCORE);
     vor_machine_give_back();

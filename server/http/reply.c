@@ -58,22 +58,29 @@ void vor_reply_clear(struct vor_request *request, unsigned fields)
     request->problem = NULL;
 }
 
+static struct vor_reply *begin(struct vor_request *request, enum vor_reply_kind kind, int http,
+                               const char *media_type)
+{
+    struct vor_reply *reply = &request->reply;
+
+    assert(reply->kind == VOR_REPLY_NONE);
+    reply->kind = kind;
+    reply->http = http;
+    reply->media_type = media_type;
+    return reply;
+}
+
 void vor_reply_bytes(struct vor_request *request, int http, const char *media_type,
                      const void *bytes, size_t size)
 {
-    struct vor_reply *reply = &request->reply;
     char *copy = malloc(size + 1);
+    struct vor_reply *reply = begin(request, VOR_REPLY_BYTES, copy != NULL ? http : 500,
+                                    copy != NULL ? media_type : NULL);
 
-    assert(reply->kind == VOR_REPLY_NONE);
-    reply->kind = VOR_REPLY_BYTES;
-    reply->http = http;
-    reply->media_type = copy != NULL ? media_type : NULL;
     reply->size = copy != NULL ? size : 0;
     reply->bytes = copy;
-    if (copy == NULL) {
-        reply->http = 500;
+    if (copy == NULL)
         return;
-    }
     if (size > 0)
         memcpy(copy, bytes, size);
     copy[size] = '\0';
@@ -82,12 +89,8 @@ void vor_reply_bytes(struct vor_request *request, int http, const char *media_ty
 void vor_reply_file(struct vor_request *request, int http, const char *media_type, int fd,
                     uint64_t offset, uint64_t length)
 {
-    struct vor_reply *reply = &request->reply;
+    struct vor_reply *reply = begin(request, VOR_REPLY_FILE, http, media_type);
 
-    assert(reply->kind == VOR_REPLY_NONE);
-    reply->kind = VOR_REPLY_FILE;
-    reply->http = http;
-    reply->media_type = media_type;
     reply->fd = fd;
     reply->offset = offset;
     reply->size = length;
@@ -98,13 +101,9 @@ void vor_reply_stream(struct vor_request *request, int http, const char *media_t
                       long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
                       void *ctx)
 {
-    struct vor_reply *reply = &request->reply;
+    struct vor_reply *reply = begin(request, VOR_REPLY_STREAM, http, media_type);
 
-    assert(reply->kind == VOR_REPLY_NONE);
-    reply->kind = VOR_REPLY_STREAM;
     reply->size = length;
-    reply->http = http;
-    reply->media_type = media_type;
     reply->read = read;
     reply->ctx = ctx;
 }

@@ -62,14 +62,6 @@ static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_fac
     return status == VOR_OK ? vor_blob_seal(writer, err) : status;
 }
 
-static void count_undecodable(const struct vor_blob_writer *upload, vor_status status)
-{
-    uint8_t magic[16];
-    ssize_t size = pread(vor_blob_fd(upload), magic, sizeof magic, 0);
-
-    vor_count_undecodable(size > 0 ? vor_format_sniff(magic, (size_t)size) : NULL, status);
-}
-
 static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid *id,
                          struct vor_blobs *blobs, struct vor_blob_writer *upload,
                          const struct vor_admit_limits *limits, struct vor_error *err)
@@ -90,7 +82,7 @@ static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid
     status = decode_to(writer, &facts, upload, limits, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);
-        count_undecodable(upload, status);
+        vor_count_undecodable(vor_blob_fd(upload), status);
         return status;
     }
     input->found.format = facts.format;
@@ -142,13 +134,13 @@ void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *uploa
                 VOR_TEXT("input", input->name), VOR_TEXT("error", err.message));
 }
 
-static void drop_blob(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+void vor_drop_file(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
     struct vor_error err;
 
     if (vor_blob_drop(blobs, id, name, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "input file not deleted", VOR_TEXT("job", id->text),
-                VOR_TEXT("blob", name), VOR_TEXT("error", err.message));
+        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", id->text), VOR_TEXT("blob", name),
+                VOR_TEXT("error", err.message));
 }
 
 void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted)
@@ -157,9 +149,9 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
         const struct vor_admitted_input *input = &admitted->item[i];
         char blob[VOR_BLOB_NAME_MAX + 1];
 
-        drop_blob(blobs, &admitted->id, vor_blob_of_input(input->name, blob));
+        vor_drop_file(blobs, &admitted->id, vor_blob_of_input(input->name, blob));
         if (input->is_kept)
-            drop_blob(blobs, &admitted->id, vor_blob_of_upload(input->name, blob));
+            vor_drop_file(blobs, &admitted->id, vor_blob_of_upload(input->name, blob));
     }
 }
 

@@ -60,6 +60,9 @@ VOR_NODISCARD vor_status vor_admit_file(struct vor_admitted *admitted, const cha
 void vor_admit_keep(struct vor_admitted *admitted, struct vor_blob_writer *upload,
                     const struct vor_admit_limits *limits);
 
+/** Removes a file that no job needs. A failure is logged; the next start removes it. */
+void vor_drop_file(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
+
 /** Removes the bytes of inputs that will be no job's. A failure is logged; the next start removes
  *  them. */
 void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted);

@@ -110,23 +110,6 @@ static vor_status write_result(struct vor_codec_facts *facts, const struct vor_s
     return VOR_OK;
 }
 
-static vor_status convert(struct vor_codec_facts *facts, const struct vor_sink *sink,
-                          const struct vor_codec_order *order, const uint8_t *bytes,
-                          struct vor_error *err)
-{
-    struct vor_memory memory;
-    struct result result;
-    vor_status status;
-
-    vor_memory_init(&memory, order->memory);
-    vor_cloud_init(&result.cloud, &memory);
-    status = read_result(&result, order, bytes, err);
-    if (status == VOR_OK)
-        status = write_result(facts, sink, order, &result, err);
-    vor_cloud_free(&result.cloud);
-    return status;
-}
-
 /* Reads what the engine made, whose triangles stay where they are. */
 static vor_status load_result(struct result *result, const struct vor_codec_order *order,
                               const uint8_t *bytes, struct vor_error *err)
@@ -149,24 +132,27 @@ static vor_status load_result(struct result *result, const struct vor_codec_orde
                     "the result cannot be written: %.900s", why.message);
 }
 
-static vor_status encode(struct vor_codec_facts *facts, const struct vor_sink *sink,
-                         const struct vor_codec_order *order, const uint8_t *bytes,
-                         struct vor_error *err)
+/* VOR_CODEC_CONVERT and VOR_CODEC_ENCODE. */
+static vor_status write_again(struct vor_codec_facts *facts, const struct vor_sink *sink,
+                              const struct vor_codec_order *order, const uint8_t *bytes,
+                              struct vor_error *err)
 {
     struct vor_write_options options = order->options;
+    int is_made = order->op == VOR_CODEC_ENCODE; /* by the engine; else read from a file */
     struct vor_memory memory;
     struct result result;
     vor_status status;
 
     vor_memory_init(&memory, order->memory);
     vor_cloud_init(&result.cloud, &memory);
-    status = load_result(&result, order, bytes, err);
-    if (status == VOR_OK) {
-        options.mesh = &result.mesh;
+    status = (is_made ? load_result : read_result)(&result, order, bytes, err);
+    options.mesh = &result.mesh;
+    if (status == VOR_OK && is_made)
         status = vor_format(order->format)->write(sink, &result.cloud, &options, err);
-    }
+    else if (status == VOR_OK)
+        status = write_result(facts, sink, order, &result, err);
     vor_cloud_free(&result.cloud);
-    if (status == VOR_OK)
+    if (status == VOR_OK && is_made)
         *facts = (struct vor_codec_facts){.memory = atomic_load(&memory.peak)};
     return status;
 }
@@ -181,9 +167,8 @@ vor_status vor_codec_do(struct vor_codec_facts *facts, const struct vor_sink *si
     case VOR_CODEC_DECODE:
         return decode(facts, sink, order, bytes, err);
     case VOR_CODEC_CONVERT:
-        return convert(facts, sink, order, bytes, err);
     case VOR_CODEC_ENCODE:
-        return encode(facts, sink, order, bytes, err);
+        return write_again(facts, sink, order, bytes, err);
     case VOR_CODEC_INFLATE:
         status = vor_gzip_inflate(sink, bytes, (size_t)order->size, order->most, err);
         if (status == VOR_OK)

@@ -150,20 +150,13 @@ static void drop_if_gone(const struct conversion *conversion)
     const struct vor_conversions_config *config = &conversion->service->config;
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_job_view now;
+    enum vor_job_outcome outcome =
+        vor_worker_get(config->worker, &conversion->row.id, NULL, &now, NULL);
 
-    switch (vor_worker_get(config->worker, &conversion->row.id, NULL, &now, NULL)) {
-    case VOR_UNKNOWN:
-        break;
-    case VOR_DONE:
-        if (now.expired)
-            break;
-        return;
-    default:
-        return;
-    }
-    vor_blob_of_converted(output_name(conversion), vor_format(conversion->format)->name, name);
-    if (vor_blob_drop(config->blobs, &conversion->row.id, name, NULL) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", conversion->row.id.text));
+    if (outcome == VOR_UNKNOWN || (outcome == VOR_DONE && now.expired))
+        vor_drop_file(config->blobs, &conversion->row.id,
+                      vor_blob_of_converted(output_name(conversion),
+                                            vor_format(conversion->format)->name, name));
 }
 
 static vor_status convert(const struct conversion *conversion, struct vor_error *err)

@@ -3,6 +3,8 @@
 #include "server/base/clock.h"
 #include "server/base/metrics.h"
 
+#include <unistd.h>
+
 void vor_count_accepted(const struct vor_job_view *row)
 {
     vor_metric_add(VOR_METRIC_JOBS_ACCEPTED, 1, VOR_LABELS(row->process));
@@ -49,8 +51,12 @@ void vor_count_ended(const struct vor_job_view *row, const struct vor_report *re
     vor_metric_add(VOR_METRIC_POINTS, (double)report->points_in, NULL);
 }
 
-void vor_count_undecodable(const struct vor_format *format, vor_status status)
+void vor_count_undecodable(int fd, vor_status status)
 {
+    uint8_t magic[16];
+    ssize_t size = pread(fd, magic, sizeof magic, 0);
+    const struct vor_format *format = size > 0 ? vor_format_sniff(magic, (size_t)size) : NULL;
+
     vor_metric_add(VOR_METRIC_DECODE_ERRORS, 1,
                    VOR_LABELS(format != NULL ? format->name : "none", vor_status_slug(status)));
 }

@@ -19,7 +19,7 @@ void vor_count_again(void);
 void vor_count_ended(const struct vor_job_view *row, const struct vor_report *report, size_t memory,
                      double seconds);
 
-/** An upload could not be decoded; format is NULL when it has none. */
-void vor_count_undecodable(const struct vor_format *format, vor_status status);
+/** The upload in a file could not be decoded. */
+void vor_count_undecodable(int fd, vor_status status);
 
 #endif

@@ -333,27 +333,22 @@ enum vor_job_outcome vor_worker_cancel(struct vor_worker *worker, const struct v
     return dismiss(worker, id, why, &view, err);
 }
 
-static enum vor_job_outcome stop_elsewhere(struct vor_worker *worker, const struct vor_uuid *id,
-                                           struct vor_error *err)
-{
-    int changed = 0;
-
-    if (vor_store_stop(worker->config.store, id, &changed, err) != VOR_OK)
-        return VOR_FAILED;
-    return changed ? VOR_DONE : VOR_CONFLICT;
-}
-
 static void run_dismissal(void *ctx)
 {
     struct vor_dismissal *dismissal = ctx;
     struct vor_worker *worker = dismissal->worker;
+    struct vor_error *err = &dismissal->error;
+    int stops = 0;
 
-    dismissal->outcome =
-        dismissal->is_stop ? stop_elsewhere(worker, &dismissal->id, &dismissal->error)
-        : dismissal->is_cancel
-            ? vor_worker_cancel(worker, &dismissal->id, dismissal->why, &dismissal->error)
-            : vor_worker_dismiss(worker, &dismissal->id, dismissal->why, &dismissal->view,
-                                 &dismissal->error);
+    if (dismissal->is_cancel)
+        dismissal->outcome = vor_worker_cancel(worker, &dismissal->id, dismissal->why, err);
+    else if (!dismissal->is_stop)
+        dismissal->outcome =
+            vor_worker_dismiss(worker, &dismissal->id, dismissal->why, &dismissal->view, err);
+    else if (vor_store_stop(worker->config.store, &dismissal->id, &stops, err) != VOR_OK)
+        dismissal->outcome = VOR_FAILED;
+    else
+        dismissal->outcome = stops ? VOR_DONE : VOR_CONFLICT;
     dismissal->done(dismissal);
 }
 

@@ -36,10 +36,7 @@ static void return_unheard(struct vor_worker *worker, const struct vor_leased *l
     } else if (back.changed) {
         vor_log(VOR_LOG_WARN, "a claim was not answered; the job waits again",
                 VOR_TEXT("job", leased->id.text), VOR_COUNT("attempt", leased->attempt));
-        pthread_mutex_lock(&worker->mutex);
-        worker->news++;
-        pthread_cond_broadcast(&worker->ready);
-        pthread_mutex_unlock(&worker->mutex);
+        vor_worker_news(worker);
     }
 }
 

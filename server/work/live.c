@@ -146,6 +146,14 @@ void vor_found_free(struct vor_found *found)
 
 /* --- waiting and running ---------------------------------------------------------------------- */
 
+void vor_worker_news(struct vor_worker *worker)
+{
+    pthread_mutex_lock(&worker->mutex);
+    worker->news++;
+    pthread_cond_broadcast(&worker->ready);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
 int vor_worker_pause(struct vor_worker *worker, double seconds)
 {
     double deadline = vor_clock_seconds() + seconds;
@@ -205,15 +213,6 @@ vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *jo
     return status;
 }
 
-void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name)
-{
-    struct vor_error err;
-
-    if (vor_blob_drop(worker->config.blobs, id, name, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("job", id->text),
-                VOR_TEXT("error", err.message));
-}
-
 void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
                          uint32_t attempts, unsigned what)
 {
@@ -221,24 +220,25 @@ void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, c
     const struct vor_process_info *info = vor_process_find(process);
     const struct vor_artefact_info *input = info != NULL ? info->inputs : &none,
                                    *output = info != NULL ? info->outputs : &none;
+    struct vor_blobs *blobs = worker->config.blobs;
     char blob[VOR_BLOB_NAME_MAX + 1];
 
     if ((what & VOR_HAS_CHECKPOINT) != 0)
-        vor_worker_drop(worker, id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob));
+        vor_drop_file(blobs, id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob));
     for (unsigned inputs = what >> 3; input->name != NULL; input++, inputs >>= 1) {
         if ((inputs & 1) != 0)
-            vor_worker_drop(worker, id, vor_blob_of_input(input->name, blob));
+            vor_drop_file(blobs, id, vor_blob_of_input(input->name, blob));
         if ((what & VOR_HAS_UPLOADS) != 0)
-            vor_worker_drop(worker, id, vor_blob_of_upload(input->name, blob));
+            vor_drop_file(blobs, id, vor_blob_of_upload(input->name, blob));
     }
     for (; (what & VOR_HAS_OUTPUTS) != 0 && output->name != NULL; output++) {
         if (vor_output_in_row(output))
             continue;
         for (uint32_t k = 1; k <= attempts; k++)
-            vor_worker_drop(worker, id, vor_blob_of_output(output->name, k, blob));
+            vor_drop_file(blobs, id, vor_blob_of_output(output->name, k, blob));
         for (unsigned i = 0; output->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
-            vor_worker_drop(worker, id,
-                            vor_blob_of_converted(output->name, vor_format(i)->name, blob));
+            vor_drop_file(blobs, id,
+                          vor_blob_of_converted(output->name, vor_format(i)->name, blob));
     }
 }
 

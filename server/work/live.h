@@ -107,6 +107,9 @@ int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
  * For one thread. */
 void vor_worker_renew(struct vor_worker *worker);
 
+/** Has the runners look for a job: one may run that could not before. */
+void vor_worker_news(struct vor_worker *worker);
+
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
 int vor_worker_pause(struct vor_worker *worker, double seconds);
 
@@ -131,9 +134,6 @@ VOR_NODISCARD vor_status vor_worker_finish(struct vor_worker *worker, struct vor
 VOR_NODISCARD vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *job,
                                                  const struct vor_lease *lease, int *changed,
                                                  struct vor_error *err);
-
-/** Removes a blob that nobody needs any more. A failure is logged; the next start removes it. */
-void vor_worker_drop(struct vor_worker *worker, const struct vor_uuid *id, const char *name);
 
 /** What a job has among the blobs. */
 enum {

@@ -51,12 +51,8 @@ static void count_waiting(struct vor_worker *worker)
     if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
         return;
     vor_capacity_begin(worker, &waiting);
-    if (waiting.jobs == 0)
-        return;
-    pthread_mutex_lock(&worker->mutex);
-    worker->news++;
-    pthread_cond_broadcast(&worker->ready);
-    pthread_mutex_unlock(&worker->mutex);
+    if (waiting.jobs > 0)
+        vor_worker_news(worker);
 }
 
 static void reap(struct vor_worker *worker)

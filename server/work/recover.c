@@ -113,7 +113,7 @@ static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob
     struct vor_error err;
 
     if (!is_lost) {
-        vor_worker_drop(worker, &blob->id, blob->name);
+        vor_drop_file(worker->config.blobs, &blob->id, blob->name);
         return 1;
     }
     if (vor_blob_set_aside(worker->config.blobs, &blob->id, blob->name, &err) == VOR_OK)
@@ -121,28 +121,6 @@ static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob
     vor_log(VOR_LOG_WARN, "files not moved to the folder lost", VOR_TEXT("job", blob->id.text),
             VOR_TEXT("error", err.message));
     return 0;
-}
-
-static uint64_t size_of(struct vor_worker *worker, const struct vor_found_blob *blob)
-{
-    uint64_t size = 0;
-    int found;
-
-    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) !=
-        VOR_OK)
-        return 0;
-    return size;
-}
-
-static void say_strays(int is_lost, size_t files, uint64_t bytes)
-{
-    if (files > 0 && is_lost)
-        vor_log(VOR_LOG_WARN,
-                "JOBS ARE MISSING FROM THE DATABASE: their files are moved to the folder lost in "
-                "--blobs, for --lost-ttl and up to --lost-bytes",
-                VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
-    else if (files > 0)
-        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
 }
 
 /* --- uploads that a crash of the machine took --------------------------------------------------
@@ -216,19 +194,29 @@ void vor_worker_drop_strays(struct vor_worker *worker)
     size_t files = 0;
 
     for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
-        uint64_t size;
+        const struct vor_found_blob *blob = &found->blobs[i];
+        uint64_t size = 0;
+        int is_there;
 
         vor_worker_renew(worker);
-        if (is_young(worker, &found->blobs[i].id) || is_needed(worker, &found->blobs[i]))
+        if (is_young(worker, &blob->id) || is_needed(worker, blob))
             continue;
-        size = size_of(worker, &found->blobs[i]);
-        if (!put_away(worker, &found->blobs[i], is_lost))
+        if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there,
+                         NULL) != VOR_OK)
+            size = 0;
+        if (!put_away(worker, blob, is_lost))
             continue;
         bytes += size;
         files++;
     }
     vor_found_free(found);
-    say_strays(is_lost, files, bytes);
+    if (files > 0 && is_lost)
+        vor_log(VOR_LOG_WARN,
+                "JOBS ARE MISSING FROM THE DATABASE: their files are moved to the folder lost in "
+                "--blobs, for --lost-ttl and up to --lost-bytes",
+                VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
+    else if (files > 0)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
     forget_missing(worker);
 }
 
@@ -291,10 +279,7 @@ void vor_worker_recover_late(struct vor_worker *worker)
         return;
     if (recover_rows(worker, &err) == VOR_OK) {
         atomic_store(&worker->is_late, 0);
-        pthread_mutex_lock(&worker->mutex);
-        worker->news++;
-        pthread_cond_broadcast(&worker->ready);
-        pthread_mutex_unlock(&worker->mutex);
+        vor_worker_news(worker);
     } else if (!vor_error_storage_full(&err)) {
         vor_log(VOR_LOG_ERROR, "jobs are not recovered", VOR_TEXT("error", err.message));
     }

@@ -62,10 +62,7 @@ static void look_at_blobs(struct vor_worker *worker)
         return;
     }
     vor_log(VOR_LOG_INFO, "files can be read and written again");
-    pthread_mutex_lock(&worker->mutex);
-    worker->news++;
-    pthread_cond_broadcast(&worker->ready);
-    pthread_mutex_unlock(&worker->mutex);
+    vor_worker_news(worker);
 }
 
 void vor_worker_look(struct vor_worker *worker)

@@ -139,29 +139,25 @@ static int file_of(void *ctx)
 
 /* --- the order and its files ------------------------------------------------------------------ */
 
-static vor_status open_input(struct run *run, unsigned index, struct vor_error *err)
-{
-    const char *name = run->view.spec.process->inputs[index].name;
-    char blob[VOR_BLOB_NAME_MAX + 1];
-    uint64_t size;
-    int found;
-    vor_status status =
-        vor_blob_get(run->worker->config.blobs, &run->view.id, vor_blob_of_input(name, blob),
-                     &run->order.input[index], &size, &found, err);
-
-    if (status == VOR_OK && !found)
-        status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s no longer exists", name);
-    return status;
-}
-
 static vor_status open_inputs(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *inputs = run->view.spec.process->inputs;
     vor_status status = VOR_OK;
 
-    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++)
-        if ((run->view.inputs >> i & 1) != 0)
-            status = open_input(run, i, err);
+    for (unsigned i = 0; inputs[i].name != NULL && status == VOR_OK; i++) {
+        char blob[VOR_BLOB_NAME_MAX + 1];
+        uint64_t size;
+        int found;
+
+        if ((run->view.inputs >> i & 1) == 0)
+            continue;
+        status = vor_blob_get(run->worker->config.blobs, &run->view.id,
+                              vor_blob_of_input(inputs[i].name, blob), &run->order.input[i], &size,
+                              &found, err);
+        if (status == VOR_OK && !found)
+            status = vor_fail(err, VOR_E_INTERNAL, "the job's input %s no longer exists",
+                              inputs[i].name);
+    }
     return status;
 }
 
@@ -219,18 +215,6 @@ static vor_status place_order(struct run *run, struct vor_error *err)
         return status;
     open_saved(run);
     return create_outputs(run, err);
-}
-
-/* Closes what place_order opened. */
-static void close_files(struct run *run)
-{
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        if (run->order.input[i] >= 0)
-            (void)close(run->order.input[i]);
-    if (run->order.saved >= 0)
-        (void)close(run->order.saved);
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
-        vor_blob_discard(run->writer[i]);
 }
 
 /* A result is written again while its storage is away; not once the job is cancelled. */
@@ -301,7 +285,13 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
                                                                           : 0);
     if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
         end = VOR_RUN_FAILED;
-    close_files(run);
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
+        if (run->order.input[i] >= 0)
+            (void)close(run->order.input[i]);
+    if (run->order.saved >= 0)
+        (void)close(run->order.saved);
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+        vor_blob_discard(run->writer[i]);
     return end;
 }
 
@@ -329,28 +319,6 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
 
 /* --- the end ---------------------------------------------------------------------------------- */
 
-static void describe_success(const struct run *run, struct vor_job_view *row)
-{
-    const struct vor_run_result *result = &run->result;
-
-    row->progress = 100;
-    memcpy(row->output, result->output, sizeof row->output);
-    if (result->has_report) {
-        /* The last record need not be that of the cloud that is handed out. */
-        row->record.delta = result->report.delta;
-        row->record.sigma = result->report.sigma;
-        row->record.epsilon = result->report.epsilon;
-    }
-    (void)snprintf(row->message, sizeof row->message, "%s", result->message);
-}
-
-static void describe_failure(struct vor_job_view *row, const struct vor_error *problem)
-{
-    row->problem = *problem;
-    (void)snprintf(row->message, sizeof row->message, "%.*s", (int)sizeof row->message - 1,
-                   problem->message);
-}
-
 /* True when this end was written before, and the answer lost: *row then is the job's. */
 static int is_written(const struct run *run, struct vor_job_view *row)
 {
@@ -368,6 +336,7 @@ static int is_written(const struct run *run, struct vor_job_view *row)
 static vor_status finish_once(struct run *run, const struct vor_error *problem,
                               struct vor_error *err)
 {
+    const struct vor_run_result *result = &run->result;
     const char *kept = problem == NULL ? run->kept.data : NULL;
     int changed = 0;
     struct vor_job_view row;
@@ -377,10 +346,20 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
         return VOR_OK; /* dismissed: its row is written */
     vor_worker_ending(run->worker, run->job, problem != NULL ? VOR_JOB_FAILED : VOR_JOB_SUCCESSFUL,
                       &row);
-    if (problem != NULL)
-        describe_failure(&row, problem);
-    else
-        describe_success(run, &row);
+    (void)snprintf(row.message, sizeof row.message, "%.*s", (int)sizeof row.message - 1,
+                   problem != NULL ? problem->message : result->message);
+    if (problem != NULL) {
+        row.problem = *problem;
+    } else {
+        row.progress = 100;
+        memcpy(row.output, result->output, sizeof row.output);
+    }
+    if (problem == NULL && result->has_report) {
+        /* The last record need not be that of the cloud that is handed out. */
+        row.record.delta = result->report.delta;
+        row.record.sigma = result->report.sigma;
+        row.record.epsilon = result->report.epsilon;
+    }
     status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
     if (status == VOR_OK && !changed && is_written(run, &row)) {
         vor_job_end(run->job, &row);
@@ -536,15 +515,6 @@ static void clean_up_lost(const struct run *run)
             (run->has_kept && vor_job_status_over(row.status) ? VOR_HAS_CHECKPOINT : 0));
 }
 
-/* Why a row cannot be run; VOR_OK when it can. */
-static vor_status check_row(const struct vor_job_view *row, struct vor_error *why)
-{
-    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
-        vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
-        return vor_fail(why, VOR_E_INTERNAL, "the job's request cannot be read by this version");
-    return VOR_OK;
-}
-
 void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
 {
     struct vor_worker *worker = runner->worker;
@@ -565,7 +535,11 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", row->attempt));
     vor_job_begin(run.job, vor_clock_wall_ms());
     vor_count_begun(row, row->attempt, worker->config.memory);
-    if (check_row(row, &problem) == VOR_OK)
+    if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
+        vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
+        (void)vor_fail(&problem, VOR_E_INTERNAL,
+                       "the job's request cannot be read by this version");
+    else
         end = execute(&run, &problem);
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
                     worker->config.memory, vor_clock_seconds() - began);

@@ -230,16 +230,6 @@ static void serve(struct station *station, int channel)
     }
 }
 
-/* Results are encoded in children, where the board says so. */
-static void place_codec(struct station *station, int socket)
-{
-    const struct vor_board *board = station->board;
-
-    station->zygote = (struct vor_zygote){.socket = socket, .pid = getppid()};
-    station->means.codec = (struct vor_codec_place){
-        .zygote = &station->zygote, .kind = board->codec_kind, .sandbox = board->sandbox};
-}
-
 /* Tells the front that the worker is ready, or why it is not. */
 static int report_ready(struct station *station, int channel)
 {
@@ -260,8 +250,12 @@ int vor_station_run(int channel, const int *fds, unsigned fd_count)
 
     if (station.board == NULL || fd_count != (station.board->has_codec ? 2 : 1))
         return EXIT_FAILURE;
-    if (station.board->has_codec)
-        place_codec(&station, fds[1]);
+    if (station.board->has_codec) {
+        station.zygote = (struct vor_zygote){.socket = fds[1], .pid = getppid()};
+        station.means.codec = (struct vor_codec_place){.zygote = &station.zygote,
+                                                       .kind = station.board->codec_kind,
+                                                       .sandbox = station.board->sandbox};
+    }
     vor_log_set_level(VOR_LOG_OFF); /* the front logs; how a child ended is in the error */
     vor_machine_set_oom_score(OOM_SCORE);
     limit_memory(&station);

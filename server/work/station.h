@@ -12,8 +12,8 @@ enum { VOR_STATION_NO_POOL = 3, VOR_STATION_NO_MEMORY = 4 };
  *  @param[in] channel  gives one byte once it is ready, or a struct vor_error instead where the
  *                      engine fails its test of itself (self_test.h); takes struct vor_summons
  *  @param[in] fds      that of the board (wire.h); and where that says that children encode
- *                      results, the socket of the zygote. It has no more with it than what
- *                      vor_child_kinds offers: a child that is shut in, or another like itself */
+ *                      results, the socket of the zygote. It has no more with it than what the
+ *                      zygote offers: a child that is shut in, or another like itself */
 int vor_station_run(int channel, const int *fds, unsigned fd_count);
 
 #endif

@@ -497,19 +497,6 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
 
 /* --- from start to end ------------------------------------------------------------------------ */
 
-static vor_status start(struct vor_supervisor *supervisor, struct vor_error *err)
-{
-    vor_status status =
-        init_worker(supervisor, &supervisor->shared, supervisor->config.threads, err);
-
-    if (status != VOR_OK)
-        return status;
-    pthread_mutex_lock(&supervisor->mutex);
-    status = begin_worker(supervisor, &supervisor->shared, err);
-    pthread_mutex_unlock(&supervisor->mutex);
-    return status;
-}
-
 vor_status vor_supervisor_create(struct vor_supervisor **out,
                                  const struct vor_supervisor_config *config, struct vor_error *err)
 {
@@ -527,7 +514,12 @@ vor_status vor_supervisor_create(struct vor_supervisor **out,
         supervisor->config.stall_seconds = stall_seconds;
     pthread_mutex_init(&supervisor->mutex, NULL);
     pthread_cond_init(&supervisor->changed, NULL);
-    status = start(supervisor, err);
+    status = init_worker(supervisor, &supervisor->shared, supervisor->config.threads, err);
+    if (status == VOR_OK) {
+        pthread_mutex_lock(&supervisor->mutex);
+        status = begin_worker(supervisor, &supervisor->shared, err);
+        pthread_mutex_unlock(&supervisor->mutex);
+    }
     if (status != VOR_OK) {
         vor_supervisor_destroy(supervisor);
         return status;

@@ -5,6 +5,7 @@
 #include "server/work/station.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <unistd.h>
 
 static const double start_seconds = 30; /* for a process, to be ready */
@@ -51,22 +52,6 @@ static void describe_end(char out[64], const struct vor_child_end *end)
         (void)snprintf(out, 64, "exit status %d", end->status);
 }
 
-/* Notes at the seats of the life that ends how it does. */
-static void note_end(struct vor_workplace *workplace, const char *how, int blamed)
-{
-    int is_only = vor_workplace_runs(workplace) == 1;
-
-    for (unsigned i = 0; i < VOR_SEATS; i++) {
-        struct vor_seat *seat = &workplace->seat[i];
-
-        if (!seat->taken || seat->life != workplace->life)
-            continue;
-        seat->is_only = is_only;
-        seat->is_innocent = blamed != VOR_NOBODY && blamed != (int)i;
-        (void)snprintf(seat->how, sizeof seat->how, "%s", how);
-    }
-}
-
 void vor_workplace_reap(struct vor_workplace_end *out, struct vor_child *child, const char *why)
 {
     *out = (struct vor_workplace_end){.end = {.signal = 0}};
@@ -80,9 +65,19 @@ void vor_workplace_reap(struct vor_workplace_end *out, struct vor_child *child, 
 void vor_workplace_end(struct vor_workplace *workplace, const struct vor_workplace_end *end,
                        int blamed)
 {
+    int is_only = vor_workplace_runs(workplace) == 1;
+
     vor_child_free(&workplace->child);
     workplace->is_up = 0;
-    note_end(workplace, end->how, blamed);
+    for (unsigned i = 0; i < VOR_SEATS; i++) {
+        struct vor_seat *seat = &workplace->seat[i];
+
+        if (!seat->taken || seat->life != workplace->life)
+            continue;
+        seat->is_only = is_only;
+        seat->is_innocent = blamed != VOR_NOBODY && blamed != (int)i;
+        memcpy(seat->how, end->how, sizeof seat->how);
+    }
     vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", end->how),
             VOR_COUNT("pid", workplace->child.pid),
             VOR_COUNT("jobs", vor_workplace_runs(workplace)),
