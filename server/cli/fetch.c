@@ -124,15 +124,13 @@ static int receive(struct vor_follow *follow, struct result *result)
                                    .take = on_bytes,
                                    .ctx = result,
                                    .stall_seconds = VOR_FOLLOW_STALL_SECONDS};
-    int code = VOR_EXIT_OK;
+    int code;
 
     (void)snprintf(url, sizeof url, "%s/results/%s", follow->job, result->name);
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
-        code = vor_follow_no_answer(follow);
-    else if (call.http != 200)
-        code = vor_follow_refused(follow, &call);
-    else if ((call.was_stopped && vor_output_fail(&result->output, &follow->err) != VOR_OK) ||
-             vor_output_commit(&result->output, &follow->err) != VOR_OK)
+    code = vor_follow_perform(follow, &call, 200, 0);
+    if (code == VOR_EXIT_OK &&
+        ((call.was_stopped && vor_output_fail(&result->output, &follow->err) != VOR_OK) ||
+         vor_output_commit(&result->output, &follow->err) != VOR_OK))
         code = vor_cli_fail(result->path, &follow->err);
     vor_text_free(&call.text);
     return code;

@@ -51,7 +51,8 @@ int vor_follow_is_over(const struct vor_follow *follow)
            strcmp(follow->status, "dismissed") == 0;
 }
 
-int vor_follow_no_answer(struct vor_follow *follow)
+/* Says that a call got no answer, and err; or that a signal came. */
+static int no_answer(struct vor_follow *follow)
 {
     vor_progress_clear(&follow->progress);
     if (vor_interrupt_seen()) {
@@ -89,7 +90,8 @@ static int say_problem(struct vor_follow *follow, const struct vor_json *json, i
     return vor_cli_exit_code(http, vor_follow_text(json, "type"));
 }
 
-int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *call)
+/* Says an answer that is a refusal. Never returns VOR_EXIT_OK. */
+static int refused(struct vor_follow *follow, const struct vor_remote_call *call)
 {
     struct vor_json *json = vor_remote_json(call);
     int code = say_problem(follow, json, call->http);
@@ -98,24 +100,24 @@ int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *
     return code == VOR_EXIT_OK ? VOR_EXIT_FAILED : code;
 }
 
+int vor_follow_perform(struct vor_follow *follow, struct vor_remote_call *call, int http, int also)
+{
+    if (vor_remote_perform(follow->remote, call, &follow->err) != VOR_OK)
+        return no_answer(follow);
+    return call->http == http || call->http == also ? VOR_EXIT_OK : refused(follow, call);
+}
+
 int vor_follow_call(struct vor_follow *follow, const char *method, const char *url,
                     struct vor_json **json)
 {
     struct vor_remote_call call = {
         .method = method, .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
-    int code = VOR_EXIT_OK;
+    int code = vor_follow_perform(follow, &call, 200, 202);
 
-    *json = NULL;
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK) {
-        code = vor_follow_no_answer(follow);
-    } else if (call.http != 200 && call.http != 202) {
-        code = vor_follow_refused(follow, &call);
-    } else {
-        *json = vor_remote_json(&call);
-        if (*json == NULL) {
-            vor_cli_say(follow->subject, "the response of the server is not JSON");
-            code = VOR_EXIT_FAILED;
-        }
+    *json = code == VOR_EXIT_OK ? vor_remote_json(&call) : NULL;
+    if (code == VOR_EXIT_OK && *json == NULL) {
+        vor_cli_say(follow->subject, "the response of the server is not JSON");
+        code = VOR_EXIT_FAILED;
     }
     vor_text_free(&call.text);
     return code;
@@ -201,7 +203,7 @@ static int ask(struct vor_follow *follow, struct vor_json **json, vor_status *st
     if (*status == VOR_OK && call.http == 503)
         *status = vor_fail(&follow->err, VOR_E_IO, "the server responded with 503");
     if (*status == VOR_OK && call.http != 200)
-        code = vor_follow_refused(follow, &call);
+        code = refused(follow, &call);
     else if (*status == VOR_OK)
         *status = vor_json_parse(json, call.text.data != NULL ? call.text.data : "", call.text.size,
                                  &follow->err);
@@ -216,7 +218,7 @@ int vor_follow_ask(struct vor_follow *follow, struct vor_json **json)
     vor_status status;
     int code = ask(follow, json, &status);
 
-    return status != VOR_OK ? vor_follow_no_answer(follow) : code;
+    return status != VOR_OK ? no_answer(follow) : code;
 }
 
 /* Asks for the job to end with the best so far: VOR_EXIT_OK, also where it is over already;
@@ -227,14 +229,11 @@ static int stop_job(struct vor_follow *follow)
     struct vor_remote_call call = {
         .method = "POST", .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
     struct vor_json *job = NULL;
-    int code = VOR_EXIT_OK;
+    int code;
 
     follow->told_to_stop = 1;
     (void)snprintf(url, sizeof url, "%s/stop", follow->job);
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
-        code = vor_follow_no_answer(follow);
-    else if (call.http != 202 && call.http != 409)
-        code = vor_follow_refused(follow, &call);
+    code = vor_follow_perform(follow, &call, 202, 409);
     if (code == VOR_EXIT_OK && call.http == 409)
         code = vor_follow_ask(follow, &job);
     if (job != NULL && !vor_follow_is_over(follow)) {
@@ -260,7 +259,7 @@ static int listen_to_end(struct vor_follow *follow)
 
     for (int tries = 0; !vor_follow_is_over(follow);) {
         if (listen(follow) == VOR_E_CANCELLED && vor_interrupt_seen())
-            return vor_follow_no_answer(follow);
+            return no_answer(follow);
         if (vor_interrupt_stops() && !follow->told_to_stop) {
             code = stop_job(follow);
             if (code != VOR_EXIT_OK)
@@ -277,7 +276,7 @@ static int listen_to_end(struct vor_follow *follow)
             break;
         tries = status == VOR_OK ? 0 : tries + 1;
         if (tries >= TRIES_MAX || vor_interrupt_seen())
-            return vor_follow_no_answer(follow);
+            return no_answer(follow);
         /* Waits as long as the server asks to, or until a signal comes. */
         ms = follow->parser.retry_ms >= 0 ? follow->parser.retry_ms : RETRY_MS_DEFAULT;
         until = vor_clock_seconds() + ms / 1000.0;
@@ -311,17 +310,15 @@ int vor_follow_report(struct vor_follow *follow)
     char url[VOR_REMOTE_URL_MAX + 16];
     struct vor_remote_call call = {
         .method = "GET", .url = url, .timeout_seconds = VOR_FOLLOW_ANSWER_SECONDS};
-    int code = VOR_EXIT_OK;
+    int code;
 
     if (vor_artefact_find(follow->cli->spec.process->outputs, "report") == NULL)
         return VOR_EXIT_OK;
     (void)snprintf(url, sizeof url, "%s/results/report", follow->job);
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
-        code = vor_follow_no_answer(follow);
-    else if (call.http != 200)
-        code = vor_follow_refused(follow, &call);
-    else if (vor_progress_finish(&follow->progress, call.text.data != NULL ? call.text.data : "",
-                                 call.text.size, &follow->err) != VOR_OK)
+    code = vor_follow_perform(follow, &call, 200, 0);
+    if (code == VOR_EXIT_OK &&
+        vor_progress_finish(&follow->progress, call.text.data != NULL ? call.text.data : "",
+                            call.text.size, &follow->err) != VOR_OK)
         code = vor_cli_fail(follow->job, &follow->err);
     vor_text_free(&call.text);
     return code;

@@ -33,11 +33,9 @@ struct vor_follow {
 int vor_follow_open(struct vor_follow *follow, const struct vor_cli *cli, const char *subject);
 void vor_follow_close(struct vor_follow *follow);
 
-/** Says that a call got no answer, and err; or that a signal came. */
-int vor_follow_no_answer(struct vor_follow *follow);
-
-/** Says an answer that is a refusal. Never returns VOR_EXIT_OK. */
-int vor_follow_refused(struct vor_follow *follow, const struct vor_remote_call *call);
+/** Makes a call. Says that it got no answer, or that a signal came; and, of an answer that has none
+ *  of the two status codes (0: none), the refusal. */
+int vor_follow_perform(struct vor_follow *follow, struct vor_remote_call *call, int http, int also);
 
 /** Makes a call and reads its answer, 200 or 202 and JSON. *json is to be freed; NULL unless
  * VOR_EXIT_OK is returned. */

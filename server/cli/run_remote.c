@@ -101,15 +101,17 @@ static int submit_body(struct vor_follow *follow, struct vor_remote_call *call,
 {
     const char *type = call->files == 1 ? "Content-Type: application/octet-stream" : NULL;
     const char *const headers[] = {"Prefer: respond-async", type, NULL}; /* of a form: curl's */
-    int code = VOR_EXIT_OK;
+    int code;
 
     call->method = "POST";
     call->headers = headers;
-    if (vor_remote_perform(follow->remote, call, &follow->err) != VOR_OK) {
-        code = vor_follow_no_answer(follow);
-    } else if (call->http != 201 || call->location[0] == '\0') {
-        code = vor_follow_refused(follow, call);
-    } else {
+    code = vor_follow_perform(follow, call, 201, 0);
+    if (code == VOR_EXIT_OK && call->location[0] == '\0') {
+        vor_progress_clear(&follow->progress);
+        vor_cli_say(follow->subject, "the server responded with 201");
+        code = VOR_EXIT_FAILED;
+    }
+    if (code == VOR_EXIT_OK) {
         memcpy(follow->job, call->location, sizeof follow->job);
         *info = vor_remote_json(call);
     }
@@ -172,19 +174,17 @@ static int fetch_main(struct remote_run *t)
     (void)snprintf(url, sizeof url, "%s/results/%s", follow->job,
                    cli->spec.process->outputs[0].name);
     vor_progress_note(&follow->progress, "receiving");
-    if (vor_remote_perform(follow->remote, &call, &follow->err) != VOR_OK)
-        code = vor_follow_no_answer(follow);
-    else if (call.http != 200)
-        code = vor_follow_refused(follow, &call);
-    else if ((call.was_stopped && vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
-             (in_lines && vor_lines_from_json(&call.text, cli, &follow->err) != VOR_OK) ||
-             (in_lines && vor_output_write(&t->output, call.text.data, call.text.size) != 0 &&
-              vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
-             /* A document of a daemon is one line without its end, as the body of an answer. */
-             (!in_lines && cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT &&
-              vor_output_write(&t->output, "\n", 1) != 0 &&
-              vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
-             vor_output_commit(&t->output, &follow->err) != VOR_OK)
+    code = vor_follow_perform(follow, &call, 200, 0);
+    if (code == VOR_EXIT_OK &&
+        ((call.was_stopped && vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
+         (in_lines && vor_lines_from_json(&call.text, cli, &follow->err) != VOR_OK) ||
+         (in_lines && vor_output_write(&t->output, call.text.data, call.text.size) != 0 &&
+          vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
+         /* A document of a daemon is one line without its end, as the body of an answer. */
+         (!in_lines && cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT &&
+          vor_output_write(&t->output, "\n", 1) != 0 &&
+          vor_output_fail(&t->output, &follow->err) != VOR_OK) ||
+         vor_output_commit(&t->output, &follow->err) != VOR_OK))
         code = vor_cli_fail(cli->option[VOR_OPTION_OUTPUT], &follow->err);
     vor_text_free(&call.text);
     return code;

@@ -1,11 +1,9 @@
-#include "server/http/mhd_callbacks.h"
 
 #include "server/base/clock.h"
 #include "server/http/conn_guard.h"
 #include "server/http/forwarded.h"
 #include "server/http/mhd_library.h"
 #include "server/http/release_zero_pages.h"
-#include "server/http/reply.h"
 #include "server/http/request.h"
 #include "server/http/state.h"
 #include "server/http/waker.h"

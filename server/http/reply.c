@@ -1,4 +1,4 @@
-#include "server/http/reply.h"
+#include "server/http/state.h"
 
 #include "server/base/clock.h"
 #include "server/http/request.h"

@@ -6,14 +6,16 @@
 #include "server/http/http.h"
 #include "server/http/watchdog.h"
 
+#include <microhttpd.h>
 #include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
 
 enum {
     VOR_CONNECTION_BYTES = 49152 /**< what the library keeps for a connection: the longest header
                                     block, and room to read a body and to answer */
 };
 
-struct MHD_Daemon;
 struct vor_conn_guard;
 
 struct vor_http {
@@ -26,5 +28,36 @@ struct vor_http {
     atomic_bool quiesced, closing;
     struct vor_watchdog watchdog;
 };
+
+/* The reply of a request, before the library sees it. What handlers call is in http.h. */
+
+/** Reply as raw HTTP/1.1, head and bytes, for a socket that the library cannot answer on any more;
+ *  NULL when memory is short. The caller frees it. */
+char *vor_reply_raw(const struct vor_request *request);
+
+/** The refusals of a body that is too long (detail is the room for its sentence) and of one that
+ *  the sink cannot keep. */
+void vor_refusal_excess(char *detail, size_t size, struct vor_refusal *refusal, uint64_t limit,
+                        uint64_t got);
+void vor_refusal_sink(struct vor_refusal *refusal, int http);
+
+/** Drops the reply but for its first `fields` header fields. */
+void vor_reply_clear(struct vor_request *request, unsigned fields);
+
+/* A request from its first line to the last byte of its reply: the library's callbacks. Their first
+ * argument is the struct vor_http. */
+
+/** MHD_OPTION_URI_LOG_CALLBACK: the request line is in; makes the struct vor_request. */
+void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connection);
+
+/** The access handler of MHD_start_daemon: the head, each piece of the body, its end, and again
+ *  after a suspension. */
+enum MHD_Result vor_mhd_step(void *cls, struct MHD_Connection *connection, const char *url,
+                             const char *method, const char *version, const char *data,
+                             size_t *size, void **con_cls);
+
+/** MHD_OPTION_NOTIFY_COMPLETED: the request is over, however it ended. */
+void vor_mhd_end(void *cls, struct MHD_Connection *connection, void **con_cls,
+                 enum MHD_RequestTerminationCode code);
 
 #endif
