@@ -232,10 +232,12 @@ static void library_line(void *ctx, const char *line)
 /* In the order of the setting's words. */
 static const unsigned socket_modes[] = {0600, 0660, 0666};
 
+/* Opens the listener of requests, and that of --admin-listen. Few look at the numbers there, and
+ * nobody for long: what is silent is soon cut. */
 static vor_status open_http(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
-    const struct vor_http_options options = {
+    struct vor_http_options options = {
         .host = config->endpoint.host,
         .port = config->endpoint.port,
         .path = config->endpoint.path,
@@ -259,35 +261,22 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .done = vor_route_done,
         .log = library_line,
     };
+    vor_status status = vor_http_open(&daemon->app.http, &options, err);
 
-    return vor_http_open(&daemon->app.http, &options, err);
-}
-
-/* Few look at the numbers, and nobody for long: what is silent here is soon cut. */
-static vor_status open_admin(struct daemon *daemon, struct vor_error *err)
-{
-    const struct vor_config *config = &daemon->config;
-    const struct vor_http_options options = {
-        .host = config->admin.host,
-        .port = config->admin.port,
-        .path = config->admin.path,
-        .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
-        .threads = 1,
-        .connections = ADMIN_CONNECTIONS,
-        .header_seconds = ADMIN_SECONDS,
-        .keep_seconds = ADMIN_KEEP_SECONDS,
-        .body_seconds = ADMIN_SECONDS,
-        .body_idle_seconds = ADMIN_SECONDS,
-        .trusted = &config->trusted,
-        .handler = vor_admin_dispatch,
-        .ctx = &daemon->app,
-        .refuse = vor_route_refuse,
-        .done = vor_admin_done,
-        .log = library_line,
-    };
-
-    if (config->text[VOR_SET_ADMIN_LISTEN][0] == '\0')
-        return VOR_OK;
+    if (status != VOR_OK || config->text[VOR_SET_ADMIN_LISTEN][0] == '\0')
+        return status;
+    options.host = config->admin.host;
+    options.port = config->admin.port;
+    options.path = config->admin.path;
+    options.threads = 1;
+    options.connections = ADMIN_CONNECTIONS;
+    options.streams = options.each = 0;
+    options.header_seconds = options.body_seconds = options.body_idle_seconds = ADMIN_SECONDS;
+    options.keep_seconds = ADMIN_KEEP_SECONDS;
+    options.body_rate = options.reply_rate = options.beat_seconds = 0;
+    options.proxy_headers = VOR_PROXY_X_FORWARDED;
+    options.handler = vor_admin_dispatch;
+    options.done = vor_admin_done;
     return vor_http_open(&daemon->admin, &options, err);
 }
 
@@ -310,8 +299,6 @@ static vor_status start(struct daemon *daemon, struct vor_error *err)
         status = open_storage(daemon, err);
     if (status == VOR_OK)
         status = open_http(daemon, err);
-    if (status == VOR_OK)
-        status = open_admin(daemon, err);
     if (status == VOR_OK)
         status = start_jobs(daemon, err);
     if (status == VOR_OK)

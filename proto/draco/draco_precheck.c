@@ -99,6 +99,17 @@ static void refuse(struct walk *walk, size_t at, const char *what, uint64_t got,
                          (unsigned long long)high));
 }
 
+/* Reads a number of `count` bytes, and refuses one that is out of range. */
+static uint32_t ranged(struct walk *walk, unsigned count, const char *where, const char *what,
+                       uint64_t low, uint64_t high)
+{
+    size_t at = walk->at;
+    uint32_t got = fixed(walk, count, where);
+
+    refuse(walk, at, what, got, low, high);
+    return got;
+}
+
 static void refuse_over(struct walk *walk, size_t at, const char *what, uint64_t got,
                         uint64_t limit)
 {
@@ -217,11 +228,10 @@ static uint32_t walk_attributes(struct walk *walk)
     refuse_over(walk, start, "attributes", count, VOR_ATTRIBUTES_MAX + 1);
     for (uint32_t i = 0; i < count && walk->status == VOR_OK; i++) {
         size_t at = walk->at;
-        uint32_t kind, type, components;
+        uint32_t kind = fixed(walk, 1, "the table of attributes");
+        uint32_t type = fixed(walk, 1, "the table of attributes");
+        uint32_t components = fixed(walk, 1, "the table of attributes");
 
-        kind = fixed(walk, 1, "the table of attributes");
-        type = fixed(walk, 1, "the table of attributes");
-        components = fixed(walk, 1, "the table of attributes");
         (void)fixed(walk, 1, "the table of attributes");
         if (walk->version < BITSTREAM(1, 3))
             (void)fixed(walk, 2, "the table of attributes");
@@ -235,58 +245,42 @@ static uint32_t walk_attributes(struct walk *walk)
     return scalars;
 }
 
+/* A number of the kd-tree. */
+static uint32_t kd_number(struct walk *walk, unsigned count, const char *what, uint64_t low,
+                          uint64_t high)
+{
+    return ranged(walk, count, "the kd-tree", what, low, high);
+}
+
 /* Bitstream 2.3 and later, and the integers of earlier ones: level, bits, points. */
 static void walk_kd_points(struct walk *walk, uint32_t points)
 {
-    size_t at = walk->at;
-
-    refuse(walk, at, "the kd-tree's level", fixed(walk, 1, "the kd-tree"), 0, 6);
-    if (walk->version < BITSTREAM(2, 3)) {
-        at = walk->at;
-        refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
-               points);
-    }
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's number of bits", fixed(walk, 4, "the kd-tree"), 0, 32);
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
-           points);
+    (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
+    if (walk->version < BITSTREAM(2, 3))
+        (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+    (void)kd_number(walk, 4, "the kd-tree's number of bits", 0, 32);
+    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
 }
 
 /* Bitstreams before 2.3 had an encoding of its own for float positions. */
 static void walk_kd_floats(struct walk *walk, uint32_t points)
 {
-    size_t at = walk->at;
-    uint32_t version;
-
-    refuse(walk, at, "the kd-tree's level", fixed(walk, 1, "the kd-tree"), 0, 6);
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
-           points);
-    at = walk->at;
-    version = fixed(walk, 4, "the kd-tree");
-    refuse(walk, at, "the kd-tree's version", version, 2, 3);
-    at = walk->at;
-    if (version == 3)
-        refuse(walk, at, "the kd-tree's method", fixed(walk, 1, "the kd-tree"), 1, 1);
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's quantisation", fixed(walk, 4, "the kd-tree"), 0, 31);
+    (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
+    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+    if (kd_number(walk, 4, "the kd-tree's version", 2, 3) == 3)
+        (void)kd_number(walk, 1, "the kd-tree's method", 1, 1);
+    (void)kd_number(walk, 4, "the kd-tree's quantisation", 0, 31);
     (void)fixed(walk, 4, "the kd-tree");
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's number of points", fixed(walk, 4, "the kd-tree"), points,
-           points);
-    at = walk->at;
-    refuse(walk, at, "the kd-tree's level", fixed(walk, 4, "the kd-tree"), 0, 6);
+    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+    (void)kd_number(walk, 4, "the kd-tree's level", 0, 6);
 }
 
 static void walk_kd_tree(struct walk *walk, uint32_t points)
 {
-    size_t at = walk->at;
     uint32_t method = KD_INTEGERS;
 
     if (walk->version < BITSTREAM(2, 3))
-        method = fixed(walk, 1, "the kd-tree");
-    refuse(walk, at, "the kd-tree's method", method, KD_FLOATS, KD_INTEGERS);
+        method = kd_number(walk, 1, "the kd-tree's method", KD_FLOATS, KD_INTEGERS);
     if (method == KD_INTEGERS)
         walk_kd_points(walk, points);
     else
@@ -328,8 +322,8 @@ static void walk_point_cloud(struct walk *walk)
     refuse(walk, at, "the number of points", points, 0, INT32_MAX);
     refuse_points(walk, at, points);
     at = walk->at;
-    refuse(walk, at, "the number of attribute decoders", fixed(walk, 1, "the attribute decoders"),
-           1, walk->bytes[METHOD] == KD_OR_BREAKER ? 1 : UINT8_MAX);
+    (void)ranged(walk, 1, "the attribute decoders", "the number of attribute decoders", 1,
+                 walk->bytes[METHOD] == KD_OR_BREAKER ? 1 : UINT8_MAX);
     if (walk->status == VOR_OK && walk->bytes[at] != 1)
         return; /* several tables follow one another with data of their own in between */
     at = walk->at;
@@ -345,17 +339,12 @@ static void walk_point_cloud(struct walk *walk)
         walk_kd_coders(walk, walk->bytes[at], scalars);
 }
 
-static void refuse_faces(struct walk *walk, size_t at, uint32_t faces)
-{
-    refuse_over(walk, at, "faces", faces, 2 * most_points(walk));
-}
-
 static void walk_sequential_mesh(struct walk *walk)
 {
     size_t at = walk->at;
     uint32_t faces = count_since(walk, BITSTREAM(2, 2), "the number of faces");
 
-    refuse_faces(walk, at, faces);
+    refuse_over(walk, at, "faces", faces, 2 * most_points(walk));
     at = walk->at;
     refuse_points(walk, at, count_since(walk, BITSTREAM(2, 2), "the number of points"));
 }
@@ -365,7 +354,7 @@ static void walk_breaker_mesh(struct walk *walk)
     size_t at = walk->at;
     uint32_t vertices, faces, symbols, splits;
 
-    refuse(walk, at, "the traversal", fixed(walk, 1, "the mesh"), 0, 2);
+    (void)ranged(walk, 1, "the mesh", "the traversal", 0, 2);
     if (walk->version < BITSTREAM(2, 2)) {
         at = walk->at;
         refuse_over(walk, at, "new vertices",
@@ -377,7 +366,7 @@ static void walk_breaker_mesh(struct walk *walk)
     refuse_points(walk, at, vertices);
     at = walk->at;
     faces = count_since(walk, BITSTREAM(2, 0), "the number of faces");
-    refuse_faces(walk, at, faces);
+    refuse_over(walk, at, "faces", faces, 2 * most_points(walk));
     refuse(walk, at, "the number of faces", faces, 1, UINT32_MAX);
     (void)fixed(walk, 1, "the number of attribute tables");
     at = walk->at;

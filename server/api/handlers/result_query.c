@@ -11,22 +11,13 @@
 
 enum { SHOWN = 64 };
 
-/* Says what the value of format should be. Returns out. */
-static const char *refuse_format(const char *value, char *out, size_t size)
-{
-    char shown[SHOWN];
-    int at = snprintf(out, size, "format is \"%s\", want one of ",
-                      vor_quote(shown, sizeof shown, value, strlen(value)));
-
-    for (unsigned i = 0; vor_format(i) != NULL && (size_t)at < size; i++)
-        at += snprintf(out + at, size - (size_t)at, "%s%s", i > 0 ? ", " : "", vor_format(i)->name);
-    return out;
-}
-
 /* Reads the value of format; NULL, or what is wrong with it. */
 static const char *read_format(struct vor_result_query *ask, const char *value, char *out,
                                size_t size)
 {
+    char shown[SHOWN];
+    int at;
+
     if (ask->has_format)
         return "format is given more than once";
     for (unsigned i = 0; vor_format(i) != NULL; i++)
@@ -35,14 +26,11 @@ static const char *read_format(struct vor_result_query *ask, const char *value, 
             ask->format = i;
             return NULL;
         }
-    return refuse_format(value, out, size);
-}
-
-/* Reads the value of link; NULL, or what is wrong with it. */
-static const char *read_link(struct vor_result_query *ask, const char *value)
-{
-    ask->stays = strcmp(value, "false") == 0;
-    return ask->stays || strcmp(value, "true") == 0 ? NULL : "link must be true or false";
+    at = snprintf(out, size, "format is \"%s\", want one of ",
+                  vor_quote(shown, sizeof shown, value, strlen(value)));
+    for (unsigned i = 0; vor_format(i) != NULL && (size_t)at < size; i++)
+        at += snprintf(out + at, size - (size_t)at, "%s%s", i > 0 ? ", " : "", vor_format(i)->name);
+    return out;
 }
 
 bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
@@ -57,12 +45,15 @@ bool vor_result_query_read(struct vor_app *app, struct vor_request *request, boo
     for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
         const char *value = vor_request_query_value(request, i);
 
+        problem.detail = NULL;
         if (is_for_one && strcmp(name, "ticket") == 0)
             continue; /* it says who sends the request, and is checked by then */
         if (takes_format && strcmp(name, "format") == 0) {
             problem.detail = read_format(out, value, detail, sizeof detail);
         } else if (is_for_one && strcmp(name, "link") == 0) {
-            problem.detail = read_link(out, value);
+            out->stays = strcmp(value, "false") == 0;
+            if (!out->stays && strcmp(value, "true") != 0)
+                problem.detail = "link must be true or false";
         } else {
             (void)snprintf(detail, sizeof detail, "unknown parameter \"%s\"; want %s",
                            vor_quote(shown, sizeof shown, name, strlen(name)),

@@ -66,29 +66,25 @@ enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *reques
                         view->id.text);
 }
 
-/* An output that is a blob; false after a problem has been replied. */
+/* Opens a blob of a job, unless it flows; false after a problem has been replied, that of `missing`
+ * where there is none. */
 static bool open_blob(struct vor_app *app, struct vor_request *request,
-                      const struct vor_job_view *view, unsigned index, struct output *out)
+                      const struct vor_job_view *view, const char *name,
+                      enum vor_next (*missing)(struct vor_app *, struct vor_request *,
+                                               const struct vor_job_view *),
+                      struct output *out)
 {
-    char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_error err;
     int found = out->flow != NULL;
 
-    (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, name);
-    out->size = view->output[index].bytes;
     if (!found &&
         vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
         vor_problem_error(app, request, &err, view->id.text);
         return false;
     }
-    if (!found) {
-        vor_result_missing(app, request, view);
-        return false;
-    }
-    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
-    if (view->output[index].has_origin)
-        (void)vor_origin_text(view->output[index].origin, out->origin);
-    return true;
+    if (!found)
+        missing(app, request, view);
+    return found != 0;
 }
 
 /* The output that is kept in the row. */
@@ -124,15 +120,22 @@ static void name_file(const struct vor_job_view *view, unsigned index,
 static bool open_output(struct vor_app *app, struct vor_request *request,
                         const struct vor_job_view *view, unsigned index, struct output *out)
 {
+    char blob[VOR_BLOB_NAME_MAX + 1];
+
     out->media_type = vor_output_media_type(view, index);
     if (out->media_type == NULL) {
         vor_result_missing(app, request, view);
         return false;
     }
     name_file(view, index, vor_format(view->output[index].format), out);
-    return vor_output_in_row(&view->spec.process->outputs[index])
-               ? open_kept(app, request, view, out)
-               : open_blob(app, request, view, index, out);
+    if (vor_output_in_row(&view->spec.process->outputs[index]))
+        return open_kept(app, request, view, out);
+    out->size = view->output[index].bytes;
+    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
+    if (view->output[index].has_origin)
+        (void)vor_origin_text(view->output[index].origin, out->origin);
+    (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, blob);
+    return open_blob(app, request, view, blob, vor_result_missing, out);
 }
 
 /* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read that.
@@ -427,25 +430,13 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     return next;
 }
 
-static void put_output(struct vor_app *app, struct vor_request *request,
-                       const struct vor_job_view *view, unsigned index, struct vor_text *text)
-{
-    const char *name = view->spec.process->outputs[index].name;
-    char url[VOR_URL_MAX];
-
-    vor_json_key(text, name);
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "href", vor_app_result_url(app, request, &view->id, name, url));
-    vor_json_put_string(text, "type", vor_output_media_type(view, index));
-    vor_json_end_object(text);
-}
-
 enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
     struct vor_result_query ask;
     struct vor_job_view view;
     struct vor_text text;
+    char url[VOR_URL_MAX];
 
     (void)step;
     if (!vor_job_look_up(app, request, &view) || !vor_result_query_read(app, request, false, &ask))
@@ -456,8 +447,15 @@ enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vo
         return VOR_NEXT_REPLY;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
-    for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++)
-        put_output(app, request, &view, i, &text);
+    for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++) {
+        const char *name = view.spec.process->outputs[i].name;
+
+        vor_json_key(&text, name);
+        vor_json_begin_object(&text);
+        vor_json_put_string(&text, "href", vor_app_result_url(app, request, &view.id, name, url));
+        vor_json_put_string(&text, "type", vor_output_media_type(&view, i));
+        vor_json_end_object(&text);
+    }
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
@@ -471,37 +469,13 @@ static enum vor_next missing_input(struct vor_app *app, struct vor_request *requ
                         view->id.text);
 }
 
-/* The upload of the main input of a job; false after a problem has been replied. */
-static bool open_upload(struct vor_app *app, struct vor_request *request,
-                        const struct vor_job_view *view, const char *blob, struct output *out)
-{
-    const struct vor_format *format = vor_format(view->input[0].format);
-    struct vor_error err;
-    int found = out->flow != NULL;
-
-    out->size = view->input[0].bytes;
-    if (!found &&
-        vor_blob_get(app->blobs, &view->id, blob, &out->fd, &out->size, &found, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, view->id.text);
-        return false;
-    }
-    if (!found) {
-        (void)missing_input(app, request, view);
-        return false;
-    }
-    out->media_type = format != NULL ? format->media_type : "application/octet-stream";
-    vor_result_name(out->name, view->name, view->id.text, view->spec.process->id, "input",
-                    format != NULL ? format->suffix : "");
-    (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->input[0].sha256);
-    return true;
-}
-
 enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
     char blob[VOR_BLOB_NAME_MAX + 1];
+    const struct vor_format *format;
     struct vor_job_view view;
     struct vor_here here = {.exists = false};
 
@@ -517,7 +491,14 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     if (!here.exists)
         return missing_input(app, request, &view);
     out.flow = here.flow;
-    if (open_upload(app, request, &view, blob, &out) && is_sound(app, request, &view, &out, &next))
+    out.size = view.input[0].bytes;
+    format = vor_format(view.input[0].format);
+    out.media_type = format != NULL ? format->media_type : "application/octet-stream";
+    vor_result_name(out.name, view.name, view.id.text, view.spec.process->id, "input",
+                    format != NULL ? format->suffix : "");
+    (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", view.input[0].sha256);
+    if (open_blob(app, request, &view, blob, missing_input, &out) &&
+        is_sound(app, request, &view, &out, &next))
         next = reply_output(app, request, &out);
     output_close(&out);
     return next;

@@ -11,24 +11,12 @@
 
 enum { SHOWN_SIZE = 64 /* of what a caller wrote, in a message */ };
 
-static vor_status take_job(struct vor_uuid *out, const char *name, const char *value,
-                           struct vor_error *err)
-{
-    static const char scheme[] = "job:";
-    size_t length = sizeof scheme - 1;
-    char quoted[SHOWN_SIZE];
-
-    if (strncmp(value, scheme, length) == 0 &&
-        vor_uuid_parse(out, value + length, strlen(value) - length))
-        return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, name, "%s is \"%s\", want job:ID, with the ID of a job",
-                          name, vor_quote(quoted, sizeof quoted, value, strlen(value)));
-}
-
 vor_status vor_submit_options_take(struct vor_submit_options *out,
                                    const struct vor_process_info *process, const char *name,
                                    const char *value, int *taken, struct vor_error *err)
 {
+    static const char scheme[] = "job:";
+    size_t length = sizeof scheme - 1;
     char quoted[SHOWN_SIZE];
     long count;
 
@@ -46,7 +34,12 @@ vor_status vor_submit_options_take(struct vor_submit_options *out,
         memcpy(out->name, value, strlen(value) + 1);
         return VOR_OK;
     }
-    return take_job(strcmp(name, "input") == 0 ? &out->input : &out->previous, name, value, err);
+    if (strncmp(value, scheme, length) == 0 &&
+        vor_uuid_parse(strcmp(name, "input") == 0 ? &out->input : &out->previous, value + length,
+                       strlen(value) - length))
+        return VOR_OK;
+    return vor_fail_param(err, VOR_E_PARAM, name, "%s is \"%s\", want job:ID, with the ID of a job",
+                          name, vor_quote(quoted, sizeof quoted, value, strlen(value)));
 }
 
 bool vor_submit_options_has(const struct vor_process_info *process, const char *name)
