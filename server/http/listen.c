@@ -1,6 +1,7 @@
 /* The door to the network: the socket, the library's threads on it, and their end. */
 #include "server/http/conn_guard.h"
 #include "server/http/http.h"
+#include "server/http/mhd_callbacks.h"
 #include "server/http/mhd_library.h"
 #include "server/http/state.h"
 

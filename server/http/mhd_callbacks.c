@@ -1,3 +1,4 @@
+#include "server/http/mhd_callbacks.h"
 
 #include "server/base/clock.h"
 #include "server/http/conn_guard.h"

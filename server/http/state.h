@@ -6,7 +6,6 @@
 #include "server/http/http.h"
 #include "server/http/watchdog.h"
 
-#include <microhttpd.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -16,6 +15,7 @@ enum {
                                     block, and room to read a body and to answer */
 };
 
+struct MHD_Daemon;
 struct vor_conn_guard;
 
 struct vor_http {
@@ -43,21 +43,5 @@ void vor_refusal_sink(struct vor_refusal *refusal, int http);
 
 /** Drops the reply but for its first `fields` header fields. */
 void vor_reply_clear(struct vor_request *request, unsigned fields);
-
-/* A request from its first line to the last byte of its reply: the library's callbacks. Their first
- * argument is the struct vor_http. */
-
-/** MHD_OPTION_URI_LOG_CALLBACK: the request line is in; makes the struct vor_request. */
-void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connection);
-
-/** The access handler of MHD_start_daemon: the head, each piece of the body, its end, and again
- *  after a suspension. */
-enum MHD_Result vor_mhd_step(void *cls, struct MHD_Connection *connection, const char *url,
-                             const char *method, const char *version, const char *data,
-                             size_t *size, void **con_cls);
-
-/** MHD_OPTION_NOTIFY_COMPLETED: the request is over, however it ended. */
-void vor_mhd_end(void *cls, struct MHD_Connection *connection, void **con_cls,
-                 enum MHD_RequestTerminationCode code);
 
 #endif
