@@ -28,14 +28,14 @@ static int is_interrupted(void)
     return vor_interrupt_seen() || vor_interrupt_stops();
 }
 
-/* Calls one for each operand until a signal comes; the first exit code of a failure. */
-static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index), const void *ctx)
+int vor_cli_each(const struct vor_cli *cli,
+                 int (*one)(const struct vor_cli *cli, int index, void *ctx), void *ctx)
 {
     int failed = 0, done = 0, first = VOR_EXIT_OK;
     char line[64];
 
     for (; done < cli->operand_count && !is_interrupted(); done++) {
-        int code = one(ctx, done);
+        int code = one(cli, done, ctx);
 
         failed += code != VOR_EXIT_OK;
         if (first == VOR_EXIT_OK)
@@ -48,27 +48,6 @@ static int each(const struct vor_cli *cli, int (*one)(const void *ctx, int index
         vor_cli_say(cli->command->name, line);
     }
     return first;
-}
-
-struct operands {
-    const struct vor_cli *cli;
-    int (*one)(const struct vor_cli *cli, const char *operand, void *ctx);
-    void *ctx;
-};
-
-static int call_one(const void *ctx, int index)
-{
-    const struct operands *operands = ctx;
-
-    return operands->one(operands->cli, operands->cli->operands[index], operands->ctx);
-}
-
-int vor_cli_each(const struct vor_cli *cli,
-                 int (*one)(const struct vor_cli *cli, const char *operand, void *ctx), void *ctx)
-{
-    const struct operands operands = {cli, one, ctx};
-
-    return each(cli, call_one, &operands);
 }
 
 /* The suffix that replaces the input's; NULL where the result keeps its name whole. */
@@ -172,12 +151,12 @@ static const char *previous_of(const struct batch *batch, int index)
 }
 
 /* A process without a report has no summary: its results get one here. */
-static int run_one(const void *ctx, int index)
+static int run_one(const struct vor_cli *cli, int index, void *ctx)
 {
     struct vor_text text;
     const struct batch *batch = ctx;
     struct result *result = &batch->results[index];
-    struct vor_cli one = *batch->cli;
+    struct vor_cli one = *cli;
     int is_quiet = one.option[VOR_OPTION_QUIET] != NULL || one.option[VOR_OPTION_JSON] != NULL ||
                    vor_artefact_find(one.spec.process->outputs, "report") != NULL;
     int code;
@@ -238,7 +217,8 @@ int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cl
     if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&
         cli->option[VOR_OPTION_SERVER] == NULL)
         status = vor_sequence_common(&batch.common, cli, &err);
-    code = status == VOR_OK ? each(cli, run_one, &batch) : vor_cli_fail(cli->command->name, &err);
+    code = status == VOR_OK ? vor_cli_each(cli, run_one, &batch)
+                            : vor_cli_fail(cli->command->name, &err);
     for (int i = 0; i < cli->operand_count; i++)
         free(batch.results[i].output);
     free(batch.results);

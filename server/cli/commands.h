@@ -44,11 +44,12 @@ int vor_cli_migrate(const struct vor_cli *cli);
 
 /* One command on several operands: each in its turn, and what fails does not stop the rest. */
 
-/** Calls one for each operand, in their order, until all are done or a signal came.
+/** Calls one for each operand, by its number and in their order, until all are done or a signal
+ *  came.
  *
  *  @return the first exit code that is not VOR_EXIT_OK; else that */
 int vor_cli_each(const struct vor_cli *cli,
-                 int (*one)(const struct vor_cli *cli, const char *operand, void *ctx), void *ctx);
+                 int (*one)(const struct vor_cli *cli, int index, void *ctx), void *ctx);
 
 /** Runs a process on each input and puts the results into the folder of -o, which is made if it is
  *  not there. A result has the name of its input; with the parameter format, or for a document,

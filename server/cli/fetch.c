@@ -195,8 +195,9 @@ static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
     return code;
 }
 
-static int fetch_one(const struct vor_cli *cli, const char *id, void *ctx)
+static int fetch_one(const struct vor_cli *cli, int index, void *ctx)
 {
+    const char *id = cli->operands[index];
     struct fetch *fetch = ctx;
     struct vor_follow *follow = &fetch->follow;
     char url[VOR_REMOTE_URL_MAX + 16];

@@ -109,8 +109,9 @@ static int ask_about(struct vor_follow *follow, const struct vor_cli *cli, const
     return code == VOR_EXIT_OK ? vor_follow_ask(follow, job) : code;
 }
 
-static int show_one(const struct vor_cli *cli, const char *id, void *rows)
+static int show_one(const struct vor_cli *cli, int index, void *rows)
 {
+    const char *id = cli->operands[index];
     struct vor_follow follow;
     struct vor_json *job;
     int code = ask_about(&follow, cli, id, &job);
@@ -155,8 +156,9 @@ int vor_cli_jobs(const struct vor_cli *cli)
     return code;
 }
 
-static int wait_one(const struct vor_cli *cli, const char *id, void *ctx)
+static int wait_one(const struct vor_cli *cli, int index, void *ctx)
 {
+    const char *id = cli->operands[index];
     struct vor_cli one = *cli;
     struct vor_follow follow;
     int code = vor_follow_open(&follow, &one, id);
@@ -210,8 +212,9 @@ static int end_job(struct vor_follow *follow, const char *method, const char *ur
 }
 
 /* The daemon removes a job that ends before its DELETE arrives, as it does for anybody. */
-static int end_one(const struct vor_cli *cli, const char *id, void *ctx)
+static int end_one(const struct vor_cli *cli, int index, void *ctx)
 {
+    const char *id = cli->operands[index];
     const int *keeps_best = ctx;
     char url[VOR_REMOTE_URL_MAX + 16];
     struct vor_follow follow;

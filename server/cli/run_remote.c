@@ -242,8 +242,9 @@ int vor_cli_run_remote(const struct vor_cli *cli)
     return code;
 }
 
-static int submit_one(const struct vor_cli *cli, const char *input, void *ctx)
+static int submit_one(const struct vor_cli *cli, int index, void *ctx)
 {
+    const char *input = cli->operands[index];
     struct vor_cli one = *cli;
     struct vor_json *info = NULL;
     struct remote_run t;

@@ -237,22 +237,24 @@ void vor_job_view(struct vor_job *job, struct vor_job_view *out)
         vor_job_describe(out, vor_job_asked(job));
 }
 
-/* Begins a change; false, and nothing is held, when the job is over. */
+/* Begins a change: job->change and job->state are held. False, and nothing is held, when the job is
+ * over. */
 static int begin_change(struct vor_job *job)
 {
-    int over;
-
     pthread_mutex_lock(&job->change);
     pthread_mutex_lock(&job->state);
-    over = vor_job_status_over(job->view.status);
+    if (!vor_job_status_over(job->view.status))
+        return 1;
     pthread_mutex_unlock(&job->state);
-    if (over)
-        pthread_mutex_unlock(&job->change);
-    return !over;
+    pthread_mutex_unlock(&job->change);
+    return 0;
 }
 
-static void end_change(struct vor_job *job)
+/* Ends it with an event. */
+static void end_change(struct vor_job *job, enum vor_event_kind kind, int64_t now_ms)
 {
+    pthread_mutex_unlock(&job->state);
+    publish(job, kind, now_ms);
     pthread_mutex_unlock(&job->change);
 }
 
@@ -275,7 +277,6 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
 {
     if (!begin_change(job))
         return;
-    pthread_mutex_lock(&job->state);
     job->is_here = 1;
     job->view.status = VOR_JOB_RUNNING;
     job->view.stage = VOR_STAGE_PREPARE;
@@ -283,16 +284,13 @@ void vor_job_begin(struct vor_job *job, int64_t now_ms)
     if (job->view.started == 0)
         job->view.started = job->view.updated;
     begin_pace(job);
-    pthread_mutex_unlock(&job->state);
-    publish(job, VOR_EVENT_STATUS, now_ms);
-    end_change(job);
+    end_change(job, VOR_EVENT_STATUS, now_ms);
 }
 
 int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
 {
     if (!begin_change(job))
         return 0;
-    pthread_mutex_lock(&job->state);
     job->view.attempt++;
     job->is_here = 0;
     job->stored = job->newest = 0;
@@ -305,9 +303,7 @@ int vor_job_restart(struct vor_job *job, int is_suspect, int64_t now_ms)
     job->view.updated = now_ms;
     if (is_suspect)
         job->view.alone = 1;
-    pthread_mutex_unlock(&job->state);
-    publish(job, VOR_EVENT_STATUS, now_ms);
-    end_change(job);
+    end_change(job, VOR_EVENT_STATUS, now_ms);
     return 1;
 }
 
@@ -315,14 +311,11 @@ void vor_job_stage(struct vor_job *job, enum vor_stage stage, int64_t now_ms)
 {
     if (!begin_change(job))
         return;
-    pthread_mutex_lock(&job->state);
     job->view.stage = stage;
     job->view.updated = vor_job_now(&job->view, now_ms);
     if (stage == VOR_STAGE_ENCODE)
         raise_progress(&job->view, MEASURED);
-    pthread_mutex_unlock(&job->state);
-    publish(job, VOR_EVENT_STATUS, now_ms);
-    end_change(job);
+    end_change(job, VOR_EVENT_STATUS, now_ms);
 }
 
 void vor_job_tell_stop(struct vor_job *job, int64_t now_ms)
@@ -331,14 +324,13 @@ void vor_job_tell_stop(struct vor_job *job, int64_t now_ms)
 
     if (!begin_change(job))
         return;
-    pthread_mutex_lock(&job->state);
     preparing = job->view.stage == VOR_STAGE_PREPARE;
     if (preparing)
         job->view.updated = vor_job_now(&job->view, now_ms);
     pthread_mutex_unlock(&job->state);
     if (preparing)
         publish(job, VOR_EVENT_STATUS, now_ms);
-    end_change(job);
+    pthread_mutex_unlock(&job->change);
 }
 
 void vor_job_progress(struct vor_job *job, const struct vor_record *record, int64_t now_ms)
@@ -347,7 +339,6 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
 
     if (!begin_change(job))
         return;
-    pthread_mutex_lock(&job->state);
     entered = job->view.stage != VOR_STAGE_OPTIMIZE;
     if (entered)
         begin_pace(job);
@@ -364,7 +355,7 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     if (entered)
         publish(job, VOR_EVENT_STATUS, now_ms);
     publish(job, VOR_EVENT_PROGRESS, now_ms);
-    end_change(job);
+    pthread_mutex_unlock(&job->change);
 }
 
 void vor_job_show(struct vor_job *job, const struct vor_shown *shown)
@@ -375,12 +366,15 @@ void vor_job_show(struct vor_job *job, const struct vor_shown *shown)
 
 int vor_job_freeze(struct vor_job *job)
 {
-    return begin_change(job);
+    if (!begin_change(job))
+        return 0;
+    pthread_mutex_unlock(&job->state);
+    return 1;
 }
 
 void vor_job_thaw(struct vor_job *job)
 {
-    end_change(job);
+    pthread_mutex_unlock(&job->change);
 }
 
 void vor_job_stored(struct vor_job *job)
@@ -426,7 +420,6 @@ void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_
     }
     if (!begin_change(job))
         return;
-    pthread_mutex_lock(&job->state);
     is_new =
         job->view.status != row->status || job->view.attempt != row->attempt || job->newest != last;
     job->view = *row;
@@ -437,7 +430,7 @@ void vor_job_mirror(struct vor_job *job, const struct vor_job_view *row, uint32_
     pthread_mutex_unlock(&job->state);
     if (is_new)
         wake_all(job, vor_job_status_over(row->status) ? VOR_EVENT_END : VOR_EVENT_STATUS);
-    end_change(job);
+    pthread_mutex_unlock(&job->change);
 }
 
 void vor_job_ask(struct vor_job *job, enum vor_answer answer)
