@@ -215,30 +215,6 @@ static int check_faces(const struct head *head, const uint8_t *bytes, size_t siz
     return 1;
 }
 
-/* The file must be exactly as long as its tables say. */
-static vor_status check_size(const struct head *head, const uint8_t *bytes, size_t size,
-                             struct vor_error *err)
-{
-    uint64_t total = sizeof *head + head->attribute_count * sizeof(struct row);
-
-    total += head->n * 3 * sizeof(float); /* n is at most 2^31 */
-    for (uint32_t i = 0; i < head->attribute_count; i++) {
-        size_t at = sizeof *head + i * sizeof(struct row);
-        struct row row;
-
-        memcpy(&row, bytes + at, sizeof row);
-        if (!check_row(&row, head->n, &total))
-            return damaged(at, "attribute", err);
-    }
-    if (head->version >= VERSION_NOTES && !check_tail(bytes, size, &total))
-        return damaged(size, "notes", err);
-    if (head->version >= VERSION_FACES && !check_faces(head, bytes, size, &total))
-        return damaged(size, "faces", err);
-    if (head->version == VERSION_DOUBLES)
-        total += head->n * 3 * sizeof(double);
-    return total == size ? VOR_OK : damaged(size, "length", err);
-}
-
 static vor_status take_attribute(struct vor_cloud *cloud, const struct row *row, const uint8_t **at,
                                  struct vor_error *err)
 {
@@ -335,6 +311,8 @@ static vor_status take_values(struct vor_cloud *cloud, const struct head *head,
 
 static vor_status check(struct head *head, const uint8_t *bytes, size_t size, struct vor_error *err)
 {
+    uint64_t total;
+
     if (size < sizeof *head)
         return damaged(size, "length", err);
     memcpy(head, bytes, sizeof *head);
@@ -348,7 +326,24 @@ static vor_status check(struct head *head, const uint8_t *bytes, size_t size, st
     if (head->attribute_count > VOR_ATTRIBUTES_MAX ||
         size - sizeof *head < head->attribute_count * sizeof(struct row))
         return damaged(28, "number of attributes", err);
-    return check_size(head, bytes, size, err);
+    /* The file must be exactly as long as its tables say. */
+    total = sizeof *head + head->attribute_count * sizeof(struct row);
+    total += head->n * 3 * sizeof(float); /* n is at most 2^31 */
+    for (uint32_t i = 0; i < head->attribute_count; i++) {
+        size_t at = sizeof *head + i * sizeof(struct row);
+        struct row row;
+
+        memcpy(&row, bytes + at, sizeof row);
+        if (!check_row(&row, head->n, &total))
+            return damaged(at, "attribute", err);
+    }
+    if (head->version >= VERSION_NOTES && !check_tail(bytes, size, &total))
+        return damaged(size, "notes", err);
+    if (head->version >= VERSION_FACES && !check_faces(head, bytes, size, &total))
+        return damaged(size, "faces", err);
+    if (head->version == VERSION_DOUBLES)
+        total += head->n * 3 * sizeof(double);
+    return total == size ? VOR_OK : damaged(size, "length", err);
 }
 
 vor_status vor_dump_check(size_t *points, const uint8_t *bytes, size_t size, struct vor_error *err)

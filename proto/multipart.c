@@ -249,22 +249,6 @@ static const char *take_line(struct vor_multipart *scanner)
     return NULL;
 }
 
-static vor_status end_head(struct vor_multipart *scanner, struct vor_error *err)
-{
-    const struct vor_multipart_part part = {.name = scanner->name,
-                                            .is_file = scanner->is_file,
-                                            .is_unnamed = scanner->is_unnamed,
-                                            .coding = scanner->coding};
-
-    if (scanner->name[0] == '\0')
-        return refuse(err, scanner->offset, "a part has no Content-Disposition with a name");
-    if (++scanner->parts > VOR_MULTIPART_PARTS_MAX)
-        return refuse(err, scanner->offset, "it has more than 32 parts");
-    scanner->state = VOR_MULTIPART_DATA;
-    scanner->matched = scanner->implied = 2; /* a boundary may follow at once */
-    return scanner->events.part(scanner->events.ctx, &part, err);
-}
-
 /* --- a byte in each state, but for those of data -----------------------------------------------
  */
 
@@ -343,8 +327,20 @@ static vor_status at_line_cr(struct vor_multipart *scanner, char c, struct vor_e
         return refuse_byte(scanner, err, "want LF after CR", c);
     if (++scanner->head_size > VOR_MULTIPART_HEAD_MAX)
         return refuse_head(scanner, err);
-    if (scanner->line_size == 0)
-        return end_head(scanner, err);
+    if (scanner->line_size == 0) {
+        const struct vor_multipart_part part = {.name = scanner->name,
+                                                .is_file = scanner->is_file,
+                                                .is_unnamed = scanner->is_unnamed,
+                                                .coding = scanner->coding};
+
+        if (scanner->name[0] == '\0')
+            return refuse(err, scanner->offset, "a part has no Content-Disposition with a name");
+        if (++scanner->parts > VOR_MULTIPART_PARTS_MAX)
+            return refuse(err, scanner->offset, "it has more than 32 parts");
+        scanner->state = VOR_MULTIPART_DATA;
+        scanner->matched = scanner->implied = 2; /* a boundary may follow at once */
+        return scanner->events.part(scanner->events.ctx, &part, err);
+    }
     wrong = take_line(scanner);
     if (wrong != NULL)
         return refuse(err, scanner->offset, wrong);

@@ -377,29 +377,6 @@ static void walk_breaker_mesh(struct walk *walk)
     refuse(walk, at, "the number of split symbols", splits, 0, symbols);
 }
 
-/* Refuses what narrower code of the library reads. */
-static void refuse_loose(struct walk *walk, uint32_t flags)
-{
-    const char *what = NULL;
-    size_t at = VERSION;
-
-    if (walk->version != BITSTREAM(2, 3))
-        what = "has another version of the bitstream";
-    if (walk->bytes[KIND] != POINT_CLOUD) {
-        what = "is a mesh";
-        at = KIND;
-    } else if (what == NULL && (flags & METADATA) != 0) {
-        what = "has metadata";
-        at = METHOD + 1;
-    }
-    if (what != NULL)
-        fail_at(walk, at,
-                vor_fail(walk->err, VOR_E_FORMAT,
-                         "the Draco file %s; with --draco strict the daemon reads only point "
-                         "clouds of bitstream 2.3 without metadata",
-                         what));
-}
-
 vor_status vor_draco_precheck(const uint8_t *bytes, size_t size, const struct vor_limits *limits,
                               struct vor_error *err)
 {
@@ -407,8 +384,27 @@ vor_status vor_draco_precheck(const uint8_t *bytes, size_t size, const struct vo
         .bytes = bytes, .size = size, .status = VOR_OK, .err = err, .limits = limits};
     uint32_t flags = walk_header(&walk);
 
-    if (walk.status == VOR_OK && limits->strict_draco)
-        refuse_loose(&walk, flags);
+    if (walk.status == VOR_OK && limits->strict_draco) {
+        /* Refuses what narrower code of the library reads. */
+        const char *what = NULL;
+        size_t at = VERSION;
+
+        if (walk.version != BITSTREAM(2, 3))
+            what = "has another version of the bitstream";
+        if (walk.bytes[KIND] != POINT_CLOUD) {
+            what = "is a mesh";
+            at = KIND;
+        } else if (what == NULL && (flags & METADATA) != 0) {
+            what = "has metadata";
+            at = METHOD + 1;
+        }
+        if (what != NULL)
+            fail_at(&walk, at,
+                    vor_fail(walk.err, VOR_E_FORMAT,
+                             "the Draco file %s; with --draco strict the daemon reads only point "
+                             "clouds of bitstream 2.3 without metadata",
+                             what));
+    }
     if (walk.status != VOR_OK)
         return walk.status;
     if ((flags & METADATA) != 0 && walk.version >= BITSTREAM(1, 3)) {

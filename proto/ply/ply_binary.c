@@ -260,19 +260,6 @@ static vor_status read_walked(struct vor_ply_body *body, const struct vor_ply_co
     return VOR_OK;
 }
 
-static vor_status rows_walked(struct vor_ply_body *body, const struct vor_ply_rows *rows,
-                              struct vor_error *err)
-{
-    for (size_t i = 0; i < rows->n; i++)
-        for (unsigned k = 0; k < rows->column_count; k++) {
-            vor_status status = read_walked(body, &rows->columns[k], i, err);
-
-            if (status != VOR_OK)
-                return status;
-        }
-    return VOR_OK;
-}
-
 /* How many columns from k on can be copied as one: the same type, adjacent in the row and in
  * memory. */
 static unsigned run_length(const struct vor_ply_rows *rows, unsigned k)
@@ -365,8 +352,16 @@ vor_status vor_ply_binary_rows(struct vor_ply_body *body, const struct vor_ply_r
         has_list |= rows->columns[k].property->list;
         row += vor_type_size(rows->columns[k].property->type);
     }
-    if (has_list)
-        return rows_walked(body, rows, err);
+    if (has_list) {
+        for (size_t i = 0; i < rows->n; i++)
+            for (unsigned k = 0; k < rows->column_count; k++) {
+                vor_status status = read_walked(body, &rows->columns[k], i, err);
+
+                if (status != VOR_OK)
+                    return status;
+            }
+        return VOR_OK;
+    }
     assert(row > 0); /* x, y and z are columns */
     block = BLOCK_BYTES / row;
     for (size_t first = 0; first < rows->n; first += n) {

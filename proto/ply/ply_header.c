@@ -160,23 +160,6 @@ static vor_status bad_line(const struct line *line, const char *want, struct vor
     return vor_ply_at(err, line->offset, VOR_E_FORMAT);
 }
 
-static vor_status read_format(struct scan *scan, struct vor_ply_header *header,
-                              const struct line *line, struct vor_error *err)
-{
-    static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
-    unsigned i = 0;
-
-    if (scan->has_format)
-        return bad_line(line, "only one format line", err);
-    while (line->words > 1 && i < 3 && !is(line->word[1], names[i]))
-        i++;
-    if (line->words != 3 || i == 3 || !is(line->word[2], "1.0"))
-        return bad_line(line, "format ascii, binary_little_endian or binary_big_endian 1.0", err);
-    header->encoding = (enum vor_ply_encoding)i;
-    scan->has_format = 1;
-    return VOR_OK;
-}
-
 /* Digits only; what does not fit is UINT64_MAX, which no limit lets pass. */
 static int parse_count(struct word word, uint64_t *out)
 {
@@ -293,8 +276,21 @@ static vor_status read_line(struct scan *scan, struct vor_ply_header *header, st
         return bad_line(line, "no control characters", err);
     if (line->words == 0)
         return VOR_OK;
-    if (is(line->word[0], "format"))
-        return read_format(scan, header, line, err);
+    if (is(line->word[0], "format")) {
+        static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+        unsigned i = 0;
+
+        if (scan->has_format)
+            return bad_line(line, "only one format line", err);
+        while (line->words > 1 && i < 3 && !is(line->word[1], names[i]))
+            i++;
+        if (line->words != 3 || i == 3 || !is(line->word[2], "1.0"))
+            return bad_line(line, "format ascii, binary_little_endian or binary_big_endian 1.0",
+                            err);
+        header->encoding = (enum vor_ply_encoding)i;
+        scan->has_format = 1;
+        return VOR_OK;
+    }
     if (is(line->word[0], "element"))
         return read_element(scan, header, line, err);
     if (is(line->word[0], "property")) {

@@ -212,33 +212,12 @@ static void put_long(const struct field *field, size_t first, size_t n, struct v
     }
 }
 
-static void put_rows(struct writer *writer, size_t first, size_t n, size_t row)
-{
-    size_t offset = 0;
-
-    for (size_t k = 0; k < writer->field_count; k++) {
-        const struct field *field = &writer->fields[k];
-        struct vor_ply_strided to = {writer->buffer + offset, row};
-
-        if (field->from == NULL)
-            put_coordinate(writer, field, first, n, to);
-        else if (field->from_type != field->type)
-            put_long(field, first, n, to);
-        else
-            vor_ply_copy(to,
-                         (struct vor_ply_source){field->from + first * field->from_stride,
-                                                 field->from_stride},
-                         n, vor_type_size(field->type), 1, vor_ply_swaps(VOR_PLY_LITTLE));
-        offset += vor_type_size(field->type);
-    }
-    writer->used = n * row;
-}
-
 /* What put_header left goes first: rows begin at the buffer's. */
 static vor_status write_rows(struct writer *writer, struct vor_error *err)
 {
     size_t row = 0, block, n;
     vor_status status = flush(writer, err);
+    size_t offset;
 
     for (size_t i = 0; i < writer->field_count; i++)
         row += vor_type_size(writer->fields[i].type);
@@ -246,7 +225,23 @@ static vor_status write_rows(struct writer *writer, struct vor_error *err)
     block = writer->capacity / row;
     for (size_t first = 0; status == VOR_OK && first < writer->cloud->n; first += n) {
         n = writer->cloud->n - first < block ? writer->cloud->n - first : block;
-        put_rows(writer, first, n, row);
+        offset = 0;
+        for (size_t k = 0; k < writer->field_count; k++) {
+            const struct field *field = &writer->fields[k];
+            struct vor_ply_strided to = {writer->buffer + offset, row};
+
+            if (field->from == NULL)
+                put_coordinate(writer, field, first, n, to);
+            else if (field->from_type != field->type)
+                put_long(field, first, n, to);
+            else
+                vor_ply_copy(to,
+                             (struct vor_ply_source){field->from + first * field->from_stride,
+                                                     field->from_stride},
+                             n, vor_type_size(field->type), 1, vor_ply_swaps(VOR_PLY_LITTLE));
+            offset += vor_type_size(field->type);
+        }
+        writer->used = n * row;
         status = flush(writer, err);
     }
     return status;

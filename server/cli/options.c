@@ -427,19 +427,6 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
     return status;
 }
 
-/* What the process asks for, or takes for a cloud that is alone. */
-static void take_frames(struct vor_cli *cli)
-{
-    static const enum vor_parameter of_frames[] = {VOR_PARAM_RATIO, VOR_PARAM_COHERENCE};
-
-    for (size_t i = 0; i < sizeof of_frames / sizeof of_frames[0]; i++) {
-        if (is_given(cli, of_frames[i]))
-            continue;
-        cli->given[of_frames[i]] = 1;
-        cli->spec.value[of_frames[i]] = 1;
-    }
-}
-
 /* Where fetched results go: several jobs need a folder. */
 static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
 {
@@ -503,8 +490,17 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
             status = resolve_output(out, err);
         if (status == VOR_OK)
             status = take_preset(out, err);
-        if (status == VOR_OK && (command->does & VOR_COMMAND_FRAMES) != 0)
-            take_frames(out);
+        if (status == VOR_OK && (command->does & VOR_COMMAND_FRAMES) != 0) {
+            /* What the process asks for, or takes for a cloud that is alone. */
+            static const enum vor_parameter of_frames[] = {VOR_PARAM_RATIO, VOR_PARAM_COHERENCE};
+
+            for (size_t i = 0; i < sizeof of_frames / sizeof of_frames[0]; i++) {
+                if (is_given(out, of_frames[i]))
+                    continue;
+                out->given[of_frames[i]] = 1;
+                out->spec.value[of_frames[i]] = 1;
+            }
+        }
         if (status == VOR_OK)
             status = vor_spec_complete(&out->spec, err);
         if (status == VOR_OK)

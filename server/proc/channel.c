@@ -26,21 +26,6 @@ vor_status vor_channel_pair(int out[2], struct vor_error *err)
     return VOR_OK;
 }
 
-static void attach(struct msghdr *head, union control *control, const int *fds, unsigned fd_count)
-{
-    struct cmsghdr *at;
-
-    memset(control, 0, sizeof *control);
-    head->msg_control = control->bytes;
-    head->msg_controllen = CMSG_SPACE(fd_count * sizeof *fds);
-    at = CMSG_FIRSTHDR(head);
-    assert(at != NULL); /* there is room */
-    at->cmsg_level = SOL_SOCKET;
-    at->cmsg_type = SCM_RIGHTS;
-    at->cmsg_len = CMSG_LEN(fd_count * sizeof *fds);
-    memcpy(CMSG_DATA(at), fds, fd_count * sizeof *fds);
-}
-
 vor_status vor_channel_send(int channel, const void *bytes, size_t size, const int *fds,
                             unsigned fd_count, struct vor_error *err)
 {
@@ -54,8 +39,19 @@ vor_status vor_channel_send(int channel, const void *bytes, size_t size, const i
     ssize_t sent;
 
     assert(size >= 1 && size <= VOR_CHANNEL_BYTES && fd_count <= VOR_CHANNEL_FDS);
-    if (fd_count > 0)
-        attach(&head, &control, fds, fd_count);
+    if (fd_count > 0) {
+        struct cmsghdr *at;
+
+        memset(&control, 0, sizeof control);
+        head.msg_control = control.bytes;
+        head.msg_controllen = CMSG_SPACE(fd_count * sizeof *fds);
+        at = CMSG_FIRSTHDR(&head);
+        assert(at != NULL); /* there is room */
+        at->cmsg_level = SOL_SOCKET;
+        at->cmsg_type = SCM_RIGHTS;
+        at->cmsg_len = CMSG_LEN(fd_count * sizeof *fds);
+        memcpy(CMSG_DATA(at), fds, fd_count * sizeof *fds);
+    }
     do
         sent = sendmsg(channel, &head, MSG_NOSIGNAL);
     while (sent < 0 && errno == EINTR);
@@ -84,20 +80,6 @@ static int wait_readable(int channel, double seconds)
     }
 }
 
-static void take_fds(struct vor_message *message, struct msghdr *head)
-{
-    for (struct cmsghdr *at = CMSG_FIRSTHDR(head); at != NULL; at = CMSG_NXTHDR(head, at)) {
-        size_t count;
-
-        if (at->cmsg_level != SOL_SOCKET || at->cmsg_type != SCM_RIGHTS)
-            continue;
-        count = (at->cmsg_len - CMSG_LEN(0)) / sizeof message->fds[0];
-        assert(message->fd_count + count <= VOR_CHANNEL_FDS); /* there was room for no more */
-        memcpy(&message->fds[message->fd_count], CMSG_DATA(at), count * sizeof message->fds[0]);
-        message->fd_count += (unsigned)count;
-    }
-}
-
 enum vor_channel_event vor_channel_receive(int channel, struct vor_message *message, double seconds)
 {
     struct iovec part = {.iov_base = message->bytes, .iov_len = message->capacity};
@@ -119,7 +101,16 @@ enum vor_channel_event vor_channel_receive(int channel, struct vor_message *mess
     while (got < 0 && (errno == EINTR || errno == ECONNRESET));
     if (got < 0)
         return VOR_CHANNEL_GONE;
-    take_fds(message, &head);
+    for (struct cmsghdr *at = CMSG_FIRSTHDR(&head); at != NULL; at = CMSG_NXTHDR(&head, at)) {
+        size_t count;
+
+        if (at->cmsg_level != SOL_SOCKET || at->cmsg_type != SCM_RIGHTS)
+            continue;
+        count = (at->cmsg_len - CMSG_LEN(0)) / sizeof message->fds[0];
+        assert(message->fd_count + count <= VOR_CHANNEL_FDS); /* there was room for no more */
+        memcpy(&message->fds[message->fd_count], CMSG_DATA(at), count * sizeof message->fds[0]);
+        message->fd_count += (unsigned)count;
+    }
     if (got == 0 || (head.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) != 0)
         vor_message_close(message);
     if (got == 0 || (head.msg_flags & MSG_TRUNC) != 0)

@@ -11,24 +11,6 @@ static void put_artefact(struct vor_text *text, unsigned format, uint64_t points
     vor_json_put_u64(text, "bytes", bytes);
 }
 
-static void write_inputs(struct vor_text *text, const struct vor_job_view *row)
-{
-    vor_json_begin_object(text);
-    for (unsigned i = 1; row->spec.process->inputs[i].name != NULL; i++) {
-        const struct vor_job_input *input = &row->input[i];
-
-        if ((row->inputs >> i & 1) == 0)
-            continue;
-        vor_json_key(text, row->spec.process->inputs[i].name);
-        vor_json_begin_object(text);
-        put_artefact(text, input->format, input->points, input->bytes);
-        vor_json_put_string(text, "sha256", input->sha256);
-        vor_json_put_double(text, "seconds", input->seconds);
-        vor_json_end_object(text);
-    }
-    vor_json_end_object(text);
-}
-
 static void write_outputs(struct vor_text *text, const struct vor_job_view *row)
 {
     const struct vor_artefact_info *outputs = row->spec.process->outputs;
@@ -96,8 +78,22 @@ vor_status vor_row_write(struct vor_row_text *out, const struct vor_job_view *ro
         vor_json_put_u64(&out->problem, "got", problem->got);
         vor_json_end_object(&out->problem);
     }
-    if (row->inputs >> 1 != 0)
-        write_inputs(&out->inputs, row);
+    if (row->inputs >> 1 != 0) {
+        vor_json_begin_object(&out->inputs);
+        for (unsigned i = 1; row->spec.process->inputs[i].name != NULL; i++) {
+            const struct vor_job_input *input = &row->input[i];
+
+            if ((row->inputs >> i & 1) == 0)
+                continue;
+            vor_json_key(&out->inputs, row->spec.process->inputs[i].name);
+            vor_json_begin_object(&out->inputs);
+            put_artefact(&out->inputs, input->format, input->points, input->bytes);
+            vor_json_put_string(&out->inputs, "sha256", input->sha256);
+            vor_json_put_double(&out->inputs, "seconds", input->seconds);
+            vor_json_end_object(&out->inputs);
+        }
+        vor_json_end_object(&out->inputs);
+    }
     if (row->status == VOR_JOB_SUCCESSFUL)
         write_outputs(&out->outputs, row);
     for (int i = 0; i < TEXTS && status == VOR_OK; i++)

@@ -49,25 +49,6 @@ static size_t memory_for(const struct vor_codec_order *order)
     return MEMORY_FREE + clouds + (size_t)order->size + VOR_RING_SIZE;
 }
 
-/* --- on the calling thread -------------------------------------------------------------------- */
-
-static vor_status run_here(struct vor_codec_facts *facts, const struct vor_codec_order *order,
-                           int input, const struct vor_sink *sink, struct vor_error *err)
-{
-    size_t size = (size_t)order->size;
-    void *bytes = NULL;
-    vor_status status;
-
-    if (size > 0)
-        bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, input, 0);
-    if (bytes == MAP_FAILED)
-        return vor_fail_errno(err, errno, "mapping the upload");
-    status = vor_codec_do(facts, sink, order, bytes, err);
-    if (bytes != NULL)
-        (void)munmap(bytes, size);
-    return status;
-}
-
 /* --- in a child ------------------------------------------------------------------------------- */
 
 /* A child at work. */
@@ -211,27 +192,6 @@ static int is_text(const char *text, size_t size)
     return end != NULL;
 }
 
-static vor_status take_last(struct run *run, struct vor_codec_facts *facts, size_t size,
-                            struct vor_error *err)
-{
-    const struct vor_codec_reply *reply = &run->reply;
-
-    if (size != sizeof *reply || (unsigned)reply->status >= VOR_STATUS_COUNT)
-        return nonsense(run, err);
-    if (reply->status == VOR_OK) {
-        if (!are_sane(&reply->facts, run->order))
-            return nonsense(run, err);
-        *facts = reply->facts;
-        return VOR_OK;
-    }
-    if (reply->error.status != reply->status ||
-        !is_text(reply->error.message, sizeof reply->error.message) ||
-        !is_text(reply->error.parameter, sizeof reply->error.parameter))
-        return nonsense(run, err);
-    *err = reply->error;
-    return reply->status;
-}
-
 /* Takes messages until the last one. */
 static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
 {
@@ -253,8 +213,24 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
         vor_message_close(&message);
         if (message.size < offsetof(struct vor_codec_reply, status))
             return nonsense(run, err);
-        if (run->reply.says == VOR_CODEC_END)
-            return take_last(run, facts, message.size, err);
+        if (run->reply.says == VOR_CODEC_END) {
+            const struct vor_codec_reply *reply = &run->reply;
+
+            if (message.size != sizeof *reply || (unsigned)reply->status >= VOR_STATUS_COUNT)
+                return nonsense(run, err);
+            if (reply->status == VOR_OK) {
+                if (!are_sane(&reply->facts, run->order))
+                    return nonsense(run, err);
+                *facts = reply->facts;
+                return VOR_OK;
+            }
+            if (reply->error.status != reply->status ||
+                !is_text(reply->error.message, sizeof reply->error.message) ||
+                !is_text(reply->error.parameter, sizeof reply->error.parameter))
+                return nonsense(run, err);
+            *err = reply->error;
+            return reply->status;
+        }
         status = take_part(run, message.size, err);
         if (status != VOR_OK)
             return status;
@@ -341,8 +317,20 @@ vor_status vor_codec_run(struct vor_codec_facts *facts, const struct vor_codec_p
     struct vor_error unused;
     size_t memory;
 
-    if (place->zygote == NULL)
-        return run_here(facts, order, input, sink, err);
+    if (place->zygote == NULL) {
+        size_t size = (size_t)order->size;
+        void *bytes = NULL;
+        vor_status status;
+
+        if (size > 0)
+            bytes = mmap(NULL, size, PROT_READ, MAP_PRIVATE, input, 0);
+        if (bytes == MAP_FAILED)
+            return vor_fail_errno(err, errno, "mapping the upload");
+        status = vor_codec_do(facts, sink, order, bytes, err);
+        if (bytes != NULL)
+            (void)munmap(bytes, size);
+        return status;
+    }
     memory = memory_for(order);
     if (capped.memory > memory)
         capped.memory = memory;

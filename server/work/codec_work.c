@@ -140,7 +140,7 @@ static vor_status write_again(struct vor_codec_facts *facts, const struct vor_si
     struct vor_write_options options = order->options;
     int is_made = order->op == VOR_CODEC_ENCODE; /* by the engine; else read from a file */
     struct vor_memory memory;
-    struct result result;
+    struct result result = {.mesh = {.count = 0}};
     vor_status status;
 
     vor_memory_init(&memory, order->memory);

@@ -233,22 +233,6 @@ static vor_status write_files(struct run *run, const struct vor_artefacts *out,
     return status;
 }
 
-/* What the engine cannot know of the report. */
-static void complete_report(const struct run *run, struct vor_report *report,
-                            const struct vor_artefacts *out, double began)
-{
-    const struct vor_job_output *first = &run->result->output[0];
-    const struct vor_artefact *main =
-        vor_artefacts_find(out, run->order->spec.process->outputs[0].name);
-
-    if (main->kind == VOR_ARTEFACT_CLOUD)
-        vor_codec_report_dropped(report, &main->cloud, &main->mesh, vor_format(first->format));
-    report->seconds_read = run->order->seconds_read;
-    report->seconds_write = vor_clock_seconds() - began;
-    report->memory_peak_bytes = atomic_load(&run->memory.peak);
-    memcpy(report->origin, first->origin, sizeof report->origin);
-}
-
 /* Writes the output that goes into the row. */
 static vor_status write_kept(struct run *run, const struct vor_artefacts *out,
                              struct vor_error *err)
@@ -291,6 +275,8 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     struct vor_report *report = vor_artefacts_values(out, "report", &vor_report_members);
     double began = vor_clock_seconds();
     vor_status status;
+    const struct vor_job_output *first;
+    const struct vor_artefact *main;
 
     say(run, VOR_SAID_STAGE, &(const enum vor_stage){VOR_STAGE_ENCODE});
     run->facts.spacing = report != NULL ? report->spacing_mean : 0;
@@ -298,7 +284,15 @@ static vor_status save(struct run *run, struct vor_artefacts *out, struct vor_er
     if (status != VOR_OK)
         return status;
     if (report != NULL) {
-        complete_report(run, report, out, began);
+        /* What the engine cannot know. */
+        first = &run->result->output[0];
+        main = vor_artefacts_find(out, run->order->spec.process->outputs[0].name);
+        if (main->kind == VOR_ARTEFACT_CLOUD)
+            vor_codec_report_dropped(report, &main->cloud, &main->mesh, vor_format(first->format));
+        report->seconds_read = run->order->seconds_read;
+        report->seconds_write = vor_clock_seconds() - began;
+        report->memory_peak_bytes = atomic_load(&run->memory.peak);
+        memcpy(report->origin, first->origin, sizeof report->origin);
         run->result->has_report = 1;
         run->result->report = *report;
     }
