@@ -9,19 +9,6 @@ static bool names_equal(const char *a, size_t length, const char *b)
     return strlen(b) == length && strncasecmp(a, b, length) == 0;
 }
 
-/* True when the list, separated by commas or blanks, has the name in any case. */
-static bool list_has_name(const char *list, const char *name, size_t length)
-{
-    while (*(list += strspn(list, ", ")) != '\0') {
-        size_t word = strcspn(list, ", ");
-
-        if (word == length && strncasecmp(list, name, length) == 0)
-            return true;
-        list += word;
-    }
-    return false;
-}
-
 /* True when a host is this machine's, that of --public-url or one of --allowed-hosts. */
 static bool host_is_ours(const struct vor_config *config, const char *host)
 {
@@ -30,7 +17,7 @@ static bool host_is_ours(const struct vor_config *config, const char *host)
 
     if (names_equal(host, length, "localhost") || names_equal(host, length, "127.0.0.1") ||
         names_equal(host, length, "[::1]") || names_equal(host, length, config->endpoint.host) ||
-        list_has_name(config->text[VOR_SET_ALLOWED_HOSTS], host, length))
+        vor_config_list_has(config->text[VOR_SET_ALLOWED_HOSTS], host, length, strncasecmp))
         return true;
     if (authority == NULL)
         return false;

@@ -73,7 +73,7 @@ static bool origin_is_ours(const struct vor_app *app, const struct vor_request *
     size_t length = strlen(origin);
     char own[VOR_URL_MAX];
 
-    if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length))
+    if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length, strncmp))
         return true;
     if (strncmp(public_url, origin, length) == 0 && strstr(origin, "://") != NULL &&
         (public_url[length] == '/' || public_url[length] == '\0'))
@@ -89,7 +89,7 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
     if (list[0] == '\0')
         return;
     vor_reply_header(request, "Vary", "Origin");
-    if (origin == NULL || !vor_config_list_has(list, origin, strlen(origin)))
+    if (origin == NULL || !vor_config_list_has(list, origin, strlen(origin), strncmp))
         return;
     vor_reply_header(request, "Access-Control-Allow-Origin", origin);
     vor_reply_header(request, "Access-Control-Expose-Headers",
@@ -120,8 +120,8 @@ static bool is_from_other_site(const struct vor_app *app, const struct vor_reque
         return false;
     if (mode != NULL && strcmp(mode, "navigate") == 0 && (method == VOR_GET || method == VOR_HEAD))
         return false;
-    return origin == NULL ||
-           !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, strlen(origin));
+    return origin == NULL || !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin,
+                                                  strlen(origin), strncmp);
 }
 
 /* True when the request may come from where it comes; else it is answered. */

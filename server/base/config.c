@@ -426,13 +426,14 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     return reading.first.status;
 }
 
-int vor_config_list_has(const char *list, const char *item, size_t length)
+int vor_config_list_has(const char *list, const char *item, size_t length,
+                        int (*compare)(const char *a, const char *b, size_t length))
 {
     while (*list != '\0') {
         size_t at = strspn(list, ", ");
         size_t word = strcspn(list + at, ", ");
 
-        if (word == length && word > 0 && memcmp(list + at, item, length) == 0)
+        if (word == length && word > 0 && compare(list + at, item, length) == 0)
             return 1;
         list += at + word;
     }

@@ -202,9 +202,10 @@ struct vor_config {
 VOR_NODISCARD vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
                                          char *(*getenv)(const char *name), struct vor_error *err);
 
-/** True when LIST (separated by commas, blanks ignored) holds item of that length, byte for byte.
- */
-int vor_config_list_has(const char *list, const char *item, size_t length);
+/** True when LIST (separated by commas, blanks ignored) holds item of that length: byte for byte,
+ * or in letters of any case (strncasecmp). */
+int vor_config_list_has(const char *list, const char *item, size_t length,
+                        int (*compare)(const char *a, const char *b, size_t length));
 
 /** By the role: how many jobs run here at a time, and whether callers are answered. */
 static inline unsigned vor_config_runners(const struct vor_config *config)

@@ -2,7 +2,7 @@
 
 #include "server/http/waker.h"
 
-static void drop(struct vor_deferred *deferred)
+void vor_deferred_cancel(struct vor_deferred *deferred)
 {
     struct vor_waker *waker = deferred->waker;
 
@@ -19,7 +19,7 @@ static void end_request(void *state)
     atomic_store(&deferred->is_over, true);
     if (deferred->over != NULL)
         deferred->over(deferred);
-    drop(deferred);
+    vor_deferred_cancel(deferred);
 }
 
 void vor_deferred_begin(struct vor_deferred *deferred, struct vor_request *request,
@@ -48,12 +48,7 @@ void vor_deferred_complete(struct vor_deferred *deferred)
 {
     vor_deferred_done(deferred);
     vor_waker_wake(deferred->waker);
-    drop(deferred);
-}
-
-void vor_deferred_cancel(struct vor_deferred *deferred)
-{
-    drop(deferred);
+    vor_deferred_cancel(deferred);
 }
 
 bool vor_deferred_is_done(const struct vor_deferred *deferred)

@@ -124,7 +124,7 @@ vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vor_error *err, 
     return status;
 }
 
-vor_status vor_sql_change_each(struct vor_sql *db, void (*each)(void *ctx, struct vor_sql_row *row),
+vor_status vor_sql_change_each(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
                                void *ctx, struct vor_error *err, const char *sql, const char *types,
                                ...)
 {

@@ -52,7 +52,7 @@ struct vor_sql_values {
 
 /** A change: who gets the rows that it returns (each may be NULL), and how many it changed. */
 struct vor_sql_changing {
-    void (*each)(void *ctx, struct vor_sql_row *row);
+    int (*each)(void *ctx, struct vor_sql_row *row);
     void *ctx;
     int rows;
 };
@@ -87,7 +87,7 @@ const char *vor_sql_text(struct vor_sql_row *row); /**< NULL for null */
 const void *vor_sql_bytes(struct vor_sql_row *row, size_t *size);
 /** The next text into a place of so many bytes, cut where it is longer; "" for null. */
 void vor_sql_copy(struct vor_sql_row *row, char *out, size_t size);
-/** For a query of one number: ctx is an int64_t. */
+/** For a statement that returns one number: ctx is an int64_t. */
 int vor_sql_take_number(void *ctx, struct vor_sql_row *row);
 
 /** Makes what follows on this thread, up to the end, one change: durable when VOR_OK is returned,
@@ -114,10 +114,11 @@ VOR_NODISCARD vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vo
                                         const char *sql, const char *types, ...);
 
 /** The same for a statement with RETURNING, or a SELECT within a transaction: each gets every row
- * that it returns, before the change is durable. What each got is void unless VOR_OK is returned.
+ * that it returns, whatever it answers, before the change is durable. What each got is void unless
+ * VOR_OK is returned.
  */
 VOR_NODISCARD vor_status vor_sql_change_each(struct vor_sql *db,
-                                             void (*each)(void *ctx, struct vor_sql_row *row),
+                                             int (*each)(void *ctx, struct vor_sql_row *row),
                                              void *ctx, struct vor_error *err, const char *sql,
                                              const char *types, ...);
 

@@ -30,11 +30,6 @@ struct copying {
     struct vor_error *err;
 };
 
-static void take_seq(void *ctx, struct vor_sql_row *row)
-{
-    *(int64_t *)ctx = vor_sql_number(row);
-}
-
 static void take_values(struct vor_sql_values *values, const char *types, struct vor_sql_row *row)
 {
     for (; *types != '\0'; types++) {
@@ -56,7 +51,7 @@ static void take_values(struct vor_sql_values *values, const char *types, struct
 static int copy_job(void *ctx, struct vor_sql_row *row)
 {
     struct copying *copying = ctx;
-    struct vor_sql_changing changing = {.each = take_seq, .ctx = &copying->into_seq};
+    struct vor_sql_changing changing = {.each = vor_sql_take_number, .ctx = &copying->into_seq};
     struct vor_sql_values values = {.count = 0};
 
     copying->from_seq = vor_sql_number(row);

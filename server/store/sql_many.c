@@ -5,7 +5,7 @@
 #include "server/store/row_text.h"
 #include "server/store/store.h"
 
-static void take_evicted(void *ctx, struct vor_sql_row *row)
+static int take_evicted(void *ctx, struct vor_sql_row *row)
 {
     struct vor_evictions *evictions = ctx;
     struct vor_evicted *one = &evictions->job[evictions->count++];
@@ -13,6 +13,7 @@ static void take_evicted(void *ctx, struct vor_sql_row *row)
     vor_sql_copy(row, one->id.text, sizeof one->id.text);
     vor_sql_copy(row, one->process, sizeof one->process);
     one->attempt = (uint32_t)vor_sql_number(row);
+    return 1;
 }
 
 #define TIME "CASE ?1 WHEN 0 THEN clock_ms() ELSE ?1 END"

@@ -12,17 +12,13 @@
 
 /* --- changes ---------------------------------------------------------------------------------- */
 
-static void take_seq(void *ctx, struct vor_sql_row *row)
-{
-    *(int64_t *)ctx = vor_sql_number(row);
-}
-
-static void take_ledger(void *ctx, struct vor_sql_row *row)
+static int take_ledger(void *ctx, struct vor_sql_row *row)
 {
     struct vor_ledger *ledger = ctx;
 
     ledger->jobs = (uint64_t)vor_sql_number(row);
     ledger->bytes = (uint64_t)vor_sql_number(row);
+    return 1;
 }
 
 /* In the row of a principal, the one that is left of several; and of what a job that waits has. */
@@ -39,7 +35,7 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
     int64_t seq = 0;
     int rows;
     vor_status status = vor_sql_change_each(
-        vor_sql_of(store), take_seq, &seq, err,
+        vor_sql_of(store), vor_sql_take_number, &seq, err,
         "INSERT INTO job (id, process_id, status, created, updated, name, principal, idem_key, "
         "kept,"
         " decoded, turn) VALUES (?1, ?2, 'accepted', ?3, ?3, ?4, ?5, ?6, ?7, ?8,"
@@ -115,7 +111,7 @@ vor_status vor_store_append_events(struct vor_store *store, const struct vor_job
         status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
     if (status == VOR_OK) {
         status = vor_sql_change_each(
-            vor_sql_of(store), take_seq, &seq, err,
+            vor_sql_of(store), vor_sql_take_number, &seq, err,
             "INSERT INTO job_run (seq, progress, updated, metrics)"
             " SELECT seq, ?4, ?5, ?6 FROM job"
             " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running'"
@@ -140,13 +136,14 @@ vor_status vor_store_stop(struct vor_store *store, const struct vor_uuid *id, in
                           id->text);
 }
 
-static void take_crashes(void *ctx, struct vor_sql_row *row)
+static int take_crashes(void *ctx, struct vor_sql_row *row)
 {
     struct vor_hand_back *run = ctx;
 
     run->changed = 1;
     run->crashes = (unsigned)vor_sql_number(row);
     run->is_over = vor_sql_number(row) != 0;
+    return 1;
 }
 
 vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *id,
@@ -215,7 +212,7 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
     if (status != VOR_OK)
         return status;
     status = vor_sql_change_each(
-        vor_sql_of(store), take_seq, &seq, err,
+        vor_sql_of(store), vor_sql_take_number, &seq, err,
         "UPDATE job SET status = ?3, updated = ?4, finished = ?4, expires = ?5, attempt = ?6,"
         " kept = min(kept, ?7), held = ?8"
         " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
@@ -520,11 +517,6 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
                          filter->tenant, (int64_t)filter->is_kept);
 }
 
-static void take_claimed(void *ctx, struct vor_sql_row *row)
-{
-    (void)take_row(ctx, row);
-}
-
 #define THIS " FROM job_text WHERE job_text.seq = job.seq"
 
 vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim *claim,
@@ -540,7 +532,7 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
     if (status != VOR_OK)
         return status;
     status = vor_sql_change_each(
-        vor_sql_of(store), take_seq, &seq, err,
+        vor_sql_of(store), vor_sql_take_number, &seq, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
         " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
         " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE " WAITS
@@ -552,7 +544,7 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
         claim->build.engine, claim->build.release);
     if (status == VOR_OK && seq != 0)
         status =
-            vor_sql_change_each(vor_sql_of(store), take_claimed, &taken, err,
+            vor_sql_change_each(vor_sql_of(store), take_row, &taken, err,
                                 "SELECT " ROW_COLUMNS ", -1" ROWS " WHERE job.seq = ?", "i", seq);
     if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
         status = vor_sql_change(vor_sql_of(store), &rows, err,
@@ -563,16 +555,9 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
     return status;
 }
 
-static int take_ledger_of(void *ctx, struct vor_sql_row *row)
-{
-    take_ledger(ctx, row);
-    return 1;
-}
-
 vor_status vor_store_ledger(struct vor_store *store, const char *tenant, struct vor_ledger *ledger,
                             struct vor_error *err)
 {
     ledger->jobs = ledger->bytes = 0;
-    return vor_sql_query(vor_sql_of(store), take_ledger_of, ledger, err, SELECT_LEDGER, "t",
-                         tenant);
+    return vor_sql_query(vor_sql_of(store), take_ledger, ledger, err, SELECT_LEDGER, "t", tenant);
 }

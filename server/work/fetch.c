@@ -48,19 +48,6 @@ struct vor_fetcher {
 
 /* --- flows ------------------------------------------------------------------------------------ */
 
-static struct vor_flow *flow_create(void)
-{
-    struct vor_flow *flow = calloc(1, sizeof *flow);
-
-    if (flow == NULL)
-        return NULL;
-    pthread_mutex_init(&flow->mutex, NULL);
-    flow->holds = 1;
-    flow->fd = -1;
-    flow->outcome = VOR_FETCH_WAIT;
-    return flow;
-}
-
 void vor_flow_drop(struct vor_flow *flow)
 {
     unsigned left = 1;
@@ -218,11 +205,15 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
 {
     struct fetch *fetch = calloc(1, sizeof *fetch);
 
-    if (fetch == NULL || (fetch->flow = flow_create()) == NULL) {
+    if (fetch == NULL || (fetch->flow = calloc(1, sizeof *fetch->flow)) == NULL) {
         free(fetch);
         (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
         return NULL;
     }
+    pthread_mutex_init(&fetch->flow->mutex, NULL);
+    fetch->flow->holds = 1;
+    fetch->flow->fd = -1;
+    fetch->flow->outcome = VOR_FETCH_WAIT;
     fetch->fetcher = fetcher;
     fetch->id = *id;
     memcpy(fetch->name, name, strlen(name) + 1);

@@ -190,11 +190,6 @@ void vor_worker_followed(struct vor_worker *worker, const struct vor_followed *f
 
 /* --- ending ----------------------------------------------------------------------------------- */
 
-static void explain(struct vor_job_view *row, const char *why)
-{
-    (void)snprintf(row->message, sizeof row->message, "%s", why);
-}
-
 /* Dismisses a live job: VOR_CONFLICT when it is over. */
 static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_job *job,
                                          const char *why, struct vor_job_view *out,
@@ -207,7 +202,7 @@ static enum vor_job_outcome dismiss_live(struct vor_worker *worker, struct vor_j
         return VOR_CONFLICT;
     vor_worker_ending(worker, job, VOR_JOB_DISMISSED, out);
     out->kept = 0;
-    explain(out, why);
+    (void)snprintf(out->message, sizeof out->message, "%s", why);
     status = vor_worker_finish(worker, job, out, NULL, NULL, &changed, err);
     vor_job_thaw(job);
     if (status != VOR_OK)
@@ -230,7 +225,7 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     row->kept = 0;
     row->finished = vor_job_now(row, vor_clock_wall_ms());
     row->expires = row->finished + (int64_t)(worker->config.ttl_seconds * 1000);
-    explain(row, why);
+    (void)snprintf(row->message, sizeof row->message, "%s", why);
     if (vor_store_finish(worker->config.store, row, NULL, NULL, &changed, err) != VOR_OK)
         return VOR_FAILED;
     return changed ? VOR_DONE : VOR_CONFLICT;

@@ -458,24 +458,6 @@ static int leave_over(struct sitting *sitting)
     return sitting->is_left_over;
 }
 
-/* Runs an order at its worker. */
-static enum vor_run_end run_at(struct sitting *sitting, const struct vor_order *order,
-                               struct handed *handed)
-{
-    enum vor_run_end end;
-
-    if (sit_down(sitting, handed->err) != VOR_OK)
-        return VOR_RUN_DISTURBED;
-    look_at_points(sitting);
-    if (vor_order_send(sitting->channel, order, handed->err) == VOR_OK)
-        end = listen_to(sitting, handed);
-    else
-        end = is_gone(handed->err) ? lose(sitting, handed->err) : VOR_RUN_DISTURBED;
-    if (!sitting->is_left_over)
-        leave_seat(sitting);
-    return end;
-}
-
 static enum vor_run_end run_there(struct vor_run_executor *executor, const struct vor_order *order,
                                   const struct vor_listener *listener,
                                   struct vor_run_result *result, struct vor_text *kept,
@@ -489,9 +471,19 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
     sitting.worker = worker_for(supervisor, order, err);
     if (sitting.worker == NULL)
         return VOR_RUN_DISTURBED;
-    end = run_at(&sitting, order, &handed);
-    if (!sitting.is_left_over)
+    if (sit_down(&sitting, err) != VOR_OK) {
         leave_worker(supervisor, sitting.worker);
+        return VOR_RUN_DISTURBED;
+    }
+    look_at_points(&sitting);
+    if (vor_order_send(sitting.channel, order, err) == VOR_OK)
+        end = listen_to(&sitting, &handed);
+    else
+        end = is_gone(err) ? lose(&sitting, err) : VOR_RUN_DISTURBED;
+    if (!sitting.is_left_over) {
+        leave_seat(&sitting);
+        leave_worker(supervisor, sitting.worker);
+    }
     return end;
 }
 
