@@ -179,16 +179,6 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
 
 /* --- heads ------------------------------------------------------------------------------------ */
 
-static const char *take_name(struct vor_multipart *scanner, const struct parameter *parameter)
-{
-    if (scanner->name[0] != '\0')
-        return "a part has two names";
-    if (parameter->length == 0 || parameter->length > VOR_MULTIPART_NAME_MAX)
-        return "a part's name is empty or longer than 64 characters";
-    memcpy(scanner->name, parameter->value, parameter->length + 1);
-    return NULL;
-}
-
 static const char *take_coding(struct vor_multipart *scanner, const char *value)
 {
     size_t length;
@@ -228,8 +218,14 @@ static const char *take_line(struct vor_multipart *scanner)
         while (wrong == NULL && (read = next_parameter(&at, &parameter)) > 0) {
             int is_plain = strcasecmp(parameter.name, "filename") == 0;
 
-            if (strcasecmp(parameter.name, "name") == 0)
-                wrong = take_name(scanner, &parameter);
+            if (strcasecmp(parameter.name, "name") == 0) {
+                if (scanner->name[0] != '\0')
+                    wrong = "a part has two names";
+                else if (parameter.length == 0 || parameter.length > VOR_MULTIPART_NAME_MAX)
+                    wrong = "a part's name is empty or longer than 64 characters";
+                else
+                    memcpy(scanner->name, parameter.value, parameter.length + 1);
+            }
             if (is_plain || strcasecmp(parameter.name, "filename*") == 0)
                 scanner->is_file = 1;
             if (is_plain)

@@ -264,7 +264,6 @@ struct vor_status_info {
     const double *origin;              /**< three, of the main output; NULL: left out */
     const struct vor_record *metrics;  /**< NULL: null */
     const struct vor_problem_doc *exception; /**< of a failed job; NULL: left out */
-    const char *exception_json;              /**< the same, already JSON; wins when not NULL */
     const struct vor_link *links;
     size_t link_count;
 };

@@ -102,19 +102,6 @@ static void put_input(struct vor_text *text, const char *key, const struct vor_i
     vor_json_end_object(text);
 }
 
-static void put_inputs(struct vor_text *text, const struct vor_status_info *info)
-{
-    if (info->input_count > 0)
-        put_input(text, "input", &info->inputs[0]);
-    if (info->input_count < 2)
-        return;
-    vor_json_key(text, "inputs");
-    vor_json_begin_object(text);
-    for (size_t i = 0; i < info->input_count; i++)
-        put_input(text, info->inputs[i].name, &info->inputs[i]);
-    vor_json_end_object(text);
-}
-
 static void put_own_members(struct vor_text *text, const struct vor_status_info *info)
 {
     vor_json_key(text, "voronoid");
@@ -132,7 +119,15 @@ static void put_own_members(struct vor_text *text, const struct vor_status_info 
         vor_json_double(text, info->eta);
     else
         vor_json_null(text);
-    put_inputs(text, info);
+    if (info->input_count > 0)
+        put_input(text, "input", &info->inputs[0]);
+    if (info->input_count > 1) {
+        vor_json_key(text, "inputs");
+        vor_json_begin_object(text);
+        for (size_t i = 0; i < info->input_count; i++)
+            put_input(text, info->inputs[i].name, &info->inputs[i]);
+        vor_json_end_object(text);
+    }
     if (info->parameters != NULL) {
         vor_json_key(text, "parameters");
         vor_json_spec_changed(text, info->parameters);
@@ -177,10 +172,7 @@ void vor_json_status_info(struct vor_text *text, const struct vor_status_info *i
     put_if_given(text, "updated", info->updated);
     put_if_given(text, "finished", info->finished);
     put_own_members(text, info);
-    if (info->exception_json != NULL) {
-        vor_json_key(text, "exception");
-        vor_json_raw(text, info->exception_json, strlen(info->exception_json));
-    } else if (info->exception != NULL) {
+    if (info->exception != NULL) {
         vor_json_key(text, "exception");
         vor_json_problem(text, info->exception);
     }

@@ -65,18 +65,15 @@ static void append_escape(struct vor_text *text, unsigned char c)
     vor_text_append(text, escape, (size_t)snprintf(escape, sizeof escape, "\\u%04x", c));
 }
 
-static int is_plain(unsigned char c)
-{
-    return c >= 0x20 && c < 0x7f && c != '"' && c != '\\';
-}
-
 static void append_quoted(struct vor_text *text, const char *value, size_t size)
 {
     const unsigned char *p = (const unsigned char *)value;
 
     vor_text_append(text, "\"", 1);
     for (size_t i = 0, run; i < size; i += run) {
-        for (run = 0; i + run < size && is_plain(p[i + run]); run++)
+        for (run = 0; i + run < size && p[i + run] >= 0x20 && p[i + run] < 0x7f &&
+                      p[i + run] != '"' && p[i + run] != '\\';
+             run++)
             ;
         if (run > 0) {
             vor_text_append(text, p + i, run);

@@ -41,17 +41,11 @@ static void note_other(struct vor_notes *notes, const struct vor_ply_element *el
             note_property(notes, element, &element->properties[k]);
 }
 
-static int is_signature(const char *line, size_t size)
-{
-    static const char signature[] = "comment " VOR_PLY_SIGNATURE;
-
-    return size == sizeof signature - 1 && memcmp(line, signature, size) == 0;
-}
-
 /* Writes the remarks among the lines of a header, up to VOR_PLY_REMARKS_MAX, and counts the others;
  * returns the bytes written. out may be NULL. */
 static size_t put_remarks(char *out, uint64_t *others, const uint8_t *bytes, size_t size)
 {
+    static const char signature[] = "comment " VOR_PLY_SIGNATURE;
     uint8_t stop = vor_ply_line_stop(bytes, size);
     size_t used = 0, length;
 
@@ -63,7 +57,8 @@ static size_t put_remarks(char *out, uint64_t *others, const uint8_t *bytes, siz
 
         length = end != NULL ? (size_t)(end - line) : size - at;
         kept = length - (stop == '\n' && length > 0 && line[length - 1] == '\r');
-        if (!vor_ply_is_remark(line, kept) || is_signature(line, kept))
+        if (!vor_ply_is_remark(line, kept) ||
+            (kept == sizeof signature - 1 && memcmp(line, signature, kept) == 0))
             continue;
         if (used + kept + 1 > VOR_PLY_REMARKS_MAX) {
             ++*others;

@@ -27,15 +27,6 @@ static int is_underline(const char *at)
     return dashes >= 3 && dashes == line_length(at);
 }
 
-/* The lines from `at` on that are indented at least so deep and are not blank; returns their end.
- */
-static const char *end_of_lines(const char *at, size_t indent)
-{
-    while (*at != '\0' && !is_blank(at) && strspn(at, " ") >= indent)
-        at = after_line(at);
-    return at;
-}
-
 static struct vor_span_of_text between(const char *begin, const char *end)
 {
     while (end > begin && end[-1] == '\n')
@@ -52,8 +43,8 @@ static const char *take_item(struct vor_markup_block *out, const char *at)
 
     out->kind = VOR_MARKUP_ITEM;
     out->term = between(term, wide != NULL && wide < end ? wide : end);
-    at = end;
-    end = end_of_lines(at, MEANING_INDENT);
+    while (*end != '\0' && !is_blank(end) && strspn(end, " ") >= MEANING_INDENT)
+        end = after_line(end);
     out->text = between(term + out->term.length, end);
     return end;
 }

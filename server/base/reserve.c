@@ -62,13 +62,6 @@ static int fill(int fd, uint64_t bytes)
     return 0;
 }
 
-static int allocate(int fd, uint64_t bytes)
-{
-    if (fallocate(fd, 0, 0, (off_t)bytes) == 0)
-        return 0;
-    return errno == EOPNOTSUPP ? fill(fd, bytes) : -1;
-}
-
 /* Makes the file if as much as `free` bytes are; 0, or an errno. The mutex is held. */
 static int make_file(struct vor_reserve *reserve, uint64_t free)
 {
@@ -83,7 +76,10 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
     if (!failed && (uint64_t)disk.f_bavail * disk.f_frsize < free)
         failed = ENOSPC;
     if (!failed)
-        failed = allocate(fd, reserve->wanted) != 0 ? errno : 0;
+        failed = (fallocate(fd, 0, 0, (off_t)reserve->wanted) != 0 &&
+                  (errno != EOPNOTSUPP || fill(fd, reserve->wanted) != 0))
+                     ? errno
+                     : 0;
     close(fd);
     if (failed)
         (void)unlink(reserve->path);

@@ -50,17 +50,6 @@ int vor_cli_each(const struct vor_cli *cli,
     return first;
 }
 
-/* The suffix that replaces the input's; NULL where the result keeps its name whole. */
-static const char *new_suffix(const struct vor_cli *cli)
-{
-    if (cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT)
-        return ".json";
-    if (vor_process_takes(cli->spec.process, VOR_PARAM_FORMAT) &&
-        vor_spec_given(&cli->spec, VOR_PARAM_FORMAT))
-        return vor_format((unsigned)cli->spec.value[VOR_PARAM_FORMAT])->suffix;
-    return NULL;
-}
-
 /* FOLDER/BASE with the suffix in the place of that of a format; NULL without memory. */
 static char *name_output(const char *folder, const char *base, const char *suffix)
 {
@@ -81,9 +70,15 @@ static char *name_output(const char *folder, const char *base, const char *suffi
 static vor_status name_results(struct result *results, const struct vor_cli *cli,
                                struct vor_error *err)
 {
-    const char *suffix = new_suffix(cli);
+    const char *suffix =
+        NULL; /* that replaces the input's; NULL: the result keeps its name whole */
     struct vor_error why;
 
+    if (cli->spec.process->outputs[0].kind == VOR_ARTEFACT_DOCUMENT)
+        suffix = ".json";
+    else if (vor_process_takes(cli->spec.process, VOR_PARAM_FORMAT) &&
+             vor_spec_given(&cli->spec, VOR_PARAM_FORMAT))
+        suffix = vor_format((unsigned)cli->spec.value[VOR_PARAM_FORMAT])->suffix;
     for (int i = 0; i < cli->operand_count; i++) {
         const char *input = cli->operands[i], *slash = strrchr(input, '/');
         const char *base = slash != NULL ? slash + 1 : input;

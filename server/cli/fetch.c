@@ -36,15 +36,6 @@ static int on_bytes(void *ctx, const void *bytes, size_t size)
     return vor_output_write(&result->output, bytes, size);
 }
 
-static const char *suffix_of(const char *type)
-{
-    const struct vor_format *format = vor_format_by_media_type(type);
-
-    if (format != NULL)
-        return format->suffix;
-    return strcmp(type, "application/json") == 0 ? ".json" : ".bin";
-}
-
 /* A daemon's word becomes part of a file's name: it must not lead elsewhere. */
 static int is_plain(const char *name)
 {
@@ -76,13 +67,17 @@ static int name_file(const struct fetch *fetch, struct result *result)
 {
     const struct vor_cli *cli = fetch->follow.cli;
     const char *into = cli->option[VOR_OPTION_INTO], *names[] = {fetch->name, ""};
+    const struct vor_format *format = vor_format_by_media_type(result->type);
+    const char *suffix = format != NULL                                  ? format->suffix
+                         : strcmp(result->type, "application/json") == 0 ? ".json"
+                                                                         : ".bin";
     char name[VOR_RESULT_NAME_SIZE] = "";
     size_t length = 0;
 
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         if (vor_cli_into_folder(cli))
             vor_result_name(name, names[i], fetch->follow.id.text, fetch->process, result->name,
-                            suffix_of(result->type));
+                            suffix);
         length = (size_t)snprintf(result->path, sizeof result->path, "%s%s", into, name);
         if (name[0] == '\0' || !was_written(fetch, result->path))
             break;

@@ -27,28 +27,15 @@ static void add_pair(struct vor_text *url, const char *separator, enum vor_param
     vor_text_escape(url, value);
 }
 
-/* The job's name: that of --name, else that of its input's file where a job may have it; NULL for
- * none. */
-static const char *job_name(const struct vor_cli *cli)
-{
-    const char *name = cli->option[VOR_OPTION_NAME], *slash;
-    long count;
-
-    if (name != NULL)
-        return name;
-    slash = strrchr(cli->input[0], '/');
-    name = slash != NULL ? slash + 1 : cli->input[0];
-    count = vor_utf8_count(name);
-    return strcmp(name, "-") != 0 && count > 0 && count <= VOR_JOB_NAME_CHARACTERS ? name : NULL;
-}
-
 /* Sends only the parameters that were given: the server's own defaults hold for the rest. The
- * format follows the suffix of the output, as it does here. */
+ * format follows the suffix of the output, as it does here. The job's name is that of --name, else
+ * that of its input's file where a job may have it. */
 static void build_url(struct vor_text *url, const struct vor_follow *follow)
 {
     const struct vor_cli *cli = follow->cli;
     const char *separator = "?", *output = cli->option[VOR_OPTION_OUTPUT];
-    const char *name = job_name(cli);
+    const char *name = cli->option[VOR_OPTION_NAME], *slash = strrchr(cli->input[0], '/');
+    long count;
     const struct vor_process_info *process = cli->spec.process;
     const struct vor_format *format = output != NULL ? vor_format_by_suffix(output) : NULL;
     char value[VOR_SPEC_VALUE_SIZE];
@@ -64,6 +51,12 @@ static void build_url(struct vor_text *url, const struct vor_follow *follow)
         else
             continue;
         separator = "&";
+    }
+    if (name == NULL) {
+        name = slash != NULL ? slash + 1 : cli->input[0];
+        count = vor_utf8_count(name);
+        if (strcmp(name, "-") == 0 || count < 1 || count > VOR_JOB_NAME_CHARACTERS)
+            name = NULL;
     }
     if (name != NULL) {
         vor_text_printf(url, "%sname=", separator);

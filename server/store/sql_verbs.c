@@ -290,16 +290,6 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
     " (SELECT count(*) FROM job AS other INDEXED BY job_ready WHERE other.status = 'accepted'"     \
     " AND other.turn = job.turn AND other.seq < job.seq) ELSE -1 END"
 
-/* How far a job got, as far as its row tells. */
-static enum vor_stage stage_of(const struct vor_job_view *row)
-{
-    if (row->status == VOR_JOB_ACCEPTED || row->started == 0)
-        return VOR_STAGE_QUEUED;
-    if (row->status == VOR_JOB_SUCCESSFUL)
-        return VOR_STAGE_ENCODE;
-    return row->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
-}
-
 /* The columns of the main input and the main output. */
 static void read_main(struct vor_job_view *out, struct vor_sql_row *from)
 {
@@ -364,7 +354,13 @@ static void read_row(struct vor_job_view *out, struct vor_sql_row *row)
     vor_sql_copy(row, out->build.engine, sizeof out->build.engine);
     out->build.release = vor_sql_number(row);
     out->queue_position = (long)vor_sql_number(row);
-    out->stage = stage_of(out);
+    /* How far the job got, as far as its row tells. */
+    if (out->status == VOR_JOB_ACCEPTED || out->started == 0)
+        out->stage = VOR_STAGE_QUEUED;
+    else if (out->status == VOR_JOB_SUCCESSFUL)
+        out->stage = VOR_STAGE_ENCODE;
+    else
+        out->stage = out->has_record ? VOR_STAGE_OPTIMIZE : VOR_STAGE_PREPARE;
 }
 
 struct taken {

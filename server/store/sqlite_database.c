@@ -122,25 +122,6 @@ vor_status vor_sqlite_run(struct vor_sqlite *db, const char *sql, struct vor_err
     return status;
 }
 
-static int bind_all(sqlite3_stmt *statement, const struct vor_sql_values *values)
-{
-    int code = SQLITE_OK;
-
-    for (int at = 0; at < (int)values->count && code == SQLITE_OK; at++) {
-        const struct vor_sql_value *value = &values->value[at];
-
-        if (value->type == 't')
-            code = sqlite3_bind_text(statement, at + 1, value->bytes, -1, SQLITE_STATIC);
-        else if (value->type == 'i')
-            code = sqlite3_bind_int64(statement, at + 1, value->number);
-        else if (value->type == 'r')
-            code = sqlite3_bind_double(statement, at + 1, value->real);
-        else
-            code = sqlite3_bind_blob64(statement, at + 1, value->bytes, value->size, SQLITE_STATIC);
-    }
-    return code;
-}
-
 /* The statement of a text, which is a literal: the address tells them apart. */
 static int prepare(sqlite3_stmt **out, struct connection *connection, const char *sql)
 {
@@ -167,8 +148,18 @@ static int start(sqlite3_stmt **out, struct connection *connection, const char *
 {
     int code = prepare(out, connection, sql);
 
-    if (code == SQLITE_OK)
-        code = bind_all(*out, values);
+    for (int at = 0; at < (int)values->count && code == SQLITE_OK; at++) {
+        const struct vor_sql_value *value = &values->value[at];
+
+        if (value->type == 't')
+            code = sqlite3_bind_text(*out, at + 1, value->bytes, -1, SQLITE_STATIC);
+        else if (value->type == 'i')
+            code = sqlite3_bind_int64(*out, at + 1, value->number);
+        else if (value->type == 'r')
+            code = sqlite3_bind_double(*out, at + 1, value->real);
+        else
+            code = sqlite3_bind_blob64(*out, at + 1, value->bytes, value->size, SQLITE_STATIC);
+    }
     return code == SQLITE_OK ? sqlite3_step(*out) : code;
 }
 

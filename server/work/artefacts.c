@@ -96,21 +96,16 @@ static vor_status write_document(struct vor_blob_writer *writer,
     return status;
 }
 
-/* The format of a result. */
-static unsigned format_of(const struct vor_order *order)
-{
-    int is_asked = vor_spec_given(&order->spec, VOR_PARAM_FORMAT);
-
-    return is_asked ? (unsigned)order->spec.value[VOR_PARAM_FORMAT] : order->format;
-}
-
 vor_status vor_artefact_write(struct vor_job_output *out, const struct vor_writing *writing,
                               unsigned index, const struct vor_artefact *artefact,
                               struct vor_error *err)
 {
     const struct vor_order *order = writing->order;
     int is_cloud = artefact->kind == VOR_ARTEFACT_CLOUD;
-    struct vor_job_output written = {.format = is_cloud ? format_of(order) : 0};
+    struct vor_job_output written = {.format = !is_cloud ? 0
+                                               : vor_spec_given(&order->spec, VOR_PARAM_FORMAT)
+                                                   ? (unsigned)order->spec.value[VOR_PARAM_FORMAT]
+                                                   : order->format};
     struct vor_blob_writer *writer = vor_blob_borrow(order->output[index]);
     vor_status status;
 

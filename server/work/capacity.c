@@ -35,25 +35,11 @@ static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *
     return VOR_OVER_BYTES;
 }
 
-/* Whether the principal of a label may have one job more. */
-static enum vor_job_outcome check_quota(struct vor_worker *worker,
-                                        const struct vor_job_label *label, uint64_t bytes,
-                                        struct vor_error *err)
-{
-    struct vor_ledger ledger = {.jobs_max = label->jobs_max, .bytes_max = label->bytes_max};
-    const char *tenant = label->key->principal;
-
-    if (ledger.jobs_max == 0 && ledger.bytes_max == 0)
-        return VOR_DONE;
-    if (vor_store_ledger(worker->config.store, tenant, &ledger, err) != VOR_OK)
-        return VOR_FAILED;
-    return vor_ledger_fits(&ledger, bytes) ? VOR_DONE : refuse(tenant, &ledger, bytes, err);
-}
-
 enum vor_job_outcome vor_worker_room(struct vor_worker *worker, const struct vor_job_label *label,
                                      uint64_t bytes, struct vor_error *err)
 {
     struct vor_job_view view;
+    struct vor_ledger ledger;
     enum vor_job_outcome room;
     int found;
 
@@ -64,8 +50,15 @@ enum vor_job_outcome vor_worker_room(struct vor_worker *worker, const struct vor
     pthread_mutex_unlock(&worker->mutex);
     if (label == NULL)
         return room;
-    if (room == VOR_DONE)
-        room = check_quota(worker, label, bytes, err);
+    ledger = (struct vor_ledger){.jobs_max = label->jobs_max, .bytes_max = label->bytes_max};
+    if (room == VOR_DONE && (ledger.jobs_max > 0 || ledger.bytes_max > 0)) {
+        const char *tenant = label->key->principal;
+
+        if (vor_store_ledger(worker->config.store, tenant, &ledger, err) != VOR_OK)
+            room = VOR_FAILED;
+        else if (!vor_ledger_fits(&ledger, bytes))
+            room = refuse(tenant, &ledger, bytes, err);
+    }
     if (room != VOR_DONE && room != VOR_FAILED && label->key->text[0] != '\0' &&
         vor_store_find_key(worker->config.store, label->key, &view, &found, NULL) == VOR_OK &&
         found)

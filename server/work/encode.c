@@ -49,13 +49,6 @@ static vor_status make_file(int *out, const struct vor_cloud *cloud, const struc
     return VOR_OK;
 }
 
-/* Lets the peak of the memory tell what the child took besides. */
-static void note_peak(struct vor_memory *memory, size_t bytes)
-{
-    if (vor_memory_charge(memory, bytes))
-        vor_memory_release(memory, bytes);
-}
-
 /* Has a child write what is in the file, with what memory is left. */
 static vor_status write_file(const struct vor_sink *sink, const struct vor_codec_place *place,
                              struct vor_codec_order *order, int fd, struct vor_memory *memory,
@@ -69,8 +62,9 @@ static vor_status write_file(const struct vor_sink *sink, const struct vor_codec
     order->memory = left < MEMORY_MOST ? left : MEMORY_MOST;
     order->most = order->memory;
     status = vor_codec_run(&facts, place, order, fd, sink, err);
-    if (status == VOR_OK)
-        note_peak(memory, facts.memory);
+    /* The peak of the memory tells what the child took besides. */
+    if (status == VOR_OK && vor_memory_charge(memory, facts.memory))
+        vor_memory_release(memory, facts.memory);
     return status;
 }
 

@@ -90,18 +90,14 @@ void vor_worker_look(struct vor_worker *worker)
         worker->config.failed(worker->config.failed_ctx, &err);
 }
 
-/* A job must not take what the reserve is made of. Where none is asked for, it just tries. */
-static int is_full(struct vor_worker *worker)
-{
-    return vor_store_check_reserve(worker->config.store, NULL) != VOR_OK;
-}
-
 int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double seconds)
 {
     static const struct timespec poll = {.tv_nsec = 50000000};
     double until = vor_clock_seconds() + seconds;
 
-    while (vor_clock_seconds() < until || is_full(worker)) {
+    /* A job must not take what the reserve is made of. Where none is asked for, it just tries. */
+    while (vor_clock_seconds() < until ||
+           vor_store_check_reserve(worker->config.store, NULL) != VOR_OK) {
         if (vor_job_asked(job) == VOR_CANCEL)
             return 0;
         (void)nanosleep(&poll, NULL);

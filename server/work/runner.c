@@ -389,19 +389,6 @@ static void finish(struct run *run, const struct vor_error *problem)
     }
 }
 
-/* The daemon goes down: the next one runs the job again. */
-static void give_back(struct run *run)
-{
-    struct vor_hand_back back = {.lease = run->lease, .now_ms = vor_clock_wall_ms()};
-    struct vor_error err;
-
-    if (vor_store_hand_back(run->worker->config.store, &run->view.id, &back, &err) != VOR_OK)
-        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
-                VOR_TEXT("error", err.message));
-    else if (back.changed)
-        vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
-}
-
 /* running -> accepted in the store, and in the live job unless it has crashed too often. */
 static vor_status put_back(struct run *run, struct vor_hand_back *back, int *again,
                            struct vor_error *err)
@@ -460,12 +447,20 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
 /* Ends the job, or finds that it is to be run again: then true. */
 static int conclude(struct run *run, enum vor_run_end end, struct vor_error *problem)
 {
+    struct vor_hand_back back = {.lease = run->lease, .now_ms = vor_clock_wall_ms()};
+    struct vor_error err;
+
     if (end == VOR_RUN_DONE) {
         finish(run, NULL);
     } else if (end != VOR_RUN_FAILED) {
         return conclude_lost(run, end, problem);
     } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
-        give_back(run);
+        /* The daemon goes down: the next one runs the job again. */
+        if (vor_store_hand_back(run->worker->config.store, &run->view.id, &back, &err) != VOR_OK)
+            vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
+                    VOR_TEXT("error", err.message));
+        else if (back.changed)
+            vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
     } else {
         if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
             (void)vor_fail(problem, VOR_E_DEADLINE,

@@ -58,26 +58,21 @@ static void limit_memory(struct station *station)
 #endif
 }
 
-/* Bytes that count against RLIMIT_DATA; 0 where that cannot be told. */
-static rlim_t data_bytes(void)
+/* Whether memory is refused because the whole process has none left, which no run that stays within
+ * its own can bring about. */
+static int is_exhausted(const struct station *station)
 {
     FILE *file = fopen("/proc/self/statm", "re");
-    unsigned long long pages = 0;
+    unsigned long long pages = 0; /* that count against RLIMIT_DATA; 0 where that cannot be told */
 
     if (file == NULL)
         return 0;
     if (fscanf(file, "%*u %*u %*u %*u %*u %llu", &pages) != 1)
         pages = 0;
     (void)fclose(file);
-    return (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE);
-}
-
-/* Whether memory is refused because the whole process has none left, which no run that stays within
- * its own can bring about. */
-static int is_exhausted(const struct station *station)
-{
     return station->memory.rlim_cur != RLIM_INFINITY &&
-           data_bytes() > station->memory.rlim_cur - MARGIN_BYTES / 2;
+           (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) >
+               station->memory.rlim_cur - MARGIN_BYTES / 2;
 }
 
 /* --- a run ------------------------------------------------------------------------------------ */
@@ -204,18 +199,6 @@ static int start_thread(void *(*run)(void *), void *arg)
     return 1;
 }
 
-/* Begins a run on the channel that came. A worker that cannot is of no use to anybody. */
-static void seat_run(struct station *station, const struct vor_summons *summons, int channel)
-{
-    struct sitting *sitting = malloc(sizeof *sitting);
-
-    if (sitting == NULL)
-        _exit(VOR_STATION_NO_MEMORY);
-    *sitting = (struct sitting){station, summons->seat, channel, -1};
-    if (!start_thread(sit, sitting))
-        _exit(VOR_STATION_NO_MEMORY);
-}
-
 /* Begins runs until the front has gone. */
 static void serve(struct station *station, int channel)
 {
@@ -223,10 +206,19 @@ static void serve(struct station *station, int channel)
     struct vor_message message = {.bytes = &summons, .capacity = sizeof summons};
 
     while (vor_channel_receive(channel, &message, -1) == VOR_CHANNEL_MESSAGE) {
-        if (message.size == sizeof summons && message.fd_count == 1 && summons.seat < VOR_SEATS)
-            seat_run(station, &summons, message.fds[0]);
-        else
+        struct sitting *sitting;
+
+        if (message.size != sizeof summons || message.fd_count != 1 || summons.seat >= VOR_SEATS) {
             vor_message_close(&message);
+            continue;
+        }
+        /* A worker that cannot begin a run is of no use to anybody. */
+        sitting = malloc(sizeof *sitting);
+        if (sitting == NULL)
+            _exit(VOR_STATION_NO_MEMORY);
+        *sitting = (struct sitting){station, summons.seat, message.fds[0], -1};
+        if (!start_thread(sit, sitting))
+            _exit(VOR_STATION_NO_MEMORY);
     }
 }
 

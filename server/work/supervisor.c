@@ -257,33 +257,6 @@ static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
     return status;
 }
 
-/* Ends the worker because of this run, once it is cancelled for too long; the mutex is held. */
-static void check_patience(struct sitting *sitting)
-{
-    const struct vor_supervisor_config *config = &sitting->supervisor->config;
-    double since = sitting->cancelled > 0 ? vor_clock_seconds() - sitting->cancelled : 0;
-    double share = vor_workplace_runs(sitting->worker) == 1 ? cancel_alone_share : 1;
-
-    if (since > share * config->cancel_seconds)
-        end_worker(sitting->supervisor, sitting->worker, "a cancelled run did not end",
-                   sitting->seat);
-}
-
-/* Ends a worker whose ticker stands still; the mutex is held. */
-static void check_beats(struct sitting *sitting)
-{
-    struct vor_workplace *worker = sitting->worker;
-    unsigned beats = atomic_load(&worker->board->beats);
-    double now = vor_clock_seconds();
-
-    if (beats != worker->beats) {
-        worker->beats = beats;
-        worker->beat = now;
-    } else if (now - worker->beat > sitting->supervisor->config.stall_seconds) {
-        end_worker(sitting->supervisor, worker, "it does not respond", VOR_NOBODY);
-    }
-}
-
 /* Tells the run whether somebody looks at its points, and the listener where they are. */
 static void look_at_points(struct sitting *sitting)
 {
@@ -304,15 +277,26 @@ static void look_at_points(struct sitting *sitting)
 /* Tells the run what is asked of it, and looks whether it and its worker are in order. */
 static void look_after(struct sitting *sitting)
 {
+    const struct vor_supervisor_config *config = &sitting->supervisor->config;
     enum vor_answer answer = sitting->listener->asked(sitting->listener->ctx);
+    struct vor_workplace *worker = sitting->worker;
+    unsigned beats = atomic_load(&worker->board->beats);
+    double now = vor_clock_seconds(), share;
 
     atomic_store(&sitting->worker->board->asked[sitting->seat], (int)answer);
     if (answer == VOR_CANCEL && sitting->cancelled == 0)
-        sitting->cancelled = vor_clock_seconds();
+        sitting->cancelled = now;
     pthread_mutex_lock(&sitting->supervisor->mutex);
-    if (sitting->worker->life == sitting->life) {
-        check_patience(sitting);
-        check_beats(sitting);
+    if (worker->life == sitting->life) {
+        share = vor_workplace_runs(worker) == 1 ? cancel_alone_share : 1;
+        if (sitting->cancelled > 0 && now - sitting->cancelled > share * config->cancel_seconds)
+            end_worker(sitting->supervisor, worker, "a cancelled run did not end", sitting->seat);
+        if (beats != worker->beats) {
+            worker->beats = beats;
+            worker->beat = now;
+        } else if (now - worker->beat > config->stall_seconds) {
+            end_worker(sitting->supervisor, worker, "it does not respond", VOR_NOBODY);
+        }
     }
     pthread_mutex_unlock(&sitting->supervisor->mutex);
 }
