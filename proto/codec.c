@@ -32,6 +32,13 @@ static const struct {
     {"model/vnd.draco", VOR_FORMAT_DRC},
 };
 
+void vor_limits_want(struct vor_limits *limits, const struct vor_spec *spec)
+{
+    limits->drop_invalid = spec->value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;
+    limits->keep_doubles = vor_spec_keeps_points(spec);
+    limits->keep_faces = (int)vor_spec_faces(spec);
+}
+
 const struct vor_format *vor_format(unsigned index)
 {
     return index < FORMAT_COUNT ? &formats[index] : NULL;

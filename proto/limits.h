@@ -17,6 +17,9 @@ struct vor_limits {
                        triangles for each of `points` */
 };
 
+/** Sets what a job needs of its clouds: drop_invalid, keep_doubles and keep_faces. */
+void vor_limits_want(struct vor_limits *limits, const struct vor_spec *spec);
+
 #define VOR_LIMITS_DEFAULT                                                                         \
     {                                                                                              \
         .points = 50000000, .header_bytes = 65536                                                  \

@@ -36,9 +36,9 @@ vor_status vor_work_start(struct vor_work *work, const struct vor_cli *cli,
         .ctx = progress, .progress = on_progress, .poll = on_poll, .clock = on_clock};
     work->run.memory = &work->memory;
     work->run.watch = &work->watch;
-    work->drop_invalid = cli->spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP;
-    work->keep_faces = (int)vor_spec_faces(&cli->spec);
-    work->keep_doubles = vor_spec_keeps_points(&cli->spec);
+    work->limits = (struct vor_limits)VOR_LIMITS_DEFAULT;
+    work->limits.points = VOR_POINTS_MAX;
+    vor_limits_want(&work->limits, &cli->spec);
     return vor_pool_create(&work->run.pool, cli->threads, err);
 }
 
@@ -51,18 +51,13 @@ void vor_work_end(struct vor_work *work)
 vor_status vor_work_load(struct vor_work *work, struct vor_cloud *cloud,
                          const struct vor_format **format, const char *path, struct vor_error *err)
 {
-    struct vor_limits limits = VOR_LIMITS_DEFAULT;
     struct vor_input input;
     vor_status status;
 
-    limits.points = VOR_POINTS_MAX;
-    limits.drop_invalid = work->drop_invalid;
-    limits.keep_faces = work->keep_faces;
-    limits.keep_doubles = work->keep_doubles;
     vor_cloud_init(cloud, &work->memory);
     status = vor_input_read(&input, path, err);
     if (status == VOR_OK)
-        status = vor_codec_read(cloud, format, input.bytes, input.size, &limits, err);
+        status = vor_codec_read(cloud, format, input.bytes, input.size, &work->limits, err);
     vor_input_free(&input);
     return status;
 }

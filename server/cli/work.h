@@ -5,6 +5,7 @@
 
 #include "core/engine.h"
 #include "proto/codec.h"
+#include "proto/limits.h"
 #include "server/cli/options.h"
 #include "server/cli/progress.h"
 
@@ -12,7 +13,7 @@ struct vor_work {
     struct vor_memory memory; /**< without a cap: it is the caller's own machine */
     struct vor_watch watch;   /**< cancels on a signal, shows progress, knows the time */
     struct vor_run run;
-    int drop_invalid, keep_faces, keep_doubles; /**< as struct vor_limits has them */
+    struct vor_limits limits;
 };
 
 /** Starts the threads. progress may be NULL. End with vor_work_end, also after a failure.

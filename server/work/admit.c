@@ -163,9 +163,7 @@ static vor_status admit_all(struct vor_admission *admission)
     uint64_t most = limits.inflated;
     vor_status status = VOR_OK;
 
-    limits.codec.drop_invalid = admission->drop_invalid;
-    limits.codec.keep_faces = admission->keep_faces;
-    limits.codec.keep_doubles = admission->keep_doubles;
+    vor_limits_want(&limits.codec, admission->spec);
     limits.place.has_left = admission->has_left;
     limits.place.ctx = admission->ctx;
     for (unsigned i = 0; i < uploads->count && status == VOR_OK; i++) {

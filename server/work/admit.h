@@ -71,12 +71,11 @@ void vor_admit_drop(struct vor_blobs *blobs, const struct vor_admitted *admitted
 struct vor_admit;
 
 /** The uploads of a request on their way. Who submits it fills in uploads (at least one), caller,
- *  drop_invalid, keep_faces, keep_doubles, done, has_left and ctx and keeps the struct until done
- * was called. */
+ * spec, done, has_left and ctx and keeps the struct until done was called. */
 struct vor_admission {
     struct vor_uploads uploads;                    /**< taken over, none left before done */
     struct vor_fairness_key caller;                /**< who shares the threads with others */
-    int drop_invalid, keep_faces, keep_doubles;    /**< as struct vor_limits has them */
+    const struct vor_spec *spec;                   /**< kept until done is called */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
                                                         vor_worker_submit */
     int (*has_left)(void *ctx); /**< true once nobody waits for it any more, on such a thread: then

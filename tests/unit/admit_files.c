@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 static const struct vor_admit_limits limits = {.codec = VOR_LIMITS_DEFAULT, .memory = 64u << 20};
+static struct vor_spec spec;
 
 static int kept(const char *dir)
 {
@@ -148,6 +149,7 @@ struct answers {
 static void init_answers(struct answers *answers)
 {
     memset(answers, 0, sizeof *answers);
+    vor_spec_preset(&spec, vor_process_find("inspect"));
     pthread_mutex_init(&answers->mutex, NULL);
     pthread_cond_init(&answers->cond, NULL);
 }
@@ -184,6 +186,7 @@ static void upload_for(struct vor_admission *admission, struct vor_blob_writer *
 {
     admission->uploads =
         (struct vor_uploads){.item = {{.name = "cloud", .bytes = bytes}}, .count = 1};
+    admission->spec = &spec;
 }
 
 VT_TEST(every_upload_is_answered_once)
@@ -334,6 +337,7 @@ static void admit_two(struct vor_blobs *blobs, struct vor_admission *admission,
         .uploads = {.item = {{.name = "cloud", .bytes = cloud},
                              {.name = "reference", .bytes = reference, .is_gzip = 1}},
                     .count = 2},
+        .spec = &spec,
         .done = answered,
         .ctx = &answers};
     vt_assert_ok(vor_admit_create(&admit, blobs, &roomy, 1, 1, &vt_err));

@@ -172,15 +172,12 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
     flight->sequence = sequence;
     flight->frame = index;
     memcpy(flight->name, frame->name, sizeof flight->name);
-    flight->admission =
-        (struct vor_admission){.uploads = uploads,
-                               .caller = sequence->caller,
-                               .drop_invalid = spec->value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
-                               .keep_faces = (int)vor_spec_faces(spec),
-                               .keep_doubles = vor_spec_keeps_points(spec),
-                               .done = on_admitted,
-                               .has_left = has_left,
-                               .ctx = flight};
+    flight->admission = (struct vor_admission){.uploads = uploads,
+                                               .caller = sequence->caller,
+                                               .spec = spec,
+                                               .done = on_admitted,
+                                               .has_left = has_left,
+                                               .ctx = flight};
     vor_deferred_retain(&sequence->deferred);
     outcome = vor_admit_submit(app->admit, &flight->admission);
     if (outcome == VOR_DONE)

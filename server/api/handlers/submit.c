@@ -298,15 +298,12 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     submission->booked = outcome == VOR_DONE;
     if (!submission->booked && !has_key(submission)) /* which may be that of a job that is there */
         return vor_outcome_reply(app, request, outcome, NULL, NULL);
-    submission->admission = (struct vor_admission){
-        .uploads = submission->uploads,
-        .caller = vor_auth_fairness_key(request),
-        .drop_invalid = submission->head.spec.value[VOR_PARAM_INVALID] == VOR_INVALID_DROP,
-        .keep_faces = (int)vor_spec_faces(&submission->head.spec),
-        .keep_doubles = vor_spec_keeps_points(&submission->head.spec),
-        .done = on_admitted,
-        .has_left = has_left,
-        .ctx = submission};
+    submission->admission = (struct vor_admission){.uploads = submission->uploads,
+                                                   .caller = vor_auth_fairness_key(request),
+                                                   .spec = &submission->head.spec,
+                                                   .done = on_admitted,
+                                                   .has_left = has_left,
+                                                   .ctx = submission};
     vor_deferred_retain(&submission->deferred);
     outcome = vor_admit_submit(app->admit, &submission->admission);
     if (outcome == VOR_DONE) {
