@@ -14,7 +14,7 @@
 
 /* Outside of the kd-tree the encoder counts in a table how often each number comes: of 30 bits, it
  * would take 4 GB. What needs more bits than these is kept as it is. */
-enum { SYMBOL_BITS_MAX = 20 };
+enum { SYMBOL_BITS_MAX = 20, INT32_RANGE = INT32_MAX - 1 };
 
 /* A cloud on its way into a file. Column 0 is the positions, column i + 1 is attribute i. */
 struct plan {
@@ -166,17 +166,12 @@ static void span_of(const struct vor_draco_column *column, size_t n, int64_t *lo
 
 /* The library computes in int32: outside of a kd-tree it refuses a UINT32 that leaves it, and
  * everywhere it loses an INT32 whose range does. */
-static int fits_int32(int64_t low, int64_t high)
-{
-    return high <= INT32_MAX && high - low < INT32_MAX;
-}
-
-static int kd_tree_takes_int32(const struct vor_draco_column *column, size_t n)
+static int fits_int32(const struct vor_draco_column *column, size_t n, int64_t range)
 {
     int64_t low, high;
 
     span_of(column, n, &low, &high);
-    return fits_int32(low, high);
+    return high <= INT32_MAX && high - low <= range;
 }
 
 /* Sequential encoding codes the step to each point from the one before it, and to the first one
@@ -194,16 +189,7 @@ static int sequence_takes_int32(const struct vor_draco_column *column, size_t n)
         if (llabs(int32_at(column, i) - before) > 1 << SYMBOL_BITS_MAX)
             return 0;
     }
-    return fits_int32(low, high);
-}
-
-/* Edgebreaker guesses a value from three others: anything within their range may be missing. */
-static int breaker_takes_int32(const struct vor_draco_column *column, size_t n)
-{
-    int64_t low, high;
-
-    span_of(column, n, &low, &high);
-    return fits_int32(low, high) && high - low <= 1 << SYMBOL_BITS_MAX;
+    return fits_int32(column, n, INT32_RANGE);
 }
 
 static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
@@ -212,7 +198,7 @@ static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
     case VOR_DRACO_FLOAT32:
         return column->bits > 0;
     case VOR_DRACO_INT32:
-        return kd_tree_takes_int32(column, n);
+        return fits_int32(column, n, INT32_RANGE);
     case VOR_DRACO_FLOAT64:
     case VOR_DRACO_INT64:
     case VOR_DRACO_UINT64:
@@ -282,8 +268,10 @@ static vor_status leave_kd_tree(struct plan *plan, struct vor_error *err)
             column->bits = are_unit_vectors(column, n) ? VOR_DRACO_NORMAL_BITS : 0;
         if (column->bits > SYMBOL_BITS_MAX)
             column->bits = 0;
+        /* Edgebreaker guesses a value from three others: it may be off by all of their range. */
         if ((column->scalar == VOR_DRACO_INT32 || column->scalar == VOR_DRACO_UINT32) &&
-            !(plan->reorders ? breaker_takes_int32(column, n) : sequence_takes_int32(column, n)))
+            !(plan->reorders ? fits_int32(column, n, 1 << SYMBOL_BITS_MAX)
+                             : sequence_takes_int32(column, n)))
             status = carry(plan, i, err);
     }
     return status;
