@@ -299,10 +299,10 @@ $(B)/tests/by_hand/bench/%: $(B)/tests/by_hand/bench/%.o $(LIB)
 	@echo "  LINK $@"
 	@$(LINK) $^ -o $@ $(LIBS)
 
-$(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear): $(B)/tests/by_hand/bench/%: tests/by_hand/bench/%.cc
+$(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear): $(B)/tests/by_hand/bench/%: tests/by_hand/bench/%.cc tests/by_hand/bench/peer.h
 	@mkdir -p $(@D)
 	@echo "  CXX  $<"
-	@$(CCACHE) $(CXX) -std=c++17 -O3 -DNDEBUG $< -o $@ -lmpfr -lgmp
+	@$(CCACHE) $(CXX) -std=c++17 -O3 -DNDEBUG -I. $< -o $@ -lmpfr -lgmp
 
 # PCL without its -dev package's 385: its headers stand in build/headers.
 PCL := registration features filters search sample_consensus kdtree octree common

@@ -4,19 +4,10 @@
 #include "proto/multipart.h"
 #include "tests/fuzz/fuzz.h"
 
-/* What was told, hashed (FNV-1a), so that no memory hangs on it. */
 struct told {
     uint64_t hash, data;
     unsigned parts, in_part;
 };
-
-static void mix(struct told *told, const void *bytes, size_t size)
-{
-    const uint8_t *at = bytes;
-
-    for (size_t i = 0; i < size; i++)
-        told->hash = (told->hash ^ at[i]) * UINT64_C(0x100000001b3);
-}
 
 static vor_status on_part(void *ctx, const struct vor_multipart_part *part, struct vor_error *err)
 {
@@ -32,9 +23,9 @@ static vor_status on_part(void *ctx, const struct vor_multipart_part *part, stru
     require(part->is_file || !part->is_unnamed, "no file, and that without a name");
     told->in_part = 1;
     require(++told->parts <= VOR_MULTIPART_PARTS_MAX, "too many parts");
-    mix(told, part->name, length + 1);
-    mix(told, part->coding, strlen(part->coding) + 1);
-    mix(told, &part->is_file, sizeof part->is_file);
+    fuzz_mix(&told->hash, part->name, length + 1);
+    fuzz_mix(&told->hash, part->coding, strlen(part->coding) + 1);
+    fuzz_mix(&told->hash, &part->is_file, sizeof part->is_file);
     return VOR_OK;
 }
 
@@ -45,7 +36,7 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
     (void)err;
     require(told->in_part && size > 0, "data outside of a part, or none");
     told->data += size;
-    mix(told, bytes, size);
+    fuzz_mix(&told->hash, bytes, size);
     return VOR_OK;
 }
 
@@ -56,7 +47,7 @@ static vor_status on_end(void *ctx, struct vor_error *err)
     (void)err;
     require(told->in_part, "an end without a part");
     told->in_part = 0;
-    mix(told, "|", 1);
+    fuzz_mix(&told->hash, "|", 1);
     return VOR_OK;
 }
 
@@ -68,17 +59,13 @@ static vor_status scan(struct told *told, const char *type, const uint8_t *body,
     struct vor_multipart scanner;
     vor_status status;
 
-    *told = (struct told){.hash = UINT64_C(0xcbf29ce484222325)};
+    *told = (struct told){.hash = FUZZ_HASH};
     memset(err, 0, sizeof *err);
     status = vor_multipart_begin(&scanner, type, &events, err);
     for (size_t at = 0; at < size && status == VOR_OK;) {
-        size_t next = piece > 0 ? piece : 1u + body[at] % 16u;
-        uint8_t *copy;
+        size_t next = piece;
+        uint8_t *copy = fuzz_piece(body + at, size - at, 16, &next);
 
-        next = next < size - at ? next : size - at;
-        copy = malloc(next); /* so that a read beyond it is seen */
-        require(copy != NULL, "no memory");
-        memcpy(copy, body + at, next);
         status = vor_multipart_feed(&scanner, copy, next, err);
         free(copy);
         at += next;

@@ -4,19 +4,10 @@
 #include "proto/tar.h"
 #include "tests/fuzz/fuzz.h"
 
-/* What was told, hashed (FNV-1a). */
 struct told {
     uint64_t hash, data, size;
     unsigned files, in_file;
 };
-
-static void mix(struct told *told, const void *bytes, size_t size)
-{
-    const uint8_t *at = bytes;
-
-    for (size_t i = 0; i < size; i++)
-        told->hash = (told->hash ^ at[i]) * UINT64_C(0x100000001b3);
-}
 
 static vor_status on_file(void *ctx, const char *path, uint64_t size, struct vor_error *err)
 {
@@ -29,7 +20,7 @@ static vor_status on_file(void *ctx, const char *path, uint64_t size, struct vor
     told->in_file = 1;
     told->files++;
     told->size = size;
-    mix(told, path, length + 1);
+    fuzz_mix(&told->hash, path, length + 1);
     return VOR_OK;
 }
 
@@ -41,7 +32,7 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
     require(told->in_file && size > 0 && size <= told->size, "data outside of a file, or none");
     told->data += size;
     told->size -= size;
-    mix(told, bytes, size);
+    fuzz_mix(&told->hash, bytes, size);
     return VOR_OK;
 }
 
@@ -62,17 +53,13 @@ static vor_status scan(struct told *told, const uint8_t *bytes, size_t size, siz
     struct vor_tar scanner;
     vor_status status = VOR_OK;
 
-    *told = (struct told){.hash = UINT64_C(0xcbf29ce484222325)};
+    *told = (struct told){.hash = FUZZ_HASH};
     memset(err, 0, sizeof *err);
     vor_tar_begin(&scanner, &events);
     for (size_t at = 0; at < size && status == VOR_OK;) {
-        size_t next = piece > 0 ? piece : 1u + bytes[at] % 64u;
-        uint8_t *copy;
+        size_t next = piece;
+        uint8_t *copy = fuzz_piece(bytes + at, size - at, 64, &next);
 
-        next = next < size - at ? next : size - at;
-        copy = malloc(next); /* so that a read beyond it is seen */
-        require(copy != NULL, "no memory");
-        memcpy(copy, bytes + at, next);
         status = vor_tar_feed(&scanner, copy, next, err);
         free(copy);
         at += next;

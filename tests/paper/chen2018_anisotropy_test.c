@@ -3,6 +3,7 @@
  * the true metric of the true tangent plane. */
 #include "core/input/anisotropy.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,20 +32,10 @@ static void run(struct vor_cloud *out, struct vor_report *report, const struct v
     vt_engine_close(&engine);
 }
 
-/* n points, even by area, on an ellipsoid of half axes 4, 1 and 1. */
+/* Half axes 4, 1 and 1. */
 static void make_ellipsoid(struct vor_cloud *cloud)
 {
-    vt_cloud_make(cloud, IN);
-    for (uint64_t i = 0, drawn = 0; i < IN; drawn++) {
-        double x = 2 * vt_unit(3, 3 * drawn) - 1, turn = 2 * M_PI * vt_unit(3, 3 * drawn + 1);
-        double r = sqrt(1 - x * x);
-
-        if (4 * vt_unit(3, 3 * drawn + 2) > sqrt(x * x + 16 * r * r))
-            continue;
-        cloud->xyz[3 * i] = (float)(4 * x);
-        cloud->xyz[3 * i + 1] = (float)(r * cos(turn));
-        cloud->xyz[3 * i++ + 2] = (float)(r * sin(turn));
-    }
+    vt_cloud_ellipsoid(cloud, 3, IN, 4);
 }
 
 /* The principal curvatures are 4 / w^3 along the meridian and 4 / w around. */

@@ -5,6 +5,7 @@
 #include "core/input/input.h"
 #include "core/metrics/uniformity.h"
 #include "tests/support/vt_engine.h"
+#include "tests/support/vt_shape.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,21 +29,10 @@ static void run(struct vor_cloud *out, struct vor_report *report, const struct v
     vt_engine_close(&engine);
 }
 
-/* n points, even by area, on an ellipsoid of half axes 3, 1 and 1, whose curvatures sum to 1.1 at
- * the waist and to 6 at the tips. */
+/* Half axes 3, 1 and 1: curvatures sum to 1.1 at the waist and to 6 at the tips. */
 static void make_ellipsoid(struct vor_cloud *cloud, size_t n)
 {
-    vt_cloud_make(cloud, n);
-    for (uint64_t i = 0, drawn = 0; i < n; drawn++) {
-        double x = 2 * vt_unit(3, 3 * drawn) - 1, turn = 2 * M_PI * vt_unit(3, 3 * drawn + 1);
-        double r = sqrt(1 - x * x);
-
-        if (3 * vt_unit(3, 3 * drawn + 2) > sqrt(x * x + 9 * r * r))
-            continue;
-        cloud->xyz[3 * i] = (float)(3 * x);
-        cloud->xyz[3 * i + 1] = (float)(r * cos(turn));
-        cloud->xyz[3 * i++ + 2] = (float)(r * sin(turn));
-    }
+    vt_cloud_ellipsoid(cloud, 3, n, 3);
 }
 
 /* Slope of a line through the means of `bins` bins with as many points each, by density. */

@@ -124,6 +124,18 @@ double vt_unit(uint64_t seed, uint64_t index)
     return vor_rng_unit(seed, 999, index);
 }
 
+void vt_reflect(double *x, const double *across, int n)
+{
+    double along = 0, length2 = 0;
+
+    for (int i = 0; i < n; i++) {
+        along += across[i] * x[i];
+        length2 += across[i] * across[i];
+    }
+    for (int i = 0; i < n; i++)
+        x[i] -= length2 > 0 ? 2 * along / length2 * across[i] : 0;
+}
+
 static void fresh(struct vor_cloud *cloud, size_t n)
 {
     vor_cloud_init(cloud, &vt_memory);

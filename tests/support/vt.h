@@ -139,6 +139,10 @@ void vt_fail_each(vor_status (*attempt)(void *ctx), void *ctx);
 /** The index-th uniform number in [0, 1) of a seed. */
 double vt_unit(uint64_t seed, uint64_t index);
 
+/** Reflects x by the mirror across a vector of any length, 0 being no mirror; both have n numbers.
+ */
+void vt_reflect(double *x, const double *across, int n);
+
 /** n points in the unit cube / on the unit sphere / on a unit square with z = 0, float32. The cloud
  *  allocates from vt_memory; free it with vor_cloud_free. */
 void vt_cloud_cube(struct vor_cloud *cloud, uint64_t seed, size_t n);

@@ -36,6 +36,21 @@ void vt_cloud_torus(struct vor_cloud *cloud, uint64_t seed, size_t n)
     }
 }
 
+void vt_cloud_ellipsoid(struct vor_cloud *cloud, uint64_t seed, size_t n, double half)
+{
+    vt_cloud_make(cloud, n);
+    for (uint64_t i = 0, drawn = 0; i < n; drawn++) {
+        double x = 2 * vt_unit(seed, 3 * drawn) - 1, turn = 2 * M_PI * vt_unit(seed, 3 * drawn + 1);
+        double r = sqrt(1 - x * x);
+
+        if (half * vt_unit(seed, 3 * drawn + 2) > sqrt(x * x + half * half * r * r))
+            continue;
+        cloud->xyz[3 * i] = (float)(half * x);
+        cloud->xyz[3 * i + 1] = (float)(r * cos(turn));
+        cloud->xyz[3 * i++ + 2] = (float)(r * sin(turn));
+    }
+}
+
 static void trefoil(double t, double x[3])
 {
     x[0] = (2 + cos(3 * t)) * cos(2 * t);

@@ -21,6 +21,9 @@ extern const struct vt_shape vt_shapes[VT_SMOOTH];
 /** n points, even by area, on a torus about the z axis. */
 void vt_cloud_torus(struct vor_cloud *cloud, uint64_t seed, size_t n);
 
+/** n points, even by area, on an ellipsoid of half axes `half`, 1 and 1. */
+void vt_cloud_ellipsoid(struct vor_cloud *cloud, uint64_t seed, size_t n, double half);
+
 /** Radius of the tube around the trefoil knot, which lies on a torus of radii 2 and 1. */
 #define VT_KNOT_TUBE 0.4
 

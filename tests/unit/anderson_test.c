@@ -15,27 +15,12 @@ struct contraction {
 
 static void make(struct contraction *g, uint64_t seed)
 {
-    double length2 = 0;
-
     for (uint64_t i = 0; i < N; i++) {
         g->rate[i] = 0.97 * vt_unit(seed, i);
         g->mirror[i] = 2 * vt_unit(seed, 100 + i) - 1;
         g->fixed[i] = 2 * vt_unit(seed, 200 + i) - 1;
-        length2 += g->mirror[i] * g->mirror[i];
     }
     g->rate[0] = 0.97;
-    for (int i = 0; i < N; i++)
-        g->mirror[i] /= sqrt(length2);
-}
-
-static void reflect(const double mirror[N], double x[N])
-{
-    double along = 0;
-
-    for (int i = 0; i < N; i++)
-        along += mirror[i] * x[i];
-    for (int i = 0; i < N; i++)
-        x[i] -= 2 * along * mirror[i];
 }
 
 static void apply(const struct contraction *g, const float *y, float *out)
@@ -44,10 +29,10 @@ static void apply(const struct contraction *g, const float *y, float *out)
 
     for (int i = 0; i < N; i++)
         x[i] = (double)y[i] - g->fixed[i];
-    reflect(g->mirror, x);
+    vt_reflect(x, g->mirror, N);
     for (int i = 0; i < N; i++)
         x[i] *= g->rate[i];
-    reflect(g->mirror, x);
+    vt_reflect(x, g->mirror, N);
     for (int i = 0; i < N; i++)
         out[i] = (float)(x[i] + g->fixed[i]);
 }

@@ -17,27 +17,12 @@ struct bowl {
 
 static void make(struct bowl *bowl, uint64_t seed, double condition)
 {
-    double length2 = 0;
-
     *bowl = (struct bowl){.lowest = INFINITY, .highest = -INFINITY, .hole = INFINITY};
     for (uint64_t i = 0; i < N; i++) {
         bowl->rate[i] = pow(condition, vt_unit(seed, i));
         bowl->least[i] = 4 * vt_unit(seed, 100 + i) - 2;
         bowl->mirror[i] = 2 * vt_unit(seed, 200 + i) - 1;
-        length2 += bowl->mirror[i] * bowl->mirror[i];
     }
-    for (int i = 0; i < N; i++)
-        bowl->mirror[i] /= sqrt(length2);
-}
-
-static void reflect(const double mirror[N], double x[N])
-{
-    double along = 0;
-
-    for (int i = 0; i < N; i++)
-        along += mirror[i] * x[i];
-    for (int i = 0; i < N; i++)
-        x[i] -= 2 * along * mirror[i];
 }
 
 static vor_status at_bowl(void *ctx, const double *x, double *value, double *gradient,
@@ -52,13 +37,13 @@ static vor_status at_bowl(void *ctx, const double *x, double *value, double *gra
     bowl->highest = fmax(bowl->highest, x[0]);
     for (int i = 0; i < N; i++)
         d[i] = x[i] - bowl->least[i];
-    reflect(bowl->mirror, d);
+    vt_reflect(d, bowl->mirror, N);
     *value = 0;
     for (int i = 0; i < N; i++) {
         *value += bowl->rate[i] * d[i] * d[i] / 2;
         d[i] *= bowl->rate[i];
     }
-    reflect(bowl->mirror, d);
+    vt_reflect(d, bowl->mirror, N);
     memcpy(gradient, d, sizeof d);
     if (x[0] > bowl->hole)
         *value = NAN;

@@ -4,7 +4,8 @@
  *
  * usage: ear IN.ply NEIGHBORS SMOOTHINGS SENSITIVITY RADIUS POINTS OUT.ply; SMOOTHINGS and POINTS
  * may be 0: not smoothed, not upsampled; RADIUS 0 is CGAL's own choice. */
-#include <CGAL/IO/read_ply_points.h>
+#include "tests/by_hand/bench/peer.h"
+
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/bilateral_smooth_point_set.h>
 #include <CGAL/edge_aware_upsample_point_set.h>
@@ -14,8 +15,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <fstream>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -27,32 +26,6 @@ using normal_map = CGAL::Second_of_pair_property_map<oriented>;
 
 /* Degrees within which two normals count as alike: the paper's, and our default. */
 static const double sharp_degrees = 15;
-
-static double cpu_seconds()
-{
-    timespec t;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
-}
-
-static bool write_ply(const char *path, const std::vector<oriented> &cloud)
-{
-    std::ofstream out(path, std::ios::binary);
-
-    out << "ply\nformat binary_little_endian 1.0\nelement vertex " << cloud.size();
-    for (const char *name : {"x", "y", "z", "nx", "ny", "nz"})
-        out << "\nproperty float " << name;
-    out << "\nend_header\n";
-    for (const auto &[p, n] : cloud) {
-        const float row[6] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                              static_cast<float>(p.z()), static_cast<float>(n.x()),
-                              static_cast<float>(n.y()), static_cast<float>(n.z())};
-
-        out.write(reinterpret_cast<const char *>(row), sizeof row);
-    }
-    return out.flush().good();
-}
 
 static void normals(std::vector<oriented> &cloud, unsigned neighbors)
 {
@@ -95,14 +68,8 @@ int main(int argc, char **argv)
                              "OUT.ply\n");
         return 2;
     }
-    std::ifstream in(argv[1], std::ios::binary);
-    if (!in ||
-        !CGAL::IO::read_PLY(in, std::back_inserter(cloud),
-                            CGAL::parameters::point_map(point_map())) ||
-        cloud.empty()) {
-        std::fprintf(stderr, "%s is no PLY that CGAL reads\n", argv[1]);
+    if (!read_ply(argv[1], cloud, CGAL::parameters::point_map(point_map())))
         return 1;
-    }
     const unsigned neighbors = static_cast<unsigned>(std::atoi(argv[2]));
     const double radius = std::atof(argv[5]) > 0 ? std::atof(argv[5]) : -1;
     const size_t points = static_cast<size_t>(std::atoll(argv[6]));
@@ -117,10 +84,8 @@ int main(int argc, char **argv)
     if (points > 0)
         upsample(cloud, std::atof(argv[4]), radius, points);
     at[3] = cpu_seconds();
-    if (!write_ply(argv[7], cloud)) {
-        std::fprintf(stderr, "%s cannot be written\n", argv[7]);
+    if (!write_oriented(argv[7], cloud))
         return 1;
-    }
     std::printf(
         "{\"points\":%zu,\"normals\":%.6f,\"smooth\":%.6f,\"upsample\":%.6f,\"cpu\":%.6f}\n",
         cloud.size(), at[1] - at[0], at[2] - at[1], at[3] - at[2], at[3] - at[0]);

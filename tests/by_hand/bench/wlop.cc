@@ -2,41 +2,27 @@
  * result as PLY, prints the CPU seconds of the algorithm alone. One thread.
  *
  * usage: wlop IN.ply POINTS ITERATIONS RADIUS UNIFORM OUT.ply; RADIUS 0 is CGAL's own choice. */
-#include <CGAL/IO/read_ply_points.h>
+#include "tests/by_hand/bench/peer.h"
+
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/wlop_simplify_and_regularize_point_set.h>
 
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <fstream>
 #include <iterator>
 #include <vector>
 
 using kernel = CGAL::Simple_cartesian<double>;
 using points = std::vector<kernel::Point_3>;
 
-static double cpu_seconds()
-{
-    timespec t;
-
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec) * 1e-9;
-}
-
 static bool write_ply(const char *path, const points &cloud)
 {
-    std::ofstream out(path, std::ios::binary);
+    std::ofstream out = begin_ply(path, cloud.size(), {"x", "y", "z"});
 
-    out << "ply\nformat binary_little_endian 1.0\nelement vertex " << cloud.size()
-        << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
-    for (const auto &p : cloud) {
-        const float xyz[3] = {static_cast<float>(p.x()), static_cast<float>(p.y()),
-                              static_cast<float>(p.z())};
-
-        out.write(reinterpret_cast<const char *>(xyz), sizeof xyz);
-    }
-    return out.flush().good();
+    out << "\nend_header\n";
+    for (const auto &p : cloud)
+        put_vertex(out, {p.x(), p.y(), p.z()});
+    return end_ply(out, path);
 }
 
 /* radius below 0: eight times the input's mean spacing to six neighbours. */
@@ -62,11 +48,8 @@ int main(int argc, char **argv)
         std::fprintf(stderr, "usage: wlop IN.ply POINTS ITERATIONS RADIUS UNIFORM OUT.ply\n");
         return 2;
     }
-    std::ifstream in(argv[1], std::ios::binary);
-    if (!in || !CGAL::IO::read_PLY(in, std::back_inserter(cloud)) || cloud.empty()) {
-        std::fprintf(stderr, "%s is no PLY that CGAL reads\n", argv[1]);
+    if (!read_ply(argv[1], cloud))
         return 1;
-    }
     /* The library rounds down; half a point keeps n from becoming n - 1. */
     const double percentage = 100 * (std::atof(argv[2]) + 0.5) / static_cast<double>(cloud.size());
     const unsigned iterations = static_cast<unsigned>(std::atoi(argv[3]));
@@ -75,10 +58,8 @@ int main(int argc, char **argv)
     const points result = simplify(cloud, percentage, iterations, radius, argv[5][0] == '1');
     const double cpu = cpu_seconds() - from;
 
-    if (!write_ply(argv[6], result)) {
-        std::fprintf(stderr, "%s cannot be written\n", argv[6]);
+    if (!write_ply(argv[6], result))
         return 1;
-    }
     std::printf("{\"points\":%zu,\"cpu\":%.6f}\n", result.size(), cpu);
     return 0;
 }
