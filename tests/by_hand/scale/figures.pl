@@ -140,7 +140,7 @@ if ($want{events}) {
         ask('daemons', 'SELECT sum(last) FROM (SELECT max(last) AS last FROM event GROUP BY seq) AS jobs'), "\n";
 }
 
-# For a minute a worker is killed each 2 s and PostgreSQL is started anew each 20 s, with S3 behind a proxy that drops one connection of
+# For VT_SECONDS a worker is killed each 2 s and PostgreSQL is started anew each 20 s, with S3 behind a proxy that drops one connection of
 # ten at once and the others some time, and PostgreSQL behind pgbouncer. Each job is submitted until it is accepted.
 if ($want{faults}) {
     ask('postgres', 'CREATE DATABASE faults');
@@ -149,15 +149,15 @@ if ($want{faults}) {
     my $wanted = Vt->start(jobs => 1)->post('/v1/resample?points=500', $cloud)->{content};
     my @apis = map { wait_until(sub { eval { Vt->start(@of, role => 'api') } }) } 1 .. 2;
     my @workers = (undef) x 3;
-    my ($count, $began, $killed, $stopped, %refused, @ids) = ($ENV{VT_JOBS} // 200, time, 0, 0);
-    while (@ids < $count || time - $began < 60) {
+    my ($count, $seconds, $began, $killed, $stopped, %refused, @ids) = ($ENV{VT_JOBS} // 200, $ENV{VT_SECONDS} // 60, time, 0, 0);
+    while (@ids < $count || time - $began < $seconds) {
         my $passed = time - $began;
-        if ($passed < 60 && $passed > 2 * $killed) {
+        if ($passed < $seconds && $passed > 2 * $killed) {
             my $one = $killed++ % 3;
             $workers[$one]->stop('KILL') if $workers[$one];
             $workers[$one] = eval { Vt->start(@of, role => 'worker', jobs => 2, threads => 1) };
         }
-        if ($passed < 60 && $passed > 20 * ($stopped + 1)) {
+        if ($passed < $seconds && $passed > 20 * ($stopped + 1)) {
             $stopped++;
             stop_postgres('immediate');
             start_postgres();
