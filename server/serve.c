@@ -122,14 +122,20 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
 {
     struct vor_config *config = &daemon->config;
     struct vor_blob_cache cache = {config->text[VOR_SET_DATA],
-                                   (uint64_t)config->number[VOR_SET_BLOBS_CACHE]};
-    vor_status status =
-        vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE],
-                       vor_blobs_are_shared(config->text[VOR_SET_BLOBS]), &daemon->holder, err);
+                                   (uint64_t)config->number[VOR_SET_BLOBS_CACHE],
+                                   config->is_shared};
+    int64_t daemons = 0;
+    vor_status status = vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE],
+                                       config->is_shared, &daemon->holder, err);
 
     if (status == VOR_OK)
         status = vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,
                                 &daemon->holder, err);
+    if (status == VOR_OK)
+        status = vor_store_daemons(daemon->app.store, &daemons, err);
+    if (status == VOR_OK)
+        status = vor_blobs_claim(daemon->app.blobs, vor_store_secret(daemon->app.store),
+                                 config->is_shared && daemons > 0, err);
     if (status != VOR_OK)
         return status;
     vor_tickets_share(daemon->app.tickets, vor_store_secret(daemon->app.store));

@@ -291,15 +291,14 @@ static vor_status check_hosts(struct vor_config *config, struct vor_error *err)
 /* Who shares no store with others has to do everything. */
 static vor_status check_role(struct vor_config *config, struct vor_error *err)
 {
-    if ((enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_ALL ||
-        (strncmp(config->text[VOR_SET_STORE], "postgres", 8) == 0 &&
-         (strncmp(config->text[VOR_SET_BLOBS], "s3:", 3) == 0 ||
-          strncmp(config->text[VOR_SET_BLOBS], "postgres", 8) == 0)))
+    config->is_shared = strncmp(config->text[VOR_SET_STORE], "postgres", 8) == 0 &&
+                        config->text[VOR_SET_BLOBS][0] != '\0'; /* by default they are its own */
+    if ((enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_ALL || config->is_shared)
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, "role",
                           "role is api or worker, but these roles are only for daemons that share "
-                          "their jobs: give --store postgresql://... and --blobs s3:... or "
-                          "postgresql://..., or --role all");
+                          "their jobs: give --store postgresql://... and --blobs s3:..., "
+                          "postgresql://... or dir:PATH, or --role all");
 }
 
 static vor_status check_callers(const struct vor_config *config, struct vor_error *err)

@@ -43,7 +43,8 @@
       "Database of jobs: sqlite:PATH, or postgresql://USER@HOST/DATABASE. Default: jobs.sqlite "   \
       "in --data")                                                                                 \
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
-      "Uploads and results: dir:PATH for a folder, s3:https://HOST/BUCKET/PREFIX, or "             \
+      "Uploads and results: dir:PATH for a folder (with --store postgresql://...: of a file "      \
+      "system that all daemons share), s3:https://HOST/BUCKET/PREFIX, or "                         \
       "postgresql://USER@HOST/DATABASE, which may be that of --store. Default: folder blobs in "   \
       "--data")                                                                                    \
     X(BLOBS_PUBLIC_URL, "blobs-public-url", TEXT, "URL", 0, 0, "",                                 \
@@ -53,7 +54,7 @@
     X(ROLE, "role", CHOICE, "all api worker", 0, 0, "all",                                         \
       "What the daemon does. api: it answers requests and runs no jobs; worker: it runs jobs and " \
       "answers only /livez, /readyz and /metrics; all: both. api and worker need --store "         \
-      "postgresql://... and --blobs s3:... or postgresql://...")                                   \
+      "postgresql://... and --blobs that all daemons share")                                       \
     X(EXIT_WHEN_IDLE, "exit-when-idle", TIME, "seconds", 0, 31536000, "0",                         \
       "Exit with status 0 after this time without a waiting or running job. 0: never")             \
     X(BLOBS_CACHE, "blobs-cache", BYTES, "bytes", 0, 1e15, "1G",                                   \
@@ -178,7 +179,8 @@ enum vor_role { VOR_ROLE_ALL, VOR_ROLE_API, VOR_ROLE_WORKER };
 struct vor_config {
     double number[VOR_SETTING_COUNT];
     char text[VOR_SETTING_COUNT][VOR_CONFIG_TEXT_MAX];
-    int given[VOR_SETTING_COUNT];        /**< by flag, environment or file */
+    int given[VOR_SETTING_COUNT]; /**< by flag, environment or file */
+    int is_shared; /**< other daemons may have the same jobs and files, by STORE and BLOBS */
     unsigned line[VOR_SETTING_COUNT];    /**< of the file of settings; 0 for elsewhere */
     struct vor_endpoint endpoint, admin; /**< of LISTEN, of ADMIN_LISTEN */
     struct vor_networks trusted;         /**< of TRUSTED_PROXY */

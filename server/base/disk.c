@@ -145,7 +145,7 @@ vor_status vor_storage_directory(const char *path, struct vor_error *err)
     return failed ? vor_fail_access(err, failed, path) : VOR_OK;
 }
 
-vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
+static vor_status lock(int *fd, const char *path, int how, long *holder, struct vor_error *err)
 {
     int file = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     vor_status status;
@@ -160,9 +160,9 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
         free(copy);
         return status;
     }
-    if (flock(file, LOCK_EX | LOCK_NB) == 0) {
+    if (flock(file, how | LOCK_NB) == 0) {
         char text[24];
-        int size = snprintf(text, sizeof text, "%ld\n", (long)getpid());
+        int size = how == LOCK_EX ? snprintf(text, sizeof text, "%ld\n", (long)getpid()) : 0;
 
         /* On a full disk the lock holds all the same; it just does not say who has it. */
         if (ftruncate(file, 0) == 0 && pwrite(file, text, (size_t)size, 0) != size)
@@ -189,4 +189,14 @@ vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_
     }
     close(file);
     return status;
+}
+
+vor_status vor_storage_lock(int *fd, const char *path, long *holder, struct vor_error *err)
+{
+    return lock(fd, path, LOCK_EX, holder, err);
+}
+
+vor_status vor_storage_share_lock(int *fd, const char *path, long *holder, struct vor_error *err)
+{
+    return lock(fd, path, LOCK_SH, holder, err);
 }

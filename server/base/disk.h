@@ -40,4 +40,8 @@ VOR_NODISCARD vor_status vor_storage_directory(const char *path, struct vor_erro
 VOR_NODISCARD vor_status vor_storage_lock(int *fd, const char *path, long *holder,
                                           struct vor_error *err);
 
+/** The same, together with others that share it; says nothing of who has it. */
+VOR_NODISCARD vor_status vor_storage_share_lock(int *fd, const char *path, long *holder,
+                                                struct vor_error *err);
+
 #endif

@@ -134,14 +134,6 @@ vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
     return i < DRIVERS ? open_with(drivers[i], out, place, cache, holder, err) : refuse(where, err);
 }
 
-int vor_blobs_are_shared(const char *where)
-{
-    const char *place;
-    unsigned i = driver_of(where, &place);
-
-    return i > DIR && i < DRIVERS;
-}
-
 void vor_blobs_close(struct vor_blobs *blobs)
 {
     if (blobs != NULL)
@@ -491,11 +483,66 @@ vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, con
     return blobs->driver->drop(blobs, id, name, err);
 }
 
+static const struct vor_uuid nobody = {"00000000-0000-0000-0000-000000000000"};
+
+struct listing {
+    void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
+    void *ctx;
+};
+
+static void list_one(void *ctx, const struct vor_uuid *id, const char *name)
+{
+    const struct listing *listing = ctx;
+
+    if (strcmp(id->text, nobody.text) != 0)
+        listing->each(listing->ctx, id, name);
+}
+
 vor_status vor_blobs_list(struct vor_blobs *blobs,
                           void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
                           void *ctx, struct vor_error *err)
 {
-    return blobs->driver->list(blobs, each, ctx, err);
+    struct listing listing = {each, ctx};
+
+    return blobs->driver->list(blobs, list_one, &listing, err);
+}
+
+static vor_status note_store(struct vor_blobs *blobs, const char *etag, struct vor_error *err)
+{
+    struct vor_blob_writer *writer = NULL;
+    vor_status status = vor_blob_create(blobs, &writer, err);
+
+    if (status != VOR_OK || writer == NULL)
+        return status;
+    status = vor_blob_append(writer, etag, VOR_ETAG_SIZE - 1, err);
+    if (status == VOR_OK)
+        return vor_blob_commit(writer, &nobody, "store", err);
+    vor_blob_discard(writer);
+    return status;
+}
+
+vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *store, int is_joined,
+                           struct vor_error *err)
+{
+    char etag[VOR_ETAG_SIZE] = "", noted[VOR_ETAG_SIZE] = "";
+    uint64_t size;
+    int fd = -1, found = 0;
+    vor_status status = vor_blob_get(blobs, &nobody, "store", &fd, &size, &found, err);
+
+    vor_digest_etag(store, strlen(store), etag);
+    if (status == VOR_OK && found && pread(fd, noted, sizeof noted - 1, 0) < 0)
+        status = vor_fail_errno(err, errno, "the file that notes the owner of these files");
+    if (fd >= 0)
+        close(fd);
+    if (status != VOR_OK || (found && strcmp(noted, etag) == 0))
+        return status;
+    if (found || (is_joined && blobs->driver == &vor_blob_dir))
+        return vor_fail(err, VOR_E_IO,
+                        found ? "the files in --blobs belong to another database of jobs: choose "
+                                "another folder or prefix"
+                              : "other daemons use this --store, but have their files elsewhere: "
+                                "--blobs must be the folder that they all share");
+    return store[0] != '\0' ? note_store(blobs, etag, err) : VOR_OK;
 }
 
 vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

@@ -11,6 +11,7 @@
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
  *                  the job expires or is removed
  *    "NAME-try-K"  the same of attempt K, from 2 on; former versions wrote all as NAME
+ *    "store" of the job whose identifier is all zeros: whose blobs these are (vor_blobs_claim)
  *    "NAME-as-FORMAT"  that cloud in another format, and behind it the SHA-256 of its bytes in 64
  *                  digits; kept as long, and made anew when asked for
  *
@@ -66,8 +67,15 @@ VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *wher
                                         const struct vor_blob_cache *cache, long *holder,
                                         struct vor_error *err);
 
-/** True when processes of other machines find the same blobs there. */
-int vor_blobs_are_shared(const char *where);
+/** Notes whose blobs these are, or compares: two stores with the same blobs would take each other's
+ *  for strays.
+ *
+ *  @param[in] store     of the jobs: a secret; "" where it has none, and nothing is noted
+ *  @param[in] is_joined other daemons use the store now: a folder that notes nothing is not theirs
+ *
+ *  @retval VOR_E_IO they are another store's, or that is not known */
+VOR_NODISCARD vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *store, int is_joined,
+                                         struct vor_error *err);
 
 /** blobs may be NULL; no writer may be open. */
 void vor_blobs_close(struct vor_blobs *blobs);

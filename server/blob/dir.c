@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -82,9 +83,26 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
     return status;
 }
 
+/* Leaves what another process has locked: it is being written. */
 static void unlink_tmp(void *ctx, const char *name)
 {
-    (void)unlinkat(((struct vor_blob_directory *)ctx)->tmp, name, 0);
+    const struct vor_blob_directory *directory = ctx;
+    int fd = directory->is_shared ? openat(directory->tmp, name, O_RDWR | O_CLOEXEC) : -1;
+
+    if (fd < 0 || flock(fd, LOCK_EX | LOCK_NB) == 0)
+        (void)unlinkat(directory->tmp, name, 0);
+    if (fd >= 0)
+        close(fd);
+}
+
+/* Where others share the directory they add to it and take from it as well: what is told then is
+ * what this process has seen. */
+static void count_less(struct vor_blobs *blobs, uint64_t size)
+{
+    uint64_t had = atomic_load(&blobs->bytes);
+
+    while (!atomic_compare_exchange_weak(&blobs->bytes, &had, had - (size < had ? size : had)))
+        continue;
 }
 
 /* Bytes of a file in keep; 0 when there is none. */
@@ -119,7 +137,8 @@ vor_status vor_blob_directory_open(struct vor_blob_directory *directory, const c
     if (directory->tmp < 0)
         return VOR_E_IO;
     (void)snprintf(lock, sizeof lock, "%s/lock", path);
-    status = vor_storage_lock(&directory->lock, lock, holder, err);
+    status = directory->is_shared ? vor_storage_share_lock(&directory->lock, lock, holder, err)
+                                  : vor_storage_lock(&directory->lock, lock, holder, err);
     if (status != VOR_OK)
         return status;
     status = each_name(directory->tmp, unlink_tmp, directory, err);
@@ -151,10 +170,13 @@ static vor_status open_blobs(struct vor_blobs **out, const char *place,
     struct vor_blob_directory *directory = malloc(sizeof *directory);
     vor_status status;
 
-    (void)cache;
     if (directory == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the files in %.80s", place);
-    *directory = (struct vor_blob_directory){.lock = -1, .parent = -1, .keep = -1, .tmp = -1};
+    *directory = (struct vor_blob_directory){.lock = -1,
+                                             .parent = -1,
+                                             .keep = -1,
+                                             .tmp = -1,
+                                             .is_shared = cache != NULL && cache->is_shared};
     status = vor_blob_directory_open(directory, place, holder, err);
     if (status != VOR_OK) {
         vor_blob_directory_close(directory);
@@ -181,14 +203,25 @@ static vor_status space(struct vor_blobs *blobs, uint64_t *available, uint64_t *
 static vor_status open_temporary(struct vor_blob_directory *directory, struct writer *writer,
                                  struct vor_error *err)
 {
+    struct stat info;
     struct vor_uuid id;
     vor_status status = vor_uuid_make(&id, err);
 
     if (status != VOR_OK)
         return status;
-    writer->base.fd = openat(directory->tmp, id.text, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (writer->base.fd < 0)
-        return vor_fail_errno(err, errno, "a temporary file");
+    do { /* another process may take it for left over before it is locked */
+        writer->base.fd =
+            openat(directory->tmp, id.text, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+        if (writer->base.fd < 0)
+            return vor_fail_errno(err, errno, "a temporary file");
+        if (!directory->is_shared)
+            break;
+        if (flock(writer->base.fd, LOCK_SH) == 0 && fstat(writer->base.fd, &info) == 0 &&
+            info.st_nlink > 0)
+            break;
+        close(writer->base.fd);
+        (void)unlinkat(directory->tmp, id.text, 0);
+    } while (1);
     (void)snprintf(writer->file, sizeof writer->file, "%s", id.text);
     return VOR_OK;
 }
@@ -299,7 +332,9 @@ static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id
     before = size_of((struct vor_blob_directory *)base->blobs, file);
     status = name_file(base, file, err);
     if (status == VOR_OK)
-        base->blobs->bytes += base->size - before;
+        base->blobs->bytes += base->size;
+    if (status == VOR_OK)
+        count_less(base->blobs, before);
     return status;
 }
 
@@ -365,7 +400,7 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
     vor_blob_file(file, id, name);
     size = size_of((struct vor_blob_directory *)blobs, file);
     if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) == 0)
-        blobs->bytes -= size;
+        count_less(blobs, size);
     else if (errno != ENOENT)
         return vor_fail_errno(err, errno, file);
     return VOR_OK;
@@ -384,7 +419,7 @@ static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, 
     size = size_of(directory, file);
     status = vor_dir_set_aside(directory->parent, directory->keep, file, err);
     if (status == VOR_OK)
-        blobs->bytes -= size;
+        count_less(blobs, size);
     return status;
 }
 

@@ -1,6 +1,8 @@
 /** Blobs as files of a directory: PATH/keep/ID.NAME. What is being written is in PATH/tmp, and
  *  PATH/lock says that nobody else writes there, so that whatever is in tmp at the start is left
- *  over from a crash.
+ *  over from a crash. Processes that share the directory, be it of a file system of several
+ *  machines, share the lock, and each locks its files in tmp: those that nobody has locked are left
+ *  over.
  *
  *  Cost of a commit: fsync, rename, fsync of the directory; 0.5 ms for 1 KB, 40 ms for 12 MB. */
 #ifndef VOR_SERVER_BLOB_DIR_H
@@ -15,6 +17,7 @@ extern const struct vor_blob_driver vor_blob_dir;
 struct vor_blob_directory {
     struct vor_blobs base;
     int lock, parent, keep, tmp; /**< file descriptors, -1 before it is opened */
+    int is_shared;               /**< set it before the opening */
 };
 
 /** Opens PATH and what is below it, as above. Close it in any case.

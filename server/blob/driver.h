@@ -66,10 +66,12 @@ struct vor_blob_writer {
     struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */
 };
 
-/** Where a driver whose blobs are elsewhere keeps files under way, and copies. */
+/** Where a driver whose blobs are elsewhere keeps files under way, and copies; and who else has the
+ *  blobs. */
 struct vor_blob_cache {
     const char *data; /**< they are in its folder "cache" */
     uint64_t bytes;   /**< that copies may take */
+    int is_shared;    /**< other processes may use the same folder at the same time */
 };
 
 /** Who is told of the bytes of a blob as they come from another machine: `have` of them stand in

@@ -218,6 +218,10 @@ VOR_NODISCARD vor_status vor_store_claim_next(struct vor_store *store,
 VOR_NODISCARD vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
                                          struct vor_error *err);
 
+/** How many daemons have a lease. */
+VOR_NODISCARD vor_status vor_store_daemons(struct vor_store *store, int64_t *count,
+                                           struct vor_error *err);
+
 /** Adds events to those of a running attempt, behind all that it has, and notes progress and record
  *  of the row.
  *

@@ -201,6 +201,12 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
                : status;
 }
 
+vor_status vor_store_daemons(struct vor_store *store, int64_t *count, struct vor_error *err)
+{
+    return vor_sql_query(vor_sql_of(store), vor_sql_take_number, count, err,
+                         "SELECT count(*) FROM daemon WHERE lease > clock_ms()", "");
+}
+
 /* The row of an owner stays for an hour, should it come back. */
 static vor_status reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                        uint64_t *reaped, struct vor_error *err)

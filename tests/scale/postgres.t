@@ -90,6 +90,21 @@ ok wait_until(sub { result($last, $ids[3])->{content} eq $wanted }), 'and so doe
 ok wait_until(sub { $last->get('/readyz')->{status} == 200 }), 'the daemon is ready again';
 is $last->finish($last->submit('points=100', $cloud))->{status}, 'successful', 'and runs a job';
 
+# Daemons that share a folder; a file that nobody writes any more goes, those of others stay.
+ask('postgres', 'CREATE DATABASE shared');
+my %both = (store => $uri =~ s/daemons$/shared/r, blobs => "dir:$Scale::dir/shared");
+my @two = map { Vt->start(%both, jobs => 1) } 1 .. 2;
+my @more = map { $two[$_ % 2]->submit('points=800&iterations=100&delta=0', $cloud) } 1 .. 6;
+Scale::write_file("$Scale::dir/shared/tmp/left", 'over');
+push @two, Vt->start(%both, role => 'api');
+ok !-e "$Scale::dir/shared/tmp/left", 'what is left over goes';
+is scalar(grep { my $id = $_; 3 == grep { $_->finish($id)->{status} eq 'successful' && length result($_, $id)->{content} } @two } @more), 6, 'all have all';
+for my $case ([%both, blobs => "dir:$Scale::dir/elsewhere", qr/must be the folder that they all share/], [%both, store => $uri, qr/belong to another database of jobs/]) {
+    my ($why, %with) = (pop @$case, @$case);
+    ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", map { ("--$_", $with{$_}) } keys %with);
+    like "$status $text", qr/\A1 [^\n]*${why}[^\n]*\n\z/, 'who has other files, or other jobs, is refused';
+}
+
 # What is refused, each in one line without the password.
 ask('postgres', 'CREATE DATABASE other');
 ask('other', 'CREATE TABLE job (id int)');
@@ -112,5 +127,5 @@ for my $case (
         unlike $text, qr/secret-word/, 'and no password';
     }
 }
-unlike $_->log_text, qr/secret-word/, 'nor is it in a log' for $daemon, $next, @daemons, $last;
+unlike $_->log_text, qr/secret-word/, 'nor is it in a log' for $daemon, $next, @daemons, $last, @two;
 done_testing;

@@ -80,7 +80,7 @@ is scalar(grep { $other->finish($_)->{status} eq 'successful' } @endless), 3, 'w
 is $one->post('/v1/resample?points=500', $cloud)->{content}, $wanted, 'a caller who waits gets his result, whoever runs it' for 1 .. 3;
 
 # One is killed while it runs a job: its lease ends, and another one runs it again.
-$long = $one->submit('points=2000&seed=3&iterations=3000&delta=0', $cloud);
+$long = $one->submit('points=2000&seed=3&iterations=1000&delta=0', $cloud);
 ok wait_until(sub { $one->status($long) eq 'running' }), 'a job runs';
 my $killed;
 ok wait_until(sub { ($killed) = grep { $daemons[$_]->log_text =~ /"msg":"job started","job":"$long"/ } 0 .. 2; defined $killed }), 'somewhere';
@@ -91,7 +91,7 @@ is $report->{status}, 'successful', 'another one runs it when its daemon is kill
 like ask('daemons', "SELECT attempt FROM job WHERE id = '$long'"), qr/^2$/, 'by its second attempt';
 
 # One is stopped past its lease and goes on: what it then writes counts for nothing.
-$long = $left[0]->submit('points=2000&seed=4&iterations=3000&delta=0', $cloud);
+$long = $left[0]->submit('points=2000&seed=4&iterations=1000&delta=0', $cloud);
 my ($frozen) = grep { defined } @{ wait_until(sub { my @f = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @left; @f ? \@f : undef }) };
 kill 'STOP', $frozen->{pid};
 my ($awake) = grep { $_ != $frozen } @left;

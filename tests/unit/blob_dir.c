@@ -126,24 +126,16 @@ VT_TEST(a_second_opener_and_a_wrong_name_are_refused)
     vor_blobs_close(blobs);
 }
 
-VT_TEST(the_disk_s_space_is_known)
+VT_TEST(the_bytes_of_all_blobs_and_of_the_disk_are_known)
 {
     const char *dir = vt_dir_make();
     struct vor_blobs *blobs = vt_dir_blobs(dir);
+    struct vor_uuid id = vt_row(1).id, other = vt_row(1).id;
     uint64_t available = 0, total = 0;
 
     vt_assert_ok(vor_blobs_space(blobs, &available, &total, &vt_err));
     ck_assert_uint_gt(total, 0);
     ck_assert_uint_le(available, total);
-    vor_blobs_close(blobs);
-}
-
-VT_TEST(the_bytes_of_all_blobs_are_known)
-{
-    const char *dir = vt_dir_make();
-    struct vor_blobs *blobs = vt_dir_blobs(dir);
-    struct vor_uuid id = vt_row(1).id, other = vt_row(1).id;
-
     ck_assert_uint_eq(vor_blobs_bytes(blobs), 0);
     vor_blob_discard(vt_upload(blobs, "discarded", 9));
     vt_blob_put(blobs, &id, "input", "12345");
