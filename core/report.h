@@ -86,7 +86,8 @@ enum vor_run_stage vor_run_stage_find(const char *name);
     X(REAL, best_delta, "best.delta", "",                                                          \
       "delta of the most even result so far; in the last record, the same as delta in the report") \
     X(REAL, best_sigma, "best.sigma", "unit of the cloud", "sigma of the most even result so far") \
-    X(REAL, best_epsilon, "best.epsilon", "", "epsilon of the most even result so far")
+    X(REAL, best_epsilon, "best.epsilon", "", "epsilon of the most even result so far")            \
+    VOR_RECORD_TRIANGLES_TABLE(X)
 
 struct vor_record {
     VOR_RECORD_TABLE(VOR_FIELD)

@@ -49,6 +49,24 @@ static void count(struct vor_report *report, const struct vor_complex *complex,
     report->mesh_manifold = is_manifold(complex) ? VOR_YES : VOR_NO;
 }
 
+void vor_mesh_note(struct vor_record *record, const struct vor_complex *complex, const float *xyz)
+{
+    double quality = 0, angle = 0;
+    size_t count = 0;
+
+    for (size_t t = 0; t < complex->count; t++) {
+        const uint32_t *corner = &complex->triangle[3 * t];
+
+        if (corner[0] == VOR_COMPLEX_GONE)
+            continue;
+        quality += vor_triangle_quality(xyz, corner);
+        angle += acos(vor_triangle_sharpest(xyz, corner)) * 180 / M_PI;
+        count++;
+    }
+    record->quality = count > 0 ? quality / (double)count : 0;
+    record->angle = count > 0 ? angle / (double)count : 0;
+}
+
 static vor_status rate(struct vor_report *report, const struct vor_complex *complex,
                        const float *xyz, struct vor_error *err)
 {

@@ -6,6 +6,9 @@
 #include "core/mesh/rims.h"
 #include "core/report.h"
 
+/** Sets quality and angle of a record: those of the triangles over points xyz. O(n), one thread. */
+void vor_mesh_note(struct vor_record *record, const struct vor_complex *complex, const float *xyz);
+
 /** Sets triangles, points, Euler characteristic, closed, manifold, quality, angle, loops
  *  and what is not sure.
  *

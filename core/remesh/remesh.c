@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/input/thin.h"
+#include "core/mesh/describe.h"
 #include "core/mesh/flip.h"
 #include "core/mesh/join.h"
 #include "core/mesh/quality.h"
@@ -337,6 +338,7 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
         if (!remesh->moved[i])
             longest2 = fmax(longest2, vor_distance2f(&seeds->xyz[3 * i], &remesh->before[3 * i]));
     stage->record.max_move = sqrt(longest2) * stage->domain->unit;
+    vor_mesh_note(&stage->record, &remesh->complex, seeds->xyz);
     return status;
 }
 
@@ -400,6 +402,7 @@ static vor_status spread(struct vor_seeds *seeds, struct vor_outcome *told,
     told->seconds_start += vor_run_clock(run) - before;
     if (status == VOR_OK)
         status = vor_stage_of_seeds(&remesh.stage, seeds, err);
+    vor_mesh_note(&remesh.stage.record, &remesh.complex, seeds->xyz);
     if (status == VOR_OK)
         status = vor_stage_run(&remesh.stage, err);
     vor_stage_free(&remesh.stage);

@@ -46,10 +46,11 @@ my @progress = map { json($_->{data}) } grep { $_->{event} eq 'progress' } @even
 cmp_ok scalar(@progress), '>', 0, 'there is progress';
 is_deeply [sort keys %{ $progress[0] }],
     [sort qw(jobID attempt stage iteration maxIterations polish maxPolish delta sigma epsilon energy
-            max_move held seconds run_stage step of ahead best progress eta)], 'with every member';
+            max_move held seconds run_stage step of ahead best quality angle progress eta)], 'with every member';
 is $progress[-1]{iteration}, 30, 'the last iteration is among them';
 is $progress[0]{maxIterations}, 30, 'it tells how many there may be';
 is $progress[0]{maxPolish}, 0, 'and how many steps of the polish';
+is $progress[-1]{quality}, 0, 'no triangles join its points';
 ok never_falls(map { $_->{progress} } @progress), 'progress never falls';
 is scalar(grep { $_->{best}{delta} > $_->{delta} } @progress), 0, 'the best is as even as any';
 my $report = json($daemon->get("/v1/jobs/$id/results/report"));
@@ -173,6 +174,11 @@ my $failed = $daemon->events('/v1/resample?points=2', method => 'POST', headers 
         . "property float z\nend_header\n" . "1 1 1\n" x 4);
 @events = $failed->all;
 is json($events[-1]{data})->{status}, 'failed', 'a job that fails ends its stream with that';
+
+# Lv 2022, Fig. 25: triangles are good after a few steps. Q_avg is .91 in their Table 5.
+my $meshed = $daemon->finish($daemon->submit('points=500&method=isotropic&iterations=10&polish=0', $cloud))->{jobID};
+@progress = @{ json($daemon->get("/v1/jobs/$meshed/trace"))->{records} };
+cmp_ok $progress[5]{$_->[0]}, '>', $_->[1], "$_->[0] after five steps" for ['quality', 0.8], ['angle', 45], ['quality', $progress[0]{quality} + 0.1];
 
 is $daemon->stop, 0, 'the daemon ends with 0';
 done_testing;
