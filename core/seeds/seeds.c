@@ -282,53 +282,6 @@ int vor_seeds_surrounded(const struct vor_scratch *scratch, const double x[3])
     return isinf(vor_boundary_room(surface, here->near, here->k, local, surface->reach, side));
 }
 
-/* Whether an input point is near the seed, at x. */
-static int near_input(const struct vor_place *here, const double x[3], int keep_holes)
-{
-    double most = (keep_holes ? VOR_HOLE_INSIDE : 1) * vor_boundary_spacing(here->near, here->k, x);
-
-    return vor_boundary_within(here->near, here->k, x, most);
-}
-
-int vor_seeds_refine(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
-                     struct vor_surface *surface)
-{
-    unsigned k = scratch->here.k;
-
-    return !seeds->policy.planes && k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX &&
-           vor_surface_refine(surface, scratch->here.near, k, &seeds->xyz[3 * i]);
-}
-
-enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
-                                       size_t i, const struct vor_recall *how)
-{
-    struct vor_last_fit *last = &seeds->last_fit[i];
-    double x[3];
-
-    if (vor_seeds_last(seeds, i, how) != NULL) {
-        scratch->here.surface = scratch->onto = last->surface;
-        scratch->interior = 1;
-        return scratch->here.surface.kind;
-    }
-    if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
-        return VOR_SURFACE_NONE;
-    vor_seeds_position(seeds, i, x);
-    last->inside = !seeds->policy.keep_border || vor_seeds_surrounded(scratch, x);
-    last->interior = last->inside &&
-                     (!seeds->policy.keep_border || near_input(&scratch->here, x, how->keep_holes));
-    scratch->onto = scratch->here.surface;
-    if (how->refine)
-        (void)vor_seeds_refine(seeds, scratch, i, &scratch->onto);
-    if (last->inside) {
-        last->surface = scratch->onto;
-        last->refined = (unsigned char)how->refine;
-    }
-    if (last->interior) /* nobody asks for the wider fit */
-        scratch->here.surface = scratch->onto;
-    scratch->interior = last->interior;
-    return scratch->here.surface.kind;
-}
-
 enum vor_surface_kind vor_seeds_fit_at(const struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        struct vor_place *place, const double x[3])
 {

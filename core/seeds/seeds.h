@@ -194,9 +194,11 @@ static inline const struct vor_surface *vor_seeds_last(const struct vor_seeds *s
 }
 
 /** vor_seeds_fit, or the last fit if that found the seed inside the input with no border near it
- *  (or how->lazy) and the seed has moved by at most how->slack since. Sets scratch->interior: then
- * only scratch->here.surface is valid, scratch->here.near is not. scratch->onto is the surface to
- * move along, refined if how->refine asks for it. */
+ *  (or how->lazy) and the seed has moved by at most how->slack since. Where the input is irregular
+ *  and holes are kept, a side that the nearest points leave empty by chance is no border, nor are
+ *  holes (recall.c). Sets scratch->interior: then only scratch->here.surface is valid,
+ *  scratch->here.near is not. scratch->onto is the surface to move along, refined if how->refine
+ *  asks for it. */
 enum vor_surface_kind vor_seeds_recall(struct vor_seeds *seeds, struct vor_scratch *scratch,
                                        size_t i, const struct vor_recall *how);
 
