@@ -180,8 +180,14 @@ int vor_sheets_fit(struct vor_surface *out, float *near, const struct vor_domain
 
 struct survey {
     const struct vor_domain *domain;
-    atomic_uint layered;
+    atomic_uint layered, single; /* places */
 };
+
+/* Whether what the places looked at so far have decides. */
+static int is_decided(struct survey *survey)
+{
+    return atomic_load(&survey->layered) >= LEAST || atomic_load(&survey->single) > PLACES - LEAST;
+}
 
 static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
@@ -192,7 +198,7 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     struct vor_surface surface;
     struct vor_layers layers;
 
-    for (size_t place = begin; place < end; place++) {
+    for (size_t place = begin; place < end && !is_decided(survey); place++) {
         size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
         float distance2[VOR_NEIGHBORS_MAX];
         uint32_t index[VOR_NEIGHBORS_MAX];
@@ -200,11 +206,10 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
         vor_gather(near, domain->xyz, index, k);
         vor_surface_fit(&surface, near, k);
-        if (!vor_layers_possible(&surface))
-            continue;
-        vor_layers_find(&layers, near, k);
-        if (layers.count > 1)
-            atomic_fetch_add(&survey->layered, 1);
+        layers.count = 1;
+        if (vor_layers_possible(&surface))
+            vor_layers_find(&layers, near, k);
+        atomic_fetch_add(layers.count > 1 ? &survey->layered : &survey->single, 1);
     }
 }
 

@@ -57,7 +57,7 @@ static vor_status measure_error(struct vor_measure *measure, const struct vor_di
 
     if (pair->n < VOR_MLS_ERROR_LEAST)
         return VOR_OK;
-    status = vor_knn_build(&knn, pair->xyz, pair->n, run->memory, err);
+    status = vor_knn_build_along(&knn, pair->xyz, pair->n, run, err);
     if (status == VOR_OK)
         status = vor_mls_error_measure(
             &error,

@@ -49,20 +49,22 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
     const struct measure *measure = ctx;
     const struct vor_mls_error_of *of = measure->of;
     unsigned k = of->n < PLANE ? (unsigned)of->n : PLANE;
+    const uint32_t *order = vor_knn_order(of->knn);
     uint32_t index[PLANE * VOR_KNN_NEAR_MAX];
-    float distance2[PLANE * VOR_KNN_NEAR_MAX];
-    struct vor_knn_near near = {.k = k};
+    float query[3 * VOR_KNN_NEAR_MAX], distance2[PLANE * VOR_KNN_NEAR_MAX];
+    struct vor_knn_near near = {query, 0, k, NULL};
     double far2 = 0;
 
     for (size_t i = begin; i < end; i += near.count) {
-        near.queries = &of->xyz[3 * i];
         near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        for (size_t j = 0; j < near.count; j++)
+            memcpy(&query[3 * j], &of->xyz[3 * (size_t)order[i + j]], 3 * sizeof *query);
         vor_knn_search_near(of->knn, &near, index, distance2);
         for (size_t j = 0; j < near.count; j++) {
             struct vor_plane plane;
 
             vor_plane_fit(&plane, of->xyz, &index[j * k], k);
-            memcpy(&measure->normal[3 * (i + j)], plane.normal, sizeof plane.normal);
+            memcpy(&measure->normal[3 * (size_t)order[i + j]], plane.normal, sizeof plane.normal);
             far2 = fmax(far2, (double)distance2[j * k + NEAREST]); /* itself is the first */
         }
     }

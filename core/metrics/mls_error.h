@@ -32,7 +32,7 @@ struct vor_mls_error {
 struct vor_mls_error_of {
     const float *xyz;          /**< n x 3: the result */
     size_t n;                  /**< VOR_MLS_ERROR_LEAST or more */
-    const struct vor_knn *knn; /**< over xyz */
+    const struct vor_knn *knn; /**< over xyz, made by vor_knn_build_along */
     const float *input;        /**< m x 3 */
     size_t m;
     size_t most; /**< points of the input that are measured, at equal steps, if it has more */

@@ -213,7 +213,7 @@ VT_TEST_LOOP(the_geometric_error_is_that_of_a_look_at_every_pair, 4)
         max = fmax(max, error);
         mean += error / (double)m;
     }
-    vt_assert_ok(vor_knn_build(&knn, cloud.xyz, n, &vt_memory, &vt_err));
+    vt_assert_ok(vor_knn_build_along(&knn, cloud.xyz, n, &engine.run, &vt_err));
     vt_assert_ok(vor_mls_error_measure(
         &found, &(struct vor_mls_error_of){cloud.xyz, n, knn, input.xyz, m, m}, &engine.run,
         &vt_err));
