@@ -364,6 +364,12 @@ void vor_job_show(struct vor_job *job, const struct vor_shown *shown)
     wake_all(job, VOR_EVENT_PROGRESS);
 }
 
+void vor_job_show_packed(struct vor_job *job, uint32_t attempt, const struct vor_event_piece *piece)
+{
+    vor_preview_unpack(job->preview, attempt, piece->last, piece->data, piece->size);
+    wake_all(job, VOR_EVENT_PROGRESS);
+}
+
 int vor_job_freeze(struct vor_job *job)
 {
     if (!begin_change(job))
@@ -375,6 +381,16 @@ int vor_job_freeze(struct vor_job *job)
 void vor_job_thaw(struct vor_job *job)
 {
     pthread_mutex_unlock(&job->change);
+}
+
+int vor_job_is_stored(struct vor_job *job)
+{
+    int is_stored;
+
+    pthread_mutex_lock(&job->state);
+    is_stored = job->stored == job->newest;
+    pthread_mutex_unlock(&job->state);
+    return is_stored;
 }
 
 void vor_job_stored(struct vor_job *job)

@@ -101,6 +101,10 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
  *  progress does, without an event. */
 void vor_job_show(struct vor_job *job, const struct vor_shown *shown);
 
+/** The same for what another daemon has packed (vor_preview_pack). */
+void vor_job_show_packed(struct vor_job *job, uint32_t attempt,
+                         const struct vor_event_piece *piece);
+
 /** Holds every change back until thawed by the same thread, so that the row written meanwhile is
  *  the job's last word. False, and not frozen, when the job is over. */
 VOR_NODISCARD int vor_job_freeze(struct vor_job *job);
@@ -109,6 +113,8 @@ void vor_job_thaw(struct vor_job *job);
 /** Of a frozen job: the events that the store does not have yet, borrowed until it is thawed; and
  *  that it has them now. */
 struct vor_event_piece vor_job_piece(const struct vor_job *job);
+int vor_job_is_stored(
+    struct vor_job *job); /**< the store has all; also of one that is not frozen */
 void vor_job_stored(struct vor_job *job);
 
 /** A job that runs elsewhere, or may: takes over what its row says, whose attempt's events up to

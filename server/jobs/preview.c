@@ -1,5 +1,7 @@
 #include "server/jobs/preview.h"
 
+#include "server/base/clock.h"
+
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
@@ -7,8 +9,10 @@
 
 struct vor_preview {
     atomic_uint lookers;
-    pthread_mutex_t mutex; /* what follows */
+    _Atomic double elsewhere; /* somebody looks by another daemon, until then */
+    pthread_mutex_t mutex;    /* what follows */
     struct vor_preview_info info;
+    uint32_t attempt; /* of what was unpacked */
     double origin[3];
     float *xyz; /* info.points x 3, room for all that may be; NULL: never looked at */
 };
@@ -43,9 +47,34 @@ void vor_preview_look_away(struct vor_preview *preview)
     atomic_fetch_sub(&preview->lookers, 1);
 }
 
-int vor_preview_is_looked_at(const struct vor_preview *preview)
+void vor_preview_look_elsewhere(struct vor_preview *preview, double until)
+{
+    atomic_store(&preview->elsewhere, until);
+}
+
+int vor_preview_is_looked_at_here(const struct vor_preview *preview)
 {
     return atomic_load_explicit(&preview->lookers, memory_order_relaxed) > 0;
+}
+
+int vor_preview_is_looked_at_elsewhere(const struct vor_preview *preview, double seconds)
+{
+    double until = atomic_load_explicit(&preview->elsewhere, memory_order_relaxed);
+
+    return until > 0 && until > vor_clock_seconds() + seconds;
+}
+
+int vor_preview_is_looked_at(const struct vor_preview *preview)
+{
+    return vor_preview_is_looked_at_here(preview) || vor_preview_is_looked_at_elsewhere(preview, 0);
+}
+
+/* The mutex is held. */
+static int has_room(struct vor_preview *preview)
+{
+    if (preview->xyz == NULL)
+        preview->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *preview->xyz);
+    return preview->xyz != NULL;
 }
 
 void vor_preview_put(struct vor_preview *preview, const struct vor_shown *shown)
@@ -53,9 +82,7 @@ void vor_preview_put(struct vor_preview *preview, const struct vor_shown *shown)
     size_t count = vor_shown_count(shown->moving.n, VOR_PREVIEW_POINTS_MAX);
 
     pthread_mutex_lock(&preview->mutex);
-    if (preview->xyz == NULL)
-        preview->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *preview->xyz);
-    if (preview->xyz != NULL && count > 0) {
+    if (has_room(preview) && count > 0) {
         for (size_t i = 0; i < count; i++)
             vor_shown_point(&shown->moving, i, count, &preview->xyz[3 * i]);
         memcpy(preview->origin, shown->origin, sizeof preview->origin);
@@ -70,6 +97,62 @@ void vor_preview_describe(struct vor_preview *preview, struct vor_preview_info *
     pthread_mutex_lock(&preview->mutex);
     *out = preview->info;
     pthread_mutex_unlock(&preview->mutex);
+}
+
+/* What stands before the points. */
+struct head {
+    double origin[3];
+    uint32_t iteration, polish;
+};
+
+uint8_t *vor_preview_pack(struct vor_preview *preview, size_t *size, uint64_t *version)
+{
+    struct head head;
+    uint8_t *bytes = NULL;
+
+    pthread_mutex_lock(&preview->mutex);
+    head = (struct head){.iteration = preview->info.iteration, .polish = preview->info.polish};
+    memcpy(head.origin, preview->origin, sizeof head.origin);
+    *version = preview->info.version;
+    *size = sizeof head + preview->info.points * 3 * sizeof *preview->xyz;
+    if (preview->info.points > 0)
+        bytes = malloc(*size);
+    if (bytes != NULL) {
+        memcpy(bytes, &head, sizeof head);
+        memcpy(bytes + sizeof head, preview->xyz, *size - sizeof head);
+    }
+    pthread_mutex_unlock(&preview->mutex);
+    return bytes;
+}
+
+void vor_preview_unpack(struct vor_preview *preview, uint32_t attempt, uint64_t version,
+                        const uint8_t *bytes, size_t size)
+{
+    const size_t point = 3 * sizeof *preview->xyz;
+    size_t count = size > sizeof(struct head) ? (size - sizeof(struct head)) / point : 0;
+    struct head head;
+
+    if (count == 0 || count > VOR_PREVIEW_POINTS_MAX || size != sizeof head + count * point)
+        return;
+    memcpy(&head, bytes, sizeof head);
+    pthread_mutex_lock(&preview->mutex);
+    if (has_room(preview)) {
+        memcpy(preview->xyz, bytes + sizeof head, count * point);
+        memcpy(preview->origin, head.origin, sizeof head.origin);
+        preview->attempt = attempt;
+        preview->info = (struct vor_preview_info){version, count, head.iteration, head.polish};
+    }
+    pthread_mutex_unlock(&preview->mutex);
+}
+
+uint64_t vor_preview_unpacked(struct vor_preview *preview, uint32_t attempt)
+{
+    uint64_t version;
+
+    pthread_mutex_lock(&preview->mutex);
+    version = preview->attempt == attempt ? preview->info.version : 0;
+    pthread_mutex_unlock(&preview->mutex);
+    return version;
 }
 
 /* The mutex is held. */

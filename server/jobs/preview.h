@@ -1,5 +1,5 @@
 /** What a running job's points look like now: one buffer a job, overwritten, and only while
- * somebody looks. Thread-safe. */
+ * somebody looks, be it at another daemon. Thread-safe. */
 #ifndef VOR_SERVER_JOBS_PREVIEW_H
 #define VOR_SERVER_JOBS_PREVIEW_H
 
@@ -52,8 +52,14 @@ void vor_preview_destroy(struct vor_preview *preview);
 void vor_preview_look(struct vor_preview *preview);
 void vor_preview_look_away(struct vor_preview *preview);
 
-/** True while somebody looks. Quick. */
+/** Up to that time (vor_clock_seconds) somebody looks by another daemon; or, where another daemon
+ *  runs the job, that one has been told so. */
+void vor_preview_look_elsewhere(struct vor_preview *preview, double until);
+
+/** True while somebody looks; here; by another daemon, for so many seconds at least. Quick. */
 int vor_preview_is_looked_at(const struct vor_preview *preview);
+int vor_preview_is_looked_at_here(const struct vor_preview *preview);
+int vor_preview_is_looked_at_elsewhere(const struct vor_preview *preview, double seconds);
 
 /** Takes points in, at most VOR_PREVIEW_POINTS_MAX of them. Without memory it shows what it did. */
 void vor_preview_put(struct vor_preview *preview, const struct vor_shown *shown);
@@ -65,6 +71,16 @@ struct vor_preview_info {
     uint32_t iteration, polish;
 };
 void vor_preview_describe(struct vor_preview *preview, struct vor_preview_info *out);
+
+/** What it shows, as bytes for another daemon: malloc, the caller frees; NULL where there is
+ * nothing, or no memory. */
+uint8_t *vor_preview_pack(struct vor_preview *preview, size_t *size, uint64_t *version);
+
+/** Takes such bytes in, of an attempt of the job; and which version of it was taken in last, 0 for
+ *  none. What is no preview, or finds no memory, changes nothing. */
+void vor_preview_unpack(struct vor_preview *preview, uint32_t attempt, uint64_t version,
+                        const uint8_t *bytes, size_t size);
+uint64_t vor_preview_unpacked(struct vor_preview *preview, uint32_t attempt);
 
 /** Makes *out, an initialised, empty cloud, of at most `most` of the points; its frame is that of
  *  the job's input.

@@ -128,6 +128,7 @@ struct vor_renewal {
         struct vor_uuid id;
         uint32_t attempt;
         int stops;     /**< a caller asked for that (vor_store_stop) */
+        int is_looked; /**< likewise (vor_store_look) */
     } * job;           /**< the caller's room for so many: those that are still the owner's */
     size_t max, count; /**< count may be more than max */
 };
@@ -239,6 +240,18 @@ VOR_NODISCARD vor_status vor_store_append_events(struct vor_store *store,
  *  @param[out] changed  0 when the job does not run */
 VOR_NODISCARD vor_status vor_store_stop(struct vor_store *store, const struct vor_uuid *id,
                                         int *changed, struct vor_error *err);
+
+/** Tells the owner of a running attempt, by vor_store_renew, that somebody looks at its points, for
+ *  the next 10 s. */
+VOR_NODISCARD vor_status vor_store_look(struct vor_store *store, const struct vor_uuid *id,
+                                        struct vor_error *err);
+
+/** Puts a preview of a running attempt in place of the one before; size 0: there is none any more.
+ *  It is read as the only event of attempt VOR_STORE_PREVIEW, and piece->last is its version. */
+enum { VOR_STORE_PREVIEW = 0 };
+VOR_NODISCARD vor_status vor_store_show(struct vor_store *store, const struct vor_uuid *id,
+                                        const struct vor_lease *lease,
+                                        const struct vor_event_piece *piece, struct vor_error *err);
 
 /** A job of this principal (NULL: of any).
  *

@@ -206,13 +206,14 @@ static vor_status ask(struct answer *out, struct vor_postgres *db, struct connec
 {
     char text[STATEMENT_SIZE];
     struct parameters with;
-    const struct vor_pg_question question = {.sql = text,
-                                             .count = (int)values->count,
-                                             .type = with.type,
-                                             .value = with.value,
-                                             .length = with.length,
-                                             .format = with.format,
-                                             .seconds = statement_seconds};
+    const struct vor_pg_question question = {
+        .sql = text,
+        .count = (int)values->count,
+        .type = with.type,
+        .value = with.value,
+        .length = with.length,
+        .format = with.format,
+        .seconds = connection == &db->lock ? ping_seconds : statement_seconds};
 
     *out = (struct answer){.db = db};
     if (!translate(text, sizeof text, sql))

@@ -170,6 +170,7 @@ static int take_leased(void *ctx, struct vor_sql_row *row)
         vor_sql_copy(row, job->id.text, sizeof job->id.text);
         job->attempt = (uint32_t)vor_sql_number(row);
         job->stops = (int)vor_sql_number(row);
+        job->is_looked = (int)vor_sql_number(row);
     }
     renewal->count++;
     return 1;
@@ -195,10 +196,54 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
     return status == VOR_OK
                ? vor_sql_query(
                      db, take_leased, renewal, err,
-                     "SELECT id, attempt, stop = attempt FROM job WHERE status = 'running'"
-                     " AND expired = 0 AND owner = ?1",
+                     "SELECT id, attempt, stop = attempt, EXISTS (SELECT 1 FROM event WHERE"
+                     " event.seq = job.seq AND event.attempt = 0 AND last > clock_ms())"
+                     " FROM job WHERE status = 'running' AND expired = 0 AND owner = ?1",
                      "t", renewal->owner)
                : status;
+}
+
+/* Among the events of a job, those of attempt 0 are its preview and, where the number is a time,
+ * until when somebody looks: they go with the events of former attempts, and with the job. */
+#define PREVIEW(which)                                                                             \
+    "DELETE FROM event WHERE seq = (SELECT seq FROM job WHERE id = ?1) AND attempt = 0"            \
+    " AND last " which " 4294967295"
+
+vor_status vor_store_look(struct vor_store *store, const struct vor_uuid *id, struct vor_error *err)
+{
+    struct vor_sql *db = vor_sql_of(store);
+    int rows;
+    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change(db, &rows, err, PREVIEW(">"), "t", id->text);
+    if (status == VOR_OK)
+        status = vor_sql_change(db, &rows, err,
+                                "INSERT INTO event SELECT seq, 0, clock_ms() + 10000, ?2 FROM job"
+                                " WHERE id = ?1 AND status = 'running'",
+                                "tb", id->text, "", (size_t)0);
+    return vor_sql_end(db, status, err);
+}
+
+vor_status vor_store_show(struct vor_store *store, const struct vor_uuid *id,
+                          const struct vor_lease *lease, const struct vor_event_piece *piece,
+                          struct vor_error *err)
+{
+    struct vor_sql *db = vor_sql_of(store);
+    int rows;
+    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change(db, &rows, err, PREVIEW("<="), "t", id->text);
+    if (status == VOR_OK && piece->size > 0)
+        status = vor_sql_change(db, &rows, err,
+                                "INSERT INTO event SELECT seq, 0, ?4, ?5 FROM job WHERE id = ?1"
+                                " AND attempt = ?2 AND owner = ?3 AND status = 'running'",
+                                "titib", id->text, (int64_t)lease->attempt, lease->owner,
+                                (int64_t)piece->last, piece->data, piece->size);
+    return vor_sql_end(db, status, err);
 }
 
 vor_status vor_store_daemons(struct vor_store *store, int64_t *count, struct vor_error *err)

@@ -7,6 +7,7 @@
 
 /* A lease outlives a disk that is slow, or a thread that waits for its core, for so long. */
 static const double lease_seconds = 30, renew_seconds = 2;
+static const double looked_seconds = 5; /* at points, after a renewal that says so */
 
 /* True when a runner has this attempt; the mutex is held. */
 static int is_run(const struct vor_worker *worker, const struct vor_leased *leased)
@@ -53,6 +54,33 @@ static void ask_as_told(const struct vor_renewal *renewal, const struct vor_runn
         vor_job_ask(runner->job, VOR_CANCEL);
     else if (renewal->job[i].stops)
         vor_job_ask(runner->job, VOR_STOP);
+    if (i < renewal->count && renewal->job[i].is_looked)
+        vor_preview_look_elsewhere(vor_job_preview(runner->job),
+                                   vor_clock_seconds() + looked_seconds);
+}
+
+void vor_worker_store_late(struct vor_worker *worker)
+{
+    for (unsigned i = 0; i < worker->config.jobs; i++) {
+        struct vor_lease lease = {.owner = worker->owner.text};
+        struct vor_job *job = NULL;
+        struct vor_error err;
+        int changed;
+
+        pthread_mutex_lock(&worker->mutex);
+        if (i < worker->runner_count && worker->runners[i].job != NULL) {
+            job = vor_job_retain(worker->runners[i].job);
+            lease.attempt = worker->runners[i].attempt;
+        }
+        pthread_mutex_unlock(&worker->mutex);
+        if (job == NULL)
+            continue;
+        if (!vor_job_is_stored(job) &&
+            vor_worker_store_events(worker, job, &lease, &changed, &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "progress not stored", VOR_TEXT("job", vor_job_id(job)->text),
+                    VOR_TEXT("error", err.message));
+        vor_job_release(job);
+    }
 }
 
 void vor_worker_renew(struct vor_worker *worker)

@@ -140,9 +140,13 @@ static void look_idle(struct vor_worker *worker)
 /* Where others take the jobs of one that is late: whatever the sweeper waits for. */
 static void *keeper_main(void *arg)
 {
-    do
+    unsigned looks = 0;
+
+    do {
         vor_worker_renew(arg);
-    while (!vor_worker_pause(arg, look_seconds));
+        if (looks++ % 2 == 0)
+            vor_worker_store_late(arg);
+    } while (!vor_worker_pause(arg, look_seconds));
     return NULL;
 }
 

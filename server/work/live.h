@@ -110,6 +110,10 @@ void vor_worker_renew(struct vor_worker *worker);
 /** Has the runners look for a job: one may run that could not before. */
 void vor_worker_news(struct vor_worker *worker);
 
+/** Where the store is shared: stores the events of what runs here that it has not, so that others
+ *  see them though the next one is long in coming. */
+void vor_worker_store_late(struct vor_worker *worker);
+
 /** Waits up to `seconds`; returns at once when the daemon goes down. True when it does. */
 int vor_worker_pause(struct vor_worker *worker, double seconds);
 

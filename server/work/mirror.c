@@ -13,6 +13,9 @@
  */
 static const double reap_seconds = 5, renewed_seconds = 10;
 
+/* For so long the owner of a job is told that somebody looks (vor_store_look). */
+static const double told_seconds = 10;
+
 static int take_last(void *ctx, const struct vor_event_piece *piece)
 {
     *(uint32_t *)ctx = piece->last;
@@ -41,6 +44,58 @@ vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job, str
     if (status == VOR_OK && found && vor_job_is_over(job))
         vor_worker_forget(worker, job);
     return status;
+}
+
+struct looking {
+    struct vor_job *job;
+    uint32_t attempt;
+};
+
+static int take_shown(void *ctx, const struct vor_event_piece *piece)
+{
+    const struct looking *looking = ctx;
+
+    if (piece->size > 0)
+        vor_job_show_packed(looking->job, looking->attempt, piece);
+    return 1;
+}
+
+vor_status vor_worker_mirror_preview(struct vor_worker *worker, struct vor_job *job,
+                                     struct vor_error *err)
+{
+    struct vor_event_query query = {.attempt = VOR_STORE_PREVIEW, .each = take_shown};
+    struct vor_job_view view;
+    struct looking looking = {.job = job};
+
+    vor_job_view(job, &view);
+    looking.attempt = view.attempt;
+    query.after = (uint32_t)vor_preview_unpacked(vor_job_preview(job), view.attempt);
+    query.ctx = &looking;
+    return vor_worker_is_running(worker, job) || !vor_store_is_shared(worker->config.store)
+               ? VOR_OK
+               : vor_store_events(worker->config.store, vor_job_id(job), &query, err);
+}
+
+/* Somebody here looks at the points of a job that another daemon runs: it is told, before what it
+ * was told is over, and what it shows is taken in. */
+static void look(struct vor_worker *worker, struct vor_job *job)
+{
+    struct vor_preview *preview = vor_job_preview(job);
+    vor_status status = VOR_OK;
+    struct vor_error err;
+
+    if (!vor_preview_is_looked_at_here(preview) || vor_worker_is_running(worker, job))
+        return;
+    if (!vor_preview_is_looked_at_elsewhere(preview, told_seconds / 2)) {
+        status = vor_store_look(worker->config.store, vor_job_id(job), &err);
+        if (status == VOR_OK)
+            vor_preview_look_elsewhere(preview, vor_clock_seconds() + told_seconds);
+    }
+    if (status == VOR_OK)
+        status = vor_worker_mirror_preview(worker, job, &err);
+    if (status != VOR_OK)
+        vor_log(VOR_LOG_DEBUG, "no preview of a job that another daemon runs",
+                VOR_TEXT("job", vor_job_id(job)->text), VOR_TEXT("error", err.message));
 }
 
 /* What waits in the store, which others add to and take from. */
@@ -91,6 +146,7 @@ void vor_worker_follow_others(struct vor_worker *worker)
         if (vor_worker_mirror(worker, jobs[i], &err) != VOR_OK)
             vor_log(VOR_LOG_WARN, "a job that another daemon may run is not followed",
                     VOR_TEXT("job", vor_job_id(jobs[i])->text), VOR_TEXT("error", err.message));
+        look(worker, jobs[i]);
         vor_job_release(jobs[i]);
     }
     free(jobs);

@@ -10,11 +10,12 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const double store_seconds = 2;      /* between two pieces of events for the store */
-static const double retry_seconds = 1;      /* while the disk is full */
+static const double store_seconds = 2; /* between two pieces of events for the store (lease.c) */
+static const double retry_seconds = 1; /* while the disk is full */
 static const double retry_seconds_max = 16; /* at most, as encoding costs cores */
 /* For the last checkpoint of a run that is lost, and of one that the daemon gives back as it ends.
  */
@@ -36,6 +37,7 @@ struct run {
     struct vor_keeper keeper;
     int is_resumed; /* the run went on from a checkpoint, and its first record is yet to come */
     int has_kept;   /* there is a checkpoint of the job */
+    int has_shown;  /* there is a preview of it in the store */
     struct vor_run_result result;
     struct vor_text kept; /* the output that is kept in the row, as JSON; empty for none */
 };
@@ -86,7 +88,7 @@ static void take_record(struct run *run, const struct vor_record *record)
                 VOR_COUNT("polish", record->polish));
     run->is_resumed = 0;
     vor_job_progress(run->job, record, vor_clock_wall_ms());
-    if (now - run->stored >= store_seconds) {
+    if (now - run->stored >= store_seconds && !vor_store_is_shared(run->worker->config.store)) {
         run->stored = now;
         store_events(run);
     }
@@ -122,9 +124,33 @@ static int is_looked_at(void *ctx)
     return vor_preview_is_looked_at(vor_job_preview(((struct run *)ctx)->job));
 }
 
+/* Puts the preview into the store, or takes it away. Whoever looks does without one that fails. */
+static void show_elsewhere(struct run *run, int is_running)
+{
+    struct vor_event_piece piece = {.size = 0};
+    uint64_t version = 0;
+    uint8_t *bytes =
+        is_running ? vor_preview_pack(vor_job_preview(run->job), &piece.size, &version) : NULL;
+    struct vor_error err;
+
+    piece.data = bytes;
+    piece.last = (uint32_t)version;
+    if (vor_store_show(run->worker->config.store, &run->view.id, &run->lease, &piece, &err) !=
+        VOR_OK)
+        vor_log(VOR_LOG_DEBUG, "preview not stored", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", err.message));
+    run->has_shown = 1;
+    free(bytes);
+}
+
 static void take_points(void *ctx, const struct vor_shown *shown)
 {
-    vor_job_show(((struct run *)ctx)->job, shown);
+    struct run *run = ctx;
+    const struct vor_preview *preview = vor_job_preview(run->job);
+
+    vor_job_show(run->job, shown);
+    if (vor_preview_is_looked_at_elsewhere(preview, 0))
+        show_elsewhere(run, 1);
 }
 
 static int is_not_cancelled(void *ctx)
@@ -538,6 +564,8 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
         end = execute(&run, &problem);
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
                     worker->config.memory, vor_clock_seconds() - began);
+    if (run.has_shown)
+        show_elsewhere(&run, 0);
     if (!conclude(&run, end, &problem)) {
         if (run.is_lost)
             clean_up_lost(&run);

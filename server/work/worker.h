@@ -162,6 +162,11 @@ struct vor_followed {
     struct vor_job_view row; /**< as it was at the beginning */
 };
 
+/** Where another daemon runs a live job: takes in its preview, if it has a newer one. Waits for a
+ * row of the store. */
+VOR_NODISCARD vor_status vor_worker_mirror_preview(struct vor_worker *worker, struct vor_job *job,
+                                                   struct vor_error *err);
+
 /** Begins to follow a job of this principal (NULL: of any). One that waits or runs is live from
  * then on.
  *

@@ -51,6 +51,9 @@ my @seen;
 while (@seen < 8 && (my $event = $stream->next_event)) { push @seen, $event->{id} if $event->{id} }
 is @seen, 8, 'its events come from another one';
 is_deeply \@seen, [sort { ($a =~ s/.*\.//r) <=> ($b =~ s/.*\.//r) } @seen], 'in order';
+my ($looks, $shown) = $elsewhere[0]->events("/v1/jobs/$long/events?preview=100");
+1 while ($shown = $looks->next_event) && $shown->{event} ne 'preview';
+is scalar(grep { $_->get("/v1/jobs/$long/preview?points=100")->{content} =~ /^element vertex 100$/m } @daemons), 3, 'where its points are is seen at all';
 my ($runner) = grep { $_->log_text =~ /"msg":"job started","job":"$long"/ } @daemons;
 my ($ahead, $next) = ($runner->events("/v1/jobs/$long/events"));
 1 while $next = $ahead->next_event and ($next->{id} // '1.0') !~ /\.\d\d/;

@@ -36,7 +36,9 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
     vor_memory_init(&memory, CLOUD_BYTES);
     vor_cloud_init(&cloud, &memory);
     vor_text_init(&text, FILE_BYTES);
-    status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
+    status = vor_worker_mirror_preview(app->worker, followed->job, &err);
+    if (status == VOR_OK)
+        status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
     if (status == VOR_OK)
         status = ply->write(&sink, &cloud, &options, &err);
     vor_cloud_free(&cloud);
