@@ -568,8 +568,8 @@ int vor_spec_outliers(const struct vor_spec *spec)
 
 uint32_t vor_spec_iterations(const struct vor_spec *spec)
 {
-    enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100, REMESH = 10 };
-    double method = spec->value[VOR_PARAM_METHOD];
+    enum { DESCENT = 35, BEFORE_POLISH = 12, ALONE = 100, REMESH = 6 };
+    double method = spec->value[VOR_PARAM_METHOD], polish = spec->value[VOR_PARAM_POLISH];
 
     if (method == VOR_METHOD_INSERT ||
         (method == VOR_METHOD_EAR && spec->value[VOR_PARAM_PHASES] == VOR_PHASES_INSERT))
@@ -578,9 +578,9 @@ uint32_t vor_spec_iterations(const struct vor_spec *spec)
         return (uint32_t)spec->value[VOR_PARAM_ROUNDS] * vor_spec_steps(spec);
     if (vor_spec_given(spec, VOR_PARAM_ITERATIONS))
         return (uint32_t)spec->value[VOR_PARAM_ITERATIONS];
-    if (vor_spec_descends(spec) || method == VOR_METHOD_ISOTROPIC)
-        return method == VOR_METHOD_ISOTROPIC ? REMESH : DESCENT;
-    return spec->value[VOR_PARAM_POLISH] > 0 ? BEFORE_POLISH : ALONE;
+    if (method == VOR_METHOD_ISOTROPIC)
+        return polish > 0 ? REMESH : 3 * REMESH;
+    return vor_spec_descends(spec) ? DESCENT : polish > 0 ? BEFORE_POLISH : ALONE;
 }
 
 uint32_t vor_spec_polish(const struct vor_spec *spec)

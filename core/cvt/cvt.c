@@ -1,11 +1,11 @@
 #include "core/cvt/cvt.h"
 
-#include "core/cvt/coarse.h"
 #include "core/cvt/descend.h"
 #include "core/cvt/lloyd.h"
 #include "core/input/thin.h"
 #include "core/seeds/area.h"
 #include "core/seeds/checkpoint.h"
+#include "core/seeds/coarse.h"
 #include "core/seeds/fixed.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/start.h"
@@ -35,16 +35,13 @@ static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_dom
     return status;
 }
 
-/* Starts from coarse to fine where that holds, else at first positions of their own. */
 static vor_status start(struct vor_seeds *seeds, const struct vor_domain *domain, size_t n,
                         const struct vor_spec *spec, const struct vor_run *run,
                         struct vor_error *err)
 {
-    vor_status status = vor_coarse_start(seeds, domain, n, spec, run, err);
+    const struct vor_coarse_how how = {vor_lloyd_run, spec, run};
 
-    if (status == VOR_OK && seeds->n == 0)
-        status = vor_start_seeds(seeds, domain, n, spec, run, err);
-    return status;
+    return vor_coarse_start(seeds, domain, n, &how, err);
 }
 
 /* Starts seeds between the points of the input, and joins these to them. */
@@ -57,22 +54,6 @@ static vor_status start_between(struct vor_seeds *seeds, const struct vor_domain
     return status == VOR_OK
                ? vor_seeds_add_input(seeds, domain, vor_seeds_policy_of(spec), run, err)
                : status;
-}
-
-/* After a warm start: fewer iterations, and a polish of down to half as many steps. After a coarse
- * start as at a coherence of one half: at 0.5 / 0.83, bunny to 20,000, least distance to the
- * nearest point over the mean 0.73 / 0.51, delta 0.0192 / 0.0205. Without a polish all iterations
- * are made. */
-static struct vor_spec shorten(const struct vor_spec *spec, const struct vor_seeds *seeds)
-{
-    double less = seeds->track != NULL ? seeds->coherence : seeds->coherence > 0 ? 0.5 : 0;
-    struct vor_spec out = *spec;
-
-    if (less > 0 && vor_spec_polish(spec) > 0) {
-        out.value[VOR_PARAM_ITERATIONS] = rint((1 - less) * vor_spec_iterations(spec));
-        out.value[VOR_PARAM_POLISH] = rint((1 - less / 2) * vor_spec_polish(spec));
-    }
-    return out;
 }
 
 vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
@@ -97,7 +78,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
-    shorter = shorten(spec, &seeds);
+    shorter = vor_coarse_shorten(spec, &seeds);
     if (status == VOR_OK && !vor_checkpoint_is_in(run, VOR_RUN_STAGE_POLISH))
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
                                          : vor_lloyd_run(&seeds, told, &shorter, run, err);

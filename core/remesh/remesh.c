@@ -9,9 +9,9 @@
 #include "core/mesh/relax.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/checkpoint.h"
+#include "core/seeds/coarse.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/stage.h"
-#include "core/seeds/start.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +20,7 @@
  * Kobbelt 2004, Sec. 4. */
 #define SPLIT (4.0 / 3)
 #define COLLAPSE (4.0 / 5)
+
 enum { POLL_EVERY = 256 }; /* edges */
 
 /* An edge: its length over the spacing wanted there, its ends. */
@@ -331,7 +332,8 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
      * 0.0721 / 0.0694. */
     if (stage->record.step >= stage->record.of / 3)
         relax.aim = VOR_RELAX_LENGTH;
-    relax.length = (SPLIT + COLLAPSE) / 2 * remesh->l;
+    /* The quadratic mean: edges of too few neighbours push harder than those of too many pull. */
+    relax.length = sqrt((SPLIT * SPLIT + COLLAPSE * COLLAPSE) / 2) * remesh->l;
     if (status == VOR_OK)
         status = vor_relax(&remesh->sheet, seeds, &remesh->complex, &relax, err);
     for (size_t i = 0; i < seeds->n; i++)
@@ -416,22 +418,25 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
                           const struct vor_domain *domain, size_t n, const struct vor_spec *spec,
                           const struct vor_run *run, struct vor_error *err)
 {
+    const struct vor_coarse_how how = {spread, spec, run};
     struct vor_domain thin = {.n = 0}; /* of a dense input: most of the work is done on it */
     struct vor_seeds seeds = {.n = 0};
     double before = vor_run_clock(run);
+    struct vor_spec shorter;
     int is_spread = vor_checkpoint_is(run);
     vor_status status = is_spread ? vor_checkpoint_seeds(&seeds, told, domain, run, err)
-                                  : vor_start_seeds(&seeds, domain, n, spec, run, err);
+                                  : vor_coarse_start(&seeds, domain, n, &how, err);
 
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         vor_seeds_onto(&seeds, &thin);
     told->seconds_start = vor_run_clock(run) - before;
-    if (status == VOR_OK && !is_spread)
-        status = spread(&seeds, told, spec, run, err);
+    shorter = vor_coarse_shorten(spec, &seeds);
+    if (status == VOR_OK && !is_spread && !(seeds.coherence > 0 && seeds.track == NULL))
+        status = spread(&seeds, told, &shorter, run, err);
     if (status == VOR_OK)
-        status = vor_polish(&seeds, told, spec, run, err);
+        status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

@@ -16,6 +16,10 @@
  *  Departure: the triangulation is that of an advancing front (mesh/front.h), which joins no two
  *  sheets, instead of one in each tangent plane.
  *
+ *  Departure: on a smooth closed surface only the coarsest of ever finer sets of points is remeshed
+ *  (seeds/coarse.h): a step of all further ones is that every edge is split. Igea to 20,000, points
+ *  without six neighbours 9.5 / 3.4 %, CPU 4.4 / 1.4 s (all remeshed / so).
+ *
  *  With a density (Sec. 4.2) lengths are those over the spacing wanted at the place. Up to
  *  VOR_AROUND_MOST points stay where they start: the polish spreads them. */
 #ifndef VOR_REMESH_REMESH_H

@@ -1,6 +1,5 @@
-#include "core/cvt/coarse.h"
+#include "core/seeds/coarse.h"
 
-#include "core/cvt/lloyd.h"
 #include "core/input/thin.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/stage.h"
@@ -24,18 +23,17 @@ static int applies(const struct vor_domain *domain, size_t n, const struct vor_s
            spec->value[VOR_PARAM_EDGES] != VOR_EDGES_SITES;
 }
 
-/* Spreads coarse seeds, which are at their first positions, and evens them out. They end on `thin`
- * again, if that is not NULL: there their neighbourhoods reach a border that is as near as the next
- * seed. */
-static vor_status spread(struct vor_seeds *seeds, const struct vor_domain *thin,
-                         const struct vor_spec *spec, const struct vor_run *run,
-                         struct vor_error *err)
+/* Evens coarse seeds out, which the method spreads first unless they come from yet coarser ones.
+ * They end on `thin` again, if that is not NULL: there their neighbourhoods reach a border that is
+ * as near as the next seed. */
+static vor_status even_out(struct vor_seeds *seeds, const struct vor_domain *thin,
+                           const struct vor_coarse_how *how, int is_first, struct vor_error *err)
 {
     struct vor_outcome told = {.stages = 0};
-    vor_status status = vor_lloyd_run(seeds, &told, spec, run, err);
+    vor_status status = is_first ? how->spread(seeds, &told, how->spec, how->run, err) : VOR_OK;
 
     if (status == VOR_OK)
-        status = vor_polish(seeds, &told, spec, run, err);
+        status = vor_polish(seeds, &told, how->spec, how->run, err);
     if (thin != NULL)
         vor_seeds_onto(seeds, thin);
     return status;
@@ -94,19 +92,20 @@ static vor_status look(int *shows, struct vor_seeds *coarse, struct vor_error *e
 
 /* As vor_coarse_start. A closed surface without handles has 3 n - 6 edges. */
 static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                        const struct vor_spec *spec, const struct vor_run *run,
-                        struct vor_error *err)
+                        const struct vor_coarse_how *how, struct vor_error *err)
 {
+    const struct vor_spec *spec = how->spec;
     struct vor_seeds coarse = {.n = 0}, finer = {.n = 0};
     struct vor_domain thin = {.n = 0};
     const struct vor_domain *onto = NULL;
     struct vor_spec less = *spec;
+    const struct vor_coarse_how with_less = {how->spread, &less, how->run};
     int shows = 0;
     vor_status status;
 
     if (!applies(domain, n, spec))
         return VOR_OK;
-    status = vor_start_seeds(&coarse, domain, (n + 9) / 4, spec, run, err);
+    status = vor_start_seeds(&coarse, domain, (n + 9) / 4, spec, how->run, err);
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, coarse.n, coarse.area, &coarse.run, err);
     if (status == VOR_OK && thin.n >= coarse.input_lists.wide) {
@@ -120,7 +119,7 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
     if (vor_spec_given(spec, VOR_PARAM_SECONDS))
         less.value[VOR_PARAM_SECONDS] *= VOR_STAGE_SHARE;
     if (status == VOR_OK && shows)
-        status = start(&finer, domain, coarse.n, &less, run, err);
+        status = start(&finer, domain, coarse.n, &with_less, err);
     if (status == VOR_OK && finer.n > 0) {
         vor_seeds_free(&coarse);
         coarse = finer;
@@ -128,7 +127,7 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
             vor_seeds_onto(&coarse, onto);
     }
     if (status == VOR_OK && shows)
-        status = spread(&coarse, onto, &less, run, err);
+        status = even_out(&coarse, onto, &with_less, finer.n == 0, err);
     if (status == VOR_OK && shows)
         status = subdivide(out, &coarse, n, err);
     vor_seeds_free(&coarse);
@@ -137,24 +136,38 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
 }
 
 vor_status vor_coarse_start(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
-                            const struct vor_spec *spec, const struct vor_run *run,
-                            struct vor_error *err)
+                            const struct vor_coarse_how *how, struct vor_error *err)
 {
-    struct vor_run silent = *run;
+    struct vor_run silent = *how->run;
+    const struct vor_coarse_how silently = {how->spread, how->spec, &silent};
     struct vor_watch watch;
     vor_status status;
 
-    if (run->watch != NULL) {
-        watch = *run->watch;
+    if (silent.watch != NULL) {
+        watch = *silent.watch;
         watch.progress = NULL;
         watch.points = NULL;
         watch.checkpoint = NULL;
         silent.watch = &watch;
     }
-    status = start(out, domain, n, spec, &silent, err);
-    if (status == VOR_OK && out->n > 0) {
+    status = start(out, domain, n, &silently, err);
+    if (status == VOR_OK && out->n == 0)
+        status = vor_start_seeds(out, domain, n, how->spec, how->run, err);
+    else if (status == VOR_OK) {
         out->coherence = VOR_SEEDS_COHERENT;
-        out->run = vor_run_unstoppable(run);
+        out->run = vor_run_unstoppable(how->run);
     }
     return status;
+}
+
+struct vor_spec vor_coarse_shorten(const struct vor_spec *spec, const struct vor_seeds *seeds)
+{
+    double less = seeds->track != NULL ? seeds->coherence : seeds->coherence > 0 ? 0.5 : 0;
+    struct vor_spec out = *spec;
+
+    if (less > 0 && vor_spec_polish(spec) > 0) {
+        out.value[VOR_PARAM_ITERATIONS] = rint((1 - less) * vor_spec_iterations(spec));
+        out.value[VOR_PARAM_POLISH] = rint((1 - less / 2) * vor_spec_polish(spec));
+    }
+    return out;
 }
