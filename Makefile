@@ -382,7 +382,7 @@ proxy: ## install what is missing, build, and run the help's examples for nginx,
 # Objects alone: libraries of arm64 are not asked for.
 FOR_ARM64 := config=arm64 CC=aarch64-linux-gnu-gcc CXX=aarch64-linux-gnu-g++ AR=aarch64-linux-gnu-ar
 
-SCALE_TESTS := unit/store_rows unit/store_queue unit/store_tenants property/store_model
+SCALE_TESTS := unit/blob_any unit/store_rows unit/store_queue unit/store_tenants unit/worker_crash property/store_model
 
 scale: ## install what is missing, build, and run the tests of jobs in PostgreSQL and of files in S3, with servers that are started here
 	@docker/install.sh build test scale
