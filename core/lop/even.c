@@ -366,6 +366,8 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     if (done % LIST_EVERY == 0 && done > 0)
         status = vor_run_for(even->run, samples->n, BLOCK, put_back_block, even, err);
     if (status == VOR_OK && done % LIST_EVERY == 0)
+        status = vor_lop_beside_put(samples, 0, even->how->beside, even->run, err);
+    if (status == VOR_OK && done % LIST_EVERY == 0)
         status = list_all(even, err);
     if (status == VOR_OK)
         status = vor_run_for(even->run, samples->n, BLOCK, move_block, even, err);

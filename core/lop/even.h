@@ -10,6 +10,7 @@
 #define VOR_LOP_EVEN_H
 
 #include "core/input/domain.h"
+#include "core/lop/beside.h"
 #include "core/lop/latent.h"
 #include "core/seeds/outcome.h"
 
@@ -27,7 +28,9 @@ enum { VOR_LOP_EVEN_MOST = 24 };
 struct vor_lop_even_how {
     uint32_t steps; /**< 0: nothing is done */
     int local;      /**< the spacing of each place is kept; else all of the surface gets one */
-    const struct vor_spec *spec; /**< read: delta, seconds, which end it earlier */
+    const struct vor_lop_beside *beside; /**< where points that hang in the air are put,
+                                            each time before neighbours are listed */
+    const struct vor_spec *spec;         /**< read: delta, seconds, which end it earlier */
 };
 
 /** Evens the points out; normals follow.

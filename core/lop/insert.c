@@ -367,7 +367,7 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
 {
     const struct vor_run whole = vor_run_unstoppable(run);
     struct insertion insertion = {.samples = samples, .how = how, .run = run, .begun = samples->n};
-    const struct vor_lop_even_how even = {how->polish, how->rho > 0, how->spec};
+    const struct vor_lop_even_how even = {how->polish, how->rho > 0, &how->beside, how->spec};
     double before = vor_run_clock(run);
     vor_status status = grow(samples, n, err);
     struct vor_stage stage = {.spec = how->spec,

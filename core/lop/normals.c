@@ -3,6 +3,7 @@
 #include "core/base/linalg.h"
 #include "core/geom/plane.h"
 #include "core/input/neighbors.h"
+#include "core/lop/beside.h"
 #include "core/lop/fillets.h"
 #include "core/lop/weights.h"
 
@@ -350,6 +351,22 @@ static vor_status sign(struct normals *normals, const struct vor_run *run, struc
     return vor_run_for(run, normals->domain->n, BLOCK, sign_block, normals, err);
 }
 
+/* Puts data that none of their side are around beside the others. */
+static void land_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    struct normals *normals = ctx;
+    const struct vor_lop_beside beside = {&normals->now, normals->domain, normals->how->sigma_n};
+    struct vor_knn_last last = {.k = 0};
+
+    memcpy(normals->next.xyz + 3 * begin, normals->now.xyz + 3 * begin,
+           3 * (end - begin) * sizeof(float));
+    memcpy(normals->next.normal + 3 * begin, normals->now.normal + 3 * begin,
+           3 * (end - begin) * sizeof(float));
+    for (size_t i = begin; i < end; i++)
+        vor_lop_beside_land(&normals->next.xyz[3 * i], &normals->next.normal[3 * i], &beside, i,
+                            &last);
+}
+
 static vor_status find(struct normals *normals, const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_lop_lists lists = {normals->most, normals->list, normals->count};
@@ -362,8 +379,13 @@ static vor_status find(struct normals *normals, const struct vor_run *run, struc
         status = sign(normals, run, err);
     if (status == VOR_OK)
         status = work(normals, run, err);
-    if (status == VOR_OK && normals->how->rounds > 0 && normals->how->edges)
-        status = vor_lop_fillets(&normals->now, &normals->next, normals->domain, &lists, run, err);
+    if (status != VOR_OK || normals->how->rounds == 0 || !normals->how->edges)
+        return status;
+    status = vor_lop_fillets(&normals->now, &normals->next, normals->domain, &lists, run, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, n, BLOCK, land_block, normals, err);
+    swap(&normals->now.normal, &normals->next.normal);
+    swap(&normals->now.xyz, &normals->next.xyz);
     return status;
 }
 

@@ -14,9 +14,10 @@
  * agree with. Departure: the points move along their normals onto their side. A neighbour is seen
  * along the mean of both normals, to which the chord of a circle is perpendicular: curvature then
  * moves no point, as it does with the normal of either. Departure: points on fillets about as
- *  wide as the fits are put onto these (lop/fillets.h). Departure: the neighbours are as many as a
- *  fit takes there, whatever sigmaP: planes through more of them make facets of a surface that
- *  bends. sigmaP is the reach of the projection and of insertion. */
+ *  wide as the fits are put onto these (lop/fillets.h). Departure: where the input has edges, a
+ *  point that none of its own side are around goes beside the others (lop/beside.h). Departure: the
+ * neighbours are as many as a fit takes there, whatever sigmaP: planes through more of them make
+ * facets of a surface that bends. sigmaP is the reach of the projection and of insertion. */
 #ifndef VOR_LOP_NORMALS_H
 #define VOR_LOP_NORMALS_H
 
@@ -34,9 +35,6 @@ struct vor_lop_normals_how {
     struct vor_orientation *orientation; /**< out: all zero before; the sides of the domain, free
                                               with vor_orientation_free, also on failure */
 };
-
-/** Points, each itself among them, to the farthest of which the area around it is measured. */
-enum { VOR_LOP_AREA_OF = 12 };
 
 /** Makes the points of the domain, in their order.
  *

@@ -8,6 +8,8 @@
 
 /** Neighbours whose mean distance is the spacing of the samples at a place. */
 enum { VOR_LOP_SPACING_OF = 6 };
+/** Points, each itself among them, to the farthest of which the area around it is measured. */
+enum { VOR_LOP_AREA_OF = 12 };
 
 /** Coordinates are those of the domain; normals are unit vectors that face outwards. */
 struct vor_lop_samples {
