@@ -33,7 +33,6 @@ cmp_ok $told->{spacing}{p50}, '<', $told->{spacing}{p99}, 'all of them';
 
 is +(run(['inspect', '-', '--json'], stdin => $in))[1], $stdout, 'stdin is the same';
 is +(run(['inspect', $in, '--json', '--threads=3']))[1], $stdout, 'so are three threads';
-is +(run(['inspect', $in, '--json', '--quiet', '-fo', '-']))[1], $stdout, 'and stdout by name';
 is +(run(['inspect', $in, '--json', '--server', $daemon->{url}]))[1] =~ s/\n*\z/\n/r, $stdout, 'and a daemon';
 my ($job) = @{ decode_json($http->get("$daemon->{url}/v1/jobs")->{content})->{jobs} };
 is $job->{processID}, 'inspect', 'as a job of that process';
@@ -76,14 +75,6 @@ cmp_ok abs($loop->{centre}{$_->[0]} - $_->[1]), '<', 0.5, "$_->[0] of its centre
 my ($line) = grep {/^loops/} split /\n/, (run(['inspect', $utm]))[1];
 like $line, qr/^loops\.1 +length 1\S+ unit of the cloud, points \d+ points, centre 5000\S+ 41000\S+ 42 unit of the cloud, kind rim, why encloses the surface, turns -\S+\z/, 'its line has all of it';
 
-for my $case (
-    ['a parameter that it does not take', ['--points', 5], 'inspect: --points is an option of resample, denoise, upsample, simplify, mesh, not of inspect'],
-    ['a word that there is not', ['--intrinsic', 'global'], 'inspect: intrinsic is "global", want one of local, satellites, none; did you mean local?'],
-) {
-    my ($name, $arguments, $line) = @$case;
-    my ($got, $printed, $errors) = run(['inspect', $in, @$arguments]);
-    is "$got$printed$errors", "2voronoid: $line\n", $name;
-}
 ($code, $stdout, $stderr) = run(['inspect', spew("$folder/one.ply",
     "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n")]);
 is "$code$stdout", '3', 'a single point is refused';
