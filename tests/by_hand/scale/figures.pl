@@ -157,6 +157,7 @@ if ($want{faults}) {
             $workers[$one]->stop('KILL') if $workers[$one];
             $workers[$one] = eval { Vt->start(@of, role => 'worker', jobs => 2, threads => 1) };
         }
+        for (grep { !$_ && $passed >= $seconds } @workers) { $_ = eval { Vt->start(@of, role => 'worker', jobs => 2, threads => 1) } }
         if ($passed < $seconds && $passed > 20 * ($stopped + 1)) {
             $stopped++;
             stop_postgres('immediate');
