@@ -40,11 +40,13 @@ enum {
 /* Of the cost of a plane: a point keeps its own unless another one is clearly better. */
 #define KEEP 0.7
 
-/* The probe's signs of a second sheet, all of them at a place: the list's variance is less than
- * PROBE_BETTER of that of all; its spacing more than PROBE_SPARSER; what the walk left out lies
- * over it (input/sheet_walk.h). Share of the points with these signs, in %: arma2 11.5, room 5.2,
- * shell 4.3, autzen 1.1, cow 0.85; office1 0.16 (depth in steps), armadillo_vox120k 0.07, fandisk
- * 0.04, bunny 0.03, igea 0.01. Without the last fandisk has 9, without PROBE_SPARSER office1 9.7.
+/* The probe's signs of a second sheet, all of them at a place: the nearest points lie so far off
+ * one surface that PROBE_BETTER of their variance alone would make layers possible; the list's
+ * variance is less than PROBE_BETTER of theirs; its spacing more than PROBE_SPARSER; what the walk
+ * left out lies over it (input/sheet_walk.h). Share of the points with these signs, in %:
+ * arma2 11.5, room 5.2, shell 4.3, autzen 1.1, cow 0.85; office1 0.16 (depth in steps),
+ * armadillo_vox120k 0.07, fandisk 0.04, bunny 0.03, igea 0.01. Without the last fandisk has 9,
+ * without PROBE_SPARSER office1 9.7.
  */
 #define PROBE_BETTER 0.25
 #define PROBE_SPARSER 1.2
@@ -415,18 +417,21 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen
     struct vor_walk walk;
     struct vor_surface plain, own;
     uint32_t index[VOR_ADJACENT];
+    double better2;
     unsigned n;
 
     if (!vor_sheet_walk_begin(&walk, &plain, domain, i))
+        return 0;
+    better2 = PROBE_BETTER * plain.off2;
+    if (better2 < VOR_LAYERS_POSSIBLE2 * plain.spacing * plain.spacing)
         return 0;
     n = vor_sheet_walk_carried(&walk, &own, &plain, domain, index);
     if (n == 0) {
         probe_normals(&walk, domain, seen);
         n = vor_sheet_walk_go(&walk, &own, &plain, domain, index);
     }
-    return n > 0 && own.off2 < PROBE_BETTER * plain.off2 &&
-           own.spacing > PROBE_SPARSER * plain.spacing && is_round(&own, n) &&
-           vor_sheet_walk_left_over(&walk, &own, domain, index, n);
+    return n > 0 && own.off2 < better2 && own.spacing > PROBE_SPARSER * plain.spacing &&
+           is_round(&own, n) && vor_sheet_walk_left_over(&walk, &own, domain, index, n);
 }
 
 static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
