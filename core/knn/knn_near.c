@@ -98,6 +98,25 @@ static void sort_equal(float *distance2, uint32_t *index, unsigned n)
     }
 }
 
+/* Halves a squared distance, which most of those around may be within, as long as k are within it
+ * and more than twice as many: sorting takes the square of their number. */
+VOR_INLINE float narrow(const float *all2, unsigned n, float most2, unsigned k)
+{
+    unsigned within = n;
+
+    while (within > 2 * k) {
+        float half = most2 / 2;
+
+        within = 0;
+        for (unsigned i = 0; i < n; i++)
+            within += all2[i] < half;
+        if (within < k || !(half < most2)) /* it is 0 or infinite */
+            break;
+        most2 = half;
+    }
+    return most2;
+}
+
 /* Picks the k nearest of those around within a squared distance. Returns false if there are fewer.
  */
 VOR_CLONES static int pick(const struct around *around, const float q[3], float most2, unsigned k,
@@ -113,6 +132,7 @@ VOR_CLONES static int pick(const struct around *around, const float q[3], float 
 
         all2[i] = x * x + y * y + z * z;
     }
+    most2 = narrow(all2, around->count, most2, k);
     for (unsigned i = 0; i < around->count; i++) {
         picked2[count] = all2[i];
         picked[count] = around->index[i];
