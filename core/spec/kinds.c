@@ -40,16 +40,12 @@ struct form {
     /* Reads text; true when it is in this form and in range. */
     int (*read)(const struct vor_parameter_info *info, const char *text, struct vor_value *out);
 
-    /* True when the value is in this form. */
-    int (*owns)(const struct vor_parameter_info *info, double value);
-
     /* Writes a value that is. */
     void (*write)(const struct vor_parameter_info *info, double value, const char *name,
                   struct line *out);
 
-    /* What may be given, in a sentence and in a list. */
-    void (*want)(const struct vor_parameter_info *info, struct line *out);
-    void (*values)(const struct vor_parameter_info *info, struct line *out);
+    /* What may be given, in a sentence and in a list: as `say` writes them. */
+    const char *want, *values;
 };
 
 /* Numbers. */
@@ -77,12 +73,6 @@ static int read_whole(const struct vor_parameter_info *info, const char *text,
     return 1;
 }
 
-static int owns_number(const struct vor_parameter_info *info, double value)
-{
-    (void)info;
-    return value > VOR_UNSET;
-}
-
 /* With the fewest of 15, 16 and 17 digits that read back as the value. */
 static void write_number(const struct vor_parameter_info *info, double value, const char *name,
                          struct line *out)
@@ -95,24 +85,6 @@ static void write_number(const struct vor_parameter_info *info, double value, co
         (void)snprintf(text, sizeof text, "%.*g", digits, value);
     while (strtod(text, NULL) != value && ++digits <= 17);
     add(out, "%s", text);
-}
-
-static void want_whole(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "a whole number from %.16g to %.16g", info->min, info->max);
-}
-
-static void want_real(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "a number from %.16g to %.16g", info->min, info->max);
-}
-
-static void list_range(const struct vor_parameter_info *info, struct line *out)
-{
-    const char *before = strncmp(info->unit, "unit ", 5) == 0 ? ", in the " : " ";
-
-    add(out, "%.16g to %.16g%s%s", info->min, info->max, info->unit[0] != '\0' ? before : "",
-        info->unit);
 }
 
 /* Words. A word with a colon is a pattern of the form NAME. */
@@ -168,14 +140,6 @@ static int read_choice(const struct vor_parameter_info *info, const char *text,
     return index >= 0;
 }
 
-static int owns_choice(const struct vor_parameter_info *info, double value)
-{
-    const char *word;
-    size_t length = value >= 0 ? vor_parameter_choice(info, (unsigned)value, &word) : 0;
-
-    return length > 0 && !is_named(word, length);
-}
-
 static void write_choice(const struct vor_parameter_info *info, double value, const char *name,
                          struct line *out)
 {
@@ -186,29 +150,12 @@ static void write_choice(const struct vor_parameter_info *info, double value, co
     add(out, "%.*s", (int)length, word);
 }
 
-static void want_choice(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "one of ");
-    list_words(info, 0, ", ", out);
-}
-
-static void list_choices(const struct vor_parameter_info *info, struct line *out)
-{
-    list_words(info, 0, " | ", out);
-}
-
 static int read_word(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
 {
     int index = find_word(info, text, strlen(text));
 
     out->number = VOR_WORD(index);
     return index >= 0;
-}
-
-static int owns_word(const struct vor_parameter_info *info, double value)
-{
-    (void)info;
-    return value < VOR_UNSET;
 }
 
 static void write_word(const struct vor_parameter_info *info, double value, const char *name,
@@ -239,11 +186,6 @@ static void write_text(const struct vor_parameter_info *info, double value, cons
     add(out, "%s", name);
 }
 
-static void want_text(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "text of %.16g to %.16g bytes", info->min, info->max);
-}
-
 static int read_name(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
 {
     const char *word;
@@ -260,14 +202,6 @@ static int read_name(const struct vor_parameter_info *info, const char *text, st
     return 0;
 }
 
-static int owns_name(const struct vor_parameter_info *info, double value)
-{
-    const char *word;
-    size_t length = value >= 0 ? vor_parameter_choice(info, (unsigned)value, &word) : 0;
-
-    return length > 0 && is_named(word, length);
-}
-
 static void write_name(const struct vor_parameter_info *info, double value, const char *name,
                        struct line *out)
 {
@@ -275,17 +209,6 @@ static void write_name(const struct vor_parameter_info *info, double value, cons
 
     (void)vor_parameter_choice(info, (unsigned)value, &word);
     add(out, "%.*s%s", (int)strcspn(word, ":") + 1, word, name);
-}
-
-static void want_name(const struct vor_parameter_info *info, struct line *out)
-{
-    list_words(info, 1, ", ", out);
-    add(out, " of %.16g to %.16g bytes", info->min, info->max);
-}
-
-static void list_names(const struct vor_parameter_info *info, struct line *out)
-{
-    list_words(info, 1, " | ", out);
 }
 
 /* Vectors, three numbers, and counts, whole ones: with commas between; they stand in the text. */
@@ -304,34 +227,11 @@ static int read_vector(const struct vor_parameter_info *info, const char *text,
     return 1;
 }
 
-static int owns_vector(const struct vor_parameter_info *info, double value)
-{
-    (void)info;
-    return value == VOR_VECTOR;
-}
-
-static void want_vector(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "X,Y,Z of numbers from %.16g to %.16g", info->min, info->max);
-}
-
-static void list_vector(const struct vor_parameter_info *info, struct line *out)
-{
-    (void)info;
-    add(out, "X,Y,Z");
-}
-
 static int read_counts(const struct vor_parameter_info *info, const char *text,
                        struct vor_value *out)
 {
     *out = (struct vor_value){VOR_COUNTS, text};
     return vor_decimal_are_counts(text, info->min, info->max);
-}
-
-static void want_counts(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "whole numbers from %.16g to %.16g, each once, separated by commas", info->min,
-        info->max);
 }
 
 /* Flags. */
@@ -350,21 +250,9 @@ static void write_flag(const struct vor_parameter_info *info, double value, cons
     add(out, "%s", value != 0 ? "true" : "false");
 }
 
-static void want_flag(const struct vor_parameter_info *info, struct line *out)
-{
-    (void)info;
-    add(out, "true or false");
-}
-
-static void list_flag(const struct vor_parameter_info *info, struct line *out)
-{
-    (void)info;
-    add(out, "true | false");
-}
-
 /* Lists: words with commas between, each at most once; an empty one is written "none". */
 
-static const char empty_list[] = "none";
+#define EMPTY_LIST "none"
 
 static int read_list(const struct vor_parameter_info *info, const char *text, struct vor_value *out)
 {
@@ -372,7 +260,7 @@ static int read_list(const struct vor_parameter_info *info, const char *text, st
     size_t length;
 
     out->number = 0;
-    if (strcmp(text, empty_list) == 0)
+    if (strcmp(text, EMPTY_LIST) == 0)
         return 1;
     for (;; text += length + 1) {
         int index;
@@ -418,21 +306,7 @@ static void write_list(const struct vor_parameter_info *info, double value, cons
         before = ",";
     }
     if (value == 0)
-        add(out, "%s", empty_list);
-}
-
-static void want_list(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "words separated by commas, each at most once: ");
-    list_words(info, 0, ", ", out);
-    add(out, ", or %s", empty_list);
-}
-
-static void list_list(const struct vor_parameter_info *info, struct line *out)
-{
-    add(out, "some of ");
-    list_words(info, 0, ",", out);
-    add(out, " | %s", empty_list);
+        add(out, EMPTY_LIST);
 }
 
 /* Auto. */
@@ -444,12 +318,6 @@ static int read_auto(const struct vor_parameter_info *info, const char *text, st
     return strcmp(text, "auto") == 0;
 }
 
-static int owns_auto(const struct vor_parameter_info *info, double value)
-{
-    (void)info;
-    return value == VOR_UNSET;
-}
-
 static void write_auto(const struct vor_parameter_info *info, double value, const char *name,
                        struct line *out)
 {
@@ -457,31 +325,68 @@ static void write_auto(const struct vor_parameter_info *info, double value, cons
     add(out, "auto");
 }
 
-static void want_auto(const struct vor_parameter_info *info, struct line *out)
-{
-    (void)info;
-    add(out, "auto");
-}
+#define RANGE "< to >^"
 
 static const struct form forms[VOR_FORM_NONE] = {
-    [VOR_FORM_WHOLE] = {VOR_SHAPE_NUMBER, read_whole, owns_number, write_number, want_whole,
-                        list_range},
-    [VOR_FORM_REAL] = {VOR_SHAPE_NUMBER, read_real, owns_number, write_number, want_real,
-                       list_range},
-    [VOR_FORM_CHOICE] = {VOR_SHAPE_STRING, read_choice, owns_choice, write_choice, want_choice,
-                         list_choices},
-    [VOR_FORM_WORD] = {VOR_SHAPE_STRING, read_word, owns_word, write_word, want_choice,
-                       list_choices},
-    [VOR_FORM_NAME] = {VOR_SHAPE_STRING, read_name, owns_name, write_name, want_name, list_names},
-    [VOR_FORM_VECTOR] = {VOR_SHAPE_STRING, read_vector, owns_vector, write_text, want_vector,
-                         list_vector},
-    [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, owns_number, write_flag, want_flag, list_flag},
-    [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, owns_number, write_text, want_text, want_text},
-    [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, owns_number, write_list, want_list, list_list},
-    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, owns_vector, write_text, want_counts,
-                         list_range},
-    [VOR_FORM_AUTO] = {VOR_SHAPE_STRING, read_auto, owns_auto, write_auto, want_auto, want_auto},
+    [VOR_FORM_WHOLE] = {VOR_SHAPE_NUMBER, read_whole, write_number, "a whole number from < to >",
+                        RANGE},
+    [VOR_FORM_REAL] = {VOR_SHAPE_NUMBER, read_real, write_number, "a number from < to >", RANGE},
+    [VOR_FORM_CHOICE] = {VOR_SHAPE_STRING, read_choice, write_choice, "one of *", "*"},
+    [VOR_FORM_WORD] = {VOR_SHAPE_STRING, read_word, write_word, "one of *", "*"},
+    [VOR_FORM_NAME] = {VOR_SHAPE_STRING, read_name, write_name, "@ of < to > bytes", "@"},
+    [VOR_FORM_VECTOR] = {VOR_SHAPE_STRING, read_vector, write_text, "X,Y,Z of numbers from < to >",
+                         "X,Y,Z"},
+    [VOR_FORM_FLAG] = {VOR_SHAPE_BOOLEAN, read_flag, write_flag, "true or false", "true | false"},
+    [VOR_FORM_TEXT] = {VOR_SHAPE_STRING, read_text, write_text, "text of < to > bytes",
+                       "text of < to > bytes"},
+    [VOR_FORM_LIST] = {VOR_SHAPE_ARRAY, read_list, write_list,
+                       "words separated by commas, each at most once: *, or " EMPTY_LIST,
+                       "some of + | " EMPTY_LIST},
+    [VOR_FORM_COUNTS] = {VOR_SHAPE_ARRAY, read_counts, write_text,
+                         "whole numbers from < to >, each once, separated by commas", RANGE},
+    [VOR_FORM_AUTO] = {VOR_SHAPE_STRING, read_auto, write_auto, "auto", "auto"},
 };
+
+/* Whether a value is in a form. */
+static int owns(enum vor_form form, const struct vor_parameter_info *info, double value)
+{
+    const char *word;
+    size_t length;
+
+    switch (form) {
+    case VOR_FORM_AUTO:
+        return value == VOR_UNSET;
+    case VOR_FORM_WORD:
+        return value < VOR_UNSET;
+    case VOR_FORM_VECTOR:
+    case VOR_FORM_COUNTS:
+        return value == VOR_VECTOR;
+    case VOR_FORM_CHOICE:
+    case VOR_FORM_NAME:
+        length = value >= 0 ? vor_parameter_choice(info, (unsigned)value, &word) : 0;
+        return length > 0 && is_named(word, length) == (form == VOR_FORM_NAME);
+    default:
+        return value > VOR_UNSET;
+    }
+}
+
+/* Writes a text of the table: < and > are the bounds and ^ the unit, * the words and @ the names
+ * with `between` between them, + the words with commas. */
+static void say(const struct vor_parameter_info *info, const char *text, const char *between,
+                struct line *out)
+{
+    const char *unit = strncmp(info->unit, "unit ", 5) == 0 ? ", in the " : " ";
+
+    for (; *text != '\0'; text++)
+        if (*text == '<' || *text == '>')
+            add(out, "%.16g", *text == '<' ? info->min : info->max);
+        else if (*text == '^')
+            add(out, "%s%s", info->unit[0] != '\0' ? unit : "", info->unit);
+        else if (*text == '*' || *text == '@' || *text == '+')
+            list_words(info, *text == '@', *text == '+' ? "," : between, out);
+        else
+            add(out, "%c", *text);
+}
 
 static const char *const shape_words[] = {
     [VOR_SHAPE_NUMBER] = "a number",
@@ -516,12 +421,12 @@ int vor_kind_has_shape(enum vor_kind kind, enum vor_shape shape)
 
 enum vor_form vor_kind_form_of(const struct vor_parameter_info *info, double value)
 {
-    const struct form *form;
+    enum vor_form form;
 
-    for (unsigned i = 0; (form = form_of(info->kind, i)) != NULL; i++)
-        if (form->owns(info, value))
-            return vor_kind_form(info->kind, i);
-    return VOR_FORM_NONE;
+    for (unsigned i = 0; (form = vor_kind_form(info->kind, i)) != VOR_FORM_NONE; i++)
+        if (owns(form, info, value))
+            break;
+    return form;
 }
 
 int vor_kind_read(const struct vor_parameter_info *info, enum vor_shape shape, const char *text,
@@ -575,26 +480,25 @@ void vor_kind_write(const struct vor_parameter_info *info, double value, const c
         forms[form].write(info, value, name, &line);
 }
 
-void vor_kind_want(const struct vor_parameter_info *info, char out[VOR_KIND_WORDS_SIZE])
+/* Writes what may be given in each form of a kind. */
+static void say_all(const struct vor_parameter_info *info, int values, char *text)
 {
-    struct line line = {out, VOR_KIND_WORDS_SIZE, 0};
+    struct line line = {text, VOR_KIND_WORDS_SIZE, 0};
     const struct form *form;
 
     for (unsigned i = 0; (form = form_of(info->kind, i)) != NULL; i++) {
         if (i > 0)
-            add(&line, " or ");
-        form->want(info, &line);
+            add(&line, values ? " | " : " or ");
+        say(info, values ? form->values : form->want, values ? " | " : ", ", &line);
     }
+}
+
+void vor_kind_want(const struct vor_parameter_info *info, char out[VOR_KIND_WORDS_SIZE])
+{
+    say_all(info, 0, out);
 }
 
 void vor_kind_values(const struct vor_parameter_info *info, char out[VOR_KIND_WORDS_SIZE])
 {
-    struct line line = {out, VOR_KIND_WORDS_SIZE, 0};
-    const struct form *form;
-
-    for (unsigned i = 0; (form = form_of(info->kind, i)) != NULL; i++) {
-        if (i > 0)
-            add(&line, " | ");
-        form->values(info, &line);
-    }
+    say_all(info, 1, out);
 }
