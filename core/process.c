@@ -98,16 +98,6 @@ void *vor_artefacts_values(struct vor_artefacts *set, const char *name,
     return item != NULL && item->document.members == members ? item->values : NULL;
 }
 
-/* Which array did not fit means nothing to who sent the request. */
-static vor_status name_the_request(const struct vor_artefacts *in, const struct vor_spec *spec,
-                                   struct vor_error *err)
-{
-    const struct vor_cloud *cloud = vor_artefacts_cloud(in, spec->process->inputs[0].name);
-
-    return vor_fail(err, VOR_E_NOMEM, "%s of %zu points", spec->process->id,
-                    cloud != NULL ? cloud->n : 0);
-}
-
 vor_status vor_process_run(const struct vor_process *process, struct vor_artefacts *out,
                            const struct vor_artefacts *in, const struct vor_spec *spec,
                            const struct vor_run *run, struct vor_error *err)
@@ -115,6 +105,7 @@ vor_status vor_process_run(const struct vor_process *process, struct vor_artefac
     struct vor_run begun = *run;
     struct vor_no_stop no_stop;
     struct vor_budget budget = {.ended = 0};
+    const struct vor_cloud *cloud;
     vor_status status;
 
     begun.began = vor_run_clock(run);
@@ -129,8 +120,10 @@ vor_status vor_process_run(const struct vor_process *process, struct vor_artefac
         if (report != NULL && report->stopped == VOR_STOPPED_CALLER)
             report->stopped = VOR_STOPPED_SECONDS;
     }
-    if (status == VOR_E_NOMEM)
-        return name_the_request(in, spec, err);
+    cloud = vor_artefacts_cloud(in, spec->process->inputs[0].name);
+    if (status == VOR_E_NOMEM) /* which array did not fit means nothing to who sent the request */
+        return vor_fail(err, VOR_E_NOMEM, "%s of %zu points", spec->process->id,
+                        cloud != NULL ? cloud->n : 0);
     for (const struct vor_artefact_info *o = spec->process->outputs; o->name != NULL; o++)
         assert(status != VOR_OK || vor_artefacts_find(out, o->name) != NULL);
     return status;

@@ -8,14 +8,6 @@ struct boxes {
     struct vor_box *box; /* one a block */
 };
 
-static void widen(struct vor_box *box, const float low[3], const float high[3])
-{
-    for (int c = 0; c < 3; c++) {
-        box->low[c] = low[c] < box->low[c] ? low[c] : box->low[c];
-        box->high[c] = high[c] > box->high[c] ? high[c] : box->high[c];
-    }
-}
-
 /* One coordinate at a time, so that its two bounds stay in registers. */
 static void bound_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
@@ -49,7 +41,11 @@ vor_status vor_bounds(struct vor_box *out, const float *xyz, size_t n, const str
     if (status == VOR_OK) {
         *out = boxes.box[0];
         for (size_t i = 1; i < blocks; i++)
-            widen(out, boxes.box[i].low, boxes.box[i].high);
+            for (int c = 0; c < 3; c++) {
+                out->low[c] = boxes.box[i].low[c] < out->low[c] ? boxes.box[i].low[c] : out->low[c];
+                out->high[c] =
+                    boxes.box[i].high[c] > out->high[c] ? boxes.box[i].high[c] : out->high[c];
+            }
     }
     vor_free(run->memory, boxes.box);
     return status;

@@ -107,15 +107,6 @@ static void weigh(struct kink *kink, const struct fit *fit)
     kink->gain = gain_of(fit, column, &kink->slope);
 }
 
-static double gain_of_parabola(const struct fit *fit)
-{
-    double column[VOR_CREASE_MAX], coefficient;
-
-    for (unsigned j = 0; j < fit->k; j++)
-        column[j] = fit->u[j] * fit->u[j];
-    return gain_of(fit, column, &coefficient);
-}
-
 /* Fits a plane of its own to what lies beyond the edge. Returns whether the two planes meet in a
  * line near the first point, which is the next kink's place. */
 static int meet(struct kink *next, const struct fit *fit, const struct kink *kink)
@@ -204,7 +195,7 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
 {
     struct fit fit;
     struct kink kink;
-    double rest2, length, slope, height, foot[3];
+    double rest2, length, slope, height, foot[3], parabola[VOR_CREASE_MAX], coefficient;
 
     fit.k = k;
     for (unsigned j = 0; j < k; j++) {
@@ -234,7 +225,9 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
     kink = find(&fit);
     rest2 = dot(fit.rest, fit.rest, k);
     length = sqrt(1 + kink.slant * kink.slant);
-    out->smooth2 = fmax(0, rest2 - gain_of_parabola(&fit)) / k;
+    for (unsigned j = 0; j < k; j++)
+        parabola[j] = fit.u[j] * fit.u[j];
+    out->smooth2 = fmax(0, rest2 - gain_of(&fit, parabola, &coefficient)) / k;
     out->crease2 = fmax(0, rest2 - kink.gain) / k;
     out->distance = fabs(kink.at) / length;
     out->turn = near_side(&fit, &kink, &slope, &height) ? turn_of(&kink, slope) : 0;

@@ -82,12 +82,11 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
             status = vor_fail(err, VOR_E_DEGENERATE, "no surface can be fitted to %zu points", n);
     }
     vor_free(memory, system.row);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = spline;
+    else
         vor_spline_free(&spline);
-        return status;
-    }
-    *out = spline;
-    return VOR_OK;
+    return status;
 }
 
 void vor_spline_at(const struct vor_spline *spline, const double u[2], double out[3])

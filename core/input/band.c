@@ -280,12 +280,11 @@ vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
         memcpy(band.point, search->point, band.count * sizeof *band.point);
         status = lay_out(&band, domain, loop, run, err);
     }
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = band;
+    else
         vor_band_free(&band);
-        return status;
-    }
-    *out = band;
-    return VOR_OK;
+    return status;
 }
 
 void vor_band_free(struct vor_band *band)

@@ -78,12 +78,11 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
     domain.known.sheets = domain.known.seek_sheets = domain.known.parted = 0;
     domain.known.lists = VOR_LISTS_NONE;
     status = vor_domain_index(&domain, run, err);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = domain;
+    else
         vor_domain_free(&domain);
-        return status;
-    }
-    *out = domain;
-    return VOR_OK;
+    return status;
 }
 
 vor_status vor_domain_halve(struct vor_domain *out, const struct vor_domain *in,
@@ -127,10 +126,9 @@ vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *i
     } else {
         vor_domain_free(&domain); /* of a ball of points */
     }
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = domain;
+    else
         vor_domain_free(&domain);
-        return status;
-    }
-    *out = domain;
-    return VOR_OK;
+    return status;
 }

@@ -172,17 +172,7 @@ static int is_taken(const struct work *work, size_t i)
     return i % work->step == 0 || has_none;
 }
 
-/* Density at point i; UNKNOWN where no curvature is taken. */
-static double density_at(const struct work *work, size_t i)
-{
-    if (work->attribute != NULL)
-        return vor_attribute_scalar(work->attribute, work->curved->domain->source[i]);
-    if (work->edges.n > 0)
-        return work->on_edge[i];
-    return is_taken(work, i) ? curvature_at(work, i) : UNKNOWN;
-}
-
-/* Density and share of the surface of a point. */
+/* Density of a point, UNKNOWN where no curvature is taken, and its share of the surface. */
 static void density_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     const struct work *work = ctx;
@@ -191,7 +181,12 @@ static void density_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     double far = distance(work, i, graph->list[i * graph->most + count - 1]);
 
     work->area[i] = (float)(M_PI * far * far / count);
-    work->rho[i] = density_at(work, i);
+    if (work->attribute != NULL)
+        work->rho[i] = vor_attribute_scalar(work->attribute, work->curved->domain->source[i]);
+    else if (work->edges.n > 0)
+        work->rho[i] = work->on_edge[i];
+    else
+        work->rho[i] = is_taken(work, i) ? curvature_at(work, i) : UNKNOWN;
 }
 
 /* Mean of each density and those of its neighbours, as far as they are known. */

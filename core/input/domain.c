@@ -330,12 +330,11 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
         vor_remote_tell(in, err);
     if (status == VOR_OK)
         status = vor_domain_index(&domain, run, err);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = domain;
+    else
         vor_domain_free(&domain);
-        return status;
-    }
-    *out = domain;
-    return VOR_OK;
+    return status;
 }
 
 vor_status vor_domain_continue(struct vor_domain *domain, const struct vor_cloud *in,

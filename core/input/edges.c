@@ -276,12 +276,11 @@ vor_status vor_edges_find(struct vor_edges *out, const struct vor_domain *domain
     if (status == VOR_OK && domain->n >= VOR_CREASE_MIN)
         status = find_all(&find, run, err);
     VOR_FREE_ALL(run->memory, find.block, find.off2, find.normal);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = edges;
+    else
         vor_edges_free(&edges);
-        return status;
-    }
-    *out = edges;
-    return VOR_OK;
+    return status;
 }
 
 void vor_edges_free(struct vor_edges *edges)

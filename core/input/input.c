@@ -261,10 +261,9 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
     domain.known.distinct = domain.n + outliers.n;
     status = condition(&domain, &outliers, in, spec, run, err);
     vor_outliers_free(&outliers);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = domain;
+    else
         vor_domain_free(&domain);
-        return status;
-    }
-    *out = domain;
-    return VOR_OK;
+    return status;
 }

@@ -472,12 +472,11 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
         status = make_loops(&loops, &find, corners, run, err);
     VOR_FREE_ALL(run->memory, find.corner, find.corners_of, find.candidate, find.flag,
                  find.spacing);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = loops;
+    else
         vor_loops_free(&loops);
-        return status;
-    }
-    *out = loops;
-    return VOR_OK;
+    return status;
 }
 
 void vor_loops_free(struct vor_loops *loops)

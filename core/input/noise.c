@@ -136,16 +136,6 @@ static void keep_wide(struct survey *survey, const double few[PLACES])
     }
 }
 
-/* Counts the places that show nothing but balls. */
-static void count_hidden(struct vor_noise *noise)
-{
-    noise->hidden = 0;
-    for (size_t place = 0; place < PLACES; place++)
-        noise->hidden += isinf(noise->deviation[place]) != 0;
-    if (noise->hidden <= VOR_NOISE_HIDDEN)
-        noise->hidden = 0;
-}
-
 /* Fits at the places, at first to the domain, then to fewer of its points. */
 static vor_status look(struct survey *survey, struct vor_halves *halves, const struct vor_run *run,
                        struct vor_error *err)
@@ -161,7 +151,11 @@ static vor_status look(struct survey *survey, struct vor_halves *halves, const s
         if (status != VOR_OK)
             return status;
         agree(survey, few);
-        count_hidden(survey->out);
+        survey->out->hidden = 0; /* places that show nothing but balls */
+        for (size_t place = 0; place < PLACES; place++)
+            survey->out->hidden += isinf(survey->out->deviation[place]) != 0;
+        if (survey->out->hidden <= VOR_NOISE_HIDDEN)
+            survey->out->hidden = 0;
         if (survey->out->hidden == 0)
             break;
         survey->from = STEPS - 2; /* fewer were tried among twice as many points */

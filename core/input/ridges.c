@@ -290,12 +290,11 @@ vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *do
             status = follow_from(&follow, i, err);
     vor_knn_free(follow.knn);
     VOR_FREE_ALL(follow.memory, follow.pass, follow.used, follow.way, follow.foot);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = ridges;
+    else
         vor_ridges_free(&ridges);
-        return status;
-    }
-    *out = ridges;
-    return VOR_OK;
+    return status;
 }
 
 void vor_ridges_free(struct vor_ridges *ridges)

@@ -243,10 +243,9 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
         status = make_lists(&make, run, err);
     VOR_FREE_ALL(run->memory, make.at, make.far, make.member, make.first, make.source,
                  make.component);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = graph;
+    else
         vor_graph_free(&graph);
-        return status;
-    }
-    *out = graph;
-    return VOR_OK;
+    return status;
 }

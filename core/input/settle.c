@@ -317,16 +317,6 @@ static vor_status choose_level(unsigned *out, struct vor_halves *halves,
     return status;
 }
 
-/* Room for two clouds of n points. */
-static vor_status reserve(float *out[2], size_t n, struct vor_memory *memory, struct vor_error *err)
-{
-    out[0] = vor_malloc(memory, n, 3 * sizeof **out);
-    out[1] = vor_malloc(memory, n, 3 * sizeof **out);
-    if (out[0] == NULL || out[1] == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
-}
-
 /* Moves representatives once. */
 static vor_status move(struct vor_domain *some, struct pass *pass, const struct vor_run *run,
                        struct vor_error *err)
@@ -352,9 +342,13 @@ static vor_status move_some(struct vor_domain *some, float *normal[2],
     const float *origin = halves->level[level].xyz;
     struct pass pass = {.noise = noise, .halves = halves, .from = origin, .origin = origin};
     struct vor_halves moved;
-    vor_status status = reserve(normal, halves->level[level].n, run->memory, err);
+    vor_status status = VOR_OK;
 
     some->n = halves->level[level].n;
+    for (int i = 0; i < 2; i++)
+        normal[i] = vor_malloc(run->memory, some->n, 3 * sizeof *normal[i]);
+    if (normal[0] == NULL || normal[1] == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", some->n);
     for (int i = 0; i < STEPS && status == VOR_OK; i++) {
         pass.before = i > 0 ? normal[(i + 1) % 2] : NULL;
         pass.normal = normal[i % 2];

@@ -202,12 +202,11 @@ static vor_status thin(struct vor_domain *out, const struct vor_domain *in, stru
     }
     if (status == VOR_OK && domain.n > 0)
         status = know(&domain, run, err);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = domain;
+    else
         vor_domain_free(&domain);
-        return status;
-    }
-    *out = domain;
-    return VOR_OK;
+    return status;
 }
 
 vor_status vor_domain_thin(struct vor_domain *out, const struct vor_domain *in, double gap,

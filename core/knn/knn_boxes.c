@@ -289,12 +289,11 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
     build.boxes->n = n;
     status = make_tree(&build, err);
     VOR_FREE_ALL(run->memory, build.subtree, build.code);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = build.boxes;
+    else
         vor_boxes_free(build.boxes);
-        return status;
-    }
-    *out = build.boxes;
-    return VOR_OK;
+    return status;
 }
 
 void vor_boxes_free(struct vor_boxes *boxes)

@@ -43,19 +43,10 @@ static size_t hash_of(const float x[3])
     return (size_t)hash;
 }
 
-static int same(const float a[3], const float b[3])
-{
-    int alike = 1;
-
-    for (int c = 0; c < 3; c++)
-        alike &= no_tiny(a[c]) == no_tiny(b[c]);
-    return alike;
-}
-
 /* The place of point i, which may be a new one. */
 static uint32_t place_of(struct table *table, uint32_t i)
 {
-    const float *x = &table->xyz[3 * (size_t)i];
+    const float *x = &table->xyz[3 * (size_t)i], *other;
     size_t at = hash_of(x) & table->mask;
 
     for (int probe = 0; probe < PROBES; probe++, at = (at + 1) & table->mask) {
@@ -65,7 +56,9 @@ static uint32_t place_of(struct table *table, uint32_t i)
             table->slot[at] = (uint32_t)table->places;
             break;
         }
-        if (same(&table->xyz[3 * (size_t)table->first[place]], x))
+        other = &table->xyz[3 * (size_t)table->first[place]];
+        if (no_tiny(other[0]) == no_tiny(x[0]) && no_tiny(other[1]) == no_tiny(x[1]) &&
+            no_tiny(other[2]) == no_tiny(x[2]))
             return place;
     }
     table->first[table->places] = i;

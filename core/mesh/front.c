@@ -102,13 +102,6 @@ static int is_flat(const struct front *front, const uint32_t corner[3], int faci
     return 1;
 }
 
-/* Whether the surface keeps its two sides with a triangle, or has one, as a Moebius band. */
-static int has_sides(struct front *front, const uint32_t corner[3])
-{
-    return vor_twosided_takes(&front->sides, front->complex, corner) ||
-           (!front->facing && is_flat(front, corner, 0));
-}
-
 /* Whether the third corner of a triangle has triangles, none of them beside this one. */
 static int meets(const struct front *front, const uint32_t corner[3])
 {
@@ -119,10 +112,13 @@ static int meets(const struct front *front, const uint32_t corner[3])
            vor_complex_edge(front->complex, corner[1], corner[2], third) == 0;
 }
 
-/* Whether those that there are leave room for a triangle over the edge of its first two corners. */
+/* Whether those that there are leave room for a triangle over the edge of its first two corners,
+ * and the surface keeps its two sides with it, or has one, as a Moebius band. */
 static int is_free(struct front *front, const uint32_t corner[3])
 {
-    return vor_complex_takes(front->complex, corner) && has_sides(front, corner) &&
+    return vor_complex_takes(front->complex, corner) &&
+           (vor_twosided_takes(&front->sides, front->complex, corner) ||
+            (!front->facing && is_flat(front, corner, 0))) &&
            !vor_crossing_near(front->complex, front->balls, corner) &&
            !(meets(front, corner) && vor_handle_is(front->complex, &front->sides, corner));
 }

@@ -198,12 +198,11 @@ vor_status vor_rims_find(struct vor_rims *out, const struct vor_complex *complex
         status = walk_all(&rims, &trace, err);
     }
     VOR_FREE_ALL(complex->memory, trace.seen, trace.pair, trace.to, trace.first);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = rims;
+    else
         vor_rims_free(&rims);
-        return status;
-    }
-    *out = rims;
-    return VOR_OK;
+    return status;
 }
 
 void vor_rims_free(struct vor_rims *rims)

@@ -28,17 +28,10 @@ struct compare {
     atomic_size_t border, fitted[VOR_NEIGHBORS_MAX + 1];
 };
 
-/* Point number i of those whose distances are taken. */
-static const float *looked_at(const struct compare *compare, size_t i)
-{
-    const struct vor_domain *domain = compare->seeds->domain;
-
-    return &domain->xyz[3 * (size_t)((uint64_t)i * domain->n / compare->points)];
-}
-
 static void in_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct compare *compare = ctx;
+    const struct vor_domain *domain = compare->seeds->domain;
     struct vor_sums sums = {0};
     uint32_t index[VOR_KNN_NEAR_MAX];
     float query[3 * VOR_KNN_NEAR_MAX], distance2[VOR_KNN_NEAR_MAX];
@@ -47,7 +40,9 @@ static void in_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned wo
     for (size_t i = begin; i < end; i += near.count) {
         near.count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
         for (size_t j = 0; j < near.count; j++)
-            memcpy(&query[3 * j], looked_at(compare, i + j), 3 * sizeof *query);
+            memcpy(&query[3 * j],
+                   &domain->xyz[3 * (size_t)((uint64_t)(i + j) * domain->n / compare->points)],
+                   3 * sizeof *query);
         vor_knn_search_near(compare->knn, &near, index, distance2);
         for (size_t j = 0; j < near.count; j++)
             add(&sums, vor_distance2f(&query[3 * j], &compare->seeds->xyz[3 * (size_t)index[j]]));

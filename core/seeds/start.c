@@ -452,12 +452,11 @@ vor_status vor_start_seeds(struct vor_seeds *out, const struct vor_domain *domai
         status = vor_warm_start(
             &to, vor_spec_given(spec, VOR_PARAM_COHERENCE) ? spec->value[VOR_PARAM_COHERENCE] : 1,
             err);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = to;
+    else
         vor_seeds_free(&to);
-        return status;
-    }
-    *out = to;
-    return VOR_OK;
+    return status;
 }
 
 vor_status vor_start_between(struct vor_seeds *out, const struct vor_domain *domain, size_t n,
@@ -478,10 +477,9 @@ vor_status vor_start_between(struct vor_seeds *out, const struct vor_domain *dom
         status = sample_cells(&areas, err);
     }
     vor_seeds_free(&from);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = to;
+    else
         vor_seeds_free(&to);
-        return status;
-    }
-    *out = to;
-    return VOR_OK;
+    return status;
 }
