@@ -8,6 +8,14 @@
 #include <stdint.h>
 #include <string.h>
 
+/** Share of a length that the rounding of positions to float32, 6e-8 of their extent, may come to:
+ *  what is less says nothing. As the least pivot of fits, and as the width over the length of
+ * points on a line, 1e-8 and 1e-4 change nothing on kitti, autzen, bunny and shell; at 1e-3 one
+ * crease in a thousand differs. */
+#define VOR_ROUNDED 1e-6
+/** The same of a square, or of a sum in double. */
+#define VOR_ROUNDED2 1e-12
+
 /** Scalar product. */
 static inline double vor_dot(const double a[3], const double b[3])
 {

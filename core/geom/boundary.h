@@ -127,9 +127,9 @@
  *  lattice 2. At 1.2 / 1.4 / 1.7: rms on bunny 3.0e-4 / 2.8e-4 / 5.3e-4, delta of fandisk 0.0210 /
  *  0.0197 / 0.0192. */
 #define VOR_HOLE_REGULAR 1.4
-/** Fewer neighbours do not show a hole. At 6 / 12 / 24: rms on bunny 3.1e-4 / 2.8e-4 / 5.3e-4; 24
- *  is more than an exact input's fits have, and turns the rule off. */
-#define VOR_HOLE_NEIGHBORS_MIN 12
+/** Fewer neighbours do not show a hole: as many as a refined fit has. At 6 / 12 / 24: rms on bunny
+ *  3.1e-4 / 2.8e-4 / 5.3e-4; 24 is more than an exact input's fits have, and turns the rule off. */
+#define VOR_HOLE_NEIGHBORS_MIN VOR_REFINED_TO
 /** Share of the points in holes above which these are gaps of the sampling. Points beyond the end
  * of the input do not count: a small open sheet has many (6 % of 6,400 on a grid of 40 x 40).
  * Shares measured on 5,000 points without polish: the grid 0.002, fandisk 0.004, bunny 0.006, cow

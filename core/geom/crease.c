@@ -84,7 +84,7 @@ static double gain_of(const struct fit *fit, const double *column, double *coeff
     parts_of(part, fit, column);
     own = all - dot(part, part, SHARED_TERMS);
     *coefficient = 0;
-    if (!(own > VOR_RANK * all))
+    if (!(own > VOR_ROUNDED * all))
         return 0;
     shared = dot(column, fit->rest, fit->k);
     *coefficient = shared / own;
@@ -128,7 +128,7 @@ static int meet(struct kink *next, const struct fit *fit, const struct kink *kin
             a[SIDE_TERMS * x + y] =
                 dot(column[x], column[y], fit->k) - dot(part[x], part[y], SHARED_TERMS);
     }
-    if (vor_solve_spd(a, b, SIDE_TERMS, VOR_RANK) == 0)
+    if (vor_solve_spd(a, b, SIDE_TERMS, VOR_ROUNDED) == 0)
         return 0;
     next->at = -b[0] / b[1];
     next->slant = -b[2] / b[1];
@@ -175,7 +175,7 @@ static int near_side(const struct fit *fit, const struct kink *kink, double *slo
         suw += u * w;
     }
     *slope = *height = 0;
-    if (!(suu * k - su * su > VOR_RANK * suu * k))
+    if (!(suu * k - su * su > VOR_ROUNDED * suu * k))
         return 0;
     *slope = (suw * k - su * sw) / (suu * k - su * su);
     *height = (sw - *slope * su) / k;
@@ -216,7 +216,7 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
         before = dot(q, q, fit.k);
         take_out(q, &fit, b);
         after = dot(q, q, fit.k);
-        scale = after > VOR_RANK * before ? 1 / sqrt(after) : 0;
+        scale = after > VOR_ROUNDED * before ? 1 / sqrt(after) : 0;
         for (unsigned j = 0; j < fit.k; j++)
             q[j] *= scale;
     }

@@ -68,7 +68,7 @@ static int fit_quartic(struct derivatives *out, const struct vor_surface *surfac
     for (unsigned i = 0; i < TERMS; i++)
         for (unsigned j = 0; j <= i; j++)
             a[i * TERMS + j] = sums.s[power[i][0] + power[j][0]][power[i][1] + power[j][1]];
-    if (!(vor_solve_spd(a, c, TERMS, VOR_RANK) > 0))
+    if (!(vor_solve_spd(a, c, TERMS, VOR_ROUNDED) > 0))
         return 0;
     left = sums.ww;
     for (unsigned i = 0; i < TERMS; i++)

@@ -18,7 +18,6 @@ enum {
 /* Share that is added to the diagonal: parameters that the points say nothing of stay. */
 #define DAMP 1e-4
 #define LEAST 1e-30
-#define RANK 1e-12
 /* Share of the sum of squares that a step must take, and cosine of sides that do not meet. */
 #define ENOUGH 1e-3
 #define PARALLEL 0.999
@@ -130,7 +129,7 @@ static double improve(struct vor_fillet *fillet, const struct points *points, do
         now = sum_up(a, b, fillet, points);
         for (int x = 0; x < PARAMETERS; x++)
             a[PARAMETERS * x + x] += DAMP * a[PARAMETERS * x + x] + LEAST;
-        if (vor_solve_spd(a, b, PARAMETERS, RANK) == 0)
+        if (vor_solve_spd(a, b, PARAMETERS, VOR_ROUNDED2) == 0)
             break;
         add(&tried, b, WIDEST * reach);
         next = sum_up(NULL, NULL, &tried, points);

@@ -194,7 +194,7 @@ static int share(struct vor_layers *layers, struct stack *stack)
             x[l][t] /= n[l];
         }
     }
-    if (!(vor_solve_spd(a, layers->shape, TERMS, VOR_RANK) > 0))
+    if (!(vor_solve_spd(a, layers->shape, TERMS, VOR_ROUNDED) > 0))
         return 0;
     for (unsigned i = 0; i < stack->k; i++) {
         stack->height[i] = stack->w[i];

@@ -1,13 +1,11 @@
 #include "core/geom/polygon.h"
 
+#include "core/base/linalg.h"
 #include <math.h>
 #include <string.h>
 
 /* Most edges of a piece that is not halved. */
 enum { FEW = 8 };
-
-/* Share by which the rounding of a distance to an edge may exceed that to the box around it. */
-#define ROUNDING 1e-12
 
 /* A piece: its edges, and its number, of which the halves' follow. */
 struct piece {
@@ -164,7 +162,7 @@ static void look(struct vor_polygon_near *out, const struct vor_polygon *polygon
     for (int turn = 0; turn < 2; turn++) {
         int which = (far[1] < far[0]) != turn;
 
-        if (far[which] <= out->distance2 * (1 + ROUNDING))
+        if (far[which] <= out->distance2 * (1 + VOR_ROUNDED2))
             look(out, polygon, half[which], x);
     }
 }

@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-/* Smallest pivot over the largest one at which the points are believed to determine the spline: the
- * rounding of the largest entries reaches it. */
-#define RANK 1e-13
-
 enum { VALUES = 3 };
 
 static void terms(double out[VOR_SPLINE_TERMS], const double u[2])
@@ -78,7 +74,7 @@ vor_status vor_spline_fit(struct vor_spline *out, const double *at, const double
     } else {
         memcpy(spline.at, at, 2 * n * sizeof *spline.at);
         set_up(&system, &spline, value, smooth);
-        if (!vor_solve_pivots(system.row, system.side, system.order, VALUES, 0, RANK))
+        if (!vor_solve_pivots(system.row, system.side, system.order, VALUES, 0, VOR_ROUNDED2))
             status = vor_fail(err, VOR_E_DEGENERATE, "no surface can be fitted to %zu points", n);
     }
     vor_free(memory, system.row);

@@ -69,7 +69,7 @@ VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hoo
         m[5] += weigh(weight, i, z) * z;
     }
     vor_eigen3_flat(values, vectors, m);
-    if (!(values[1] > VOR_RANK * values[2]))
+    if (!(values[1] > VOR_ROUNDED * values[2]))
         return 0;
     memcpy(out->axis[0], vectors[1], sizeof vectors[1]);
     memcpy(out->axis[1], vectors[2], sizeof vectors[2]);
@@ -181,7 +181,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     sum_moments(&moments, &hood, weight, scale);
     if (highest == VOR_SURFACE_QUADRIC && k >= 6 && solve(out->c, &moments, 6, VOR_QUADRIC_RANK))
         out->kind = VOR_SURFACE_QUADRIC;
-    else if (solve(out->c, &moments, 3, VOR_RANK))
+    else if (solve(out->c, &moments, 3, VOR_ROUNDED))
         out->kind = VOR_SURFACE_PLANE;
     out->off2 = out->reach * out->reach * left(&moments, out->c) / hood.total;
     out->c[0] *= out->reach;

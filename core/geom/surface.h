@@ -15,12 +15,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Smallest relative pivot of least squares that the points determine, and second over largest
- *  eigenvalue below which they lie on a line: a width of 1e-3 of the length is above what float32
- *  rounds off, 6e-8 of the extent. 1e-8 and 1e-4 change nothing on kitti, autzen, bunny and shell;
- * at 1e-3 one crease in a thousand differs. */
-#define VOR_RANK 1e-6
-
 /** Fewest neighbours that a fit takes. With 10 / 20 / 40 neighbours everywhere, rms distance to the
  *  true surface in 1e-4 of its diagonal: igea 4.7 / 5.0 / 8.4, fandisk 6.7 / 5.7 / 9.4, bunny 5.1 /
  *  2.9 / 6.2, an upsampled cow 18.6 / 18.6 / 29.1 (inputs as in geom/boundary.h; means of three

@@ -7,10 +7,6 @@
 /* Equations. */
 enum { ORDER = VOR_THROUGH_MOST + VOR_THROUGH_TERMS };
 
-/* Smallest pivot at which the points are believed to determine the height; entries are at most 23,
- * the cube of the diagonal of [-1, 1]^2. */
-#define RANK 1e-9
-
 static double kernel(const double a[2], double u, double v)
 {
     double x = a[0] - u, y = a[1] - v, r2 = x * x + y * y;
@@ -51,7 +47,7 @@ int vor_through_fit(struct vor_through *out, const double (*local)[3], unsigned 
         for (int c = 0; c < 2; c++)
             through.at[i][c] = local[i][c] / through.scale;
     set_up(a, &through, local);
-    if (!vor_solve_pivots(a, through.weight, n + VOR_THROUGH_TERMS, 1, RANK, 0))
+    if (!vor_solve_pivots(a, through.weight, n + VOR_THROUGH_TERMS, 1, VOR_ROUNDED2, 0))
         return 0;
     *out = through;
     return 1;

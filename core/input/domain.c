@@ -27,10 +27,6 @@ enum { BLOCK = 1 << 16 }; /* points of one task */
 #define LONE_FROM 0.95
 #define LONE_GAP 8.0
 
-/* Variance across over variance along, below which the cloud is a line: 1e-6 in length, where the
- * rounding of float32 is 6e-8 of the extent. */
-#define LINE_RANK 1e-12
-
 /* Extents: a cloud whose middle is nearer than that to the origin is not shifted. Float32 then has
  * at most two bits less for it than about its own middle. */
 #define SHIFTED_FROM 2
@@ -221,7 +217,7 @@ vor_status vor_domain_check(const struct vor_domain *domain, const struct vor_ru
     if (status != VOR_OK)
         return status;
     vor_eigen3(values, vectors, m);
-    if (!(values[1] > LINE_RANK * values[2]))
+    if (!(values[1] > VOR_ROUNDED2 * values[2]))
         return vor_fail(err, VOR_E_DEGENERATE,
                         "all %zu distinct points lie on one line, or too close to one line",
                         domain->n);

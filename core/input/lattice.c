@@ -34,9 +34,6 @@ enum {
  * With smoothing and without, at 5 to 9 bits (1.0 to 0.27 spacings): 23.7 and 26.5, 13.5
  * and 14.1, 8.8 and 9.1, 6.6 and 6.6, 5.9 and 5.5. */
 #define SMALL 0.4
-/* Normalised: an axis with few levels is flat only if they were told apart with at most this
- * rounding, sixteen steps of float32 at 1. */
-#define FLAT 1e-6
 /* What a few roundings to float32 do to a number of 1: two steps of its last bit. */
 #define FLOAT32 0x1p-22
 /* Of a cell: how far a point may move. Half a cell is all that rounding did to it; a little less,
@@ -155,7 +152,7 @@ static void find_cell(struct found *out, struct axis *axis, double largest)
 
     for (int i = 0; i < 2 && out->cell == 0 && !out->few; i++) {
         find_levels(axis, roundings[i]);
-        out->few = axis->levels < FEW && roundings[i] <= FLAT;
+        out->few = axis->levels < FEW && roundings[i] <= VOR_ROUNDED;
         if (axis->levels >= FEW) {
             struct found found = {0}; /* the largest cell that the sample is on is taken */
 

@@ -16,9 +16,7 @@ enum {
     BLOCK = 256,             /* points of one task */
     NEAR = 30,               /* neighbours of a spacing, beside the point itself */
     FLAT = VOR_EDGES_NORMAL, /* points of a plane, where no list has one */
-    SHEETS = 3, /* times as many neighbours are looked at where the domain has sheets */
-    /* Points of a loop, and of a row that does not close, from which on it counts. */
-    LEAST = 3
+    SHEETS = 3 /* times as many neighbours are looked at where the domain has sheets */
 };
 
 /* Quantile of the neighbours' spacings that is the spacing at a border: those farther inside. At
@@ -400,7 +398,7 @@ static void take_loop(const struct walk *walk, size_t first)
         end = next;
     } while (end != 2 * first);
     sums.spacing /= (double)loop.count;
-    if (loop.count < LEAST || sums.length < LEAST_LENGTH * sums.spacing)
+    if (loop.count < VOR_LOOPS_LEAST || sums.length < LEAST_LENGTH * sums.spacing)
         return;
     loop.length = sums.length + BEYOND * sums.spacing * sums.bend;
     loop.turns = -sums.bend / (2 * M_PI);
@@ -430,7 +428,7 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
     walk.mate = vor_malloc(run->memory, n, 2 * sizeof *walk.mate);
     walk.seen = vor_calloc(run->memory, n, sizeof *walk.seen);
     loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
-    loops->loop = vor_malloc(run->memory, n / LEAST, sizeof *loops->loop);
+    loops->loop = vor_malloc(run->memory, n / VOR_LOOPS_LEAST, sizeof *loops->loop);
     if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     } else {
@@ -439,7 +437,7 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
             /* Marks the rows that stop somewhere, and counts the long ones. */
             for (size_t end = 0; end < 2 * walk.n; end++)
                 if (walk.mate[end] == VOR_ROWS_NO_END && !walk.seen[end / 2])
-                    loops->open += mark(&walk, end) >= LEAST;
+                    loops->open += mark(&walk, end) >= VOR_LOOPS_LEAST;
             for (size_t i = 0; i < walk.n; i++)
                 if (!walk.seen[i])
                     take_loop(&walk, i);
@@ -466,7 +464,7 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
     find.flag = vor_malloc(run->memory, domain->n, sizeof *find.flag);
     if (find.spacing == NULL || find.flag == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    else if (domain->n >= LEAST)
+    else if (domain->n >= VOR_LOOPS_LEAST)
         status = find_corners(&find, &corners, run, err);
     if (status == VOR_OK)
         status = make_loops(&loops, &find, corners, run, err);

@@ -43,6 +43,10 @@
  * 0.36 to 0.83. The length says nothing: small tubes have short ends. */
 #define VOR_LOOPS_HOLE_TURNS 0.3
 
+/** Points of a loop, of a row that does not close, and sites of a loop, from which on it counts: a
+ *  shorter one is no wider than a spacing. */
+enum { VOR_LOOPS_LEAST = 3 };
+
 /** Sine of the angle between two normals from which on a crease lies between their points. */
 #define VOR_LOOPS_CREASE 0.5
 

@@ -15,9 +15,6 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Points for each one of the result, and at least: as a thinned domain has (input/thin.c). */
-    POINTS_EACH = 5,
-    POINTS_LEAST = 20000,
     /* Rounds in which neighbours vote on single points. At 0 / 3: of armadillo (third draw) 27 /
      * 19 points are wrong. */
     VOTES = 3,
@@ -520,9 +517,9 @@ static vor_status thin_out(struct vor_domain *out, const struct vor_domain *doma
                            struct vor_error *err)
 {
     double fewer = (double)VOR_NEIGHBORS_FEWEST / domain->known.neighbors.most;
-    double wanted = fmin(POINTS_EACH * (double)how->points, fmin(1, fewer) * (double)domain->n);
+    double wanted = fmin(VOR_THIN_EACH * (double)how->points, fmin(1, fewer) * (double)domain->n);
 
-    wanted = fmax(wanted, POINTS_LEAST);
+    wanted = fmax(wanted, VOR_THIN_LEAST);
     if ((double)domain->n < 2 * wanted || !(how->area > 0))
         return VOR_OK;
     return vor_domain_thin(out, domain, sqrt(how->area / wanted), run, err);

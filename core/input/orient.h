@@ -59,8 +59,8 @@ struct vor_orient_how {
 
 /** Orients the domain, or a thinned copy of it. The domain must outlive *out.
  *
- *  Thinned is what has more than POINTS_EACH points for each one of the result, and where fits take
- *  more than VOR_NEIGHBORS_FEWEST points, so many times more as to make up for it; normals are
+ *  Thinned is what has more than VOR_THIN_EACH points for each one of the result, and where fits
+ * take more than VOR_NEIGHBORS_FEWEST points, so many times more as to make up for it; normals are
  *  fitted to all points of the domain in any case.
  *
  *  @param[out] out  free with vor_orientation_free; untouched on failure

@@ -15,19 +15,9 @@ enum {
      * 32: rms distance to the true surface 0.59e-4 / 0.58e-4 / 0.58e-4, delta 0.0228 / 0.0238 /
      * 0.0238. */
     RECENT = 16,
-    /* Points of the input for each one of the result, and in all, at least: more show no more of a
-     * cell. Where fits take more than the fewest neighbours, because of noise, there are as many
-     * times more, so that a fit reaches as far. Measured: CPU of an iteration at 5 million points
-     * is 1.2 times that at 10,000, without thinning 2.3 times; armadillo, 5 million to 100,000, 20
-     * iterations: 15 CPU s, without 20, delta and distance to the true surface the same; on noisy
-     * dense clouds both are lower by a third. With twice as many, armadillo as above: rms 0.56e-4
-     * for 0.58e-4, searches 9 % fewer, but 11 % more triangles a cell. */
-    POINTS_EACH = 5,
-    /* At 10,000 / 20,000 / 40,000 (the last is not thinned), armadillo, 43,243 to 4,000:
-     * rms 2.15e-4 / 2.12e-4 / 2.22e-4, delta 0.0207 / 0.0211 / 0.0199. */
-    POINTS_LEAST = 20000,
-    /* Times that: an input of fewer points is not thinned, as is one of which more than one in so
-     * many would stay. Half of the points is the least that repays a second index. */
+    /* Times the points that are left: an input of fewer is not thinned, as is one of which more
+     * than one in so many would stay. Half of the points is the least that repays a second index.
+     */
     WORTHWHILE = 2,
     /* Means of the input's points for each one of the result. At 3 / 4 / as many as there are:
      * armadillo, 222,543 points with noise of 0.1 % of the diagonal to 22,000 by ear, rms distance
@@ -219,7 +209,7 @@ vor_status vor_domain_thin_for(struct vor_domain *out, const struct vor_domain *
                                double area, const struct vor_run *run, struct vor_error *err)
 {
     double wider = fmax(1, (double)in->known.neighbors.most / VOR_NEIGHBORS_FEWEST);
-    double wanted = fmax(POINTS_EACH * wider * (double)n, POINTS_LEAST);
+    double wanted = fmax(VOR_THIN_EACH * wider * (double)n, VOR_THIN_LEAST);
 
     memset(out, 0, sizeof *out);
     if ((double)in->n < WORTHWHILE * wanted || !(area > 0))
@@ -231,7 +221,7 @@ vor_status vor_domain_means_for(struct vor_domain *out, const struct vor_domain 
                                 double area, const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_conditioning *known = &in->known;
-    double wanted = fmax(MEANS_EACH * (double)n, POINTS_LEAST);
+    double wanted = fmax(MEANS_EACH * (double)n, VOR_THIN_LEAST);
 
     memset(out, 0, sizeof *out);
     if ((double)in->n < WORTHWHILE * wanted || !(area > 0) || known->sheets ||

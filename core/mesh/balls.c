@@ -6,10 +6,9 @@
 
 #include <string.h>
 
-/* Squared sine of the least angle of a triangle that has a circle, and share of the squared edge
- * within which points count as lying on a ball. */
+/* Squared sine of the least angle of a triangle that has a circle. Points count as lying on a ball
+ * within VOR_ROUNDED of the squared edge. */
 #define NARROW2 1e-8
-#define TOUCHES 1e-6
 
 /* Points nearest to point i on its sheet, itself first. */
 static unsigned search(const struct vor_balls *balls, uint32_t i, unsigned around, uint32_t *index,
@@ -155,9 +154,9 @@ double vor_balls_radius2(const struct vor_balls *balls, const double *b, const d
             continue;
         for (int d = 0; d < 3; d++)
             from[d] = x[d] - middle[d];
-        power = vor_dot(from, from) - radius2 + TOUCHES * bb;
+        power = vor_dot(from, from) - radius2 + VOR_ROUNDED * bb;
         up = vor_dot(from, normal);
-        if (up * up <= TOUCHES * TOUCHES * bb)
+        if (up * up <= VOR_ROUNDED * VOR_ROUNDED * bb)
             low = power < 0 ? INFINITY : low;
         else if (up > 0)
             high = fmin(high, power / (2 * up));

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Share of the triangles below mesh.quality_p001. */
-#define LOW 0.001
+#define QUANTILE_TOLD 0.001
 
 /* Whether no edge has more than two triangles, and those at every point are one fan. */
 static int is_manifold(const struct vor_complex *complex)
@@ -88,7 +88,7 @@ static vor_status rate(struct vor_report *report, const struct vor_complex *comp
     if (rated > 0) {
         vor_sort_floats(quality, rated);
         report->mesh_quality_mean = sum / (double)rated;
-        report->mesh_quality_p001 = vor_quantile(quality, rated, LOW);
+        report->mesh_quality_p001 = vor_quantile(quality, rated, QUANTILE_TOLD);
         report->mesh_quality_min = (double)quality[0];
         report->mesh_angle_min = acos(sharpest) * 180 / M_PI;
     }

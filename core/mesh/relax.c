@@ -22,9 +22,6 @@
  * armadillo, 30,000 points, is 0.45. */
 #define POOR 0.7
 
-/* Height of a triangle over its longest edge, below which it has no direction to grow. */
-#define FLAT 1e-6
-
 struct relax {
     struct vor_sheet *sheet;
     struct vor_seeds *seeds;
@@ -54,7 +51,7 @@ void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, c
     v = sqrt(vor_dot(across, across));
     h = sqrt(3) / 2 * length;
     pull->triangles++;
-    if (!(v > FLAT * length) || !(length > 0))
+    if (!(v > VOR_ROUNDED * length) || !(length > 0))
         return;
     slope[0] = u / (h * v);
     slope[1] = (1 - (u * u + h * h) / (v * v)) / (2 * h);

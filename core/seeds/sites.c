@@ -13,7 +13,6 @@
 #include <string.h>
 
 enum {
-    LEAST = 3, /* sites of a loop: a shorter one is no wider than a spacing of the result */
     /* Times that a line is averaged with its neighbours; with VOR_RIDGES_STEP it takes ragged ends
      * away over 1.5 spacings of the input. */
     ROUNDS = 18,
@@ -228,7 +227,7 @@ static vor_status line_of(struct line *out, const struct place_on *on,
     const struct vor_domain *domain = on->domain;
     const struct vor_loop *loop = &loops->loop[l];
     struct line raw = {0}, line = {0};
-    size_t n = (size_t)fmax(0, loop->length / (VOR_RIDGES_STEP * loop->spacing)) + LEAST;
+    size_t n = (size_t)fmax(0, loop->length / (VOR_RIDGES_STEP * loop->spacing)) + VOR_LOOPS_LEAST;
     double *along = vor_malloc(domain->memory, n, sizeof *along);
     vor_status status = line_through(&raw, domain, &loops->point[loop->first], loop->count, err);
 
@@ -397,7 +396,7 @@ static vor_status put_on(struct place_on *on, const struct line *line, struct vo
 {
     struct vor_memory *memory = on->sites->memory;
     int closed = line->parts == line->n;
-    size_t most = on->n - 1 - on->sites->n, least = closed ? LEAST : 1;
+    size_t most = on->n - 1 - on->sites->n, least = closed ? VOR_LOOPS_LEAST : 1;
     size_t gaps = (size_t)rint(line->sum[line->parts] / on->h);
     struct walkers walkers = {.n = 0};
     vor_status status = vor_run_answered(vor_run_poll(on->run), err);
@@ -445,7 +444,7 @@ static vor_status add_lengths(struct place_on *on, const struct vor_loops *loops
         if (status != VOR_OK)
             return status;
         more = line.sum[line.parts];
-        if (more >= (LEAST - 0.5) * spacing_for((double)on->n, area, length + more))
+        if (more >= (VOR_LOOPS_LEAST - 0.5) * spacing_for((double)on->n, area, length + more))
             length += more;
         line_free(&line);
     }

@@ -1,5 +1,6 @@
 #include "core/seeds/stretched.h"
 
+#include "core/base/linalg.h"
 #include "core/geom/patch.h"
 
 #include <string.h>
@@ -13,9 +14,6 @@ enum {
 
 /* Spacings that the seeds of a list may have moved. */
 #define MOVED 0.8
-/* Factor by which a distance in float32 may be off, and more. */
-#define SURE 0.9999
-
 vor_status vor_stretched_init(struct vor_stretched *out, const struct vor_tensors *field, size_t n,
                               struct vor_memory *memory, struct vor_error *err)
 {
@@ -108,7 +106,7 @@ void vor_stretched_crowd(struct vor_crowd *crowd, const float *xyz, size_t i,
         if (kept < NEAR_IN_METRIC)
             kept++;
         else
-            sure = fmin(sure, sqrt((double)distance2[NEAR_IN_METRIC]) * SURE);
+            sure = fmin(sure, sqrt((double)distance2[NEAR_IN_METRIC]) * (1 - VOR_ROUNDED));
     }
     memcpy(crowd->index, index, kept * sizeof *index);
     memcpy(crowd->distance2, distance2, kept * sizeof *distance2);
