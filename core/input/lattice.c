@@ -48,12 +48,6 @@ enum {
 /* Times the variance that cells explain: residuals vary. At 0.7 / 1.4 / 2.8: 26.8 / 23.7 / 24.4
  * and 14.2 / 13.5 / 13.6. */
 #define EXCUSED 1.4
-/* Times the number of neighbours that vor_neighbors_choose finds, at most: weighted they count for
- * less than half. At 1 / 2 / 4: 24.2 / 23.7 / 24.9 and 14.2 / 13.5 / 13.8. */
-#define WIDER 2
-
-/* Quantiles of the gaps that are candidates for the cell. */
-static const double quantiles[] = {0.5, 0.25, 0.1, 0.03, 0.01};
 
 /* The lattice along one axis. */
 struct found {
@@ -156,8 +150,8 @@ static void find_cell(struct found *out, struct axis *axis, double largest)
         if (axis->levels >= FEW) {
             struct found found = {0}; /* the largest cell that the sample is on is taken */
 
-            for (size_t q = 0; q < sizeof quantiles / sizeof *quantiles; q++) {
-                double gap = axis->gap[vor_quantile_rank(quantiles[q], axis->levels)];
+            for (int share = 2; share < STRAY; share *= 2) {
+                double gap = axis->gap[vor_quantile_rank(1.0 / share, axis->levels)];
 
                 if (gap > 1.5 * out->cell && follow(&found, axis, gap) && found.cell > out->cell)
                     *out = found;
@@ -371,8 +365,9 @@ vor_status vor_lattice_smooth(struct vor_domain *domain, size_t *moved,
     *moved = 0;
     if (status != VOR_OK)
         return status;
-    smooth.k =
-        WIDER * neighbors.usual < VOR_NEIGHBORS_MAX ? WIDER * neighbors.usual : VOR_NEIGHBORS_MAX;
+    smooth.k = VOR_NEIGHBORS_WEIGHTED * neighbors.usual < VOR_NEIGHBORS_MAX
+                   ? VOR_NEIGHBORS_WEIGHTED * neighbors.usual
+                   : VOR_NEIGHBORS_MAX;
     if (smooth.k > domain->n)
         smooth.k = (unsigned)domain->n;
     smooth.xyz = vor_malloc(run->memory, domain->n, 3 * sizeof *smooth.xyz);

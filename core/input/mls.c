@@ -14,10 +14,6 @@
 
 enum {
     BLOCK = 256, /* points of one task */
-    /* Times the number of neighbours that vor_neighbors_choose finds: weighted they count for less
-     * than half. At 1 / 2 / 4: 0.409, 0.418, 0.022 / 0.344, 0.342, 0.031
-     * / 0.373, 0.383, 0.042, for half and twice the time. */
-    WIDER = 2,
     /* Each fits to what the one before left. At 1 / 2 / 4: 0.357, 0.373, 0.027 / 0.344, 0.342,
      * 0.031 / 0.336, 0.345, 0.038. */
     PASSES = 2,
@@ -67,7 +63,7 @@ static void gather(struct hood *out, const struct pass *pass, size_t i)
 {
     const struct vor_domain *domain = pass->domain;
     const float *x = &pass->domain->xyz[3 * i];
-    unsigned k = WIDER * vor_neighbors_at(&domain->known.neighbors, x);
+    unsigned k = VOR_NEIGHBORS_WEIGHTED * vor_neighbors_at(&domain->known.neighbors, x);
     uint32_t index[VOR_NEIGHBORS_MAX];
 
     k = k < VOR_NEIGHBORS_MAX ? k : VOR_NEIGHBORS_MAX;

@@ -39,6 +39,11 @@ enum { VOR_LADDER_STEPS = 6, VOR_LADDER_LAST = 150 };
 enum {
     /** Neighbours that tell a thin part from a noisy one: noise makes them thick too. */
     VOR_NEIGHBORS_EXACT = 10,
+    /** Times the number of neighbours chosen that a fit takes which weights them by (1 - d^2)^3:
+     * they count for less than half. At 1 / 2 / 4, figures of input/mls.c 0.409, 0.418, 0.022 /
+     * 0.344, 0.342, 0.031 / 0.373, 0.383, 0.042, for half and twice the time; of
+     * input/lattice.c 24.2 / 23.7 / 24.9 and 14.2 / 13.5 / 13.8. */
+    VOR_NEIGHBORS_WEIGHTED = 2,
     /** A step is tried if a domain has so many times its points: a fit to more than an eighth of
      *  the input shows no detail. At 4 / 8 / 16 no figure of neighbors.c moves. */
     VOR_NEIGHBORS_ROOM = 8,

@@ -1,13 +1,14 @@
 #include "core/input/remote.h"
 
 #include "core/base/stat.h"
+#include "core/input/conditioning.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 /* Points that the middle of the cloud is taken from, at equal steps. */
-enum { SAMPLES = 1001 };
+enum { SAMPLES = VOR_NEIGHBORS_PLACES };
 
 /* How much farther than usual from the middle a point must be: beside it, float32 leaves the others
  * some thousand places along each axis, of which the engine's fits tell few apart. */

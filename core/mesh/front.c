@@ -14,8 +14,8 @@
 /* Cosine of the angle that the surface turns by at an edge: of one that is taken at all (150
  * degrees: sharper is folded back), and from which on the smaller ball is better whatever the angle
  * (30 degrees). Both are Cohen-Steiner and Da's. */
-#define SMOOTH 0.866
-#define FOLDED (-SMOOTH)
+#define SMOOTH (-VOR_PEEL_BLUNT)
+#define FOLDED VOR_PEEL_BLUNT
 
 /* Mean of the cosines between the normals of a triangle and of the surface at its corners, at
  * least: of those that bridge two sheets it is about 0, over creases of 70 degrees .58. */

@@ -2,10 +2,6 @@
 
 #include "core/base/linalg.h"
 
-/* Cosine of the angle of a triangle over an open edge from which on the border runs along its other
- * two (150 degrees). */
-#define BLUNT (-0.866)
-
 vor_status vor_peel(struct vor_complex *complex, struct vor_error *err)
 {
     unsigned char *border = vor_calloc(complex->memory, complex->n, 1);
@@ -54,7 +50,7 @@ void vor_peel_notches(struct vor_complex *complex, const float *xyz)
                 !vor_complex_is_open(complex, t, (c + 1) % 3) &&
                 !vor_complex_is_open(complex, t, (c + 2) % 3) &&
                 cosine_at(x, &xyz[3 * (size_t)corner[c]], &xyz[3 * (size_t)corner[(c + 1) % 3]]) <
-                    BLUNT)
+                    VOR_PEEL_BLUNT)
                 vor_complex_remove(complex, (uint32_t)t);
         }
     }

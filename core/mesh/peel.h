@@ -4,6 +4,10 @@
 
 #include "core/mesh/complex.h"
 
+/** Cosine of 150 degrees: of the angle of a triangle over an open edge from which on the border
+ * runs along its other two. */
+#define VOR_PEEL_BLUNT (-0.866)
+
 /** Takes away all triangles at points of open edges, and all but the largest fan of each point.
  *
  *  @retval VOR_E_NOMEM  a byte a point does not fit

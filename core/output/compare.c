@@ -124,8 +124,7 @@ static int ends(const struct compare *compare, struct vor_scratch *scratch, cons
 {
     const struct vor_seeds *seeds = compare->seeds;
     const struct vor_place *foot = &scratch->foot;
-    double far =
-        VOR_RIM_AHEAD * compare->spacing + VOR_RIM_AHEAD_INPUT * scratch->here.surface.spacing;
+    double far = VOR_RIM_AHEAD * (compare->spacing + scratch->here.surface.spacing);
     double at[3], local[3], away[2], end[3];
     uint32_t index;
     float query[3], distance2;
