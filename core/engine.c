@@ -151,10 +151,10 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
     return VOR_OK;
 }
 
-/* Spreads points, and joins them by triangles where `meshes` says so. */
-static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *in,
-                         const struct vor_spec *spec, const struct vor_run *run, int meshes,
-                         struct vor_error *err)
+/* Spreads points, and the process mesh joins them by triangles. */
+static vor_status run_spread(struct vor_artefacts *out, const struct vor_artefacts *in,
+                             const struct vor_spec *spec, const struct vor_run *run,
+                             struct vor_error *err)
 {
     struct vor_report *report = vor_artefacts_put_document(out, "report", &vor_report_members, err);
     struct engine engine = {.given = vor_artefacts_cloud(in, "cloud"),
@@ -162,7 +162,7 @@ static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *
                             .spec = *spec,
                             .run = *run,
                             .whole = vor_run_unstoppable(run),
-                            .meshes = meshes};
+                            .meshes = spec->process == vor_process_find("mesh")};
     struct vor_cloud cloud;
     vor_status status;
 
@@ -187,20 +187,6 @@ static vor_status spread(struct vor_artefacts *out, const struct vor_artefacts *
     vor_domain_free(&engine.domain);
     vor_cloud_free(&engine.sampled);
     return status;
-}
-
-static vor_status run_resample(struct vor_artefacts *out, const struct vor_artefacts *in,
-                               const struct vor_spec *spec, const struct vor_run *run,
-                               struct vor_error *err)
-{
-    return spread(out, in, spec, run, 0, err);
-}
-
-static vor_status run_mesh(struct vor_artefacts *out, const struct vor_artefacts *in,
-                           const struct vor_spec *spec, const struct vor_run *run,
-                           struct vor_error *err)
-{
-    return spread(out, in, spec, run, 1, err);
 }
 
 /* The processes that hand out the points of the input: restored, registered or as they are. */
@@ -277,9 +263,9 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
 
 /* Which function runs a process; a row for each of core/spec/tables.h. */
 static const struct vor_process processes[] = {
-    {"resample", run_resample},    {"denoise", run_resample}, {"upsample", run_resample},
-    {"simplify", run_resample},    {"measure", run_measure},  {"inspect", run_inspect},
-    {"convert", run_points},       {"mesh", run_mesh},        {"restore", run_points},
+    {"resample", run_spread},      {"denoise", run_spread},  {"upsample", run_spread},
+    {"simplify", run_spread},      {"measure", run_measure}, {"inspect", run_inspect},
+    {"convert", run_points},       {"mesh", run_spread},     {"restore", run_points},
     {"register", run_points},
 #define PROCESS_ROW(id, run) {id, run},
     VOR_EXTRA_RUNNERS(PROCESS_ROW)

@@ -80,6 +80,32 @@ VOR_NODISCARD static inline vor_status vor_run_rows(const struct vor_run *run, s
     return vor_run_answered(vor_parallel_rows(run->pool, run->watch, n, block, task, ctx), err);
 }
 
+/** A function that is called on the pool, and what it returned. */
+struct vor_one_call {
+    vor_status (*function)(void *ctx, struct vor_error *err);
+    void *ctx;
+    struct vor_error *err;
+    vor_status status;
+};
+
+static inline void vor_one_call_row(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
+{
+    struct vor_one_call *call = ctx;
+
+    call->status = call->function(call->ctx, call->err);
+}
+
+/** Calls what needs one thread on the run's pool; fails as it does, and as vor_run_for. */
+VOR_NODISCARD static inline vor_status
+vor_run_call(const struct vor_run *run, vor_status (*function)(void *ctx, struct vor_error *err),
+             void *ctx, struct vor_error *err)
+{
+    struct vor_one_call call = {function, ctx, err, VOR_OK};
+    vor_status status = vor_run_rows(run, 1, 1, vor_one_call_row, &call, err);
+
+    return status == VOR_OK ? call.status : status;
+}
+
 /** A watch that answers VOR_CANCEL when another one does, and never VOR_STOP; with its clock. */
 struct vor_no_stop {
     const struct vor_watch *inner;

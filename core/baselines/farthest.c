@@ -150,8 +150,7 @@ static void choose(struct farthest *farthest, size_t i)
             renew_inner(farthest, farthest->visited[count]);
 }
 
-static void choose_chunk(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                         VOR_UNUSED unsigned worker)
+static void choose_chunk(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct farthest *farthest = ctx;
     size_t until = smaller(farthest->chosen + CHUNK, farthest->count);
@@ -178,7 +177,7 @@ vor_status vor_farthest_points(float *out, const float *xyz, size_t n, size_t co
         choose(&farthest, first);
     }
     while (status == VOR_OK && farthest.chosen < count)
-        status = vor_run_for(run, 1, 1, choose_chunk, &farthest, err);
+        status = vor_run_rows(run, 1, 1, choose_chunk, &farthest, err);
     VOR_FREE_ALL(run->memory, farthest.visited, farthest.node, farthest.distance2);
     return status;
 }

@@ -106,7 +106,7 @@ static void set(struct vor_march *march, uint32_t i, const struct way *way)
     march->far[i] = (float)way->far;
     march->cost[i] = (float)way->cost;
     vor_to_floats(&march->heading[3 * (size_t)i], way->heading);
-    vor_heap_rise(&march->front, i);
+    vor_heap_move(&march->front, i);
 }
 
 /* A heading along a direction: the cosine, times the length of d. */
@@ -289,8 +289,7 @@ static void reach(struct vor_march *march, uint32_t u, uint32_t v)
         set(march, v, &best);
 }
 
-static void march_on(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                     VOR_UNUSED unsigned worker)
+static void march_on(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct vor_march *march = ctx;
 
@@ -319,7 +318,7 @@ vor_status vor_march_from(struct vor_march *march, float *far, const uint32_t *s
         if (far[source[s]] > 0)
             set(march, source[s], &none);
     while (status == VOR_OK && march->front.count > 0)
-        status = vor_run_for(run, 1, 1, march_on, march, err);
+        status = vor_run_rows(run, 1, 1, march_on, march, err);
     march->far = NULL;
     return status;
 }

@@ -145,11 +145,6 @@ static size_t gather(struct parting *parting, struct vor_bond *bond, size_t coun
     return kept;
 }
 
-static void nothing(void *ctx, size_t begin, size_t end, unsigned worker)
-{
-    (void)ctx, (void)begin, (void)end, (void)worker;
-}
-
 /* Finds the groups, level by level. */
 static vor_status part(struct parting *parting, size_t n, struct vor_bond *bond, size_t count,
                        const struct vor_run *run, struct vor_error *err)
@@ -172,7 +167,7 @@ static vor_status part(struct parting *parting, size_t n, struct vor_bond *bond,
         qsort(bond, count, sizeof *bond, stronger);
         for (size_t e = 0; e < count; e++)
             take(parting, &bond[e]);
-        status = vor_run_for(run, 1, 1, nothing, NULL, err);
+        status = vor_run_answered(vor_run_poll(run), err);
     }
     for (uint32_t i = 0; i < n; i++)
         parting->group[i] = find(parting, i);

@@ -77,17 +77,16 @@ static void lower_from(struct lower *lower, uint32_t j)
         if (!(most < lower->value[i]))
             continue;
         lower->value[i] = most;
-        vor_heap_rise(&lower->heap, i);
+        vor_heap_move(&lower->heap, i);
     }
 }
 
 /* Every point once, then those that were lowered, the least value first: what a point has then is
  * not lowered any more. */
-static void lower_some(void *ctx, size_t begin, size_t end, unsigned worker)
+static void lower_some(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct lower *lower = ctx;
 
-    (void)begin, (void)end, (void)worker;
     for (int step = 0; step < POLL_EVERY; step++)
         if (lower->next < lower->grading->n)
             lower_from(lower, (uint32_t)lower->next++);
@@ -109,6 +108,6 @@ vor_status vor_grading_apply(const struct vor_grading *grading, float *value, do
     for (size_t i = 0; i < n; i++)
         lower.heap.place[i] = VOR_HEAP_WAITS;
     while (status == VOR_OK && (lower.next < n || lower.heap.count > 0))
-        status = vor_run_for(run, 1, 1, lower_some, &lower, err);
+        status = vor_run_rows(run, 1, 1, lower_some, &lower, err);
     return status;
 }

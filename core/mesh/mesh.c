@@ -28,21 +28,17 @@ struct making {
     struct vor_sheet sheet;
     struct vor_complex complex;
     struct vor_mesh *out;
-    vor_status status; /* of what ran on the pool's thread */
-    struct vor_error *err;
 };
 
-static void flip(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                 VOR_UNUSED unsigned worker)
+static void flip(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct making *making = ctx;
 
     (void)vor_flip(&making->complex, &making->sheet, NULL);
-    making->status = VOR_OK;
 }
 
 /* Copies the triangles that are there, each from its first point on. */
-static vor_status hand_out(struct making *making)
+static vor_status hand_out(struct making *making, struct vor_error *err)
 {
     const struct vor_complex *complex = &making->complex;
     struct vor_mesh *out = making->out;
@@ -51,7 +47,7 @@ static vor_status hand_out(struct making *making)
     out->memory = complex->memory;
     to = out->triangle = vor_malloc(out->memory, making->report->mesh_triangles, 3 * sizeof *to);
     if (to == NULL)
-        return vor_fail(making->err, VOR_E_NOMEM, "%zu triangles", complex->count);
+        return vor_fail(err, VOR_E_NOMEM, "%zu triangles", complex->count);
     out->count = making->report->mesh_triangles;
     for (size_t t = 0; t < complex->count; t++) {
         const uint32_t *corner = &complex->triangle[3 * t];
@@ -64,32 +60,23 @@ static vor_status hand_out(struct making *making)
     return VOR_OK;
 }
 
-static void finish(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
-                   VOR_UNUSED unsigned worker)
+static vor_status finish(void *ctx, struct vor_error *err)
 {
     struct making *making = ctx;
     struct vor_rims rims = {.count = 0};
     struct vor_facing facing = {0, 0};
+    vor_status status = vor_facing_turn(&making->complex, &facing, making->seeds->xyz, err);
 
-    making->status = vor_facing_turn(&making->complex, &facing, making->seeds->xyz, making->err);
-    if (making->status == VOR_OK)
-        making->status = vor_rims_find(&rims, &making->complex, &making->sheet, making->err);
-    if (making->status == VOR_OK)
-        making->status =
-            vor_mesh_describe(making->report, &making->complex, &rims, &making->sheet, making->err);
-    if (making->status == VOR_OK)
-        making->status = hand_out(making);
+    if (status == VOR_OK)
+        status = vor_rims_find(&rims, &making->complex, &making->sheet, err);
+    if (status == VOR_OK)
+        status = vor_mesh_describe(making->report, &making->complex, &rims, &making->sheet, err);
+    if (status == VOR_OK)
+        status = hand_out(making, err);
     making->report->mesh_components = facing.components;
     making->report->mesh_one_sided = facing.one_sided;
     vor_rims_free(&rims);
-}
-
-/* Runs a part that needs one thread on the pool. */
-static vor_status on_one(struct making *making, vor_task task)
-{
-    vor_status status = vor_run_for(&making->seeds->run, 1, 1, task, making, making->err);
-
-    return status == VOR_OK ? making->status : status;
+    return status;
 }
 
 /* Whether the triangulation may be repaired: points that change places keep their sheet, density
@@ -118,7 +105,7 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
             status = vor_repair(&making->complex, &making->sheet, making->seeds, making->how->fixed,
                                 &recall, err);
         if (status == VOR_OK)
-            status = on_one(making, flip);
+            status = vor_run_rows(&making->seeds->run, 1, 1, flip, making, err);
         if (status == VOR_OK)
             status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
     }
@@ -191,13 +178,13 @@ static vor_status make(struct making *making, struct vor_error *err)
         status = better(making, 0, 1, err);
     if (status == VOR_OK)
         status = leave_out(making, err);
-    return status == VOR_OK ? on_one(making, finish) : status;
+    return status == VOR_OK ? vor_run_call(run, finish, making, err) : status;
 }
 
 vor_status vor_mesh_make(struct vor_mesh *out, struct vor_report *report, struct vor_seeds *seeds,
                          const struct vor_mesh_how *how, struct vor_error *err)
 {
-    struct making making = {.seeds = seeds, .how = how, .report = report, .out = out, .err = err};
+    struct making making = {.seeds = seeds, .how = how, .report = report, .out = out};
     vor_status status = VOR_OK;
 
     report->has_mesh = 1;

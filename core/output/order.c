@@ -1,5 +1,6 @@
 #include "core/output/order.h"
 
+#include "core/base/heap.h"
 #include "core/base/linalg.h"
 #include "core/knn/knn.h"
 
@@ -46,9 +47,9 @@ enum { TOLD_MAX = 16 };
 /* Cubes beyond that number, from the origin, are one: a double tells those before apart. */
 #define CUBES 0x1p52
 
-/* Slots of points that are not in the heap: not chosen yet, or chosen. */
-#define WAITS UINT32_MAX
-#define CHOSEN (UINT32_MAX - 1)
+/* Places of points that are not in the heap: not chosen yet, or chosen. */
+#define WAITS VOR_HEAP_WAITS
+#define CHOSEN VOR_HEAP_DONE
 
 /* Points by cubes of space, hashed. Those of bucket b are item[start[b]] .. item[start[b + 1] - 1].
  */
@@ -65,11 +66,9 @@ struct order {
     uint32_t *out; /* the count points chosen so far */
     size_t count, stride;
     double spacing;
-    float *reach;   /* distance to the nearest chosen point */
-    float *gain;    /* of points in the heap */
-    uint32_t *slot; /* place in the heap, or WAITS, or CHOSEN */
-    uint32_t *heap; /* points that are far enough for the round, most gain first */
-    size_t heaped;
+    float *reach;         /* distance to the nearest chosen point */
+    float *cost;          /* of points in the heap: less their gain */
+    struct vor_heap heap; /* points that are far enough for the round, most gain first */
     struct grid grid;
     double farthest, least; /* from all chosen, in this round */
     struct vor_knn *knn;    /* of the chosen points, while the pool grows */
@@ -106,7 +105,7 @@ static void fill_grid(struct order *order, double radius, int chosen_only)
     grid->per_side = 1 / radius;
     memset(grid->start, 0, (grid->buckets + 1) * sizeof *grid->start);
     for (size_t i = 0; i <= end; i += order->stride) {
-        if (chosen_only && order->slot[i] != CHOSEN)
+        if (chosen_only && order->heap.place[i] != CHOSEN)
             continue;
         cell_of(grid, &order->xyz[3 * i], 0, cell);
         grid->start[bucket_of(grid, cell)]++;
@@ -115,7 +114,7 @@ static void fill_grid(struct order *order, double radius, int chosen_only)
         grid->start[b] += grid->start[b - 1];
     for (size_t i = end + order->stride; i > 0;) {
         i -= order->stride;
-        if (chosen_only && order->slot[i] != CHOSEN)
+        if (chosen_only && order->heap.place[i] != CHOSEN)
             continue;
         cell_of(grid, &order->xyz[3 * i], 0, cell);
         grid->item[--grid->start[bucket_of(grid, cell)]] = (uint32_t)i;
@@ -158,52 +157,10 @@ static void around(struct order *order, const float x[3], double radius, visit c
                 visit_cell(order, at, x, radius, call, ctx);
 }
 
-static int comes_before(const struct order *order, uint32_t a, uint32_t b)
-{
-    float gain_a = order->gain[a], gain_b = order->gain[b];
-
-    return gain_a > gain_b || (gain_a == gain_b && a < b);
-}
-
-static void heap_put(struct order *order, size_t at, uint32_t i)
-{
-    order->heap[at] = i;
-    order->slot[i] = (uint32_t)at;
-}
-
-/* Puts point i into the heap at `at`, or above or below, where it belongs. */
-static void heap_sift(struct order *order, size_t at, uint32_t i)
-{
-    for (; at > 0 && comes_before(order, i, order->heap[(at - 1) / 2]); at = (at - 1) / 2)
-        heap_put(order, at, order->heap[(at - 1) / 2]);
-    for (;;) {
-        size_t child = 2 * at + 1;
-
-        if (child + 1 < order->heaped &&
-            comes_before(order, order->heap[child + 1], order->heap[child]))
-            child++;
-        if (child >= order->heaped || !comes_before(order, order->heap[child], i))
-            break;
-        heap_put(order, at, order->heap[child]);
-        at = child;
-    }
-    heap_put(order, at, i);
-}
-
-static void heap_remove(struct order *order, uint32_t i)
-{
-    size_t at = order->slot[i];
-    uint32_t last = order->heap[--order->heaped];
-
-    order->slot[i] = WAITS;
-    if (last != i)
-        heap_sift(order, at, last);
-}
-
 static void add_gain(struct order *order, uint32_t i, double gain)
 {
-    order->gain[i] += (float)gain;
-    heap_sift(order, order->slot[i], i);
+    order->cost[i] -= (float)gain;
+    vor_heap_move(&order->heap, i);
 }
 
 /* Squared deviation of a distance from the wanted one, over the round's distance. */
@@ -235,14 +192,13 @@ static void sum_gain(struct order *order, void *ctx, uint32_t i, double distance
 static void rate_row(void *ctx, size_t k, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
+    uint32_t i = order->heap.item[k];
+    double sum = -misfit(order, (double)order->reach[i]);
 
     if (vor_run_is_late(order->run))
         return; /* no rating is read any more: choose_all */
-    uint32_t i = order->heap[k];
-    double sum = -misfit(order, (double)order->reach[i]);
-
     around(order, &order->xyz[3 * (size_t)i], horizon(order), sum_gain, &sum);
-    order->gain[i] = (float)sum;
+    order->cost[i] = -(float)sum;
 }
 
 /* A chosen point that has got a nearer neighbour. */
@@ -263,7 +219,7 @@ static void see_told(struct order *order, void *ctx, uint32_t i, double distance
 {
     const struct told *told = ctx;
 
-    if (order->slot[i] < CHOSEN)
+    if (order->heap.place[i] < CHOSEN)
         add_gain(order, i,
                  gain_of(order, told->to, distance) - gain_of(order, told->from, distance));
 }
@@ -276,16 +232,18 @@ static void see_choice(struct order *order, void *ctx, uint32_t i, double distan
     if (!(distance < reach) || i == choice->i)
         return;
     order->reach[i] = (float)distance;
-    if (order->slot[i] == CHOSEN) {
+    if (order->heap.place[i] == CHOSEN) {
         if (choice->count < TOLD_MAX)
             choice->told[choice->count++] = (struct told){i, reach, distance};
-    } else if (order->slot[i] != WAITS) {
-        if (distance < order->least)
-            heap_remove(order, i);
-        else
-            add_gain(order, i,
-                     gain_of(order, choice->reach, distance) + misfit(order, reach) -
-                         misfit(order, distance));
+    } else if (order->heap.place[i] != WAITS) {
+        if (distance < order->least) {
+            vor_heap_remove(&order->heap, i);
+            order->heap.place[i] = WAITS;
+            return;
+        }
+        add_gain(order, i,
+                 gain_of(order, choice->reach, distance) + misfit(order, reach) -
+                     misfit(order, distance));
     }
 }
 
@@ -293,8 +251,7 @@ static void choose(struct order *order, uint32_t i)
 {
     struct choice choice = {.i = i, .reach = (double)order->reach[i]};
 
-    heap_remove(order, i);
-    order->slot[i] = CHOSEN;
+    vor_heap_remove(&order->heap, i);
     order->out[order->count++] = i;
     around(order, &order->xyz[3 * (size_t)i], fmax(horizon(order), order->farthest * (1 + 0x1p-20)),
            see_choice, &choice);
@@ -308,16 +265,15 @@ static void choose(struct order *order, uint32_t i)
 
 /* Collects the points that can be chosen in this round, not rated yet, and fills the grid with
  * those chosen. */
-static void begin_round(void *ctx, size_t begin, size_t end, unsigned worker)
+static void begin_round(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
 
-    (void)begin, (void)end, (void)worker;
     order->farthest = 0;
     for (size_t i = 0; i < order->n; i += order->stride)
-        if (order->slot[i] == WAITS)
+        if (order->heap.place[i] == WAITS)
             order->farthest = fmax(order->farthest, (double)order->reach[i]);
-    order->heaped = 0;
+    order->heap.count = 0;
     if (!(order->farthest > 0))
         return;
     order->least = LAST * (order->spacing > 0 ? order->spacing : order->farthest);
@@ -326,38 +282,36 @@ static void begin_round(void *ctx, size_t begin, size_t end, unsigned worker)
     while (order->least > MARGIN * order->farthest)
         order->least *= NEARLY;
     for (size_t i = 0; i < order->n; i += order->stride)
-        if (order->slot[i] == WAITS && (double)order->reach[i] >= order->least)
-            order->heap[order->heaped++] = (uint32_t)i;
+        if (order->heap.place[i] == WAITS && (double)order->reach[i] >= order->least)
+            order->heap.item[order->heap.count++] = (uint32_t)i;
     fill_grid(order, horizon(order), 1);
 }
 
-static void build_heap(void *ctx, size_t begin, size_t end, unsigned worker)
+static void build_heap(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
-    size_t all = order->heaped;
+    size_t all = order->heap.count;
 
-    (void)begin, (void)end, (void)worker;
     fill_grid(order, horizon(order), 0);
-    for (order->heaped = 0; order->heaped < all;) {
-        size_t at = order->heaped++;
+    for (order->heap.count = 0; order->heap.count < all;) {
+        size_t at = order->heap.count++;
 
-        heap_sift(order, at, order->heap[at]);
+        vor_heap_sift(&order->heap, at, order->heap.item[at]);
     }
 }
 
-static void choose_some(void *ctx, size_t begin, size_t end, unsigned worker)
+static void choose_some(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct order *order = ctx;
 
-    (void)begin, (void)end, (void)worker;
-    for (size_t k = 0; k < TURN && order->heaped > 0; k++)
-        choose(order, order->heap[0]);
+    for (size_t k = 0; k < TURN && order->heap.count > 0; k++)
+        choose(order, order->heap.item[0]);
 }
 
 /* Runs a task on one thread of the pool. */
-static vor_status on_one(struct order *order, vor_task task, struct vor_error *err)
+static vor_status on_one(struct order *order, vor_row_task task, struct vor_error *err)
 {
-    return vor_run_for(order->run, 1, 1, task, order, err);
+    return vor_run_rows(order->run, 1, 1, task, order, err);
 }
 
 static void look_up_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -368,7 +322,7 @@ static void look_up_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
 
     for (size_t i = begin * order->stride; i < end * order->stride && i < order->n;
          i += order->stride) {
-        if (order->slot[i] == CHOSEN)
+        if (order->heap.place[i] == CHOSEN)
             continue;
         vor_knn_search(order->knn, &order->xyz[3 * i], 1, 1, &index, &distance2);
         order->reach[i] = sqrtf(distance2);
@@ -408,9 +362,9 @@ static void choose_hurried(struct order *order)
         stride *= 2;
     for (; stride > 0; stride /= 2)
         for (size_t i = 0; i < order->n; i += stride) {
-            if (order->slot[i] == CHOSEN)
+            if (order->heap.place[i] == CHOSEN)
                 continue;
-            order->slot[i] = CHOSEN;
+            order->heap.place[i] = CHOSEN;
             order->out[order->count++] = (uint32_t)i;
         }
 }
@@ -420,30 +374,31 @@ static vor_status choose_all(struct order *order, struct vor_error *err)
     vor_status status;
 
     order->out[order->count++] = 0;
-    order->slot[0] = CHOSEN;
+    order->heap.place[0] = CHOSEN;
     order->reach[0] = INFINITY;
     status = look_up(order, err);
     while (status == VOR_OK && !vor_run_is_late(order->run)) {
         status = on_one(order, begin_round, err);
         if (status != VOR_OK)
             break;
-        if (order->stride > 1 && (order->heaped == 0 || order->count * CHOICE > pool_of(order))) {
+        if (order->stride > 1 &&
+            (order->heap.count == 0 || order->count * CHOICE > pool_of(order))) {
             order->stride /= GROWS;
             status = look_up(order, err);
-        } else if (order->heaped == 0) {
+        } else if (order->heap.count == 0) {
             break;
         } else {
-            status = vor_run_rows(order->run, order->heaped, BLOCK, rate_row, order, err);
+            status = vor_run_rows(order->run, order->heap.count, BLOCK, rate_row, order, err);
             if (status == VOR_OK && !vor_run_is_late(order->run))
                 status = on_one(order, build_heap, err);
-            while (status == VOR_OK && order->heaped > 0 && !vor_run_is_late(order->run))
+            while (status == VOR_OK && order->heap.count > 0 && !vor_run_is_late(order->run))
                 status = on_one(order, choose_some, err);
         }
     }
     if (status == VOR_OK && vor_run_is_late(order->run))
         choose_hurried(order);
     for (size_t i = 0; i < order->n && status == VOR_OK; i++)
-        if (order->slot[i] != CHOSEN)
+        if (order->heap.place[i] != CHOSEN)
             order->out[order->count++] = (uint32_t)i;
     return status;
 }
@@ -457,19 +412,20 @@ static vor_status begin(struct order *order, struct vor_error *err)
     while (order->grid.buckets < n)
         order->grid.buckets *= 2;
     order->reach = vor_malloc(memory, n, sizeof *order->reach);
-    order->gain = vor_malloc(memory, n, sizeof *order->gain);
-    order->slot = vor_malloc(memory, n, sizeof *order->slot);
-    order->heap = vor_malloc(memory, n, sizeof *order->heap);
+    order->cost = vor_malloc(memory, n, sizeof *order->cost);
+    order->heap.place = vor_malloc(memory, n, sizeof *order->heap.place);
+    order->heap.item = vor_malloc(memory, n, sizeof *order->heap.item);
     order->grid.item = vor_malloc(memory, n, sizeof *order->grid.item);
     order->grid.start = vor_malloc(memory, order->grid.buckets + 1, sizeof *order->grid.start);
-    if (order->reach == NULL || order->gain == NULL || order->slot == NULL || order->heap == NULL ||
-        order->grid.item == NULL || order->grid.start == NULL)
+    if (order->reach == NULL || order->cost == NULL || order->heap.place == NULL ||
+        order->heap.item == NULL || order->grid.item == NULL || order->grid.start == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     order->stride = 1;
     while (n / order->stride >= GROWS * POOL_LEAST)
         order->stride *= GROWS;
+    order->heap.key = order->cost;
     for (size_t i = 0; i < n; i++)
-        order->slot[i] = WAITS;
+        order->heap.place[i] = WAITS;
     return VOR_OK;
 }
 
@@ -481,7 +437,7 @@ vor_status vor_order_progressive(uint32_t *out, const float *xyz, size_t n, doub
 
     if (status == VOR_OK)
         status = choose_all(&order, err);
-    VOR_FREE_ALL(run->memory, order.grid.start, order.grid.item, order.heap, order.slot, order.gain,
-                 order.reach);
+    VOR_FREE_ALL(run->memory, order.grid.start, order.grid.item, order.heap.item, order.heap.place,
+                 order.cost, order.reach);
     return status;
 }
