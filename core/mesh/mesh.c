@@ -9,6 +9,7 @@
 #include "core/mesh/meeting.h"
 #include "core/mesh/relax.h"
 #include "core/mesh/repair.h"
+#include "core/mesh/worst.h"
 #include "core/seeds/attach.h"
 
 #include <string.h>
@@ -109,6 +110,9 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
         if (status == VOR_OK)
             status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
     }
+    for (int round = 0; round < 2 * ROUNDS_BETTER && repairs && status == VOR_OK; round++)
+        status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
+                                   making->how->fixed, &recall, err);
     if (status == VOR_OK)
         status = vor_attach_last(making->seeds, err);
     if (status == VOR_OK)

@@ -9,9 +9,6 @@
  * by 0.002. */
 #define DAMP 0.7
 
-/* Longest step, in mean distances to the points around. */
-#define STEP_MAX 0.15
-
 /* Cosine between the normal at a point and those of its triangles, below which it is on a crease or
  * a tip, which it would cut off as it moves. At 0 / 0.7 / 0.9, fandisk to 10,000: least quality
  * 0.77 / 0.66 / 0.66, mean 0.959 / 0.955 / 0.953, Hausdorff distance 0.58 / 0.43 / 0.43 spacings
@@ -85,7 +82,7 @@ void vor_relax_step(double step[2], const struct vor_relax_pull *pull)
     step[1] =
         -DAMP * (pull->bend[0] * pull->slope[1] - pull->bend[1] * pull->slope[0]) / determinant;
     length = sqrt(step[0] * step[0] + step[1] * step[1]);
-    limit = STEP_MAX * pull->edge / (2 * pull->triangles);
+    limit = VOR_RELAX_STEP_MAX * pull->edge / (2 * pull->triangles);
     for (int e = 0; e < 2 && length > limit; e++)
         step[e] *= limit / length;
 }

@@ -18,6 +18,9 @@
  * after two times 0 / 1 / 2 / 3 / 6 steps: 0.930 / 0.950 / 0.954 / 0.956 / 0.959. */
 enum { VOR_RELAX_STEPS = 3 };
 
+/** Longest step, in mean distances to the points around. */
+#define VOR_RELAX_STEP_MAX 0.15
+
 /** The strain of the triangles around a point in its tangent plane, as it changes with its place:
  * all zero before the first triangle. */
 struct vor_relax_pull {

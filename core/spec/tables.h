@@ -189,11 +189,10 @@ enum vor_method_choice {
       "cells=euclid requires method=cvt and density=uniform")                                      \
     X(ITERATIONS, iterations, COUNT, CVT, "", 0, 10000, VOR_UNSET, "",                             \
       "Number of iterations. Default: up to 12; up to 100 without polish; up to 35 with "          \
-      "method=kmeans, metric=lp or cells=euclid; 6 with method=isotropic, 18 without "             \
-      "polish. On a smooth closed surface, the run starts with fewer points and splits "           \
-      "them; then 6 with method=cvt, none with method=isotropic. The run stops earlier if "        \
-      "further iterations would not spread the points more evenly. If this parameter is "          \
-      "given, the run starts with all points")                                                     \
+      "method=kmeans, metric=lp or cells=euclid; 6 with method=isotropic, 18 without polish. On "  \
+      "a smooth closed surface, the run starts with fewer points and splits them; then 6 with "    \
+      "method=cvt, none with method=isotropic. The run stops earlier if further iterations would " \
+      "not spread the points more evenly. If given, the run starts with all points")               \
     X(DELTA, delta, REAL, CVT, "", 0, 10, VOR_UNSET, "",                                           \
       "The run ends as soon as delta is this low. delta is the standard deviation of the "         \
       "distances to the nearest neighbour, divided by their mean")                                 \
@@ -350,10 +349,11 @@ enum vor_method_choice {
     X(REPAIR, repair, CHOICE, MESH, "", 0, 0, VOR_REPAIR_NONE, "none auto",                        \
       "Repair of the triangulation. none: no repair; auto: around points that have more or fewer " \
       "than six triangles, edges are flipped, and a point is removed in one place and added in "   \
-      "another, where that makes the triangles better. The worst triangles become better, the "    \
-      "distances between the points less even, and the run takes about 10 percent longer. The "    \
-      "parameter has an effect only with a polish, density=uniform and metric=isotropic, and not " \
-      "with a previous result, method=ear, or where the input has several layers")                 \
+      "another, where that makes the triangles better, and then corners of the worst triangles "   \
+      "move. The worst triangles become better, the distances between the points less even, and "  \
+      "the run takes about 10 percent longer. The parameter has an effect only with a polish, "    \
+      "density=uniform and metric=isotropic, and not with a previous result, method=ear, or "      \
+      "where the input has several layers")                                                        \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
       "Also run four simple methods on the same input and add their figures to the report: "       \
       "k-means, random sampling, voxel grid and farthest-point sampling")                          \

@@ -1,0 +1,190 @@
+#include "core/mesh/worst.h"
+
+#include "core/base/linalg.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/relax.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Strain (mesh/quality.h) above which triangles are made better: that of 45 degrees between edges
+ * as long as each other. */
+#define BAD ((4 - M_SQRT2) / sqrt(6))
+
+/* Times that the step of the search is halved. */
+enum { HALVED = 1 << 4 };
+
+/* A triangle and its strain. */
+struct bad {
+    double strain;
+    uint32_t triangle;
+};
+
+struct worst {
+    const struct vor_complex *complex;
+    struct vor_sheet *sheet;
+    struct vor_seeds *seeds;
+    size_t fixed;
+    const struct vor_recall *how;
+    unsigned char *moved; /* n */
+    struct bad *bad;      /* a triangle each, `count` are set */
+    size_t count;
+    vor_status status; /* of what ran on the pool's thread */
+    struct vor_error *err;
+};
+
+/* Worst first; of as bad ones, the smaller number. */
+static int worse_first(const void *a, const void *b)
+{
+    const struct bad *x = a, *y = b;
+
+    if (x->strain < y->strain || x->strain > y->strain)
+        return x->strain > y->strain ? -1 : 1;
+    return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
+}
+
+/* The largest strain of the triangles around point i; infinite where one has turned over against
+ * what it was, as `before` has their normals. */
+static double worst_around(const struct worst *worst, uint32_t i, double before[][3])
+{
+    const struct vor_complex *complex = worst->complex;
+    const float *xyz = worst->seeds->xyz;
+    double most = 0;
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
+        const uint32_t *corner = &complex->triangle[3 * (size_t)at];
+        double normal[3];
+
+        vor_triangle_normal(normal, xyz, corner);
+        if (!(vor_dot(normal, before[t]) >
+              VOR_TRIANGLE_TURNED * sqrt(vor_dot(normal, normal) * vor_dot(before[t], before[t]))))
+            return INFINITY;
+        most = fmax(most, vor_triangle_strain(xyz, corner));
+    }
+    return most;
+}
+
+/* Axes of the plane in which the triangles around point i lie, that along a crease first. Tells the
+ * normals of the triangles and the mean length of the edges. */
+static double axes_of(const struct worst *worst, uint32_t i, double axis[3][3], double normal[][3])
+{
+    const struct vor_complex *complex = worst->complex;
+    const float *xyz = worst->seeds->xyz;
+    double m[6] = {0}, values[3], length = 0;
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t], other[2];
+        const double *n = normal[t];
+
+        vor_triangle_normal(normal[t], xyz, &complex->triangle[3 * (size_t)at]);
+        vor_complex_others(complex, at, i, other);
+        length += sqrt(vor_distance2f(&xyz[3 * (size_t)i], &xyz[3 * (size_t)other[0]]));
+        for (int a = 0, k = 0; a < 3; a++)
+            for (int b = a; b < 3; b++)
+                m[k++] += n[a] * n[b];
+    }
+    vor_eigen3(values, axis, m);
+    return length / complex->degree[i];
+}
+
+/* Moves point i to where its worst triangle is least bad. */
+static void move(struct worst *worst, uint32_t i, unsigned worker)
+{
+    struct vor_seeds *seeds = worst->seeds;
+    struct vor_scratch *scratch = &seeds->scratch[worker];
+    float *at = &seeds->xyz[3 * (size_t)i];
+    double axis[3][3], normal[VOR_AROUND_MOST][3] = {{0}}, best, length;
+    int across;
+
+    if (i + worst->fixed >= seeds->n || !vor_complex_surrounds(worst->complex, i) ||
+        vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
+        return;
+    across = vor_relax_is_free(worst->complex, worst->sheet, i);
+    length = axes_of(worst, i, axis, normal);
+    best = worst_around(worst, i, normal);
+    for (int part = 1; part <= HALVED && best > BAD; part *= 2) {
+        double step = VOR_RELAX_STEP_MAX * length / part;
+        float from[3];
+        int better = 0;
+
+        memcpy(from, at, sizeof from);
+        for (int u = -1; u <= 1; u++)
+            for (int v = -across; v <= across; v++) {
+                float before[3];
+                double x[3], strain;
+
+                if (u == 0 && v == 0)
+                    continue;
+                memcpy(before, at, sizeof before);
+                for (int c = 0; c < 3; c++)
+                    x[c] = (double)from[c] + step * (u * axis[0][c] + v * axis[1][c]);
+                vor_surface_put(&scratch->onto, x);
+                vor_to_floats(at, x);
+                strain = worst_around(worst, i, normal);
+                if (strain < best) {
+                    best = strain;
+                    better = 1;
+                } else {
+                    memcpy(at, before, sizeof before);
+                }
+            }
+        worst->moved[i] |= (unsigned char)better;
+    }
+}
+
+/* Lists the bad triangles. */
+static void list(struct worst *worst)
+{
+    const struct vor_complex *complex = worst->complex;
+
+    worst->count = 0;
+    for (uint32_t t = 0; t < complex->count; t++) {
+        const uint32_t *corner = &complex->triangle[3 * (size_t)t];
+        double strain =
+            corner[0] == VOR_COMPLEX_GONE ? 0 : vor_triangle_strain(worst->seeds->xyz, corner);
+
+        if (strain > BAD)
+            worst->bad[worst->count++] = (struct bad){strain, t};
+    }
+    qsort(worst->bad, worst->count, sizeof *worst->bad, worse_first);
+}
+
+/* Looks at the bad triangles once. */
+static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
+                           unsigned worker)
+{
+    struct worst *worst = ctx;
+
+    worst->status = VOR_OK;
+    list(worst);
+    for (size_t k = 0; k < worst->count && worst->status == VOR_OK; k++) {
+        const uint32_t *corner = &worst->complex->triangle[3 * (size_t)worst->bad[k].triangle];
+
+        worst->status = vor_run_answered(vor_run_poll(&worst->seeds->run), worst->err);
+        for (int c = 0; c < 3 && worst->status == VOR_OK; c++)
+            move(worst, corner[c], worker);
+    }
+}
+
+vor_status vor_worst_improve(const struct vor_complex *complex, struct vor_sheet *sheet,
+                             struct vor_seeds *seeds, size_t fixed, const struct vor_recall *how,
+                             struct vor_error *err)
+{
+    struct vor_memory *memory = seeds->run.memory;
+    struct worst worst = {complex, sheet, seeds, fixed, how, .err = err};
+    vor_status status = VOR_OK;
+
+    worst.moved = vor_calloc(memory, seeds->n, 1);
+    worst.bad = vor_malloc(memory, complex->count + 1, sizeof *worst.bad);
+    if (worst.moved == NULL || worst.bad == NULL)
+        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    if (status == VOR_OK)
+        status = vor_run_for(&seeds->run, 1, 1, improve_on_one, &worst, err);
+    if (status == VOR_OK)
+        status = worst.status;
+    if (status == VOR_OK)
+        status = vor_sheet_put(sheet, seeds, worst.moved, how, err);
+    VOR_FREE_ALL(memory, worst.bad, worst.moved);
+    return status;
+}
