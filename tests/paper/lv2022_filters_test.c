@@ -1,6 +1,5 @@
 /* What we repeat of Lv et al. 2022, "Intrinsic and isotropic resampling for 3D point clouds", Sec.
  * 3.1, 4.1 and 6.1: noise and outliers as vt_noise.h makes them on the bunny. */
-#include "core/metrics/measure.h"
 #include "tests/support/vt_ask.h"
 #include "tests/support/vt_data.h"
 #include "tests/support/vt_engine.h"
@@ -9,18 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Mean geometric error of a cloud against the clean one. */
-static double error_of(const struct vor_cloud *cloud, const struct vor_cloud *clean)
-{
-    struct vor_measure measure;
-    struct vt_engine engine;
-
-    vt_engine_open(&engine, 2);
-    vt_assert_ok(vor_measure_clouds(&measure, cloud, clean, 0, &engine.run, &vt_err));
-    vt_engine_close(&engine);
-    return measure.mls_error_mean;
-}
 
 /* The bunny; but in make soak, the half of it with the head. */
 static int open_bunny(struct vor_cloud *cloud)
@@ -61,10 +48,10 @@ static double off_planes(const struct vor_cloud *cloud, const struct vor_cloud *
     return sqrt(sum / (double)clean->n);
 }
 
-/* Sec. 3.1, Eq. 1 to 3, and Table 1. The table of ours wants half of the input's at most. */
+/* Sec. 3.1, Eq. 1 to 3. Table 1 is no bound: by its measure the noisy bunny itself is below it. */
 VT_TEST(mls_more_than_halves_the_noise_of_the_bunny)
 {
-    static const double level[2] = {VT_NOISE_LOW, VT_NOISE_HIGH}, table1[2] = {0.004693, 0.006793};
+    static const double level[2] = {VT_NOISE_LOW, VT_NOISE_HIGH};
     struct vor_cloud clean;
     double *normal;
 
@@ -83,7 +70,6 @@ VT_TEST(mls_more_than_halves_the_noise_of_the_bunny)
         before = off_planes(&in, &clean, normal);
         after = off_planes(&out, &clean, normal);
         ck_assert_msg(after < 0.4 * before, "%g: %g of %g", level[k], after, before);
-        ck_assert_double_le(error_of(&out, &clean), table1[k]);
         vor_cloud_free(&out);
         vor_cloud_free(&in);
     }
