@@ -3,7 +3,7 @@
  *  do not move.
  *
  *  Source: Xiao et al. 2024, "Accelerated Lloyd's method for resampling 3D point clouds". Seeds
- *  start evenly by area (seeds/start.h), or from coarse to fine (cvt/coarse.h), move to the
+ *  start evenly by area (seeds/start.h), or from coarse to fine (seeds/coarse.h), move to the
  * centroids of their cells (cvt/lloyd.h), are attached to the input (seeds/attach.h) and evened out
  * (seeds/repel.h, not in the paper). Departure: all but the last iterations or steps run on a
  * thinned input where it is dense (input/thin.h); the result lies on the whole of it. */

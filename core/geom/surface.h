@@ -21,12 +21,6 @@
  *  seeds, which differ by 3 %). */
 #define VOR_NEIGHBORS_FEWEST 20
 
-/** Deviation over reach from which on a neighbourhood shows neither an edge nor a surface; a ball
- * of points has 0.45. At 0.1 / 0.2 / 0.4, figures of surface.c: fandisk 6.2e-4 / 5.7e-4 / 5.8e-4,
- * igea 5.2e-4 / 5.0e-4 / 5.0e-4; at 0.1 / 0.19 / 0.38, those of input/neighbors.c: noise 16.1
- * / 15.5 / 16.1, half 13.9 / 13.5 / 14.5. */
-#define VOR_SURFACE_THICK 0.2
-
 /** Coefficients of a quadric: a fit takes up so many of the points' deviations. */
 enum { VOR_QUADRIC_TERMS = 6 };
 

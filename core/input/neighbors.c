@@ -25,9 +25,14 @@ enum {
     POOL = VOR_NEIGHBORS_POOL
 };
 
+/* Residual over reach: a thicker neighbourhood shows no surface. A ball of points has 0.45. At 0.1
+ * / 0.19 / 0.38: noise 16.1 / 15.5 / 16.1, half 13.9 / 13.5 / 14.5. */
+#define THICK 0.19
 /* Share of the places that must not be thick. At 0.93 / 0.97 / 0.99: noise 14.9 / 15.5 / 16.1, half
  * 13.4 / 13.5 / 14.0. */
 #define THICK_SHARE 0.97
+/* The same of a pool. At 0.9 / 0.95 / 0.99 no figure moves beyond the spread. */
+#define THICK_SHARE_POOL 0.95
 /* If every number leaves neighbourhoods thick: times the least thickness at which more neighbours
  * help little. At 1.1 / 1.25 / 1.6 no figure moves: with this noise 45 are enough. */
 #define HELPS 1.25
@@ -39,16 +44,23 @@ enum {
  * 15.4 / 15.5 / 16.7, half 13.9 / 13.5 / 14.4. */
 #define FLUKE 1.1
 
-/* A pool estimates worse than all places. It takes another number of neighbours than all of them
- * only if the error falls below so many times: for fewer at 0.18 / 0.35 / 0.7 half 13.4 / 13.5 /
- * 13.5, for more at 0.35 / 0.7 / 1 noise 15.4 / 15.5 / 15.1, half 13.8 / 13.5 / 13.3. */
-#define WORTH 0.7
+/* A pool estimates worse than all places. It takes fewer neighbours than all of them only if its
+ * neighbourhoods are thinner than THIN times THICK and the error falls below WORTH_FEWER times,
+ * more only if the error falls below WORTH_MORE times. */
+
+/* At 0.35 / 0.7 / 1 noise is 15.6 / 15.5 / 15.3 and half the same; points on 12 or 20 neighbours of
+ * half 231 / 421 / 481. */
+#define THIN 0.7
+/* At 0.18 / 0.35 / 0.7: half 13.4 / 13.5 / 13.5. */
+#define WORTH_FEWER 0.35
+/* At 0.35 / 0.7 / 1: noise 15.4 / 15.5 / 15.1, half 13.8 / 13.5 / 13.3. */
+#define WORTH_MORE 0.7
 
 /* Share of the variance about a thick fit that the nearest EXACT points have about theirs, below
  * which that is no noise, but another sheet or an edge: of noise one in 300 has less. The steps of
- * a lattice are flat, too, but not thick. And share of VOR_SURFACE_THICK below which a
- * neighbourhood has no noise that more neighbours could lessen: a flat one always has what
- * coordinates are rounded to, and near its edge they reach beyond. */
+ * a lattice are flat, too, but not thick. And share of THICK below which a neighbourhood has no
+ * noise that more neighbours could lessen: a flat one always has what coordinates are rounded to,
+ * and near its edge they reach beyond. */
 #define NO_NOISE 0.04
 
 static const unsigned ladder[STEPS] = VOR_LADDER;
@@ -94,7 +106,7 @@ static void fit_place(void *ctx, size_t place, VOR_UNUSED unsigned worker)
     least = variance_of(&surface, domain, near, x, EXACT);
     for (unsigned s = 0; s < survey->steps; s++) {
         double residual = variance_of(&surface, domain, near, x, ladder[s]);
-        double thick = VOR_SURFACE_THICK * surface.reach;
+        double thick = THICK * surface.reach;
         int is_thin = residual > thick * thick && least < NO_NOISE * residual;
 
         survey->residual[s][place] = residual;
@@ -113,12 +125,12 @@ struct pool {
 /* The thickness that all but a few of the places do not reach. */
 static double thickness_of(const struct survey *survey, const struct pool *pool, unsigned step)
 {
-    double thickness[PLACES] = {0};
+    double thickness[PLACES] = {0}, share = pool->count < PLACES ? THICK_SHARE_POOL : THICK_SHARE;
 
     for (size_t i = 0; i < pool->count; i++)
         thickness[i] = survey->thickness[step][pool->place[i]];
     vor_sort_doubles(thickness, pool->count);
-    return thickness[(size_t)(THICK_SHARE * (double)pool->count)];
+    return thickness[(size_t)(share * (double)pool->count)];
 }
 
 static double mean_of(const double values[PLACES], const struct pool *pool)
@@ -145,7 +157,7 @@ static unsigned wide_step(const struct survey *survey, const struct pool *pool)
         thickness[s] = thickness_of(survey, pool, s);
         least = fmin(least, thickness[s]);
     }
-    while (thickness[step] > (least > VOR_SURFACE_THICK ? HELPS * least : VOR_SURFACE_THICK))
+    while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
     /* Not where the shape is merely coarse: there more neighbours raise the error. */
     while (step > 0 && residual_of(survey, pool, step) / ladder[step] >
@@ -167,7 +179,7 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
     double noise = mean_of(survey->noise[from], pool), least = INFINITY;
     unsigned best = from;
 
-    if (thickness_of(survey, pool, from) < NO_NOISE * VOR_SURFACE_THICK)
+    if (thickness_of(survey, pool, from) < NO_NOISE * THICK)
         return from;
     for (unsigned s = from; s < survey->steps; s++) {
         double error = error_of(residual_of(survey, pool, s), s, noise);
@@ -185,11 +197,11 @@ static unsigned best_step(const struct survey *survey, const struct pool *pool, 
 static int worth_it(const struct survey *survey, const struct pool *pool, unsigned from, unsigned s,
                     unsigned usual)
 {
-    double noise = mean_of(survey->noise[from], pool);
+    double noise = mean_of(survey->noise[from], pool), worth = s < usual ? WORTH_FEWER : WORTH_MORE;
     unsigned agree = 0;
 
     if (error_of(residual_of(survey, pool, s), s, noise) >
-        WORTH * error_of(residual_of(survey, pool, usual), usual, noise))
+        worth * error_of(residual_of(survey, pool, usual), usual, noise))
         return 0;
     for (size_t i = 0; i < pool->count; i++) {
         size_t place = pool->place[i];
@@ -207,7 +219,7 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
 {
     unsigned best;
 
-    while (from > 0 && thickness_of(survey, pool, from - 1) <= VOR_SURFACE_THICK)
+    while (from > 0 && thickness_of(survey, pool, from - 1) <= THIN * THICK)
         from--;
     best = best_step(survey, pool, from);
     return worth_it(survey, pool, from, best, usual) ? best : usual;
@@ -268,7 +280,7 @@ static int fewest_do(const struct survey *survey, const struct vor_neighbors *at
     struct pool pool;
 
     pool_all(&pool);
-    if (thickness_of(survey, &pool, 0) > VOR_SURFACE_THICK)
+    if (thickness_of(survey, &pool, 0) > THICK)
         return 0;
     for (size_t place = 0; place < PLACES; place++) {
         pool_around(&pool, at, place);
