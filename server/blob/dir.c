@@ -206,6 +206,7 @@ static vor_status open_temporary(struct vor_blob_directory *directory, struct wr
     struct stat info;
     struct vor_uuid id;
     vor_status status = vor_uuid_make(&id, err);
+    int is_ours;
 
     if (status != VOR_OK)
         return status;
@@ -216,12 +217,16 @@ static vor_status open_temporary(struct vor_blob_directory *directory, struct wr
             return vor_fail_errno(err, errno, "a temporary file");
         if (!directory->is_shared)
             break;
-        if (flock(writer->base.fd, LOCK_SH) == 0 && fstat(writer->base.fd, &info) == 0 &&
-            info.st_nlink > 0)
-            break;
-        close(writer->base.fd);
-        (void)unlinkat(directory->tmp, id.text, 0);
-    } while (1);
+        if (flock(writer->base.fd, LOCK_SH) != 0 || fstat(writer->base.fd, &info) != 0) {
+            (void)vor_fail_errno(err, errno, "a temporary file");
+            close(writer->base.fd);
+            (void)unlinkat(directory->tmp, id.text, 0);
+            return VOR_E_IO;
+        }
+        is_ours = info.st_nlink > 0;
+        if (!is_ours)
+            close(writer->base.fd);
+    } while (!is_ours);
     (void)snprintf(writer->file, sizeof writer->file, "%s", id.text);
     return VOR_OK;
 }

@@ -398,7 +398,7 @@ static void ignore(void *ctx, const struct vor_object *object)
 
 static vor_status probe(struct vor_objects *objects, struct vor_error *err)
 {
-    struct vor_s3_call call = {.s3 = of(objects), .is_probe = 1, LIST_CALL};
+    struct vor_s3_call call = {.s3 = of(objects), .is_once = 1, .is_probe = 1, LIST_CALL};
 
     return list(&call, "none/", ignore, NULL, err);
 }

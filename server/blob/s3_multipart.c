@@ -185,7 +185,7 @@ static void abort_parts(struct upload *upload)
                                .verb = "parts",
                                .method = "DELETE",
                                .fd = -1,
-                               .is_probe = 1,
+                               .is_once = 1,
                                .header = {UNSIGNED}};
     char url[PARTS_URL_SIZE];
 

@@ -156,7 +156,7 @@ static CURLcode perform_once(struct vor_s3_call *call)
     curl->easy_setopt(handle, CURLOPT_ERRORBUFFER, call->why);
     curl->easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
     curl->easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS);
-    curl->easy_setopt(handle, CURLOPT_TIMEOUT, call->is_probe ? (long)PROBE_SECONDS : 0L);
+    curl->easy_setopt(handle, CURLOPT_TIMEOUT, call->is_once ? (long)PROBE_SECONDS : 0L);
     curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
     curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_wait);
     curl->easy_setopt(handle, CURLOPT_XFERINFODATA, call);
@@ -289,7 +289,7 @@ static CURLcode try_all(struct vor_s3_call *call)
         code = perform_once(call);
         vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - call->began,
                            VOR_LABELS("s3", call->verb));
-        if (!is_passing(call, code) || call->is_probe ||
+        if (!is_passing(call, code) || call->is_once ||
             !vor_objects_again(&call->s3->base, i, began))
             break;
     }

@@ -40,7 +40,8 @@ struct vor_s3_call {
     int fd;                  /**< of the bytes that are sent or received; -1 for none */
     uint64_t from, size, at; /**< of those that are sent: where they stand, where the next one */
     int is_put;              /**< else bytes are received */
-    int is_probe;            /**< once, and soon over */
+    int is_once;             /**< and soon over */
+    int is_probe;            /**< says whether S3 answers at all */
     struct vor_text text;    /**< an answer that is no object */
     const struct vor_blob_watch *watch; /**< of what is received; may be NULL */
     const struct vor_blob_patience *patience;

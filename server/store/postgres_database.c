@@ -286,20 +286,23 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
 {
     struct vor_postgres *db = of_sql(sql_db);
     const char *sql = db->is_shared && how != VOR_SQL_APART ? BEGIN_IN_TURN : "BEGIN";
+    struct vor_error why = {.status = VOR_OK};
     vor_status status;
 
     pthread_mutex_lock(&db->writing);
-    status = connect_to(db, &db->writer, err);
+    status = connect_to(db, &db->writer, &why);
     if (status == VOR_OK)
-        status = run(db, &db->writer, sql, err);
-    if (status != VOR_OK && db->writer.handle != NULL &&
+        status = run(db, &db->writer, sql, &why);
+    if (status != VOR_OK && why.got != ETIMEDOUT && db->writer.handle != NULL &&
         db->pg->status(db->writer.handle) != VOR_PG_OK) { /* it has broken since the last one */
-        status = connect_to(db, &db->writer, err);
+        status = connect_to(db, &db->writer, &why);
         if (status == VOR_OK)
-            status = run(db, &db->writer, sql, err);
+            status = run(db, &db->writer, sql, &why);
     }
     if (status != VOR_OK) {
         pthread_mutex_unlock(&db->writing);
+        if (err != NULL)
+            *err = why;
         return status;
     }
     db->in_transaction = 1;

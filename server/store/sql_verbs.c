@@ -85,6 +85,7 @@ done:
     return status;
 }
 
+/* A piece whose answer was lost may be there: it comes again, perhaps with what was before it. */
 static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t attempt,
                              const struct vor_event_piece *piece, struct vor_error *err)
 {
@@ -92,7 +93,9 @@ static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t atte
 
     if (piece->size == 0)
         return VOR_OK;
-    return vor_sql_change(vor_sql_of(store), &rows, err, "INSERT INTO event VALUES (?, ?, ?, ?)",
+    return vor_sql_change(vor_sql_of(store), &rows, err,
+                          "INSERT INTO event VALUES (?, ?, ?, ?)"
+                          " ON CONFLICT (seq, attempt, last) DO UPDATE SET data = excluded.data",
                           "iiib", seq, (int64_t)attempt, (int64_t)piece->last, piece->data,
                           piece->size);
 }

@@ -80,6 +80,7 @@ void vor_worker_store_late(struct vor_worker *worker)
             vor_log(VOR_LOG_WARN, "progress not stored", VOR_TEXT("job", vor_job_id(job)->text),
                     VOR_TEXT("error", err.message));
         vor_job_release(job);
+        vor_worker_renew(worker); /* many jobs at a slow server take longer than a lease */
     }
 }
 

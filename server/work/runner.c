@@ -124,7 +124,8 @@ static int is_looked_at(void *ctx)
     return vor_preview_is_looked_at(vor_job_preview(((struct run *)ctx)->job));
 }
 
-/* Puts the preview into the store, or takes it away. Whoever looks does without one that fails. */
+/* Puts the preview into the store, or takes it away. If that fails, clients of other daemons see no
+ * preview, and the run goes on. */
 static void show_elsewhere(struct run *run, int is_running)
 {
     struct vor_event_piece piece = {.size = 0};

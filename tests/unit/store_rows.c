@@ -237,7 +237,8 @@ VT_TEST(only_the_running_attempt_may_end_append_or_release)
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 0);
     ck_assert(vt_append(store, row, 50, VT_LEASE(2), 1));
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 50);
-    ck_assert(vt_append(store, row, 20, VT_LEASE(2), 2));
+    for (int again = 0; again < 2; again++) /* the answer to the first was lost */
+        ck_assert(vt_append(store, row, 20, VT_LEASE(2), 2));
     ck_assert_int_eq(vt_stored(store, &row.id).progress, 50); /* never falls */
     row.attempt = 2;
     ck_assert(finish(store, row, VOR_JOB_SUCCESSFUL, 2));

@@ -1,4 +1,3 @@
-
 #include "proto/codec.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
