@@ -8,13 +8,13 @@
 #include <stdint.h>
 #include <string.h>
 
-/** Share of a length that the rounding of positions to float32, 6e-8 of their extent, may come to:
- *  what is less says nothing. As the least pivot of fits, and as the width over the length of
- * points on a line, 1e-8 and 1e-4 change nothing on kitti, autzen, bunny and shell; at 1e-3 one
- * crease in a thousand differs. */
+/** Share of a length below which it may be the rounding of positions to float32, 6e-8 of their
+ *  extent; the least pivot of fits; and the least ratio of the variances of points across and along
+ *  a line, whose width is then a thousandth of its length. As the last two, 1e-8 and 1e-4 change
+ *  nothing on kitti, autzen, bunny and shell; at 1e-3 one crease in a thousand differs. */
 #define VOR_ROUNDED 1e-6
 /** The same of a square, or of a sum in double. */
-#define VOR_ROUNDED2 1e-12
+#define VOR_ROUNDED2 (VOR_ROUNDED * VOR_ROUNDED)
 
 /** Scalar product. */
 static inline double vor_dot(const double a[3], const double b[3])

@@ -116,18 +116,19 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
 }
 
 /* Leaves in flag which points are bent. */
-static void plane_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct find *find = ctx;
     struct vor_plane plane;
     struct around around;
 
     around.last.k = 0;
-
-    search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
-    vor_plane_fit(&plane, find->domain->xyz, around.index, around.k);
-    memcpy(&find->normal[3 * i], plane.normal, sizeof plane.normal);
-    find->edges->flag[i] = (double)plane.flatness > BENT;
+    for (size_t i = begin; i < end; i++) {
+        search(&around, find->domain, &find->domain->xyz[3 * i], NORMAL);
+        vor_plane_fit(&plane, find->domain->xyz, around.index, around.k);
+        memcpy(&find->normal[3 * i], plane.normal, sizeof plane.normal);
+        find->edges->flag[i] = (double)plane.flatness > BENT;
+    }
 }
 
 static void noise_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
@@ -136,11 +137,10 @@ static void noise_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     const struct vor_domain *domain = find->domain;
     struct around around;
     struct vor_surface surface;
-
-    around.last.k = 0;
     size_t at = (size_t)((double)i / (double)find->places * (double)domain->n);
     double unit2;
 
+    around.last.k = 0;
     search(&around, domain, &domain->xyz[3 * at],
            domain->known.sheets ? VOR_NEIGHBORS_EXACT : AROUND);
     vor_surface_fit(&surface, around.near, around.k);
@@ -254,7 +254,7 @@ static vor_status find_all(struct find *find, const struct vor_run *run, struct 
     vor_status status = measure_noise(find, run, err);
 
     if (status == VOR_OK)
-        status = vor_run_rows(run, n, BLOCK, plane_row, find, err);
+        status = vor_run_for(run, n, BLOCK, plane_block, find, err);
     if (status == VOR_OK)
         status = vor_run_for(run, n, BLOCK, edge_block, find, err);
     for (size_t b = 0; status == VOR_OK && b < vor_blocks_of(n, BLOCK); b++) {

@@ -4,7 +4,8 @@
  *  of one of them, also past the end of its side: where the normal of that point is wrong, or the
  *  other one lies beyond a gap. A point of a side has data of that side around it, on its plane: it
  *  lies within their hull or near it, seen along its normal. One that does not goes to the nearest
- *  of the discs around the data, whatever their side, and gets its normal. One past an edge has all
+ *  of the discs around the data, whatever their side, and gets its normal; one whose
+ *  normal is less than 60 degrees from that keeps its own, and its plane. One past an edge has all
  *  data to one side of it, and goes back to their hull.
  *
  *  Measured, noise of 0.3 spacings, normals inward in 1,000 where only those moved that face away
@@ -37,10 +38,12 @@ struct vor_lop_beside {
 size_t vor_lop_beside_face(float *x, const struct vor_lop_beside *beside,
                            struct vor_knn_last *last);
 
-/** Puts a point that no data of its side are around onto the nearest disc, with its normal.
+/** Puts a point that no data of its side are around onto the nearest disc, with its normal. Where
+ *  the two normals are less than 60 degrees apart, a datum stays, and another point moves along its
+ *  own plane to where the disc is.
  *
  *  @param[in,out] x, n  the point and its normal
- *  @param[in]     self  datum that does not count; SIZE_MAX: all do
+ *  @param[in]     self  its number if it is a datum, which then does not count; else SIZE_MAX
  *  @param[in,out] last  of a row of points near each other
  *
  *  O(log n). Thread-safe. */

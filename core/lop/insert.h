@@ -59,8 +59,8 @@ struct vor_lop_insert_how {
     int fill;        /**< gaps of a few spacings are filled; else only what the spacing spans */
     uint32_t polish; /**< steps that even the points out in the end (lop/even.h) */
     const struct vor_spec *spec;  /**< read: seed; delta and seconds, by the polish */
-    struct vor_lop_beside beside; /**< where points that hang in the air are put in the end, with
-                                     rho or polish */
+    struct vor_lop_beside beside; /**< where points that hang in the air are put, each time
+                                     before the polish lists neighbours and in the end */
 };
 
 /** Inserts points until there are n, or none if there are as many. The points before stay as they

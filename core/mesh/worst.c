@@ -11,8 +11,8 @@
  * as long as each other. */
 #define BAD ((4 - M_SQRT2) / sqrt(6))
 
-/* Times that the step of the search is halved. */
-enum { HALVED = 1 << 4 };
+/* The last step of the search is this part of the first: it is halved four times. */
+enum { SMALLEST_PART = 1 << 4 };
 
 /* A triangle and its strain. */
 struct bad {
@@ -27,6 +27,9 @@ struct worst {
     size_t fixed;
     const struct vor_recall *how;
     unsigned char *moved; /* n */
+    float *before;        /* n x 7: position, normal and distance to the input before the pass */
+    uint32_t *back;       /* n: points that are taken back */
+    double *was;          /* n: how bad the triangles around each were before the pass */
     struct bad *bad;      /* a triangle each, `count` are set */
     size_t count;
     vor_status status; /* of what ran on the pool's thread */
@@ -43,26 +46,38 @@ static int worse_first(const void *a, const void *b)
     return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
 }
 
-/* The largest strain of the triangles around point i; infinite where one has turned over against
- * what it was, as `before` has their normals. */
-static double worst_around(const struct worst *worst, uint32_t i, double before[][3])
+/* How bad the triangles around point i are: squares of their strains above BAD, in sum. */
+static double badness_around(const struct worst *worst, uint32_t i)
 {
     const struct vor_complex *complex = worst->complex;
-    const float *xyz = worst->seeds->xyz;
-    double most = 0;
+    double sum = 0;
 
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
-        const uint32_t *corner = &complex->triangle[3 * (size_t)at];
+        double over =
+            vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - BAD;
+
+        sum += over > 0 ? over * over : 0;
+    }
+    return sum;
+}
+
+/* Whether a triangle around point i has turned over against what it was, as `before` has their
+ * normals. */
+static int has_turned(const struct worst *worst, uint32_t i, double before[][3])
+{
+    const struct vor_complex *complex = worst->complex;
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
         double normal[3];
 
-        vor_triangle_normal(normal, xyz, corner);
+        vor_triangle_normal(normal, worst->seeds->xyz, &complex->triangle[3 * (size_t)at]);
         if (!(vor_dot(normal, before[t]) >
               VOR_TRIANGLE_TURNED * sqrt(vor_dot(normal, normal) * vor_dot(before[t], before[t]))))
-            return INFINITY;
-        most = fmax(most, vor_triangle_strain(xyz, corner));
+            return 1;
     }
-    return most;
+    return 0;
 }
 
 /* Axes of the plane in which the triangles around point i lie, that along a crease first. Tells the
@@ -88,7 +103,7 @@ static double axes_of(const struct worst *worst, uint32_t i, double axis[3][3], 
     return length / complex->degree[i];
 }
 
-/* Moves point i to where its worst triangle is least bad. */
+/* Moves point i to where the triangles around it are least bad. */
 static void move(struct worst *worst, uint32_t i, unsigned worker)
 {
     struct vor_seeds *seeds = worst->seeds;
@@ -102,8 +117,8 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
         return;
     across = vor_relax_is_free(worst->complex, worst->sheet, i);
     length = axes_of(worst, i, axis, normal);
-    best = worst_around(worst, i, normal);
-    for (int part = 1; part <= HALVED && best > BAD; part *= 2) {
+    best = badness_around(worst, i);
+    for (int part = 1; part <= SMALLEST_PART && best > 0; part *= 2) {
         double step = VOR_RELAX_STEP_MAX * length / part;
         float from[3];
         int better = 0;
@@ -112,7 +127,7 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
         for (int u = -1; u <= 1; u++)
             for (int v = -across; v <= across; v++) {
                 float before[3];
-                double x[3], strain;
+                double x[3], here;
 
                 if (u == 0 && v == 0)
                     continue;
@@ -121,9 +136,9 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
                     x[c] = (double)from[c] + step * (u * axis[0][c] + v * axis[1][c]);
                 vor_surface_put(&scratch->onto, x);
                 vor_to_floats(at, x);
-                strain = worst_around(worst, i, normal);
-                if (strain < best) {
-                    best = strain;
+                here = badness_around(worst, i);
+                if (here < best && !has_turned(worst, i, normal)) {
+                    best = here;
                     better = 1;
                 } else {
                     memcpy(at, before, sizeof before);
@@ -150,6 +165,46 @@ static void list(struct worst *worst)
     qsort(worst->bad, worst->count, sizeof *worst->bad, worse_first);
 }
 
+/* Copies what a pass changes of point i, or puts it back. */
+static void keep(struct worst *worst, uint32_t i, int puts_back)
+{
+    float *of[3] = {&worst->seeds->xyz[3 * (size_t)i], &worst->sheet->normal[3 * (size_t)i],
+                    &worst->sheet->near[i]};
+    float *kept = &worst->before[7 * (size_t)i];
+
+    for (int k = 0; k < 3; kept += 3, k++)
+        memcpy(puts_back ? of[k] : kept, puts_back ? kept : of[k], (k < 2 ? 3 : 1) * sizeof *kept);
+}
+
+/* Takes point i back if it has moved and the triangles around it are worse than before. */
+static size_t take_back(struct worst *worst, uint32_t i, size_t count)
+{
+    if (!worst->moved[i] || badness_around(worst, i) <= worst->was[i])
+        return count;
+    worst->moved[i] = 0;
+    keep(worst, i, 1);
+    worst->back[count] = i;
+    return count + 1;
+}
+
+/* Points that were put onto the surface may lie elsewhere than the search looked, and others around
+ * them have moved, too: where that has made triangles worse, points go back. */
+static void look_again(struct worst *worst)
+{
+    const struct vor_complex *complex = worst->complex;
+    size_t count = 0;
+
+    for (uint32_t i = 0; i < complex->n; i++)
+        count = take_back(worst, i, count);
+    for (size_t k = 0; k < count; k++)
+        for (unsigned t = 0; t < complex->degree[worst->back[k]]; t++) {
+            uint32_t at = complex->around[(size_t)worst->back[k] * VOR_AROUND_MOST + t];
+
+            for (int c = 0; c < 3; c++)
+                count = take_back(worst, complex->triangle[3 * (size_t)at + (size_t)c], count);
+        }
+}
+
 /* Looks at the bad triangles once. */
 static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t end,
                            unsigned worker)
@@ -157,6 +212,10 @@ static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t
     struct worst *worst = ctx;
 
     worst->status = VOR_OK;
+    for (uint32_t i = 0; i < worst->complex->n; i++) {
+        keep(worst, i, 0);
+        worst->was[i] = badness_around(worst, i);
+    }
     list(worst);
     for (size_t k = 0; k < worst->count && worst->status == VOR_OK; k++) {
         const uint32_t *corner = &worst->complex->triangle[3 * (size_t)worst->bad[k].triangle];
@@ -176,8 +235,12 @@ vor_status vor_worst_improve(const struct vor_complex *complex, struct vor_sheet
     vor_status status = VOR_OK;
 
     worst.moved = vor_calloc(memory, seeds->n, 1);
+    worst.before = vor_malloc(memory, seeds->n, 7 * sizeof *worst.before);
+    worst.back = vor_malloc(memory, seeds->n, sizeof *worst.back);
+    worst.was = vor_malloc(memory, seeds->n, sizeof *worst.was);
     worst.bad = vor_malloc(memory, complex->count + 1, sizeof *worst.bad);
-    if (worst.moved == NULL || worst.bad == NULL)
+    if (worst.moved == NULL || worst.before == NULL || worst.back == NULL || worst.was == NULL ||
+        worst.bad == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     if (status == VOR_OK)
         status = vor_run_for(&seeds->run, 1, 1, improve_on_one, &worst, err);
@@ -185,6 +248,8 @@ vor_status vor_worst_improve(const struct vor_complex *complex, struct vor_sheet
         status = worst.status;
     if (status == VOR_OK)
         status = vor_sheet_put(sheet, seeds, worst.moved, how, err);
-    VOR_FREE_ALL(memory, worst.bad, worst.moved);
+    if (status == VOR_OK)
+        look_again(&worst);
+    VOR_FREE_ALL(memory, worst.bad, worst.was, worst.back, worst.before, worst.moved);
     return status;
 }

@@ -226,7 +226,7 @@ struct vor_hole_told {
 #define VOR_RECORD_TRIANGLES_TABLE(X)                                                              \
     X(REAL, quality, "quality", "",                                                                \
       "Mean quality of the triangles that join the points, computed as mesh.quality_mean in the "  \
-      "report. Only the iterations of method=isotropic join them; with other methods, it is 0. "   \
+      "report. Only the iterations of method=isotropic join them: without iterations, it is 0. "   \
       "During the polish, it keeps its value from the last iteration")                             \
     X(REAL, angle, "angle", "degrees",                                                             \
       "Mean, over these triangles, of the smallest angle: 60 if all edges have the same length "   \

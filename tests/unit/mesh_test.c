@@ -364,14 +364,12 @@ VT_TEST_FIGURES(two_spheres_an_input_spacing_apart_are_unsure, 0)
     vor_cloud_free(&in);
 }
 
-/* Regression: too few places showed two sheets, so fits mixed them where they are two spacings
- * apart. */
-/* In white noise some draws leave the two too near to be told apart: most are right. */
-VT_TEST(most_balls_two_spacings_within_another_are_apart_from_it)
+/* In some draws of white noise two sheets two spacings apart are too near to be told apart. */
+VT_TEST(of_balls_two_spacings_within_another_half_are_apart_from_it)
 {
     int right = 0;
 
-    for (uint64_t seed = 3; seed < 11; seed++) {
+    for (uint64_t seed = 3; seed < 19; seed++) {
         struct vor_cloud in;
         struct vt_meshed meshed;
 
@@ -386,7 +384,7 @@ VT_TEST(most_balls_two_spacings_within_another_are_apart_from_it)
         vt_meshed_free(&meshed);
         vor_cloud_free(&in);
     }
-    ck_assert_int_ge(right, 4);
+    ck_assert_int_ge(right, 8);
 }
 
 /* Six times the volume of a tetrahedron. */
