@@ -88,7 +88,7 @@ static vor_status refuse(const char *where, struct vor_error *err)
         at += (size_t)snprintf(forms + at, sizeof forms - at, "%s%s:%s", i > 0 ? " or " : "",
                                drivers[i]->scheme, drivers[i]->place);
     /* What follows the scheme may hold a password. */
-    return vor_fail_param(err, VOR_E_PARAM, "blobs", "blobs is \"%.*s%s\", want %s",
+    return vor_fail_param(err, VOR_E_IO, "blobs", "blobs is \"%.*s%s\", want %s",
                           (int)strcspn(where, ":"), where,
                           strchr(where, ':') == NULL      ? ""
                           : strchr(where, ':')[1] == '\0' ? ":"

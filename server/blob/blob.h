@@ -61,8 +61,8 @@ const char *vor_blob_of_converted(const char *output, const char *format,
  *  @param[in]  cache   for a driver whose blobs are elsewhere: made if missing
  *  @param[out] holder  as vor_storage_lock
  *
- *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
- *  @retval VOR_E_IO    another process has it (holder is not 0), or the disk refuses */
+ *  @retval VOR_E_IO no driver has this scheme, another process has it (holder is not 0), or the
+ * disk refuses */
 VOR_NODISCARD vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
                                         const struct vor_blob_cache *cache, long *holder,
                                         struct vor_error *err);

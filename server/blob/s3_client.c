@@ -56,8 +56,8 @@ static vor_status read_secret(char out[VOR_S3_SECRET_SIZE], const char *variable
     if (value == NULL)
         return path != NULL ? read_secret_file(out, path, err) : VOR_OK;
     if (strlen(value) >= VOR_S3_SECRET_SIZE)
-        return vor_fail_param(err, VOR_E_PARAM, "blobs", "%s has %zu bytes, want at most %d",
-                              variable, strlen(value), VOR_S3_SECRET_SIZE - 1);
+        return vor_fail_param(err, VOR_E_IO, "blobs", "%s has %zu bytes, want at most %d", variable,
+                              strlen(value), VOR_S3_SECRET_SIZE - 1);
     memcpy(out, value, strlen(value) + 1);
     return VOR_OK;
 }
@@ -75,7 +75,7 @@ static vor_status read_keys(struct vor_s3 *s3, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     if (s3->key_id[0] == '\0' || s3->secret[0] == '\0')
-        return vor_fail_param(err, VOR_E_PARAM, "blobs",
+        return vor_fail_param(err, VOR_E_IO, "blobs",
                               "blobs in S3 need keys: set AWS_ACCESS_KEY_ID and "
                               "AWS_SECRET_ACCESS_KEY, or name files with them in "
                               "AWS_ACCESS_KEY_ID_FILE and AWS_SECRET_ACCESS_KEY_FILE");
@@ -141,7 +141,7 @@ static vor_status open_s3(struct vor_objects **out, const char *url, struct vor_
     vor_objects_init(&s3->base, &vor_s3_objects);
     status = read_url(s3, url)
                  ? read_keys(s3, err)
-                 : vor_fail_param(err, VOR_E_PARAM, "blobs",
+                 : vor_fail_param(err, VOR_E_IO, "blobs",
                                   "blobs is \"s3:%.80s\", want s3:https://HOST/BUCKET or "
                                   "s3:https://HOST/BUCKET/PREFIX, optionally followed by "
                                   "?style=host or ?style=path, without user or password; BUCKET "

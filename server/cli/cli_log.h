@@ -11,7 +11,7 @@
  * does not end like that). --help and the manual print this table. */
 #define VOR_EXIT_TABLE(X)                                                                          \
     X(OK, 0, "success", "ended by a signal")                                                       \
-    X(FAILED, 1, "failed", "it cannot start, or it failed")                                        \
+    X(FAILED, 1, "failed", "it cannot start, --store or --blobs cannot be used, or it failed")     \
     X(USAGE, 2, "a command, an option or a parameter is wrong", "a setting is wrong")              \
     X(REJECTED, 3, "an input is rejected", "")                                                     \
     X(CANCELLED, 4, "cancelled on the daemon, or by SIGTERM", "")                                  \

