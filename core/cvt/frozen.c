@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-/* Share of the largest second derivative of a cell that each is at least: of a cell with no area
- * there is none. */
-#define BEND_MIN 1e-6
-
 vor_status vor_frozen_init(struct vor_frozen *out, struct vor_seeds *seeds, int crossed,
                            struct vor_error *err)
 {
@@ -69,7 +65,7 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
         evaluation->gradient[2 * i + (size_t)d] = energy.own[d];
         if (!f->bent)
             f->bend[2 * i + (size_t)d] =
-                energy.bend[d] + BEND_MIN * (energy.bend[0] + energy.bend[1] + 1);
+                energy.bend[d] + VOR_ROUNDED * (energy.bend[0] + energy.bend[1] + 1);
     }
     for (unsigned k = 0; k < kept; k++) {
         size_t at_k = i * VOR_FROZEN_CUT + k,

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-/* Sine between two lines below which they do not decide about a corner. */
-#define PARALLEL 1e-9
-
 void vor_energy_cut(struct vor_flat *cell, const struct vor_energy_plane *plane, const double at[2],
                     const double (*other)[3], unsigned count)
 {
@@ -135,7 +132,7 @@ static void add_corner(struct vor_energy *out, const struct vor_energy_plane *pl
     across(nb, plane, b, at, other);
     det = na[0] * nb[1] - na[1] * nb[0];
     if (det * det <=
-        PARALLEL * PARALLEL * (na[0] * na[0] + na[1] * na[1]) * (nb[0] * nb[0] + nb[1] * nb[1]))
+        VOR_ROUNDED2 * (na[0] * na[0] + na[1] * na[1]) * (nb[0] * nb[0] + nb[1] * nb[1]))
         return;
     /* times_a na + times_b nb = by */
     if (a < VOR_FLAT_SIDE)

@@ -19,10 +19,6 @@ enum { POLL_EVERY = 4096 };
 #define BEND 0.5
 #define MISFIT 0.1
 
-/* The same: adds so many times the misfit, in the unit of the distance, to its cost. At 0.25 / 0.5
- * / 1: 2.5 % / 2.7 % / 2.8 %. */
-#define MISFIT_COST 0.5
-
 /* Steps that look for the shortest way through a segment. At 3 / 6: 2.7 % / 2.7 %. */
 #define STEPS_THROUGH 3
 
@@ -248,7 +244,7 @@ static int through_cubic(struct way *way, const struct vor_march *march,
         last[c] = corner->uv[c] - t * corner->uw[c];
     length = sqrt(vor_dot(last, last));
     way->far = cubic(corner, slope, t) + length;
-    way->cost = way->far + MISFIT_COST * misfit * l;
+    way->cost = way->far + misfit * l; /* so much longer it may be */
     for (int c = 0; c < 3; c++)
         way->heading[c] = last[c] / length;
     return 1;

@@ -24,8 +24,6 @@ typedef float lanes __attribute__((vector_size(4 * LANES)));
 /* Weight of a point: that of the place times how near it is, and that of the farthest. */
 #define WEIGHT_REACH 0.9
 #define WEIGHT_FAR 0.02
-/* Least part of a term that is not in the terms before it. */
-#define RANK 1e-4f
 /* Least pivot of what determines h: where all points are on one side nothing does. */
 #define PIVOT 1e-5f
 
@@ -82,7 +80,7 @@ VOR_CLONES static int make_orthonormal(struct work *work)
             work->raise[k][j] = (double)along;
         }
         length = dot(work->term[k], work->term[k]);
-        if (!(length > RANK * RANK * before))
+        if (!(length > (float)VOR_ROUNDED * before))
             return 0;
         length = sqrtf(length);
         for (unsigned i = 0; i < MOST; i++)

@@ -6,6 +6,7 @@
 #include "core/input/carried_tensors.h"
 #include "core/input/curved.h"
 
+#include <float.h>
 #include <string.h>
 
 enum {
@@ -14,9 +15,6 @@ enum {
      * mesh of 5,000 points, over that without a metric, 0.57 / 0.61. */
     SMOOTHED = 2
 };
-
-/* Root mean square of what float32 rounds off a coordinate, normalised. */
-#define ROUNDED 1.7e-8
 
 /* A field on its way. */
 struct work {
@@ -51,10 +49,11 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
 
 /* Curvature that the fit to k points leaves uncertain: its standard error. Over a disc of radius
  * `reach`, the mean square of u^2 about its mean is reach^4 / 12, and the curvature is twice the
- * coefficient of u^2. */
+ * coefficient of u^2. Float32 rounds off less than half of its last step, for an extent of 1. */
 static double uncertainty(const struct vor_surface *surface, unsigned k)
 {
-    double off2 = surface->off2 + ROUNDED * ROUNDED, reach2 = surface->reach * surface->reach;
+    double step = (double)FLT_EPSILON / 2, reach2 = surface->reach * surface->reach;
+    double off2 = surface->off2 + step * step / 12;
 
     return reach2 > 0 ? sqrt(48 * off2 / k) / reach2 : 0;
 }

@@ -12,11 +12,6 @@
  * at 1 / 2 / 4 the small parts of office1 are 90 / 1 / 0, of kitti 9 / 0 / 0, of autzen 13 / 0 / 0:
  * at 1 they are the ragged ends of these scans. */
 #define CLEAR 2.0
-/* Normalised: a smaller gap is not looked for, because the cells of Morton order, 1e-6 at most, are
- * not small against it. An input so fine has a point a million spacings away: no cloud that we have
- * comes near, nor to half or double of it. */
-#define CLEAR_MIN 4e-6
-
 enum {
     /* Times as many points as a fit takes that a part needs: at half of it, a fit in its middle has
      * just enough. Beside a sphere of 5,000 points, 5,000 asked for, three seeds: at 1, flat parts
@@ -136,7 +131,7 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
     vor_status status;
 
     parts->count = 1;
-    if (!(clear >= CLEAR_MIN))
+    if (!(clear >= VOR_ROUNDED)) /* the cells of Morton order may be as large */
         return VOR_OK;
     parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
     lone.is = vor_calloc(run->memory, domain->n, sizeof *lone.is);

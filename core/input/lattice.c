@@ -23,10 +23,7 @@ enum {
     /* Points whose spacing is taken: its mean is then within 3 %, by the 0.52 that white noise has.
      */
     PLACES = VOR_NEIGHBORS_PLACES,
-    BLOCK = 4096, /* points of one task */
-    /* Fewer neighbours do not distinguish a surface from cells. At 8 / 15 / 30: 5 bits 24.0 / 23.7
-     * / 23.7, 7 bits 8.8 / 8.8 / 8.8, points moved 9,888 / 9,888 / 9,645. */
-    NEAREST = 15,
+    BLOCK = 4096,      /* points of one task */
     SMOOTH_BLOCK = 256 /* points of one task */
 };
 
@@ -39,7 +36,7 @@ enum {
 /* Of a cell: how far a point may move. Half a cell is all that rounding did to it; a little less,
  * because the bound is rounded too. At 0.25 / 0.5 / 1: 24.3 / 23.7 / 23.6 and 14.1 / 13.5 / 13.6.
  */
-#define INSIDE 0.49999999
+#define INSIDE (0.5 - VOR_ROUNDED)
 
 /* Share of the neighbours that weights leave: the squared mean of (1 - d^2)^3 over the mean of its
  * square on a uniform disc, (1 / 4)^2 / (1 / 7). At half and double it 26.0 / 23.7 / 24.0 and 13.6
@@ -320,9 +317,9 @@ static int foot_of(const struct smooth *smooth, size_t i, double foot[3])
     vor_knn_search(smooth->domain->knn, &smooth->domain->xyz[3 * i], 1, smooth->k, index,
                    hood.distance2);
     vor_gather(hood.near, smooth->domain->xyz, index, smooth->k);
-    while (k >= NEAREST && fit(&hood, k) > excused(smooth, &hood.surface, k))
+    while (k >= VOR_NEIGHBORS_FEWEST && fit(&hood, k) > excused(smooth, &hood.surface, k))
         k /= 2;
-    if (k < NEAREST || hood.surface.kind == VOR_SURFACE_NONE)
+    if (k < VOR_NEIGHBORS_FEWEST || hood.surface.kind == VOR_SURFACE_NONE)
         return 0;
     vor_surface_project(&hood.surface, local);
     vor_surface_to_world(&hood.surface, local, foot);

@@ -78,7 +78,7 @@ static float priority(const struct insertion *insertion, const struct vor_lop_ba
     double turned = 2 - fmax(cosine(base->end[0], base->end[1]), 0), least = 0;
 
     for (int c = 0; c < 3; c++)
-        least = fmax(least, VOR_LOP_CLEARANCE_MIN * fabs((double)base->xyz[c]));
+        least = fmax(least, VOR_ROUNDED * fabs((double)base->xyz[c]));
     if (!(clearance2 > least * least))
         return 0;
     return (float)(vor_lop_power(turned, insertion->how->rho) * sqrt(clearance2));

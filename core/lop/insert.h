@@ -47,8 +47,6 @@ enum {
 /** Part of a pair's length along the mean of its normals, above which one point lies on a sheet
  * over the other's. On a sphere it is 0, and up to 0.71 over an edge of 90 degrees. */
 #define VOR_LOP_STACKED 0.72
-/** Smallest clearance there is, over the largest coordinate of the base: ten steps of a float. */
-#define VOR_LOP_CLEARANCE_MIN 1e-6
 
 /** How points are inserted. */
 struct vor_lop_insert_how {

@@ -6,10 +6,6 @@
 
 #include <string.h>
 
-/* Squared sine of the least angle of a triangle that has a circle. Points count as lying on a ball
- * within VOR_ROUNDED of the squared edge. */
-#define NARROW2 1e-8
-
 /* Points nearest to point i on its sheet, itself first. */
 static unsigned search(const struct vor_balls *balls, uint32_t i, unsigned around, uint32_t *index,
                        float *far2)
@@ -124,7 +120,7 @@ static double circle(double middle[3], double normal[3], const double *b, const 
 
     vor_cross(normal, b, c);
     area2 = vor_dot(normal, normal);
-    if (!(area2 > NARROW2 * bb * cc))
+    if (!(area2 > VOR_ROUNDED * bb * cc))
         return INFINITY;
     vor_cross(u, normal, b);
     vor_cross(v, c, normal);

@@ -3,10 +3,6 @@
 #include "core/base/linalg.h"
 #include "core/mesh/quality.h"
 
-/* The worse triangle must fall to this share of its strain: rounding flips nothing back and forth.
- */
-#define BETTER 0.999
-
 /* Sine of the steepest that an edge may be over the tangent planes at its ends, unless the one that
  * it replaces is as steep: over a crease it would cut the corner off. */
 #define STEEP 0.35
@@ -71,7 +67,8 @@ static int pays(const struct vor_sheet *sheet, uint32_t a, uint32_t b, const uin
     const uint32_t before[2][3] = {{a, b, c}, {b, a, d}}, after[2][3] = {{a, d, c}, {d, b, c}};
     const float *xyz = sheet->seeds->xyz;
 
-    return worse(xyz, after) < BETTER * worse(xyz, before);
+    /* rounding flips nothing back and forth */
+    return worse(xyz, after) < (1 - VOR_ROUNDED) * worse(xyz, before);
 }
 
 /* How far point i is from the triangles that it should have, six or at a loop three, squared, with

@@ -8,10 +8,6 @@
 /* Floats of one task and of one partial sum. */
 enum { BLOCK = 12288 };
 
-/* Added to the diagonal, over the trace: far above the rounding of the dot products (1e-16), far
- * below the smallest difference between residuals that counts. 1e-10 and 1e-8 change no figure. */
-#define RIDGE 1e-9
-
 struct push {
     struct vor_anderson *anderson;
     const float *y, *g;
@@ -84,7 +80,7 @@ static void solve(struct vor_anderson *anderson)
         trace += anderson->gram[i][i];
     for (int i = 0; i < n; i++) {
         for (int j = 0; j <= i; j++)
-            a[i * n + j] = anderson->gram[i][j] + (i == j ? RIDGE * trace : 0);
+            a[i * n + j] = anderson->gram[i][j] + (i == j ? VOR_ROUNDED2 * trace : 0);
         weight[i] = 1;
     }
     if (trace > 0 && vor_solve_spd(a, weight, n, 0) > 0)

@@ -1,5 +1,7 @@
 #include "core/opt/lbfgs.h"
 
+#include "core/base/linalg.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -10,8 +12,6 @@
 #define LONGEST 0.5
 /* Trials of a line search: the last one is between 1e-20 and 1e-6 of the first. */
 enum { TRIALS = 20 };
-/* Of the length of both: a product of step and change below it says nothing of the bend. */
-#define PRODUCT_MIN 1e-10
 
 static double dot(const double *a, const double *b, size_t n)
 {
@@ -122,7 +122,7 @@ static void remember(struct vor_lbfgs *lbfgs, const double *x)
     }
     product = dot(step, change, lbfgs->length);
     lengths2 = dot(step, step, lbfgs->length) * dot(change, change, lbfgs->length);
-    if (!(product > PRODUCT_MIN * sqrt(lengths2)))
+    if (!(product > VOR_ROUNDED2 * sqrt(lengths2)))
         return;
     lbfgs->product[s] = product;
     lbfgs->depth++;

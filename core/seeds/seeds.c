@@ -31,10 +31,6 @@ enum { RINGS = 1, RINGS_FINE = 2 };
 #define FAR_MANY 0.5
 enum { MANY = 200000 };
 
-/* Of the patch's radius: offset that two coincident seeds see each other at. So small that it
- * decides only on which side of the other each one's cell lies. */
-#define APART 1e-6
-
 static unsigned at_most_all(const struct vor_seeds *seeds, unsigned k)
 {
     return k < seeds->domain->n ? k : (unsigned)seeds->domain->n;
@@ -406,7 +402,7 @@ static void offset_of(const struct vor_seeds *seeds, const struct vor_scratch *s
         vor_stretch_local(&scratch->stretch, offset);
     if (vor_dot(offset, offset) > 0)
         return;
-    vor_seeds_part(i, j, APART * scratch->radius, offset);
+    vor_seeds_part(i, j, VOR_ROUNDED * scratch->radius, offset); /* only the side matters */
     offset[2] = 0;
 }
 
