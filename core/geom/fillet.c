@@ -206,7 +206,7 @@ void vor_fillet_fit(struct vor_fillet *out, const float *near, unsigned k, doubl
                     double normal[2][3], double reach)
 {
     struct points points = {.k = k};
-    double gain;
+    double gain, left;
 
     memset(out, 0, sizeof *out);
     begin(out, place, normal);
@@ -222,8 +222,8 @@ void vor_fillet_fit(struct vor_fillet *out, const float *near, unsigned k, doubl
     gain = look(out, &points, reach);
     if (!(gain > 0))
         return;
-    out->off2 = improve(out, &points, reach) / k;
-    out->gain = out->off2 > 0 ? gain / out->off2 : 0;
+    left = improve(out, &points, reach);
+    out->gain = left > 0 ? gain / left * k : 0;
 }
 
 int vor_fillet_at(const struct vor_fillet *fillet, const double x[3], double *height,
