@@ -106,8 +106,9 @@ static void step_of(const struct relax *relax, const struct vor_frame *frame, si
 }
 
 /* The step of point i towards where the edges to its neighbours, each of which two triangles have,
- * are off their length least, squared and summed: Newton's, with the second derivative of edges in
- * all directions, half of how many there are. */
+ * are least too short, squared and summed: Newton's, with the second derivative of edges in all
+ * directions, half of how many there are. Were long ones to pull, those of five neighbours and of
+ * seven would not become equally long. */
 static void push_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
                     double step[2])
 {
@@ -129,8 +130,8 @@ static void push_of(const struct relax *relax, const struct vor_frame *frame, si
             double length = sqrt(vor_dot(d, d));
 
             for (int a = 0; a < 2 && length > 0; a++)
-                step[a] +=
-                    DAMP * (to - length) / length * vor_dot(frame->axis[a], d) / complex->degree[i];
+                step[a] += DAMP * fmax(to - length, 0) / length * vor_dot(frame->axis[a], d) /
+                           complex->degree[i];
         }
     }
 }

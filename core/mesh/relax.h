@@ -45,7 +45,7 @@ int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet 
 enum vor_relax_aim {
     VOR_RELAX_STRAIN, /**< the least strain of the triangles; the input's border is not looked at */
     VOR_RELAX_MIDDLE, /**< the mean of the triangles' middles by their areas, */
-    VOR_RELAX_LENGTH  /**< where edges are as long as one another: both inside the border */
+    VOR_RELAX_LENGTH  /**< where no edge is shorter than others: both inside the border */
 };
 
 /** What is done. */

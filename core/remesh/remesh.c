@@ -332,8 +332,7 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
      * 0.0721 / 0.0694. */
     if (stage->record.step >= stage->record.of / 3)
         relax.aim = VOR_RELAX_LENGTH;
-    /* The quadratic mean: edges of too few neighbours push harder than those of too many pull. */
-    relax.length = sqrt((SPLIT * SPLIT + COLLAPSE * COLLAPSE) / 2) * remesh->l;
+    relax.length = remesh->l;
     if (status == VOR_OK)
         status = vor_relax(&remesh->sheet, seeds, &remesh->complex, &relax, err);
     for (size_t i = 0; i < seeds->n; i++)
