@@ -171,6 +171,7 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .store = daemon->app.store,
         .blobs = daemon->app.blobs,
         .jobs = vor_config_runners(config),
+        .listen = config->text[VOR_SET_STORE_LISTEN],
         .idle_seconds = config->number[VOR_SET_EXIT_WHEN_IDLE],
         .queue = (size_t)config->number[VOR_SET_QUEUE],
         .queue_bytes = (uint64_t)config->number[VOR_SET_QUEUE_BYTES],

@@ -288,17 +288,21 @@ static vor_status check_hosts(struct vor_config *config, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Who shares no store with others has to do everything. */
+/* Who shares no store with others has to do everything, and nobody to listen to. */
 static vor_status check_role(struct vor_config *config, struct vor_error *err)
 {
+    int is_all = (enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_ALL;
+
     config->is_shared = strncmp(config->text[VOR_SET_STORE], "postgres", 8) == 0 &&
                         config->text[VOR_SET_BLOBS][0] != '\0'; /* by default they are its own */
-    if ((enum vor_role)config->number[VOR_SET_ROLE] == VOR_ROLE_ALL || config->is_shared)
+    if (config->is_shared || (is_all && config->text[VOR_SET_STORE_LISTEN][0] == '\0'))
         return VOR_OK;
-    return vor_fail_param(err, VOR_E_PARAM, "role",
-                          "role is api or worker, but these roles are only for daemons that share "
-                          "their jobs: give --store postgresql://... and --blobs s3:..., "
-                          "postgresql://... or dir:PATH, or --role all");
+    return vor_fail_param(
+        err, VOR_E_PARAM, is_all ? "store-listen" : "role",
+        "%s only for daemons that share their jobs: give --store postgresql://... and --blobs "
+        "s3:..., postgresql://... or dir:PATH%s",
+        is_all ? "--store-listen is" : "role is api or worker, but these roles are",
+        is_all ? "" : ", or --role all");
 }
 
 static vor_status check_callers(const struct vor_config *config, struct vor_error *err)

@@ -42,6 +42,11 @@
     X(STORE, "store", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Database of jobs: sqlite:PATH, or postgresql://USER@HOST/DATABASE. Default: jobs.sqlite "   \
       "in --data")                                                                                 \
+    X(STORE_LISTEN, "store-listen", TEXT, "URI", 0, 0, "",                                         \
+      "Direct connection to the database of --store postgresql://..., by which daemons that "      \
+      "share it inform each other of changes at once: postgresql://USER@HOST/DATABASE, not "       \
+      "through a pooler in transaction mode. Default: none; each daemon only asks the database "   \
+      "for changes twice a second")                                                                \
     X(BLOBS, "blobs", TEXT, "SCHEME:PLACE", 0, 0, "",                                              \
       "Uploads and results: dir:PATH for a folder (with --store postgresql://...: of a file "      \
       "system that all daemons share), s3:https://HOST/BUCKET/PREFIX, or "                         \

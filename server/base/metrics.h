@@ -83,6 +83,9 @@
       "for the disk")                                                                              \
     X(STORE_ERRORS, "store_errors_total", COUNTER, "", "",                                         \
       "SQL statements that failed in the job database")                                            \
+    X(STORE_HINTS, "store_hints_total", COUNTER, "", "direction",                                  \
+      "With --store-listen: hints that jobs have changed. direction=sent: to the other daemons; "  \
+      "direction=received: from them, after which this daemon looked for the changes")             \
     X(BLOB_SECONDS, "blob_operation_duration_seconds", TIMES, "seconds", "driver op",              \
       "Duration of each attempt at a request to S3, or to PostgreSQL for a file")                  \
     X(BLOB_RETRIES, "blob_retries_total", COUNTER, "", "",                                         \

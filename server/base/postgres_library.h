@@ -23,6 +23,12 @@ enum {
     VOR_PG_FLOAT8 = 701
 };
 
+/** A notification, as it begins there. */
+struct vor_pg_notify {
+    char *channel;
+    int from; /**< the backend whose client sent it */
+};
+
 /** Its functions: name, result, parameters. */
 #define VOR_PG_TABLE(X)                                                                            \
     X(connectdbParams, PGconn *, (const char *const *, const char *const *, int))                  \
@@ -32,6 +38,8 @@ enum {
     X(setNoticeProcessor, void *, (PGconn *, void (*)(void *, const char *), void *))              \
     X(status, int, (const PGconn *))                                                               \
     X(errorMessage, char *, (const PGconn *))                                                      \
+    X(backendPID, int, (const PGconn *))                                                           \
+    X(notifies, struct vor_pg_notify *, (PGconn *))                                                \
     X(socket, int, (const PGconn *))                                                               \
     X(setnonblocking, int, (PGconn *, int))                                                        \
     X(sendQuery, int, (PGconn *, const char *))                                                    \

@@ -84,10 +84,17 @@ static vor_status check(struct vor_store *store, int *is_lost, struct vor_error 
                          "SELECT seq FROM job LIMIT 1", "");
 }
 
+static vor_status listen_to(struct vor_store *store, const char *where, void (*heard)(void *ctx),
+                            void *ctx, struct vor_error *err)
+{
+    return vor_postgres_listen(((struct postgres_store *)store)->server, where, heard, ctx, err);
+}
+
 const struct vor_store_driver vor_store_postgres = {
     .scheme = "postgres",
     .place = "URI",
     .open = open_store,
     .close = close_store,
     .check = check,
+    .listen = listen_to,
 };

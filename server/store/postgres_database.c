@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/postgres_library.h"
+#include "server/store/postgres_hints.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -37,7 +38,10 @@ struct vor_postgres {
     struct connection writer, lock, reader[VOR_SQL_READERS];
     int in_transaction; /* of the writer */
     int is_shared;
-    int is_locked; /* the lock was got on the connection that it has */
+    int is_locked;                    /* the lock was got on the connection that it has */
+    struct vor_postgres_hints *hints; /* NULL for none; under `writing`, as the next */
+    int is_news;                      /* the transaction has changed what others look at */
+    int is_apart;                     /* it changes nothing of that kind */
 };
 
 /* What a row is read from: the answer to a statement. */
@@ -306,6 +310,8 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
         return status;
     }
     db->in_transaction = 1;
+    db->is_apart = how == VOR_SQL_APART;
+    db->is_news = 0;
     return VOR_OK;
 }
 
@@ -317,6 +323,8 @@ static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_erro
         status = run(db, &db->writer, "COMMIT", err);
     else
         (void)run(db, &db->writer, "ROLLBACK", NULL);
+    if (status == VOR_OK && db->is_news && db->hints != NULL)
+        vor_postgres_hints_tell(db->hints);
     db->in_transaction = 0;
     pthread_mutex_unlock(&db->writing);
     return status;
@@ -339,6 +347,7 @@ static vor_status change_in(struct vor_postgres *db, struct vor_sql_changing *ch
     }
     if (status == VOR_OK)
         changing->rows = atoi(db->pg->cmdTuples(answer.result));
+    db->is_news |= status == VOR_OK && changing->rows > 0 && !db->is_apart;
     end_answer(&answer);
     return status;
 }
@@ -467,10 +476,26 @@ static void disconnect(struct vor_postgres *db, struct connection *connection)
         db->pg->finish(connection->handle);
 }
 
+vor_status vor_postgres_listen(struct vor_postgres *db, const char *where, void (*heard)(void *ctx),
+                               void *ctx, struct vor_error *err)
+{
+    struct vor_postgres_hints *hints = NULL, *former;
+    vor_status status =
+        where != NULL ? vor_postgres_hints_open(&hints, where, heard, ctx, err) : VOR_OK;
+
+    pthread_mutex_lock(&db->writing);
+    former = db->hints;
+    db->hints = hints;
+    pthread_mutex_unlock(&db->writing);
+    vor_postgres_hints_close(former);
+    return status;
+}
+
 void vor_postgres_close(struct vor_postgres *db)
 {
     if (db == NULL)
         return;
+    vor_postgres_hints_close(db->hints);
     for (int i = 0; i < VOR_SQL_READERS; i++)
         disconnect(db, &db->reader[i]);
     disconnect(db, &db->writer);

@@ -46,6 +46,12 @@ void vor_postgres_share(struct vor_postgres *db);
 VOR_NODISCARD vor_status vor_postgres_hold(struct vor_postgres *db, int *held,
                                            struct vor_error *err);
 
+/** Has the other daemons told of each change, and this one of theirs (postgres_hints.h); where
+ * NULL: ends that. For one thread. */
+VOR_NODISCARD vor_status vor_postgres_listen(struct vor_postgres *db, const char *where,
+                                             void (*heard)(void *ctx), void *ctx,
+                                             struct vor_error *err);
+
 /** Gives an empty schema its tables, in one transaction.
  *
  *  @retval VOR_E_IO they are of another version or program (message: which), or the server refuses

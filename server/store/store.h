@@ -70,6 +70,25 @@ VOR_NODISCARD static inline vor_status vor_store_check(struct vor_store *store, 
     return store->driver->check(store, is_lost, err);
 }
 
+/** Where the store is shared: has other daemons told at once, as a hint, that this one has changed
+ *  jobs, and calls heard, on another thread, when they have. Hints may be lost or late.
+ *
+ *  @param[in] where  the database, by a connection that no pooler shares out
+ *
+ *  @retval VOR_E_IO there is no such connection now; later ones are made anew */
+VOR_NODISCARD static inline vor_status vor_store_listen(struct vor_store *store, const char *where,
+                                                        void (*heard)(void *ctx), void *ctx,
+                                                        struct vor_error *err)
+{
+    return store->is_shared ? store->driver->listen(store, where, heard, ctx, err) : VOR_OK;
+}
+
+static inline void vor_store_unlisten(struct vor_store *store)
+{
+    if (store->is_shared)
+        (void)store->driver->listen(store, NULL, NULL, NULL, NULL);
+}
+
 /** running -> accepted, in its place: the daemon goes down in good order, or the run's process has
  *  ended. A job that has crashed too often (run->most) stays running, so that nobody claims it
  *  before its caller finishes it. */

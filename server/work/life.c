@@ -2,6 +2,7 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/base/metrics.h"
 #include "server/work/live.h"
 
 #include <assert.h>
@@ -15,6 +16,10 @@
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
 static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
+
+/* Between two times that a job's progress is stored, for daemons that poll and for those that are
+ * told; and between two looks at what others do, however often they tell. */
+static const double late_seconds = 1, told_seconds = 0.25, heard_seconds = 0.1;
 
 /* A claimed row becomes what its runner runs; false when memory is out, or a runner here has not
  * heard yet that it lost the job: it is told. */
@@ -137,17 +142,54 @@ static void look_idle(struct vor_worker *worker)
     (void)kill(getpid(), SIGTERM);
 }
 
+static int listens(const struct vor_worker *worker)
+{
+    return worker->config.listen != NULL && worker->config.listen[0] != '\0';
+}
+
 /* Where others take the jobs of one that is late: whatever the sweeper waits for. */
 static void *keeper_main(void *arg)
 {
-    unsigned looks = 0;
-
     do {
         vor_worker_renew(arg);
-        if (looks++ % 2 == 0)
-            vor_worker_store_late(arg);
-    } while (!vor_worker_pause(arg, look_seconds));
+        vor_worker_store_late(arg);
+    } while (!vor_worker_pause(arg, listens(arg) ? told_seconds : late_seconds));
     return NULL;
+}
+
+static void hear(void *ctx)
+{
+    struct vor_worker *worker = ctx;
+
+    pthread_mutex_lock(&worker->mutex);
+    worker->has_news = 1;
+    pthread_cond_broadcast(&worker->changed);
+    pthread_mutex_unlock(&worker->mutex);
+}
+
+/* Until the next look, follows others whenever they say that there is something. True when the
+ * daemon goes down. */
+static int pause_and_hear(struct vor_worker *worker)
+{
+    double until = vor_clock_seconds() + look_seconds;
+    int has_news, is_down = 0;
+
+    while (!is_down && vor_clock_seconds() < until) {
+        (void)vor_worker_pause(worker, heard_seconds);
+        pthread_mutex_lock(&worker->mutex);
+        while (!worker->draining && !worker->has_news &&
+               !vor_clock_wait(&worker->changed, &worker->mutex, until))
+            continue;
+        has_news = worker->has_news;
+        worker->has_news = 0;
+        is_down = worker->draining;
+        pthread_mutex_unlock(&worker->mutex);
+        if (!has_news || is_down)
+            continue;
+        vor_metric_add(VOR_METRIC_STORE_HINTS, 1, VOR_LABELS("received"));
+        vor_worker_follow_others(worker);
+    }
+    return is_down;
 }
 
 static void *sweeper_main(void *arg)
@@ -174,7 +216,7 @@ static void *sweeper_main(void *arg)
         swept = now;
         if (vor_worker_sweep(worker, &err) != VOR_OK)
             vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    } while (!vor_worker_pause(worker, look_seconds));
+    } while (!pause_and_hear(worker));
     return NULL;
 }
 
@@ -234,6 +276,8 @@ vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_co
         status = vor_crew_create(&worker->crew, CREW_THREADS, SIZE_MAX, err);
     if (status == VOR_OK)
         status = vor_crew_create(&worker->readers, CREW_THREADS, SIZE_MAX, err);
+    if (status == VOR_OK && listens(worker))
+        status = vor_store_listen(worker->config.store, worker->config.listen, hear, worker, err);
     if (status == VOR_OK)
         status = start_threads(worker, err);
     if (status != VOR_OK) {
@@ -271,6 +315,7 @@ void vor_worker_destroy(struct vor_worker *worker)
     if (worker == NULL)
         return;
     vor_worker_drain(worker, 0);
+    vor_store_unlisten(worker->config.store);
     vor_crew_destroy(worker->readers);
     vor_crew_destroy(worker->crew);
     for (unsigned i = 0; i < worker->runner_count; i++)

@@ -64,6 +64,7 @@ struct vor_worker {
     struct vor_capacity capacity;
     int draining; /* nothing is claimed or accepted any more */
     int aborting; /* what runs was asked to end; its rows go back to accepted */
+    int has_news; /* another daemon says so (vor_store_listen), and nobody has looked yet */
     struct vor_runner runners[VOR_WORKER_JOBS_MAX];
     unsigned runner_count;
     pthread_t sweeper, keeper;

@@ -41,6 +41,7 @@ struct vor_worker_config {
     void (*failed)(void *ctx, const struct vor_error *why);
     void *failed_ctx;
     double idle_seconds; /**< after so long without a job SIGTERM is raised; 0: never */
+    const char *listen;  /**< as vor_store_listen; "" or NULL: it polls alone; borrowed */
 };
 
 /** Has every job that a former life of the daemon left running wait again, in its place; then

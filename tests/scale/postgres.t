@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Jobs and files in PostgreSQL, by a real server that is started here: the conformance tests of a store's verbs and of blobs, directly and through pgbouncer
-# in transaction mode; and daemons on it that are killed, that find it taken, and that lose the server while a job runs.
+# in transaction mode, there with hints by a direct connection; and daemons on it that are killed, that find it taken, and that lose the server while a job runs.
 use strict;
 use warnings;
 use FindBin;
@@ -16,7 +16,8 @@ my $port = $Scale::postgres;
 my ($build) = ($ENV{VORONOID} // 'build/release/voronoid') =~ m{^(.*)/};
 my @programs = qw(unit/blob_any unit/store_rows unit/store_queue unit/store_tenants property/store_model);
 for my $way ([directly => $port], ['through pgbouncer' => $Scale::pooler]) {
-    local @ENV{qw(VT_STORE VT_BLOBS VT_POSTGRES)} = ('postgres', 'postgres', "host=127.0.0.1 port=$way->[1] user=voronoid");
+    local %ENV = (%ENV, VT_STORE => 'postgres', VT_BLOBS => 'postgres', VT_POSTGRES => "host=127.0.0.1 port=$way->[1] user=voronoid",
+        $way->[1] == $port ? () : (VT_LISTEN => "host=127.0.0.1 port=$port user=voronoid"));
     for my $program (@programs, $way->[1] == $port ? 'unit/worker_crash' : ()) { # which needs a lock that a pooler loses
         my $printed = `@{[$program =~ /crash/ ? 'VT_BLOBS=dir' : '']} $build/tests/$program 2>&1`;
         is $?, 0, "$program holds $way->[0]" or diag $printed;

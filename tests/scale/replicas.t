@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # Several daemons on one PostgreSQL and one S3 bucket, real ones: any of them answers anything, and those that are killed or stopped
-# take no job with them.
+# take no job with them. The first one polls; the others do so through pgbouncer, and are told of changes by a direct connection.
 use strict;
 use warnings;
 use Digest::SHA qw(sha256_hex);
@@ -15,6 +15,7 @@ ok start_postgres(), 'PostgreSQL serves' or BAIL_OUT Vt::slurp("$Scale::dir/post
 ok start_swift(), 'Swift serves' or BAIL_OUT Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
 my %place = (store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/daemons", blobs => "s3:http://127.0.0.1:$Scale::swift{proxy}/bucket");
+my %told = (%place, store => $place{store} =~ s/voronoid\@.*:\K$Scale::postgres/$Scale::pooler/r, 'store-listen' => $place{store} =~ s/voronoid\K/:secret-word/r);
 my $cloud = sphere_ply(3000);
 my $alone = Vt->start(jobs => 1);
 my $wanted = $alone->post('/v1/resample?points=500', $cloud)->{content};
@@ -33,7 +34,7 @@ like migrate(), qr/\A75 voronoid: migrate: /, 'they are not moved while it runs'
 $alone->stop('KILL');
 like migrate(), qr/\A0 4 jobs \(0 were there already\) and (\d+) files \(0\), /, 'but after that';
 like migrate(), qr/\A0 4 jobs \(4 were there already\) and (\d+) files \(\1\), /, 'and once';
-my @daemons = map { Vt->start(%place, jobs => 1) } 1 .. 3;
+my @daemons = map { Vt->start(%$_, jobs => 1) } \%place, \%told, \%told;
 my ($one, $other, $third) = @daemons;
 my ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--store', $place{store});
 is $status, 75, 'a daemon that has its files in a folder cannot join them';
@@ -115,15 +116,21 @@ my $link = json($keyed[0]->request('POST', "/v1/jobs/$moved[0]/tickets", headers
 is $keyed[1]->get($link)->{content}, $wanted, 'the ticket of one is good at another';
 is $keyed[1]->get($link =~ s/.\z//r)->{status}, 401, 'but nothing else is';
 $_->stop for @keyed;
-my $api = Vt->start(%place, role => 'api');
+my $api = Vt->start(%told, role => 'api', 'admin-listen' => '127.0.0.1:0');
 my $id = $api->submit('points=500', $cloud);
 is $api->status($id), 'accepted', 'what an api daemon accepts waits';
-my $worker = Vt->start(%place, role => 'worker', jobs => 1, 'exit-when-idle' => 2);
+my $worker = Vt->start(%told, role => 'worker', jobs => 1, 'exit-when-idle' => 2);
 is $api->finish($id)->{status}, 'successful', 'until there is a worker';
+my $heard = sub { $api->metric('store_hints_total\{direction="received"\}') };
+ok wait_until($heard), 'which tells it so';
+ok wait_until(sub { ask('postgres', "SELECT count(pg_terminate_backend(pid)) FROM pg_stat_activity WHERE query ~ 'LISTEN|pg_notify' AND pid <> pg_backend_pid()") }), 'none is told any more';
 is $api->get("/v1/jobs/$id/results/cloud")->{content}, $wanted, 'the api daemon has its results';
 unlike $api->log_text, qr/"msg":"job started"/, 'and ran no job';
 is Vt::reap(delete $worker->{pid}), 0, 'a worker that finds no job ends';
-$worker = Vt->start(%place, role => 'worker');
+$worker = Vt->start(%told, role => 'worker');
+is $api->finish($api->submit('points=100', $cloud))->{status}, 'successful', 'jobs end';
+my $before = $heard->();
+ok wait_until(sub { $api->submit('points=100', $cloud) && $heard->() > $before }), 'and it is told again some time';
 is $worker->get('/readyz')->{status}, 200, 'one that waits for jobs is ready';
 is $worker->get('/v1/jobs')->{status}, 404, 'and answers nothing else';
 Scale::write_file("$Scale::dir/$_.ply", $cloud) for qw(a b c);
@@ -131,10 +138,11 @@ my $frames = $api->request('POST', '/v1/processes/resample/frames?points=500', h
     content => scalar qx(tar -C $Scale::dir -c a.ply b.ply c.ply))->{content};
 Scale::write_file("$Scale::dir/frames.tar", $frames);
 is join(' ', split ' ', qx(tar -tf $Scale::dir/frames.tar)), 'a.json a.ply b.json b.ply c.json c.ply', 'frames go from result to result elsewhere';
-for my $role (qw(api worker)) {
-    ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", '--role', $role);
-    is $status, 2, "a daemon that shares nothing is no $role";
-    like $text, qr/\A[^\n]*role is api or worker, but these roles are only for daemons that share their jobs[^\n]*\n\z/, 'which it says in a line';
+for my $case ([qw(role api)], [qw(role worker)], ['store-listen', $told{'store-listen'}]) {
+    ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/alone", "--$case->[0]", $case->[1]);
+    is $status, 2, "a daemon that shares nothing has no $case->[0]";
+    like $text, qr/\A[^\n]*$case->[0] is (?:api or worker, but these roles are )?only for daemons that share their jobs[^\n]*\n\z/, 'which it says in a line';
 }
+unlike $_->log_text, qr/secret-word/, 'no log has a password' for @daemons, $api, $worker;
 is ask('daemons', "SELECT count(*) FROM job WHERE status NOT IN ('successful', 'dismissed')"), 0, 'no job is left';
 done_testing;

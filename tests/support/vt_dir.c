@@ -101,8 +101,13 @@ struct vor_blobs *vt_dir_blobs(const char *path)
     return blobs;
 }
 
+static void ignore(void *ctx VOR_UNUSED)
+{
+}
+
 struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const char *path)
 {
+    const char *listen = driver->is_file ? NULL : getenv("VT_LISTEN");
     struct vor_store *store = NULL;
     char where[512];
     long holder;
@@ -111,7 +116,11 @@ struct vor_store *vt_dir_store_of(const struct vor_store_driver *driver, const c
         (void)snprintf(where, sizeof where, "%s:%s/jobs.%s", driver->scheme, path, driver->scheme);
     else
         write_postgres(where, sizeof where, path);
-    vt_assert_ok(vor_store_open(&store, where, 0, &holder, &vt_err));
+    vt_assert_ok(vor_store_open(&store, where, listen != NULL, &holder, &vt_err));
+    if (listen != NULL) {
+        (void)snprintf(where, sizeof where, "%s dbname=%s", listen, strrchr(path, '/') + 1);
+        vt_assert_ok(vor_store_listen(store, where, ignore, NULL, &vt_err));
+    }
     return store;
 }
 

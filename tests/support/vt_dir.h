@@ -24,7 +24,8 @@ int vt_dir_count(const char *path, const char *name);
 
 /** Blobs and store of a daemon with that data directory; fails the test when they cannot be opened.
  *  The blobs are of the driver that $VT_BLOBS names, likewise.
- *  The store is of the driver that $VT_STORE names, by its scheme, or of the first one. */
+ *  The store is of the driver that $VT_STORE names, by its scheme, or of the first one; with
+ *  $VT_LISTEN, a server without a pooler, it is shared, and listens there. */
 struct vor_blobs *vt_dir_blobs(const char *path);
 struct vor_store *vt_dir_store(const char *path);
 

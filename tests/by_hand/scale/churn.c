@@ -24,7 +24,10 @@ VT_TEST(jobs_are_claimed_beside_an_old_transaction)
     size_t count = strtoul(getenv("VT_CHURN"), NULL, 10);
     double *ms = calloc(count, sizeof *ms);
     struct vor_store *store = vt_dir_store("/churn");
+    struct vor_leased leased;
+    struct vor_renewal renewal = {.owner = "me", .lease_ms = 3600000, .job = &leased, .max = 1};
 
+    vt_assert_ok(vor_store_renew(store, &renewal, &vt_err)); /* a daemon that looks on takes none */
     for (size_t i = 0; i < count; i++) {
         struct vor_job_view row = vt_row(1);
         const struct vor_claim claim = {"me", 1, UINT64_MAX, 1, {"", 0}};

@@ -1,6 +1,6 @@
 #!/usr/bin/perl
 # usage: figures.pl [PART...]: what several daemons on one PostgreSQL and one S3 reach, with real servers that are started here; parts:
-# churn, finish, standby, workers, large, events, faults, eventsource, resume, capacity; and upgrade. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
+# churn, delay, finish, standby, workers, large, events, faults, eventsource, resume, capacity; and upgrade. Needs what `make scale` installs, and build/release/tests/by_hand/scale/churn for churn.
 use strict;
 use warnings;
 use FindBin;
@@ -10,7 +10,7 @@ use Scale;
 use Time::HiRes qw(time sleep);
 use Vt;
 
-my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn finish standby workers large events faults eventsource resume capacity);
+my %want = map { $_ => 1 } @ARGV ? @ARGV : qw(churn delay finish standby workers large events faults eventsource resume capacity);
 my $cloud = sphere_ply(4000);
 $| = 1;
 start_postgres() or die Vt::slurp("$Scale::dir/postgres.out");
@@ -20,7 +20,10 @@ if ($want{churn}) {
     my $count = $ENV{VT_CHURN} //= 10_000;
     local @ENV{qw(VT_STORE VT_POSTGRES CK_FORK CK_DEFAULT_TIMEOUT)} = ('postgres', "host=127.0.0.1 port=$Scale::postgres user=voronoid", 'no', 0);
     ask('postgres', 'CREATE DATABASE churn');
+    local %ENV = (%ENV, $ENV{VT_TOLD} ? (VT_LISTEN => $ENV{VT_POSTGRES}) : ()); # and another daemon is told, and looks at once
     { local $ENV{VT_CHURN} = 1; `build/release/tests/by_hand/scale/churn` }
+    my @watch = map { Vt->start(store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn", 'store-listen' => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn",
+        blobs => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn", role => 'api') } $ENV{VT_TOLD} ? 1 : ();
     my @tables = qw(job job_text job_end job_run round ledger);
     my $sizes = 'SELECT ' . join ', ', map { "'$_ ' || pg_table_size('$_') || ' of ' || (SELECT coalesce(sum(pg_column_size($_.*)), 0) FROM $_)" } @tables;
     open my $idle, '|-', 'psql', '-Xq', "host=127.0.0.1 port=$Scale::postgres user=voronoid dbname=churn" or die "psql: $!";
@@ -43,6 +46,43 @@ start_swift() or die Vt::slurp("$Scale::dir/proxy.out");
 ask('postgres', 'CREATE DATABASE daemons');
 my %place = (store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/daemons", blobs => "s3:http://127.0.0.1:$Scale::swift{proxy}/bucket");
 my @api = map { Vt->start(%place, role => 'api') } 1 .. 2;
+
+# How old a job's records are when a stream of another daemon has them, each millisecond's; and how long a job waits for another daemon
+# that is free: by polling, and with hints.
+for my $way ($want{delay} ? (['by polling'], ['with --store-listen', 'store-listen' => $place{store}]) : ()) {
+    my ($name, @more) = @$way;
+    my $worker = Vt->start(%place, @more, role => 'all', jobs => 1, threads => 1);
+    my $front = Vt->start(%place, @more, role => 'api');
+    my $id = $front->submit('points=2000&iterations=8000&delta=0&polish=0', $cloud);
+    my $own = fork // die "fork: $!"; # the daemon that runs it shows when its clock began
+    my $records = sub {
+        my ($daemon, $file, $stream) = (@_, $_[0]->events("/v1/jobs/$id/events"));
+        open my $out, '>', "$Scale::dir/$file" or die $!;
+        while (my $event = $stream->next_event) { printf $out "%.4f %.4f\n", time, $1 if $event->{event} eq 'progress' && $event->{data} =~ /"seconds":([\d.]+)/ }
+    };
+    if (!$own) { $records->($worker, 'own'); POSIX::_exit(0) }
+    $records->($front, 'other');
+    waitpid $own, 0;
+    my ($began, $last, @ages) = 9e99;
+    for (split /\n/, Vt::slurp("$Scale::dir/own")) { my ($at, $seconds) = split; $began = $at - $seconds if $at - $seconds < $began }
+    for (split /\n/, Vt::slurp("$Scale::dir/other")) {
+        my ($at, $seconds) = split;
+        for (my $made = $last // $seconds; $made < $seconds; $made += .001) { push @ages, $at - $began - $made }
+        $last = $seconds;
+    }
+    @ages = sort { $a <=> $b } @ages;
+    my @waits;
+    for (1 .. 40) {
+        my $one = $front->submit('points=100&iterations=1&polish=0', $cloud);
+        wait_until(sub { $front->status($one) eq 'successful' });
+        push @waits, ask('daemons', "SELECT started - created FROM job WHERE id = '$one'") / 1000;
+        sleep rand .5;
+    }
+    @waits = sort { $a <=> $b } @waits;
+    printf "delay %s: records of another daemon's job are %.3f s old in the median, %.3f s in 99 of 100 cases, at most %.3f s (%.0f s of records);"
+        . " a job waits %.3f s in the median, at most %.3f s\n", $name, @ages[@ages / 2, .99 * @ages, -1], @ages / 1000, @waits[@waits / 2, -1];
+    $_->stop for $worker, $front;
+}
 
 # PostgreSQL stops for 20 s (and for 45 s, longer than the lease) while a job runs that ends meanwhile.
 for my $away ($want{finish} ? (20, 45) : ()) {
