@@ -15,7 +15,7 @@
 
 /** Most bytes of a message (a socket of Linux takes 208 KiB at a time unless told otherwise), and
  *  file descriptors beside it. */
-enum { VOR_CHANNEL_BYTES = 65536, VOR_CHANNEL_FDS = 8 };
+enum { VOR_CHANNEL_BYTES = 65536, VOR_CHANNEL_FDS = 9 };
 
 /** Makes the two ends, both closed by exec.
  *

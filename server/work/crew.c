@@ -32,23 +32,11 @@ struct vor_crew {
     struct hand hand[];
 };
 
-/* The lightest of the tasks from there on that are for the same caller. */
-static struct vor_task **lightest(struct vor_task **from)
-{
-    struct vor_task **chosen = from;
-
-    for (struct vor_task **at = from; *at != NULL; at = &(*at)->next)
-        if ((*at)->weight < (*chosen)->weight &&
-            vor_fairness_key_same(&(*at)->caller, &(*from)->caller))
-            chosen = at;
-    return chosen;
-}
-
-/* Where the task hangs that is to begin; NULL when none may. Waiting tasks are few. */
-static struct vor_task **choose(struct vor_crew *crew)
+/* Takes the task that is to begin off the list; NULL when none may. Waiting tasks are few. */
+static struct vor_task *pick(struct vor_crew *crew)
 {
     unsigned fewest = crew->closing ? UINT_MAX : crew->caller_running_max;
-    struct vor_task **chosen = NULL;
+    struct vor_task **chosen = NULL, *task;
 
     for (struct vor_task **at = &crew->head; *at != NULL && fewest > 0; at = &(*at)->next) {
         unsigned running = 0; /* of its caller */
@@ -62,20 +50,17 @@ static struct vor_task **choose(struct vor_crew *crew)
         fewest = running;
         chosen = at;
     }
-    return chosen != NULL ? lightest(chosen) : NULL;
-}
-
-/* Takes the task that is to begin off the list; NULL when none may. */
-static struct vor_task *pick(struct vor_crew *crew)
-{
-    struct vor_task **at = choose(crew), *task;
-
-    if (at == NULL)
+    if (chosen == NULL)
         return NULL;
-    task = *at;
-    *at = task->next;
-    if (*at == NULL)
-        crew->tail = at;
+    /* The lightest of that caller's. */
+    for (struct vor_task **at = chosen; *at != NULL; at = &(*at)->next)
+        if ((*at)->weight < (*chosen)->weight &&
+            vor_fairness_key_same(&(*at)->caller, &(*chosen)->caller))
+            chosen = at;
+    task = *chosen;
+    *chosen = task->next;
+    if (*chosen == NULL)
+        crew->tail = chosen;
     crew->waiting--;
     return task;
 }

@@ -183,21 +183,15 @@ static vor_status try_files(struct run *run, const struct vor_artefacts *out, st
 
     place.has_left = has_left;
     place.ctx = run;
-    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++)
-        if (order->output[i] >= 0)
-            status = vor_artefact_write(&run->result->output[i], &writing, i,
-                                        vor_artefacts_find(out, outputs[i].name), err);
+    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
+        if (order->output[i] < 0)
+            continue;
+        if (ftruncate(order->output[i], 0) != 0 || lseek(order->output[i], 0, SEEK_SET) != 0)
+            return vor_fail_errno(err, errno, "an output"); /* of the try before */
+        status = vor_artefact_write(&run->result->output[i], &writing, i,
+                                    vor_artefacts_find(out, outputs[i].name), err);
+    }
     return status;
-}
-
-/* Empties the files for another try. */
-static vor_status empty_files(const struct vor_order *order, struct vor_error *err)
-{
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
-        if (order->output[i] >= 0 &&
-            (ftruncate(order->output[i], 0) != 0 || lseek(order->output[i], 0, SEEK_SET) != 0))
-            return vor_fail_errno(err, errno, "an output");
-    return VOR_OK;
 }
 
 /* Lets time pass; false once the run is cancelled. */
@@ -218,19 +212,15 @@ static int wait_for_room(struct run *run, double seconds)
 static vor_status write_files(struct run *run, const struct vor_artefacts *out,
                               struct vor_error *err)
 {
-    vor_status status = try_files(run, out, err);
-    double pause = retry_seconds;
+    for (double pause = retry_seconds;; pause *= pause < retry_seconds_max ? 2 : 1) {
+        vor_status status = try_files(run, out, err);
 
-    while (status == VOR_E_IO && vor_error_storage_full(err)) {
+        if (status != VOR_E_IO || !vor_error_storage_full(err))
+            return status;
         say(run, VOR_SAID_WAITS, err);
         if (!wait_for_room(run, pause))
             return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
-        pause = pause < retry_seconds_max ? 2 * pause : pause;
-        status = empty_files(run->order, err);
-        if (status == VOR_OK)
-            status = try_files(run, out, err);
     }
-    return status;
 }
 
 /* Writes the output that goes into the row. */

@@ -231,17 +231,6 @@ static enum vor_job_outcome dismiss_row(struct vor_worker *worker, const char *w
     return changed ? VOR_DONE : VOR_CONFLICT;
 }
 
-/* A job that runs has its outputs dropped by its runner; one that waits may have some of an attempt
- * before a crash. */
-static void dismissed(struct vor_worker *worker, const struct vor_job_view *row, int runs)
-{
-    vor_worker_drop_all(worker, &row->id, row->process, row->attempt,
-                        vor_has_inputs(row) | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
-    if (!runs)
-        vor_capacity_wait(worker, row, -1);
-    vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(row), VOR_TEXT("why", row->message));
-}
-
 /* Dismisses a job that is not over, live or not; *out gets its last view in any case but
  * VOR_UNKNOWN and VOR_FAILED. */
 static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_uuid *id,
@@ -262,10 +251,17 @@ static enum vor_job_outcome dismiss(struct vor_worker *worker, const struct vor_
         if (outcome == VOR_DONE)
             outcome = dismiss_row(worker, why, out, err);
     }
-    if (outcome == VOR_DONE)
-        dismissed(worker, out, runs);
-    if (outcome == VOR_DONE && job != NULL && !runs)
-        vor_worker_forget(worker, job); /* else its runner will */
+    if (outcome == VOR_DONE) {
+        /* A job that runs has its outputs dropped by its runner, which also forgets it; one that
+         * waits may have some of an attempt before a crash. */
+        vor_worker_drop_all(worker, &out->id, out->process, out->attempt,
+                            vor_has_inputs(out) | VOR_HAS_UPLOADS | (runs ? 0 : VOR_HAS_OUTPUTS));
+        if (!runs)
+            vor_capacity_wait(worker, out, -1);
+        vor_log(VOR_LOG_INFO, "job dismissed", VOR_OF_JOB(out), VOR_TEXT("why", out->message));
+        if (job != NULL && !runs)
+            vor_worker_forget(worker, job);
+    }
     pthread_mutex_unlock(&worker->claim);
     vor_job_release(job);
     return outcome;

@@ -22,18 +22,27 @@ static int is_run(const struct vor_worker *worker, const struct vor_leased *leas
     return i < worker->runner_count;
 }
 
+int vor_worker_hand_back(struct vor_worker *worker, const struct vor_uuid *id,
+                         struct vor_hand_back *back)
+{
+    struct vor_error err;
+
+    if (vor_store_hand_back(worker->config.store, id, back, &err) == VOR_OK)
+        return 1;
+    vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_TEXT("job", id->text),
+            VOR_TEXT("error", err.message));
+    return 0;
+}
+
 /* A job that the store counts as ours and no runner has: it was claimed, but the answer did not
  * come. It waits again; nothing is done to one that has just ended. */
 static void return_unheard(struct vor_worker *worker, const struct vor_leased *leased)
 {
     struct vor_hand_back back = {.lease = {worker->owner.text, leased->attempt},
                                  .now_ms = vor_clock_wall_ms()};
-    struct vor_error err;
 
-    if (vor_store_hand_back(worker->config.store, &leased->id, &back, &err) != VOR_OK) {
+    if (!vor_worker_hand_back(worker, &leased->id, &back)) {
         atomic_store(&worker->may_be_unheard, 1);
-        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue",
-                VOR_TEXT("job", leased->id.text), VOR_TEXT("error", err.message));
     } else if (back.changed) {
         vor_log(VOR_LOG_WARN, "a claim was not answered; the job waits again",
                 VOR_TEXT("job", leased->id.text), VOR_COUNT("attempt", leased->attempt));

@@ -55,15 +55,11 @@ static void untake_job(struct vor_worker *worker, const struct vor_job_view *row
 {
     struct vor_hand_back back = {.lease = {worker->owner.text, row->attempt},
                                  .now_ms = row->updated};
-    struct vor_error err;
 
     vor_log(VOR_LOG_WARN, "a job cannot begin here yet; it keeps waiting", VOR_OF_JOB(row));
-    while (vor_store_hand_back(worker->config.store, &row->id, &back, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(row),
-                VOR_TEXT("error", err.message));
-        if (vor_worker_pause(worker, look_seconds))
-            return; /* the next start finds it */
-    }
+    while (!vor_worker_hand_back(worker, &row->id, &back) &&
+           !vor_worker_pause(worker, look_seconds))
+        continue; /* the next start finds it otherwise */
 }
 
 /* accepted -> running of the next job, which the runner then has; false when there is none, or it
@@ -220,35 +216,42 @@ static void *sweeper_main(void *arg)
     return NULL;
 }
 
+/* Starts one that the process needs. */
+static vor_status start_thread(pthread_t *out, const char *name, void *(*run)(void *), void *of,
+                               const char *what, struct vor_error *err)
+{
+    if (vor_machine_thread(out, name, run, of) == 0)
+        return VOR_OK;
+    return vor_fail(err, VOR_E_NOMEM,
+                    "cannot start the thread that %s: too little memory, or a limit on the number "
+                    "of processes",
+                    what);
+}
+
 static vor_status start_threads(struct vor_worker *worker, struct vor_error *err)
 {
-    while (worker->runner_count < worker->config.jobs) {
+    vor_status status = VOR_OK;
+
+    while (status == VOR_OK && worker->runner_count < worker->config.jobs) {
         struct vor_runner *runner = &worker->runners[worker->runner_count];
 
         runner->worker = worker;
-        if (vor_machine_thread(&runner->thread, "vor-runner", runner_main, runner) != 0)
-            return vor_fail(err, VOR_E_NOMEM,
-                            "cannot start %u threads that run jobs: too little memory, or a limit "
-                            "on the number of processes",
-                            worker->config.jobs);
+        status =
+            start_thread(&runner->thread, "vor-runner", runner_main, runner, "runs a job", err);
         pthread_mutex_lock(&worker->mutex);
-        worker->runner_count++; /* which those before it read */
+        worker->runner_count += status == VOR_OK; /* which those before it read */
         pthread_mutex_unlock(&worker->mutex);
     }
-    if (vor_store_is_shared(worker->config.store)) {
-        if (vor_machine_thread(&worker->keeper, "vor-keeper", keeper_main, worker) != 0)
-            return vor_fail(err, VOR_E_NOMEM,
-                            "cannot start the thread that renews leases: too "
-                            "little memory, or a limit on the number of "
-                            "processes");
-        worker->keeper_started = 1;
+    if (status == VOR_OK && vor_store_is_shared(worker->config.store)) {
+        status =
+            start_thread(&worker->keeper, "vor-keeper", keeper_main, worker, "renews leases", err);
+        worker->keeper_started = status == VOR_OK;
     }
-    if (vor_machine_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker) != 0)
-        return vor_fail(err, VOR_E_NOMEM,
-                        "cannot start the thread that deletes expired jobs: too little memory, or "
-                        "a limit on the number of processes");
-    worker->sweeper_started = 1;
-    return VOR_OK;
+    if (status == VOR_OK)
+        status = start_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker,
+                              "deletes expired jobs", err);
+    worker->sweeper_started = status == VOR_OK;
+    return status;
 }
 
 vor_status vor_worker_create(struct vor_worker **out, const struct vor_worker_config *config,

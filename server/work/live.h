@@ -108,6 +108,11 @@ int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job);
  * For one thread. */
 void vor_worker_renew(struct vor_worker *worker);
 
+/** Has a job of ours wait again (vor_store_hand_back). False when the store fails, as the log says.
+ */
+VOR_NODISCARD int vor_worker_hand_back(struct vor_worker *worker, const struct vor_uuid *id,
+                                       struct vor_hand_back *back);
+
 /** Has the runners look for a job: one may run that could not before. */
 void vor_worker_news(struct vor_worker *worker);
 

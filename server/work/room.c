@@ -32,48 +32,32 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
     return status;
 }
 
-static void look_at_reserve(struct vor_worker *worker)
-{
-    int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
-    struct vor_error err;
-    int has;
-
-    has = vor_store_keep_reserve(worker->config.store, &err) == VOR_OK;
-    if (has && !had)
-        vor_log(VOR_LOG_INFO, "the disk has room again", VOR_TEXT("reserve", "made"));
-    else if (!has && !worker->is_full)
-        vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
-    worker->is_full = !has;
-}
-
-/* While the blobs are away no job begins. */
-static void look_at_blobs(struct vor_worker *worker)
-{
-    struct vor_error err;
-    int is_away = vor_blobs_reach(worker->config.blobs, &err) != VOR_OK;
-
-    vor_metric_set(VOR_METRIC_STORAGE_UP, !is_away, VOR_LABELS("blobs"));
-    if (is_away == worker->is_away)
-        return;
-    worker->is_away = is_away;
-    if (is_away) {
-        vor_log(VOR_LOG_ERROR, "files cannot be read or written: no job starts",
-                VOR_TEXT("error", err.message));
-        return;
-    }
-    vor_log(VOR_LOG_INFO, "files can be read and written again");
-    vor_worker_news(worker);
-}
-
 void vor_worker_look(struct vor_worker *worker)
 {
-    int is_lost = 0;
-    vor_status status;
     struct vor_error err;
+    int is_away = vor_blobs_reach(worker->config.blobs, &err) != VOR_OK, is_lost = 0;
+    vor_status status;
 
-    look_at_blobs(worker);
-    if (!atomic_load(&worker->is_late)) /* recovery needs the room more than the reserve does */
-        look_at_reserve(worker);
+    /* While the blobs are away no job begins. */
+    vor_metric_set(VOR_METRIC_STORAGE_UP, !is_away, VOR_LABELS("blobs"));
+    if (is_away && !worker->is_away)
+        vor_log(VOR_LOG_ERROR, "files cannot be read or written: no job starts",
+                VOR_TEXT("error", err.message));
+    if (!is_away && worker->is_away) {
+        vor_log(VOR_LOG_INFO, "files can be read and written again");
+        vor_worker_news(worker);
+    }
+    worker->is_away = is_away;
+    if (!atomic_load(&worker->is_late)) { /* recovery needs the room more than the reserve does */
+        int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
+        int has = vor_store_keep_reserve(worker->config.store, &err) == VOR_OK;
+
+        if (has && !had)
+            vor_log(VOR_LOG_INFO, "the disk has room again", VOR_TEXT("reserve", "made"));
+        else if (!has && !worker->is_full)
+            vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
+        worker->is_full = !has;
+    }
     if (worker->has_failed)
         return;
     /* Well as long as no disk has failed and the store is ours; one that is away may come back. */

@@ -17,18 +17,23 @@
 
 /** What is to be run. A plain value that owns nothing. */
 struct vor_order {
-    struct vor_spec spec;      /**< checked; its process outlives the run */
-    unsigned format;           /**< of the main input: that of the result unless spec names one */
-    double seconds_read;       /**< decoding the inputs took, for the report */
-    size_t memory;             /**< bytes that the run may have */
-    int is_suspect;            /**< it ran where something crashed, and is to be kept apart */
-    int input[VOR_INPUTS_MAX]; /**< the dump of each input (proto/dump.h), open for reading, in
-                                    the order of the process's inputs; -1 for one that did not
-                                    come. Borrowed for the run, as the next */
-    int saved;      /**< the checkpoint of a lost attempt, open for reading; -1 for none */
-    uint64_t every; /**< as in struct vor_run */
-    int output[VOR_OUTPUTS_MAX]; /**< an empty file for each output, open for writing; -1 for what
-                                      goes into the row */
+    struct vor_spec spec; /**< checked; its process outlives the run */
+    unsigned format;      /**< of the main input: that of the result unless spec names one */
+    double seconds_read;  /**< decoding the inputs took, for the report */
+    size_t memory;        /**< bytes that the run may have */
+    int is_suspect;       /**< it ran where something crashed, and is to be kept apart */
+    uint64_t every;       /**< as in struct vor_run */
+    union {
+        struct {
+            int input[VOR_INPUTS_MAX];   /**< the dump of each input (proto/dump.h), open for
+                                              reading, in the order of the process's inputs; -1 for
+                                              one that did not come. Borrowed, as the next */
+            int output[VOR_OUTPUTS_MAX]; /**< an empty file for each output, open for writing; -1
+                                              for what goes into the row */
+            int saved; /**< the checkpoint of a lost attempt, open for reading; -1 for none */
+        };
+        int file[VOR_INPUTS_MAX + VOR_OUTPUTS_MAX + 1]; /**< all of them */
+    };
 };
 
 /** What came of it. */

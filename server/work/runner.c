@@ -6,6 +6,7 @@
 #include "server/base/log.h"
 #include "server/work/counted.h"
 #include "server/work/keeper.h"
+#include "server/work/wire.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -188,60 +189,39 @@ static vor_status open_inputs(struct run *run, struct vor_error *err)
     return status;
 }
 
-/* A checkpoint that cannot be had is done without. */
-static void open_saved(struct run *run)
-{
-    char blob[VOR_BLOB_NAME_MAX + 1];
-    struct vor_error err;
-    uint64_t size;
-
-    if (run->view.attempt > 1 &&
-        vor_blob_get(run->worker->config.blobs, &run->view.id,
-                     vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob), &run->order.saved, &size,
-                     &run->has_kept, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "a checkpoint cannot be read", VOR_OF_JOB(&run->view),
-                VOR_TEXT("error", err.message));
-}
-
-static vor_status create_outputs(struct run *run, struct vor_error *err)
-{
-    const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
-    vor_status status = VOR_OK;
-
-    for (unsigned i = 0; outputs[i].name != NULL && status == VOR_OK; i++) {
-        if (vor_output_in_row(&outputs[i]))
-            continue;
-        status = vor_blob_create(run->worker->config.blobs, &run->writer[i], err);
-        if (status == VOR_OK)
-            run->order.output[i] = vor_blob_fd(run->writer[i]);
-    }
-    return status;
-}
-
 static vor_status place_order(struct run *run, struct vor_error *err)
 {
+    const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
+    struct vor_blobs *blobs = run->worker->config.blobs;
     struct vor_order *order = &run->order;
+    char blob[VOR_BLOB_NAME_MAX + 1];
+    struct vor_error why;
+    uint64_t size;
     vor_status status;
 
     *order = (struct vor_order){.spec = run->view.spec,
                                 .format = run->view.input[0].format,
                                 .memory = run->worker->config.memory,
-                                .saved = -1,
                                 .every = run->worker->config.checkpoint_work,
                                 .is_suspect = run->view.alone};
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++) {
-        order->input[i] = -1;
+    vor_order_forget(order);
+    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
         order->seconds_read += run->view.input[i].seconds;
-    }
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
-        order->output[i] = -1;
-        run->writer[i] = NULL;
-    }
     status = open_inputs(run, err);
-    if (status != VOR_OK)
-        return status;
-    open_saved(run);
-    return create_outputs(run, err);
+    /* A checkpoint that cannot be had is done without. */
+    if (status == VOR_OK && run->view.attempt > 1 &&
+        vor_blob_get(blobs, &run->view.id, vor_blob_of_input(VOR_BLOB_CHECKPOINT, blob),
+                     &order->saved, &size, &run->has_kept, &why) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "a checkpoint cannot be read", VOR_OF_JOB(&run->view),
+                VOR_TEXT("error", why.message));
+    for (unsigned i = 0; status == VOR_OK && outputs[i].name != NULL; i++) {
+        if (vor_output_in_row(&outputs[i]))
+            continue;
+        status = vor_blob_create(blobs, &run->writer[i], err);
+        if (status == VOR_OK)
+            order->output[i] = vor_blob_fd(run->writer[i]);
+    }
+    return status;
 }
 
 /* A result is written again while its storage is away; not once the job is cancelled. */
@@ -312,13 +292,12 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
                                                                           : 0);
     if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
         end = VOR_RUN_FAILED;
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        if (run->order.input[i] >= 0)
-            (void)close(run->order.input[i]);
-    if (run->order.saved >= 0)
-        (void)close(run->order.saved);
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
+    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
+        run->order.output[i] = -1; /* its writer closes it */
         vor_blob_discard(run->writer[i]);
+        run->writer[i] = NULL;
+    }
+    vor_order_close(&run->order);
     return end;
 }
 
@@ -326,22 +305,20 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
  * where its files do not grow, and keeps what it has made; here they cannot be read or made. */
 static enum vor_run_end execute(struct run *run, struct vor_error *err)
 {
-    enum vor_run_end end = try_order(run, err);
-    double pause = retry_seconds;
+    for (double pause = retry_seconds;; pause = fmin(2 * pause, retry_seconds_max)) {
+        enum vor_run_end end = try_order(run, err);
 
-    while (end == VOR_RUN_FAILED &&
-           (vor_error_storage_full(err) || vor_error_storage_absent(err))) {
+        if (end != VOR_RUN_FAILED ||
+            (!vor_error_storage_full(err) && !vor_error_storage_absent(err)))
+            return end;
         tell_wait(run, err);
+        vor_text_clear(&run->kept);
         if (!vor_worker_wait_room(run->worker, run->job, pause)) {
             (void)vor_fail(err, VOR_E_CANCELLED,
                            "cancelled while the daemon could not store the files of the job");
             return VOR_RUN_FAILED;
         }
-        pause = fmin(2 * pause, retry_seconds_max);
-        vor_text_clear(&run->kept);
-        end = try_order(run, err);
     }
-    return end;
 }
 
 /* --- the end ---------------------------------------------------------------------------------- */
@@ -416,25 +393,6 @@ static void finish(struct run *run, const struct vor_error *problem)
     }
 }
 
-/* running -> accepted in the store, and in the live job unless it has crashed too often. */
-static vor_status put_back(struct run *run, struct vor_hand_back *back, int *again,
-                           struct vor_error *err)
-{
-    struct vor_worker *worker = run->worker;
-    vor_status status;
-
-    pthread_mutex_lock(&worker->claim);
-    status = vor_store_hand_back(worker->config.store, &run->view.id, back, err);
-    *again = status == VOR_OK && back->changed && !back->is_over &&
-             vor_job_restart(run->job, back->is_crash, vor_clock_wall_ms());
-    if (*again) {
-        vor_worker_let_go(run->runner); /* another runner may have it at once */
-        vor_capacity_wait(worker, &run->view, 1);
-    }
-    pthread_mutex_unlock(&worker->claim);
-    return status;
-}
-
 /* The process of the run has ended under it. True when the job is to be run again. While the store
  * cannot be told, the job goes on as running: the next start of the daemon then runs it. */
 static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error *problem)
@@ -444,19 +402,29 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
                                  .is_crash = end != VOR_RUN_DISTURBED,
                                  .was_alone = end == VOR_RUN_CRASHED_ALONE,
                                  .most = run->worker->config.faults_max};
-    struct vor_error err;
+    struct vor_worker *worker = run->worker;
     int again;
 
     vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view),
             VOR_COUNT("attempt", run->lease.attempt), VOR_TEXT("error", problem->message));
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
-        (void)vor_worker_pause(run->worker, retry_seconds);
-    while (put_back(run, &back, &again, &err) != VOR_OK) {
-        vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
-                VOR_TEXT("error", err.message));
-        if (vor_worker_pause(run->worker, retry_seconds))
-            return 0;
-    }
+        (void)vor_worker_pause(worker, retry_seconds);
+    do {
+        /* running -> accepted in the store, and in the live job unless it has crashed too often */
+        pthread_mutex_lock(&worker->claim);
+        if (!vor_worker_hand_back(worker, &run->view.id, &back))
+            again = -1;
+        else
+            again = back.changed && !back.is_over &&
+                    vor_job_restart(run->job, back.is_crash, vor_clock_wall_ms());
+        if (again > 0) {
+            vor_worker_let_go(run->runner); /* another runner may have it at once */
+            vor_capacity_wait(worker, &run->view, 1);
+        }
+        pthread_mutex_unlock(&worker->claim);
+    } while (again < 0 && !vor_worker_pause(worker, retry_seconds));
+    if (again < 0)
+        return 0;
     if (again) {
         vor_count_again();
     } else if (back.is_over) {
@@ -475,7 +443,6 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
 static int conclude(struct run *run, enum vor_run_end end, struct vor_error *problem)
 {
     struct vor_hand_back back = {.lease = run->lease, .now_ms = vor_clock_wall_ms()};
-    struct vor_error err;
 
     if (end == VOR_RUN_DONE) {
         finish(run, NULL);
@@ -483,10 +450,7 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
         return conclude_lost(run, end, problem);
     } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
         /* The daemon goes down: the next one runs the job again. */
-        if (vor_store_hand_back(run->worker->config.store, &run->view.id, &back, &err) != VOR_OK)
-            vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_OF_JOB(&run->view),
-                    VOR_TEXT("error", err.message));
-        else if (back.changed)
+        if (vor_worker_hand_back(run->worker, &run->view.id, &back) && back.changed)
             vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
     } else {
         if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))

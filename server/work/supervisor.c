@@ -165,25 +165,6 @@ struct sitting {
     int is_left_over; /* nobody waits for it */
 };
 
-/* Takes a free seat at the worker, which is up; the mutex is held. */
-static vor_status take_seat(struct sitting *sitting, struct vor_error *err)
-{
-    struct vor_workplace *worker = sitting->worker;
-    int i = 0;
-
-    while (i < VOR_SEATS && worker->seat[i].taken)
-        i++;
-    if (i == VOR_SEATS)
-        return vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time", VOR_SEATS);
-    worker->seat[i] = (struct vor_seat){.taken = 1, .life = worker->life};
-    atomic_store(&worker->board->asked[i], VOR_CONTINUE);
-    atomic_store(&worker->board->showing[i].sequence,
-                 0); /* the process that wrote last may have been killed */
-    sitting->seat = i;
-    sitting->life = worker->life;
-    return VOR_OK;
-}
-
 static void leave_seat(struct sitting *sitting)
 {
     (void)close(sitting->channel);
@@ -201,41 +182,39 @@ static int is_gone(const struct vor_error *err)
     return err->got == EPIPE || err->got == ECONNRESET;
 }
 
-/* Sends the worker a channel for the run; the mutex is held. */
-static vor_status summon(struct sitting *sitting, struct vor_error *err)
-{
-    struct vor_summons summons = {.seat = (unsigned)sitting->seat};
-    int ends[2];
-    vor_status status = vor_channel_pair(ends, err);
-
-    if (status != VOR_OK)
-        return status;
-    status = vor_channel_send(sitting->worker->child.channel, &summons, sizeof summons, &ends[1], 1,
-                              err);
-    (void)close(ends[1]);
-    if (status == VOR_OK)
-        sitting->channel = ends[0];
-    else
-        (void)close(ends[0]);
-    return status;
-}
-
-/* Begins a run at the worker, which is started where it is not up; the mutex is held. */
+/* Begins a run at the worker, which is started where it is not up: takes a free seat and sends the
+ * worker a channel for it. The mutex is held. */
 static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
 {
     struct vor_workplace *worker = sitting->worker;
+    struct vor_summons summons = {.seat = 0};
     vor_status status = VOR_OK;
+    int ends[2];
 
     settle(sitting->supervisor, worker);
     if (!worker->is_up)
         status = begin_worker(sitting->supervisor, worker, err);
+    while (summons.seat < VOR_SEATS && worker->seat[summons.seat].taken)
+        summons.seat++;
+    if (status == VOR_OK && summons.seat == VOR_SEATS)
+        status =
+            vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time", VOR_SEATS);
     if (status == VOR_OK)
-        status = take_seat(sitting, err);
+        status = vor_channel_pair(ends, err);
     if (status != VOR_OK)
         return status;
-    status = summon(sitting, err);
+    worker->seat[summons.seat] = (struct vor_seat){.taken = 1, .life = worker->life};
+    atomic_store(&worker->board->asked[summons.seat], VOR_CONTINUE);
+    /* The process that wrote last may have been killed. */
+    atomic_store(&worker->board->showing[summons.seat].sequence, 0);
+    sitting->seat = (int)summons.seat;
+    sitting->life = worker->life;
+    sitting->channel = ends[0];
+    status = vor_channel_send(worker->child.channel, &summons, sizeof summons, &ends[1], 1, err);
+    (void)close(ends[1]);
     if (status == VOR_OK)
         return VOR_OK;
+    (void)close(ends[0]);
     worker->seat[sitting->seat].taken = 0;
     if (is_gone(err))
         end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
@@ -356,13 +335,6 @@ static int take_in(const struct sitting *sitting, const struct vor_message_said 
     }
 }
 
-/* Whether a run was cancelled so long ago that its caller need not wait for its end. */
-static int is_overdue(const struct sitting *sitting)
-{
-    return !sitting->is_left_over && sitting->cancelled > 0 &&
-           vor_clock_seconds() - sitting->cancelled > let_go_seconds;
-}
-
 /* Listens to a run until its end, or until it is overdue and was left over. */
 static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed)
 {
@@ -386,7 +358,8 @@ static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed
         }
         look_after(sitting);
         look_at_points(sitting);
-        if (is_overdue(sitting) && leave_over(sitting)) {
+        if (!sitting->is_left_over && sitting->cancelled > 0 &&
+            vor_clock_seconds() - sitting->cancelled > let_go_seconds && leave_over(sitting)) {
             (void)vor_fail(handed->err, VOR_E_CANCELLED, "cancelled by the caller");
             return VOR_RUN_FAILED;
         }

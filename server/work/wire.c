@@ -117,55 +117,27 @@ vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *e
 
 /* --- orders ----------------------------------------------------------------------------------- */
 
-/* An order on its way: its process by name, its descriptors beside it. */
+/* An order on its way: its process by name, its descriptors beside it, in the order of `file`. */
 struct packed {
     struct vor_order order;
     char process[32];
 };
 
-/* The descriptors of a list that are some; how many. */
-static unsigned gather(int out[VOR_CHANNEL_FDS], const int *list, unsigned count)
-{
-    unsigned found = 0;
-
-    for (unsigned i = 0; i < count; i++)
-        if (list[i] >= 0)
-            out[found++] = list[i];
-    return found;
-}
-
-/* Puts descriptors where the list had some; false when there are more or fewer. */
-static int scatter(int *list, unsigned count, struct vor_message *message)
-{
-    unsigned next = 0;
-
-    for (unsigned i = 0; i < count; i++)
-        if (list[i] >= 0)
-            list[i] = next < message->fd_count ? message->fds[next++] : -2;
-    for (unsigned i = 0; i < count; i++)
-        if (list[i] == -2)
-            return 0;
-    return next == message->fd_count;
-}
+enum { FILES = sizeof((struct vor_order *)0)->file / sizeof(int) };
+_Static_assert((int)FILES <= (int)VOR_CHANNEL_FDS, "one message holds them");
 
 vor_status vor_order_send(int channel, const struct vor_order *order, struct vor_error *err)
 {
     struct packed packed = {.order = *order};
-    int fds[VOR_CHANNEL_FDS];
-    unsigned count = gather(fds, order->input, VOR_INPUTS_MAX);
+    int fds[FILES];
+    unsigned count = 0;
 
-    vor_status status;
-
+    for (unsigned i = 0; i < FILES; i++)
+        if (order->file[i] >= 0)
+            fds[count++] = order->file[i];
     packed.order.spec.process = NULL;
     (void)snprintf(packed.process, sizeof packed.process, "%s", order->spec.process->id);
-    status = vor_channel_send(channel, &packed, sizeof packed, fds, count, err);
-    if (status != VOR_OK)
-        return status;
-    count = gather(fds, order->output, VOR_OUTPUTS_MAX);
-    status = vor_channel_send(channel, "", 1, fds, count, err);
-    if (status != VOR_OK)
-        return status;
-    return vor_channel_send(channel, "", 1, &order->saved, order->saved >= 0, err);
+    return vor_channel_send(channel, &packed, sizeof packed, fds, count, err);
 }
 
 void vor_offer_send(int channel, const struct vor_listener *listener)
@@ -190,49 +162,33 @@ int vor_offer_receive(int channel)
     return -1;
 }
 
-static void forget_files(struct vor_order *order)
+void vor_order_forget(struct vor_order *order)
 {
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        order->input[i] = -1;
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
-        order->output[i] = -1;
-    order->saved = -1;
-}
-
-/* Receives a message of that size and puts its descriptors into the list, which says where. */
-static int receive_files(int channel, struct vor_message *message, size_t size, double seconds)
-{
-    if (vor_channel_receive(channel, message, seconds) != VOR_CHANNEL_MESSAGE)
-        return 0;
-    if (message->size == size)
-        return 1;
-    vor_message_close(message);
-    return 0;
+    for (unsigned i = 0; i < FILES; i++)
+        order->file[i] = -1;
 }
 
 vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
                              struct vor_error *err)
 {
     struct packed packed = {.process = ""};
-    char nothing;
-    struct vor_message first = {.bytes = &packed, .capacity = sizeof packed};
-    struct vor_message second = {.bytes = &nothing, .capacity = sizeof nothing}, third = second;
+    struct vor_message message = {.bytes = &packed, .capacity = sizeof packed};
+    unsigned next = 0;
     int is_whole;
 
-    forget_files(out);
-    if (!receive_files(channel, &first, sizeof packed, seconds))
+    vor_order_forget(out);
+    if (vor_channel_receive(channel, &message, seconds) != VOR_CHANNEL_MESSAGE)
         return vor_fail(err, VOR_E_IO, "no request was received");
-    is_whole = scatter(packed.order.input, VOR_INPUTS_MAX, &first);
-    if (is_whole && receive_files(channel, &second, sizeof nothing, seconds))
-        is_whole = scatter(packed.order.output, VOR_OUTPUTS_MAX, &second);
-    if (is_whole && receive_files(channel, &third, sizeof nothing, seconds))
-        is_whole = scatter(&packed.order.saved, 1, &third);
+    is_whole = message.size == sizeof packed;
+    for (unsigned i = 0; i < FILES; i++)
+        if (packed.order.file[i] >= 0) {
+            is_whole = is_whole && next < message.fd_count;
+            packed.order.file[i] = is_whole ? message.fds[next++] : -1;
+        }
     packed.process[sizeof packed.process - 1] = '\0';
     packed.order.spec.process = vor_process_find(packed.process);
-    if (!is_whole || packed.order.spec.process == NULL) {
-        vor_message_close(&first);
-        vor_message_close(&second);
-        vor_message_close(&third);
+    if (!is_whole || next != message.fd_count || packed.order.spec.process == NULL) {
+        vor_message_close(&message);
         return vor_fail(err, VOR_E_IO, "the request is invalid");
     }
     *out = packed.order;
@@ -241,15 +197,10 @@ vor_status vor_order_receive(struct vor_order *out, int channel, double seconds,
 
 void vor_order_close(struct vor_order *order)
 {
-    for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
-        if (order->input[i] >= 0)
-            (void)close(order->input[i]);
-    for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++)
-        if (order->output[i] >= 0)
-            (void)close(order->output[i]);
-    if (order->saved >= 0)
-        (void)close(order->saved);
-    forget_files(order);
+    for (unsigned i = 0; i < FILES; i++)
+        if (order->file[i] >= 0)
+            (void)close(order->file[i]);
+    vor_order_forget(order);
 }
 
 /* --- what a run says -------------------------------------------------------------------------- */

@@ -91,6 +91,9 @@ VOR_NODISCARD vor_status vor_order_receive(struct vor_order *out, int channel, d
 
 void vor_order_close(struct vor_order *order);
 
+/** Says that an order has no files. */
+void vor_order_forget(struct vor_order *order);
+
 /** The front's: offers the run a file for a checkpoint, if the listener has one. */
 void vor_offer_send(int channel, const struct vor_listener *listener);
 
