@@ -154,8 +154,8 @@ enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vo
 {
     static const char want[] = "want GET of /livez, /readyz or /metrics";
     struct vor_app *app = ctx;
-    enum vor_method method = vor_request_method(request);
-    const char *path = vor_request_path(request);
+    enum vor_method method = request->method;
+    const char *path = request->path;
     struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
 
     if (is_foreign_host(app->config, request))
@@ -189,8 +189,7 @@ enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vo
 void vor_admin_done(void *ctx, const struct vor_request *request)
 {
     (void)ctx;
-    vor_log(VOR_LOG_DEBUG, "admin request", VOR_TEXT("request_id", vor_request_id(request)),
-            VOR_TEXT("path", vor_request_path(request)),
-            VOR_TEXT("client", vor_request_via(request)->client),
-            VOR_COUNT("status", vor_request_status(request)));
+    vor_log(VOR_LOG_DEBUG, "admin request", VOR_TEXT("request_id", request->id),
+            VOR_TEXT("path", request->path), VOR_TEXT("client", request->via.client),
+            VOR_COUNT("status", request->reply.http));
 }

@@ -17,7 +17,7 @@ static const struct vor_principal ticket_holder = {.scopes = 1u << VOR_SCOPE_REA
 
 const char *vor_auth_tenant(const struct vor_request *request)
 {
-    const struct vor_principal *caller = vor_request_principal(request);
+    const struct vor_principal *caller = &request->principal;
 
     return caller->sees_all ? NULL : caller->name;
 }
@@ -62,7 +62,7 @@ static bool refuse_scope(struct vor_app *app, struct vor_request *request,
 static bool has_ticket(const struct vor_app *app, const struct vor_request *request,
                        const char *ticket)
 {
-    const char *path = vor_request_path(request), *job, *results, *output;
+    const char *path = request->path, *job, *results, *output;
     size_t job_length = vor_path_segment(path, 2, &job);
     size_t results_length = vor_path_segment(path, 3, &results);
     size_t output_length = vor_path_segment(path, 4, &output);
@@ -82,7 +82,7 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
     struct vor_principal caller;
 
     if (app->keys == NULL || scope == VOR_SCOPE_OPEN) {
-        vor_request_set_principal(request, &vor_principal_anybody);
+        request->principal = vor_principal_anybody;
         return true;
     }
     /* The key behind "Bearer" (RFC 6750, 2.1), whose letters may be of any case. */
@@ -102,14 +102,14 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
     if (key != NULL && !vor_keys_find(app->keys, key, &caller))
         return refuse(app, request, REALM ", error=\"invalid_token\"",
                       "this daemon does not know the key");
-    vor_request_set_principal(request, &caller);
+    request->principal = caller;
     return vor_principal_may(&caller, scope) || refuse_scope(app, request, &caller, scope);
 }
 
 struct vor_fairness_key vor_auth_fairness_key(const struct vor_request *request)
 {
-    const char *name = vor_request_principal(request)->name;
+    const char *name = request->principal.name;
 
     return name[0] != '\0' ? vor_fairness_key_of_key(name)
-                           : vor_fairness_key_of_address(vor_request_via(request)->client);
+                           : vor_fairness_key_of_address(request->via.client);
 }

@@ -5,7 +5,7 @@
 #include "server/api/app.h"
 #include "server/base/address.h"
 
-/** Finds out who sent a request for a route of that scope (vor_request_principal from then on): the
+/** Finds out who sent a request for a route of that scope (request->principal from then on): the
  *  owner of the key in "Authorization: Bearer KEY" or "X-API-Key: KEY"; the holder of a ticket to
  *  the result that is asked for; anybody if the daemon has no keys, or the route needs none.
  *

@@ -11,7 +11,7 @@
 
 bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
 {
-    const struct vor_principal *caller = vor_request_principal(request);
+    const struct vor_principal *caller = &request->principal;
     struct vor_problem problem = VOR_PROBLEM_INIT("rate-limited");
     char detail[192];
     double wait, burst, left, now = vor_clock_seconds();

@@ -31,7 +31,7 @@ static bool host_is_ours(const struct vor_config *config, const char *host)
 const char *vor_host_refused(const struct vor_app *app, const struct vor_request *request)
 {
     const struct vor_config *config = app->config;
-    const struct vor_via *via = vor_request_via(request);
+    const struct vor_via *via = &request->via;
     const char *host = vor_request_header(request, "Host");
     bool listed = config->text[VOR_SET_ALLOWED_HOSTS][0] != '\0';
 
@@ -49,7 +49,7 @@ const char *vor_host_refused(const struct vor_app *app, const struct vor_request
 const char *vor_app_origin(const struct vor_app *app, const struct vor_request *request,
                            char out[VOR_URL_MAX])
 {
-    const struct vor_via *via = vor_request_via(request);
+    const struct vor_via *via = &request->via;
     const char *host = vor_request_header(request, "Host");
 
     if (via->host[0] != '\0')
@@ -75,8 +75,7 @@ const char *vor_app_url(const struct vor_app *app, const struct vor_request *req
         return out;
     }
     length = strlen(vor_app_origin(app, request, out));
-    (void)snprintf(out + length, VOR_URL_MAX - length, "%s%s", vor_request_via(request)->prefix,
-                   path);
+    (void)snprintf(out + length, VOR_URL_MAX - length, "%s%s", request->via.prefix, path);
     return out;
 }
 

@@ -55,8 +55,7 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     if (problem->job_id != NULL)
         (void)snprintf(room->instance, (sizeof room->instance), "/v1/jobs/%s", problem->job_id);
     else
-        (void)snprintf(room->instance, (sizeof room->instance), "urn:request:%s",
-                       vor_request_id(request));
+        (void)snprintf(room->instance, (sizeof room->instance), "urn:request:%s", request->id);
     *doc = (struct vor_problem_doc)VOR_PROBLEM_DOC_INIT;
     doc->type = room->type;
     doc->title = row->title;
@@ -64,7 +63,7 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     doc->detail = problem->detail;
     doc->instance = room->instance;
     doc->retryable = row->retryable;
-    doc->request_id = vor_request_id(request);
+    doc->request_id = request->id;
     doc->job_id = problem->job_id;
     doc->attempt = problem->attempt;
     doc->has_limit = problem->limit > 0;
@@ -100,7 +99,7 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
     char seconds[16];
 
     fill_doc(app, request, problem, &room, &doc);
-    vor_request_set_problem(request, problem->slug);
+    request->problem = problem->slug;
     (void)snprintf(seconds, sizeof seconds, "%u",
                    problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
     if (doc.retryable)
@@ -220,7 +219,7 @@ void vor_problem_describe(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step)
 {
     const char *slug;
-    size_t length = vor_path_segment(vor_request_path(request), 1, &slug);
+    size_t length = vor_path_segment(request->path, 1, &slug);
     const struct problem_row *row = find_row(slug, length);
     struct vor_text text;
 

@@ -4,6 +4,7 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 
@@ -98,7 +99,7 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
                      "Idempotent-Replayed, RateLimit, RateLimit-Policy, Upload-Offset, "
                      "Upload-Length, Tus-Resumable, "
                      "WWW-Authenticate");
-    if (vor_request_method(request) != VOR_OPTIONS)
+    if (request->method != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
                      "Accept, Authorization, Content-Encoding, Content-Type, Idempotency-Key, "
@@ -114,7 +115,7 @@ static bool is_from_other_site(const struct vor_app *app, const struct vor_reque
     const char *site = vor_request_header(request, "Sec-Fetch-Site");
     const char *mode = vor_request_header(request, "Sec-Fetch-Mode");
     const char *origin = vor_request_header(request, "Origin");
-    enum vor_method method = vor_request_method(request);
+    enum vor_method method = request->method;
 
     if (site == NULL || strcmp(site, "cross-site") != 0)
         return false;
@@ -155,7 +156,7 @@ static bool check_source(struct vor_app *app, struct vor_request *request)
 static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *request)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
-    const char *path = vor_request_path(request);
+    const char *path = request->path;
     char methods[64];
     size_t at = 0;
 
@@ -171,7 +172,7 @@ static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *req
     if (methods[0] == '\0')
         return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s",
                                path);
-    if (vor_request_method(request) == VOR_OPTIONS) {
+    if (request->method == VOR_OPTIONS) {
         vor_reply_header(request, "Allow", methods);
         vor_reply_header(request, "Access-Control-Allow-Methods", methods);
         vor_reply_bytes(request, 204, NULL, "", 0);
@@ -185,7 +186,7 @@ static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *req
 enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    const struct vor_route *route = vor_request_route(request);
+    const struct vor_route *route = request->route;
     unsigned most;
 
     if (step != VOR_STEP_HEAD)
@@ -193,15 +194,15 @@ enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vo
     if (!check_source(app, request))
         return VOR_NEXT_REPLY;
     add_cors(app, request);
-    route = find_route(vor_request_method(request), vor_request_path(request));
+    route = find_route(request->method, request->path);
     if (route == NULL)
         return reply_no_route(app, request);
-    vor_request_set_route(request, route);
+    request->route = route;
     if (!vor_auth_check(app, request, route->scope))
         return VOR_NEXT_REPLY;
     most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_excess(request) : 0;
     if (most > 0) {
-        vor_reply_close(request);
+        request->reply.close = true;
         return vor_problem_say(app, request, "too-many-connections",
                                "more than %u connections are open, in total or from this "
                                "client",
@@ -222,13 +223,13 @@ void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_r
 
 void vor_route_done(void *ctx, const struct vor_request *request)
 {
-    const struct vor_route *route = vor_request_route(request);
-    const char *job = vor_request_job(request);
-    enum vor_method method = vor_request_method(request);
+    const struct vor_route *route = request->route;
+    const char *job = request->job;
+    enum vor_method method = request->method;
     const char *word = method < VOR_METHOD_COUNT ? method_words[method] : "other";
-    const char *tenant = vor_request_principal(request)->name;
+    const char *tenant = request->principal.name;
     const char *path = route != NULL ? route->path : "none";
-    int status = vor_request_status(request);
+    int status = request->reply.http;
     char code[8];
 
     (void)ctx;
@@ -237,21 +238,20 @@ void vor_route_done(void *ctx, const struct vor_request *request)
     /* For /metrics the paths of strangers are all one. */
     (void)snprintf(code, sizeof code, "%d", status);
     vor_metric_add(VOR_METRIC_HTTP_REQUESTS, 1, VOR_LABELS(path, word, code));
-    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_request_seconds(request), VOR_LABELS(path));
-    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)vor_request_bytes_in(request), NULL);
+    vor_metric_observe(VOR_METRIC_HTTP_SECONDS, vor_clock_seconds() - request->began,
+                       VOR_LABELS(path));
+    vor_metric_add(VOR_METRIC_HTTP_BYTES_IN, (double)request->received, NULL);
     vor_metric_add(VOR_METRIC_HTTP_BYTES_OUT, (double)vor_request_bytes_out(request), NULL);
-    if (vor_request_problem(request) != NULL)
-        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(vor_request_problem(request)));
-    vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", vor_request_id(request)),
-            VOR_TEXT("method", word), VOR_TEXT("route", route != NULL ? route->path : ""),
-            VOR_TEXT("path", vor_request_path(request)),
-            VOR_TEXT("client", vor_request_via(request)->client),
+    if (request->problem != NULL)
+        vor_metric_add(VOR_METRIC_REJECTED, 1, VOR_LABELS(request->problem));
+    vor_log(VOR_LOG_INFO, "request", VOR_TEXT("request_id", request->id), VOR_TEXT("method", word),
+            VOR_TEXT("route", route != NULL ? route->path : ""), VOR_TEXT("path", request->path),
+            VOR_TEXT("client", request->via.client),
             VOR_TEXT("tenant", tenant[0] != '\0' ? tenant : NULL),
             VOR_TEXT("job", job[0] != '\0' ? job : NULL),
-            VOR_KNOWN("trace_id", vor_request_span(request)->trace),
-            VOR_KNOWN("span_id", vor_request_span(request)->id), VOR_COUNT("status", status),
-            VOR_TEXT("problem", vor_request_problem(request)),
-            VOR_REAL("dur_s", round(vor_request_seconds(request) * 1e6) / 1e6),
-            VOR_COUNT("bytes_in", vor_request_bytes_in(request)),
+            VOR_KNOWN("trace_id", request->span.trace), VOR_KNOWN("span_id", request->span.id),
+            VOR_COUNT("status", status), VOR_TEXT("problem", request->problem),
+            VOR_REAL("dur_s", round((vor_clock_seconds() - request->began) * 1e6) / 1e6),
+            VOR_COUNT("bytes_in", request->received),
             VOR_COUNT("bytes", vor_request_bytes_out(request)));
 }

@@ -25,7 +25,7 @@ static void end_request(void *state)
 void vor_deferred_begin(struct vor_deferred *deferred, struct vor_request *request,
                         void (*release)(struct vor_deferred *deferred))
 {
-    deferred->waker = vor_request_waker(request);
+    deferred->waker = vor_waker_hold(request->waker);
     atomic_init(&deferred->holds, 1);
     atomic_init(&deferred->is_done, false);
     atomic_init(&deferred->is_over, false);

@@ -16,13 +16,17 @@
 #include "server/base/address.h"
 #include "server/base/principal.h"
 #include "server/base/span.h"
+#include "server/http/request_check.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 
 struct vor_http;
 struct vor_request;
+struct vor_conn;
+struct MHD_Connection;
 struct vor_waker;
 struct vor_route; /**< server/api/routes.h */
 
@@ -134,13 +138,83 @@ void vor_http_close_waiting(struct vor_http *http);
  *  vor_request_closing true, and must reply. */
 void vor_http_stop(struct vor_http *http);
 
-/* --- what a handler reads --------------------------------------------------------------------- */
+/* --- a request: what came, where it stands, and the reply that the handler described ---------- */
 
-/** VOR_METHOD_COUNT for a method that no route has. */
-enum vor_method vor_request_method(const struct vor_request *request);
+enum { VOR_REPLY_FIELDS_MAX = 24 }; /**< header fields of a reply */
 
-/** Raw path as sent, without the query; it begins with '/'. */
-const char *vor_request_path(const struct vor_request *request);
+enum vor_request_stage {
+    VOR_AT_NEW,    /**< the request line is in */
+    VOR_AT_HEAD,   /**< the head passed; the handler has not seen it */
+    VOR_AT_BODY,   /**< pieces go to the sink */
+    VOR_AT_WAIT,   /**< the handler waits to be woken */
+    VOR_AT_REPLIED /**< a reply is recorded */
+};
+
+enum vor_reply_kind { VOR_REPLY_NONE, VOR_REPLY_BYTES, VOR_REPLY_FILE, VOR_REPLY_STREAM };
+
+/** A reply as the handler described it; mhd_callbacks.c turns it into the library's. */
+struct vor_reply {
+    enum vor_reply_kind kind;
+    int http;
+    struct vor_field fields[VOR_REPLY_FIELDS_MAX]; /**< names borrowed, values owned */
+    unsigned field_count;
+    const char *media_type;
+    char *bytes; /**< owned */
+    uint64_t size;
+    int fd; /**< owned, -1 for none */
+    uint64_t offset;
+    long (*read)(void *ctx, struct vor_request *request, char *out, size_t size);
+    void *ctx;
+    bool close; /**< the connection, after the reply; a handler may set it */
+};
+
+/** Where a body goes, piece by piece, on the HTTP thread. write returns 0; or it ends the request
+ *  while the body is still arriving, by an HTTP status (507), which is answered as that problem, or
+ *  by -1 after one of vor_reply_bytes. */
+struct vor_body_sink {
+    void *ctx;
+    int (*write)(void *ctx, const void *bytes, size_t size);
+};
+
+struct vor_request {
+    /* What handlers read, but must not change. */
+    enum vor_method method; /**< VOR_METHOD_COUNT for one that no route has */
+    char *path;             /**< raw as sent, without the query; it begins with '/' */
+    struct vor_field pairs[VOR_QUERY_MAX]; /**< of the query, decoded */
+    int pair_count;
+    char id[72];          /**< X-Request-Id if the client sent a sane one (1 .. 64 of
+                               [A-Za-z0-9._-]), else one of ours */
+    struct vor_span span; /**< our step of the trace that the header traceparent names; none where
+                               there is no sound one, or several */
+    struct vor_via via;   /**< of a request whose head is malformed: the peer's address alone */
+    int64_t length;       /**< declared Content-Length; -1: chunked */
+    double began;
+    uint64_t received, sent; /**< bytes of bodies */
+    void *state;             /**< the handler's own (vor_request_set_state) */
+
+    /* What the router and handlers set, for the log. */
+    const struct vor_route *route;
+    struct vor_principal principal; /**< nobody until the router has found out */
+    char job[40];                   /**< that it is about, or "" */
+    const char *problem;            /**< slug of the problem replied, or NULL; static */
+
+    /* Of this room. */
+    struct vor_http *http;
+    struct MHD_Connection *connection;
+    struct vor_conn *conn; /**< NULL when not guarded */
+    struct vor_waker *waker;
+    struct vor_head head;
+    char *target, *query; /**< owned; path is target up to '?', query is decoded in place */
+    const char *block;    /**< where the library has the target; valid in the first step */
+    const char *line; /**< and the request line; NULL: not known, or what follows was given back */
+    enum vor_request_stage stage;
+    struct vor_address from; /**< of the connection */
+    struct vor_body_sink sink;
+    uint64_t limit;
+    bool whole; /**< the body was taken and is in */
+    void (*release)(void *state);
+    struct vor_reply reply;
+};
 
 /** First value of a header (any case), or NULL. */
 const char *vor_request_header(const struct vor_request *request, const char *name);
@@ -150,25 +224,8 @@ const char *vor_request_header(const struct vor_request *request, const char *na
 const char *vor_request_header_next(const struct vor_request *request, const char *name,
                                     unsigned *index);
 
-/** Decoded query pair number `index`; NULL past the last. */
-const char *vor_request_query_name(const struct vor_request *request, unsigned index);
-const char *vor_request_query_value(const struct vor_request *request, unsigned index);
-
 /** First value of a query name, or NULL. */
 const char *vor_request_query(const struct vor_request *request, const char *name);
-
-/** X-Request-Id if the client sent a sane one (1 .. 64 of [A-Za-z0-9._-]), else one of ours. */
-const char *vor_request_id(const struct vor_request *request);
-
-/** Our step of the trace that the header traceparent names; none where there is no sound one, or
- *  several. Never NULL. */
-const struct vor_span *vor_request_span(const struct vor_request *request);
-
-/** Never NULL; of a request whose head is malformed it has the peer's address alone. */
-const struct vor_via *vor_request_via(const struct vor_request *request);
-
-/** Declared Content-Length, or -1. */
-int64_t vor_request_length(const struct vor_request *request);
 
 /** True once the peer has closed its side. A reply must be made all the same. */
 int vor_request_gone(const struct vor_request *request);
@@ -180,27 +237,12 @@ unsigned vor_request_excess(const struct vor_request *request);
 /** True once vor_http_close_waiting was called: wait no longer. */
 int vor_request_closing(const struct vor_request *request);
 
-/** For the router and the log. */
-void vor_request_set_route(struct vor_request *request, const struct vor_route *route);
-const struct vor_route *vor_request_route(const struct vor_request *request);
-/** Notes who sent the request (copied). Until then it is a caller without name and scopes. */
-void vor_request_set_principal(struct vor_request *request, const struct vor_principal *principal);
-const struct vor_principal *vor_request_principal(const struct vor_request *request);
-/** Notes which job the request is about; the text (up to 39 bytes) is copied. "" until then. */
-void vor_request_set_job(struct vor_request *request, const char *job);
-const char *vor_request_job(const struct vor_request *request);
-/** Notes the slug of the problem that is replied (a static text); NULL until then. */
-void vor_request_set_problem(struct vor_request *request, const char *slug);
-const char *vor_request_problem(const struct vor_request *request);
-int vor_request_status(const struct vor_request *request);
-uint64_t vor_request_bytes_in(const struct vor_request *request);
-uint64_t vor_request_bytes_out(const struct vor_request *request);
-double vor_request_seconds(const struct vor_request *request);
-
 /** The handler's own state, freed by `release` (may be NULL) once the request is over or gets
  *  another state. */
 void vor_request_set_state(struct vor_request *request, void *state, void (*release)(void *state));
-void *vor_request_state(const struct vor_request *request);
+
+/** Bytes of the reply's body; of a stream, those sent. */
+uint64_t vor_request_bytes_out(const struct vor_request *request);
 
 /** What the conditions of a GET or HEAD (RFC 9110, 13.2.2) leave of a reply of 200 with this entity
  *  tag: 200, 304 or 412. Each such reply that has an ETag becomes that by itself, 304 with the
@@ -208,14 +250,6 @@ void *vor_request_state(const struct vor_request *request);
 int vor_request_condition(const struct vor_request *request, const char *etag);
 
 /* --- the body --------------------------------------------------------------------------------- */
-
-/** Where a body goes, piece by piece, on the HTTP thread. write returns 0; or it ends the request
- *  while the body is still arriving, by an HTTP status (507), which is answered as that problem, or
- *  by -1 after one of vor_reply_bytes. */
-struct vor_body_sink {
-    void *ctx;
-    int (*write)(void *ctx, const void *bytes, size_t size);
-};
 
 /** Asks for the body: pieces go to sink, at most `limit` bytes. A longer one, declared or not, is
  *  a 413 at once. Call in HEAD and return VOR_NEXT_BODY. sink->ctx must live as long as the state.
@@ -226,8 +260,8 @@ void vor_request_take_body(struct vor_request *request, const struct vor_body_si
 /* --- waiting ---------------------------------------------------------------------------------- */
 
 /** What another thread holds to call a waiting request back. It outlives the request: waking one
- *  whose request is over does nothing. Take one for each holder. */
-struct vor_waker *vor_request_waker(struct vor_request *request);
+ *  whose request is over does nothing. Take a hold for each holder. */
+struct vor_waker *vor_waker_hold(struct vor_waker *waker);
 void vor_waker_wake(struct vor_waker *waker);
 void vor_waker_drop(struct vor_waker *waker); /**< waker may be NULL */
 
@@ -240,9 +274,6 @@ void vor_request_wake_after(struct vor_request *request, double seconds);
 
 /** Adds a header to the reply; values with control bytes are dropped whole. */
 void vor_reply_header(struct vor_request *request, const char *name, const char *value);
-
-/** Closes the connection after the reply. */
-void vor_reply_close(struct vor_request *request);
 
 /** size bytes of media type (NULL for none); the bytes are copied. */
 void vor_reply_bytes(struct vor_request *request, int http, const char *media_type,

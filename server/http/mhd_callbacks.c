@@ -5,7 +5,6 @@
 #include "server/http/forwarded.h"
 #include "server/http/mhd_library.h"
 #include "server/http/release_zero_pages.h"
-#include "server/http/request.h"
 #include "server/http/state.h"
 #include "server/http/waker.h"
 
@@ -165,7 +164,7 @@ static enum MHD_Result queue_reply(struct vor_request *request)
 static void refuse(struct vor_request *request, const struct vor_refusal *refusal)
 {
     request->http->options.refuse(request->http->options.ctx, request, refusal);
-    vor_reply_close(request);
+    request->reply.close = true;
 }
 
 /* Ends a request whose reply is recorded. The library takes no reply while a body arrives: we write
@@ -256,12 +255,17 @@ static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *
 /* NULL when the head is sound; the query is split then. */
 static const char *check_head(struct vor_request *request, const char **detail)
 {
-    const char *slug;
+    unsigned index = 0;
+    const char *slug, *trace;
+    struct vor_span caller;
 
     (void)vor_mhd->get_connection_values(request->connection, MHD_HEADER_KIND, on_field,
                                          &request->head);
     vor_request_id_make(request->id, vor_head_find(&request->head, "X-Request-Id"));
-    vor_request_trace(request);
+    trace = vor_request_header_next(request, "traceparent", &index);
+    if (trace != NULL && vor_request_header_next(request, "traceparent", &index) == NULL &&
+        vor_span_parse(&caller, trace))
+        vor_span_begin(&request->span, &caller);
     slug = vor_head_check(&request->head, detail);
     if (slug != NULL)
         return slug;
@@ -269,8 +273,14 @@ static const char *check_head(struct vor_request *request, const char **detail)
         vor_forwarded_read(&request->via, &request->head, &request->from,
                            request->http->options.trusted, request->http->options.proxy_headers);
     request->length = vor_head_length(&request->head);
-    if (vor_request_split(request))
+    request->path = request->target;
+    request->query = strchr(request->target, '?');
+    if (request->query != NULL)
+        *request->query++ = '\0';
+    request->pair_count = vor_query_split(request->query, request->pairs, VOR_QUERY_MAX);
+    if (request->pair_count >= 0)
         return NULL;
+    request->pair_count = 0;
     *detail = "the query holds a malformed escape, a control byte or more than 64 pairs";
     return "malformed-request";
 }
@@ -308,11 +318,14 @@ static enum MHD_Result take_turn(struct vor_request *request, const char *method
                                  const char *version, const char *data, size_t *size)
 {
     if (request->stage == VOR_AT_NEW) {
+        static const char *const words[VOR_METHOD_COUNT] = {"GET", "HEAD", "POST", "DELETE",
+                                                            "OPTIONS"};
         const char *detail, *slug;
 
         /* The library closes the connection of a request that is answered in this first call. So a
          * request without a body is answered in the second one. */
-        request->method = vor_method_find(method);
+        while (request->method < VOR_METHOD_COUNT && strcmp(words[request->method], method) != 0)
+            request->method++;
         request->head.version = version;
         /* 0.9.75 does not copy the header block: names and values point into it (framing.t holds
          * that). Of later versions it is not known. */

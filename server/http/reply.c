@@ -1,7 +1,6 @@
 #include "server/http/state.h"
 
 #include "server/base/clock.h"
-#include "server/http/request.h"
 
 #include <assert.h>
 #include <inttypes.h>
@@ -31,11 +30,6 @@ void vor_reply_header(struct vor_request *request, const char *name, const char 
         reply->fields[reply->field_count].value = copy;
         reply->field_count++;
     }
-}
-
-void vor_reply_close(struct vor_request *request)
-{
-    request->reply.close = true;
 }
 
 void vor_reply_clear(struct vor_request *request, unsigned fields)

@@ -6,13 +6,8 @@
 
 #include <stdbool.h>
 
-struct MHD_Connection;
-
 /** A waker for the request on this connection, with one hold; NULL when memory is out. */
 struct vor_waker *vor_waker_create(struct MHD_Connection *connection);
-
-/** One hold more; vor_waker_drop gives one back. */
-struct vor_waker *vor_waker_hold(struct vor_waker *waker);
 
 /** Suspends the request, from within one of its steps. False, and it is not suspended, when it was
  *  woken since it last slept, or when its peer has left, unless it stays all the same. */

@@ -33,7 +33,7 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
         return vor_problem_error(app, request, &err, view->id.text);
     if (out->fd >= 0)
         return VOR_NEXT_REPLY;
-    if (vor_request_method(request) == VOR_HEAD) {
+    if (request->method == VOR_HEAD) {
         vor_reply_header(request, "Cache-Control", "private, no-cache");
         vor_reply_stream(request, 200, vor_format(format)->media_type, VOR_LENGTH_UNKNOWN, no_bytes,
                          NULL);

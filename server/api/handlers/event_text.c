@@ -184,5 +184,5 @@ void vor_events_reply_crowded(struct vor_request *request)
     vor_sse_retry(&text, RETRY_MS);
     vor_reply_bytes(request, 200, "text/event-stream", text.data, text.size);
     vor_text_free(&text);
-    vor_reply_close(request);
+    request->reply.close = true;
 }

@@ -488,7 +488,7 @@ static const char *media_type(const struct stream *stream)
 /* Answers a poll with what has happened, or waits for it. */
 static enum vor_next answer_poll(struct vor_app *app, struct vor_request *request)
 {
-    struct stream *stream = vor_request_state(request);
+    struct stream *stream = request->state;
     double left = stream->deadline - vor_clock_seconds();
     char applied[32];
     bool is_part;
@@ -514,7 +514,7 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
 
 static enum vor_next reply_stream(struct vor_app *app, struct vor_request *request)
 {
-    struct stream *stream = vor_request_state(request);
+    struct stream *stream = request->state;
 
     if (stream->wait >= 0)
         return answer_poll(app, request);
@@ -525,7 +525,7 @@ static enum vor_next reply_stream(struct vor_app *app, struct vor_request *reque
 /* The stream of one job, once that was looked up: whether there is one is told before it begins. */
 static enum vor_next reply_found(struct vor_app *app, struct vor_request *request)
 {
-    struct stream *stream = vor_request_state(request);
+    struct stream *stream = request->state;
     struct track *track = &stream->tracks[0];
     enum vor_job_outcome outcome = take_found(stream, track);
 
@@ -557,7 +557,7 @@ enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
 enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_events_query ask = {.count = 1};
-    struct stream *stream = vor_request_state(request);
+    struct stream *stream = request->state;
     enum vor_job_outcome outcome;
 
     if (step == VOR_STEP_WAKE && stream->is_found)

@@ -17,8 +17,9 @@ static void wake(void *ctx)
 
 struct vor_asker vor_asker_of(struct vor_request *request)
 {
-    return (struct vor_asker){
-        .wake = wake, .ctx = vor_request_waker(request), .caller = vor_auth_fairness_key(request)};
+    return (struct vor_asker){.wake = wake,
+                              .ctx = vor_waker_hold(request->waker),
+                              .caller = vor_auth_fairness_key(request)};
 }
 
 bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,

@@ -73,7 +73,7 @@ static enum vor_next wait_for(struct vor_app *app, struct vor_request *request, 
 enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    const struct dismissal *dismissal = vor_request_state(request);
+    const struct dismissal *dismissal = request->state;
 
     if (step == VOR_STEP_HEAD)
         return begin(app, request, 0);
@@ -87,7 +87,7 @@ enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vo
 
 enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    const struct dismissal *asked = vor_request_state(request);
+    const struct dismissal *asked = request->state;
     struct vor_app *app = ctx;
     struct vor_job_view view;
     struct vor_error err;

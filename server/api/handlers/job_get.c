@@ -56,7 +56,7 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     poll->seconds = seconds;
     poll->deadline = vor_clock_seconds() + seconds;
     poll->job = followed.job;
-    poll->waker = vor_request_waker(request);
+    poll->waker = vor_waker_hold(request->waker);
     poll->subscriber = (struct vor_subscriber){.wake = on_event, .ctx = poll->waker};
     vor_job_subscribe(poll->job, &poll->subscriber);
     vor_request_set_state(request, poll, release);
@@ -66,7 +66,7 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
 /* True when the request should wait on; nothing has changed yet. */
 static bool waits_on(struct vor_request *request, const struct vor_job_view *view)
 {
-    struct poll *poll = vor_request_state(request);
+    struct poll *poll = request->state;
     double left = poll != NULL ? poll->deadline - vor_clock_seconds() : 0;
 
     if (left <= 0 || vor_job_status_over(view->status) || vor_request_gone(request) ||
@@ -96,7 +96,7 @@ enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_st
         return VOR_NEXT_REPLY;
     if (view.expired)
         return vor_result_missing(app, request, &view);
-    poll = vor_request_state(request);
+    poll = request->state;
     vor_text_init(&text, 0);
     vor_job_write(app, request, &view, &text);
     vor_text_puts(&text, "\n");

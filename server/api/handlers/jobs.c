@@ -14,10 +14,10 @@
 static bool read_id(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
 {
     const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 2, &segment);
+    size_t length = vor_path_segment(request->path, 2, &segment);
 
     if (vor_uuid_parse(out, segment, length)) {
-        vor_request_set_job(request, out->text);
+        (void)snprintf(request->job, sizeof request->job, "%s", out->text);
         return true;
     }
     vor_problem_say(app, request, "no-such-job", "there is no job %.*s",
@@ -168,16 +168,17 @@ static void put_list_link(struct listing *list, const char *rel, const char *cur
     char base[VOR_URL_MAX];
     struct vor_link link = {rel, "application/json", NULL, NULL, -1};
     struct vor_text url;
-    const char *name;
     char mark = '?';
 
     vor_text_init(&url, 0);
     vor_text_puts(&url, vor_app_url(list->app, list->request, "/v1/jobs", base));
-    for (unsigned i = 0; (name = vor_request_query_name(list->request, i)) != NULL; i++) {
+    for (int i = 0; i < list->request->pair_count; i++) {
+        const char *name = list->request->pairs[i].name;
+
         if (cursor != NULL && strcmp(name, "cursor") == 0)
             continue;
         vor_text_printf(&url, "%c%s=", mark, name);
-        vor_text_escape(&url, vor_request_query_value(list->request, i));
+        vor_text_escape(&url, list->request->pairs[i].value);
         mark = '&';
     }
     if (cursor != NULL)
@@ -242,7 +243,7 @@ static enum vor_next reply_list(struct listing *list)
 
 enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct listing *list = vor_request_state(request);
+    struct listing *list = request->state;
 
     if (step == VOR_STEP_HEAD)
         return begin_list(ctx, request);

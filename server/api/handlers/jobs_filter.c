@@ -193,12 +193,11 @@ bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
                          struct vor_job_filter *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
-    const char *name;
     char detail[256];
 
     *out = (struct vor_job_filter){.limit = LIST_DEFAULT, .now = vor_clock_wall_ms()};
-    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
-        const char *value = vor_request_query_value(request, i);
+    for (int i = 0; i < request->pair_count; i++) {
+        const char *name = request->pairs[i].name, *value = request->pairs[i].value;
         const char *want = "one of limit, cursor, status, processID, type, datetime, minDuration, "
                            "maxDuration and name as the name";
 

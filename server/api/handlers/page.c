@@ -92,7 +92,7 @@ enum vor_next vor_handle_root(void *ctx, struct vor_request *request, enum vor_s
 enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_step step)
 {
     const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
+    size_t length = vor_path_segment(request->path, 1, &segment);
     struct vor_asset asset;
     char name[64];
 
@@ -105,7 +105,7 @@ enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_
 
 enum vor_next vor_handle_openapi(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    const char *name = vor_request_path(request) + 1; /* openapi.json or openapi.yaml */
+    const char *name = request->path + 1; /* openapi.json or openapi.yaml */
     struct vor_asset asset;
 
     (void)step;

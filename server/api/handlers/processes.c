@@ -63,7 +63,7 @@ static const struct vor_process_info *find_process(struct vor_app *app, struct v
 {
     const struct vor_process_info *process;
     const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), index, &segment);
+    size_t length = vor_path_segment(request->path, index, &segment);
     char id[64];
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
@@ -80,7 +80,7 @@ const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
                                                      struct vor_request *request)
 {
     const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 1, &segment);
+    size_t length = vor_path_segment(request->path, 1, &segment);
     bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
 
     return find_process(app, request, is_long ? 2 : 1);

@@ -37,13 +37,13 @@ bool vor_result_query_read(struct vor_app *app, struct vor_request *request, boo
                            struct vor_result_query *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
-    const char *name;
     char detail[256], shown[SHOWN];
-    bool is_for_one = vor_path_segment(vor_request_path(request), 4, &name) > 0;
+    const char *segment;
+    bool is_for_one = vor_path_segment(request->path, 4, &segment) > 0;
 
     *out = (struct vor_result_query){.has_format = false};
-    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
-        const char *value = vor_request_query_value(request, i);
+    for (int i = 0; i < request->pair_count; i++) {
+        const char *name = request->pairs[i].name, *value = request->pairs[i].value;
 
         problem.detail = NULL;
         if (is_for_one && strcmp(name, "ticket") == 0)

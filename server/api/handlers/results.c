@@ -196,8 +196,7 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
     uint64_t offset = 0, length = out->size;
     char span[96];
 
-    if (vor_request_method(request) != VOR_GET ||
-        vor_request_condition(request, out->etag) != 200 ||
+    if (request->method != VOR_GET || vor_request_condition(request, out->etag) != 200 ||
         (if_range != NULL && strcmp(if_range, out->etag) != 0))
         range = NULL;
     switch (vor_range_parse(range, out->size, &offset, &length)) {
@@ -238,7 +237,7 @@ static bool may_flow(struct vor_request *request, const char *sha256, uint64_t s
     char etag[VOR_ETAG_SIZE];
 
     (void)snprintf(etag, sizeof etag, "\"%s\"", sha256);
-    return size >= FLOWS && vor_request_method(request) == VOR_GET &&
+    return size >= FLOWS && request->method == VOR_GET &&
            vor_request_header(request, "Range") == NULL &&
            vor_request_condition(request, etag) == 200;
 }
@@ -253,7 +252,7 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
     struct vor_asker asker;
     char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];
 
-    if (out->fd < 0 || vor_request_method(request) == VOR_HEAD ||
+    if (out->fd < 0 || request->method == VOR_HEAD ||
         vor_request_condition(request, out->etag) != 200)
         return true;
     (void)snprintf(sha256, sizeof sha256, "%s", out->etag + 1); /* between its quotes */
@@ -337,8 +336,7 @@ static bool reply_link(struct vor_app *app, struct vor_request *request,
                        const struct vor_job_view *view, unsigned index)
 {
     const struct vor_job_output *output = &view->output[index];
-    struct vor_blob_reading reading = {.method =
-                                           vor_request_method(request) == VOR_HEAD ? "HEAD" : "GET",
+    struct vor_blob_reading reading = {.method = request->method == VOR_HEAD ? "HEAD" : "GET",
                                        .media_type = vor_output_media_type(view, index)};
     struct output out = {.fd = -1};
     struct vor_text link, disposition;
@@ -379,7 +377,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     struct vor_result_query ask;
     struct vor_job_view view;
     const char *segment;
-    size_t length = vor_path_segment(vor_request_path(request), 4, &segment);
+    size_t length = vor_path_segment(request->path, 4, &segment);
     char name[64], blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_here here = {.exists = true};
 

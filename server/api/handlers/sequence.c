@@ -303,8 +303,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     sequence->app = app;
     sequence->request = request;
     sequence->head = head;
-    sequence->quota = vor_request_principal(request)->quota;
-    sequence->span = *vor_request_span(request);
+    sequence->quota = request->principal.quota;
+    sequence->span = request->span;
     sequence->caller = vor_auth_fairness_key(request);
     sequence->is_linked = is_linked;
     sequence->is_events = vor_accepts(request, "text/event-stream");
@@ -347,6 +347,5 @@ static enum vor_next reply(struct vor_app *app, struct vor_request *request,
 
 enum vor_next vor_handle_sequence(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    return step == VOR_STEP_HEAD ? begin(ctx, request)
-                                 : reply(ctx, request, vor_request_state(request));
+    return step == VOR_STEP_HEAD ? begin(ctx, request) : reply(ctx, request, request->state);
 }

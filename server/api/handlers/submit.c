@@ -156,7 +156,7 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
     *sink = (struct vor_body_sink){submission, take_piece};
     if (head->options.input.text[0] == '\0')
         status = vor_uploads_begin(&submission->uploads, name, head->is_gzip, app->blobs, &err);
-    else if (vor_request_length(request) != 0)
+    else if (request->length != 0)
         status = vor_fail_param(&err, VOR_E_PARAM, "input",
                                 "input is job:%s, but the body also has a cloud; send only one "
                                 "input",
@@ -186,8 +186,8 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     submission->app = app;
     atomic_flag_clear(&submission->cancels);
     submission->head = head;
-    submission->quota = vor_request_principal(request)->quota;
-    submission->span = *vor_request_span(request);
+    submission->quota = request->principal.quota;
+    submission->span = request->span;
     submission->deferred.over = on_over;
     vor_deferred_begin(&submission->deferred, request, free_submission);
     if (has_key(submission))
@@ -414,7 +414,7 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
             submission->head.options.key.text, id.text);
     if (submission->outcome != VOR_DONE)
         return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
-    vor_request_set_job(request, id.text);
+    (void)snprintf(request->job, sizeof request->job, "%s", id.text);
     switch (submission->head.mode) {
     case VOR_SUBMIT_ASYNC:
         return reply_accepted(app, request, submission);
@@ -478,7 +478,7 @@ static enum vor_next wait_for_previous(struct vor_app *app, struct vor_request *
 enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
 {
     struct vor_app *app = ctx;
-    struct submission *submission = vor_request_state(request);
+    struct submission *submission = request->state;
 
     if (step == VOR_STEP_HEAD)
         return begin(app, request);

@@ -55,9 +55,8 @@ static bool read_body(struct vor_app *app, struct vor_request *request, struct v
     const char *type = vor_request_header(request, "Content-Type");
     size_t length = type != NULL ? strcspn(type, "; \t") : 0;
 
-    if (vor_request_length(request) != 0 &&
-        ((length == 16 && strncasecmp(type, "application/json", 16) == 0) ||
-         (length > 5 && strncasecmp(type + length - 5, "+json", 5) == 0)))
+    if (request->length != 0 && ((length == 16 && strncasecmp(type, "application/json", 16) == 0) ||
+                                 (length > 5 && strncasecmp(type + length - 5, "+json", 5) == 0)))
         out->body = VOR_SUBMIT_JSON;
     else if (type != NULL && vor_multipart_is_form(type))
         out->body = VOR_SUBMIT_FORM;
@@ -76,10 +75,8 @@ static bool read_body(struct vor_app *app, struct vor_request *request, struct v
 static vor_status read_pairs(struct vor_request *request, struct vor_submit_head *out,
                              struct vor_error *err)
 {
-    const char *name;
-
-    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
-        const char *value = vor_request_query_value(request, i);
+    for (int i = 0; i < request->pair_count; i++) {
+        const char *name = request->pairs[i].name, *value = request->pairs[i].value;
         char quoted[sizeof err->parameter];
         vor_status status;
         int taken;
@@ -233,11 +230,11 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
 bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
                          const struct vor_submit_head *head)
 {
-    const struct vor_quota *quota = &vor_request_principal(request)->quota;
+    const struct vor_quota *quota = &request->principal.quota;
     const struct vor_job_label label = {.key = &head->options.key,
                                         .jobs_max = (uint64_t)quota->jobs,
                                         .bytes_max = (uint64_t)quota->bytes};
-    int64_t length = vor_request_length(request);
+    int64_t length = request->length;
     struct vor_error err;
     enum vor_job_outcome room =
         vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);

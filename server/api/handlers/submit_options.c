@@ -58,8 +58,7 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
     char quoted[SHOWN_SIZE];
     int is_quoted;
 
-    (void)snprintf(out->key.principal, sizeof out->key.principal, "%s",
-                   vor_request_principal(request)->name);
+    (void)snprintf(out->key.principal, sizeof out->key.principal, "%s", request->principal.name);
     if (value == NULL)
         return VOR_OK;
     is_quoted = *at == '"';

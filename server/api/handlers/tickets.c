@@ -19,10 +19,9 @@ static const struct vor_artefact_info *read_output(struct vor_app *app, struct v
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[0];
     char shown[SHOWN_SIZE];
-    const char *name;
 
-    for (unsigned i = 0; (name = vor_request_query_name(request, i)) != NULL; i++) {
-        const char *value = vor_request_query_value(request, i);
+    for (int i = 0; i < request->pair_count; i++) {
+        const char *name = request->pairs[i].name, *value = request->pairs[i].value;
 
         if (strcmp(name, "output") != 0) {
             vor_problem_say(app, request, "invalid-query-parameter-value",

@@ -128,7 +128,7 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
 
 enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_step step)
 {
-    struct trace *trace = vor_request_state(request);
+    struct trace *trace = request->state;
 
     if (step == VOR_STEP_HEAD)
         return begin(ctx, request);
