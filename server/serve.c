@@ -230,9 +230,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     return status;
 }
 
-static void library_line(void *ctx, const char *line)
+static void library_line(const char *line)
 {
-    (void)ctx;
     vor_log(VOR_LOG_DEBUG, "http library", VOR_TEXT("detail", line));
 }
 
@@ -263,7 +262,7 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .trusted = &config->trusted,
         .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
         .handler = vor_config_answers(config) ? vor_route_dispatch : vor_admin_dispatch,
-        .ctx = &daemon->app,
+        .app = &daemon->app,
         .refuse = vor_route_refuse,
         .done = vor_route_done,
         .log = library_line,

@@ -89,8 +89,9 @@ static void put_process(struct vor_text *text)
     put_stat(text);
 }
 
-static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *request)
+static enum vor_next reply_metrics(struct vor_request *request)
 {
+    struct vor_app *app = request->app;
     struct vor_text text;
     const struct vor_build build = vor_build_own();
     struct vor_worker_load load;
@@ -129,7 +130,7 @@ static enum vor_next reply_metrics(struct vor_app *app, struct vor_request *requ
     vor_metrics_write(&text);
     put_process(&text);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, 200, "text/plain; version=0.0.4; charset=utf-8", &text);
+    return vor_app_reply(request, 200, "text/plain; version=0.0.4; charset=utf-8", &text);
 }
 
 /* --- the listener ----------------------------------------------------------------------------- */
@@ -150,45 +151,43 @@ static bool is_foreign_host(const struct vor_config *config, const struct vor_re
     return true;
 }
 
-enum vor_next vor_admin_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_admin_dispatch(struct vor_request *request, enum vor_step step)
 {
     static const char want[] = "want GET of /livez, /readyz or /metrics";
-    struct vor_app *app = ctx;
     enum vor_method method = request->method;
     const char *path = request->path;
     struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
 
-    if (is_foreign_host(app->config, request))
-        return vor_problem_say(app, request, "forbidden",
+    if (is_foreign_host(request->app->config, request))
+        return vor_problem_say(request, "forbidden",
                                "Host is %.100s, want localhost, 127.0.0.1 or [::1]",
                                vor_request_header(request, "Host"));
     problem.allow = "GET, HEAD";
     problem.detail = want;
     if (method != VOR_GET && method != VOR_HEAD)
-        return vor_problem_reply(app, request, &problem);
+        return vor_problem_reply(request, &problem);
     if (strcmp(path, "/livez") == 0) {
-        double stuck = vor_http_stuck(app->http);
+        double stuck = vor_http_stuck(request->app->http);
 
         /* The first listener's threads may hang while this one's does not. */
         if (stuck < VOR_STUCK_SECONDS)
-            return vor_handle_livez(app, request, step);
+            return vor_handle_livez(request, step);
         return vor_problem_say(
-            app, request, "not-alive",
+            request, "not-alive",
             "an HTTP thread has spent %.0f seconds on one step of a request, want less than %d "
             "seconds",
             stuck, VOR_STUCK_SECONDS);
     }
     if (strcmp(path, "/readyz") == 0)
-        return vor_handle_readyz(app, request, step);
+        return vor_handle_readyz(request, step);
     if (strcmp(path, "/metrics") == 0)
-        return reply_metrics(app, request);
-    return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s, %s", path,
+        return reply_metrics(request);
+    return vor_problem_say(request, "no-such-resource", "there is nothing at %.200s, %s", path,
                            want);
 }
 
-void vor_admin_done(void *ctx, const struct vor_request *request)
+void vor_admin_done(const struct vor_request *request)
 {
-    (void)ctx;
     vor_log(VOR_LOG_DEBUG, "admin request", VOR_TEXT("request_id", request->id),
             VOR_TEXT("path", request->path), VOR_TEXT("client", request->via.client),
             VOR_COUNT("status", request->reply.http));

@@ -10,9 +10,9 @@
 enum { VOR_STUCK_SECONDS = 10 };
 
 /** Handler of the second listener. */
-enum vor_next vor_admin_dispatch(void *app, struct vor_request *request, enum vor_step step);
+enum vor_next vor_admin_dispatch(struct vor_request *request, enum vor_step step);
 
 /** Its line in the log: of level debug, as every look at it makes one. */
-void vor_admin_done(void *app, const struct vor_request *request);
+void vor_admin_done(const struct vor_request *request);
 
 #endif

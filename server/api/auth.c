@@ -22,19 +22,18 @@ const char *vor_auth_tenant(const struct vor_request *request)
     return caller->sees_all ? NULL : caller->name;
 }
 
-static bool refuse(struct vor_app *app, struct vor_request *request, const char *challenge,
-                   const char *detail)
+static bool refuse(struct vor_request *request, const char *challenge, const char *detail)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("unauthorized");
 
     problem.detail = detail;
     problem.challenge = challenge;
-    vor_problem_reply(app, request, &problem);
+    vor_problem_reply(request, &problem);
     return false;
 }
 
-static bool refuse_scope(struct vor_app *app, struct vor_request *request,
-                         const struct vor_principal *caller, enum vor_scope scope)
+static bool refuse_scope(struct vor_request *request, const struct vor_principal *caller,
+                         enum vor_scope scope)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("forbidden");
     char challenge[128], detail[192], scopes[64];
@@ -54,13 +53,12 @@ static bool refuse_scope(struct vor_app *app, struct vor_request *request,
                    caller->name, scopes, vor_scope_word(scope));
     problem.detail = detail;
     problem.challenge = challenge;
-    vor_problem_reply(app, request, &problem);
+    vor_problem_reply(request, &problem);
     return false;
 }
 
 /* True when the request is for a result and has a good ticket to it. */
-static bool has_ticket(const struct vor_app *app, const struct vor_request *request,
-                       const char *ticket)
+static bool has_ticket(const struct vor_request *request, const char *ticket)
 {
     const char *path = request->path, *job, *results, *output;
     size_t job_length = vor_path_segment(path, 2, &job);
@@ -70,18 +68,18 @@ static bool has_ticket(const struct vor_app *app, const struct vor_request *requ
 
     return results_length == strlen("results") && memcmp(results, "results", results_length) == 0 &&
            vor_uuid_parse(&id, job, job_length) &&
-           vor_ticket_check(app->tickets, ticket, &id, output, output_length,
-                            vor_tickets_now(app->tickets));
+           vor_ticket_check(request->app->tickets, ticket, &id, output, output_length,
+                            vor_tickets_now(request->app->tickets));
 }
 
-bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope)
+bool vor_auth_check(struct vor_request *request, enum vor_scope scope)
 {
     static const char scheme[] = "bearer ";
     const char *value = vor_request_header(request, "Authorization"), *key = NULL;
     const char *ticket = vor_request_query(request, "ticket");
     struct vor_principal caller;
 
-    if (app->keys == NULL || scope == VOR_SCOPE_OPEN) {
+    if (request->app->keys == NULL || scope == VOR_SCOPE_OPEN) {
         request->principal = vor_principal_anybody;
         return true;
     }
@@ -92,18 +90,18 @@ bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_s
         key = vor_request_header(request, "X-API-Key");
     if (key == NULL && ticket == NULL)
         return refuse(
-            app, request, REALM,
+            request, REALM,
             "the request has no key; send one as Authorization: Bearer KEY, or X-API-Key: KEY");
-    if (key == NULL && !has_ticket(app, request, ticket))
-        return refuse(app, request, REALM,
+    if (key == NULL && !has_ticket(request, ticket))
+        return refuse(request, REALM,
                       "the ticket has expired or is for another result; make a new one with POST "
                       "/v1/jobs/ID/tickets");
     caller = ticket_holder;
-    if (key != NULL && !vor_keys_find(app->keys, key, &caller))
-        return refuse(app, request, REALM ", error=\"invalid_token\"",
+    if (key != NULL && !vor_keys_find(request->app->keys, key, &caller))
+        return refuse(request, REALM ", error=\"invalid_token\"",
                       "this daemon does not know the key");
     request->principal = caller;
-    return vor_principal_may(&caller, scope) || refuse_scope(app, request, &caller, scope);
+    return vor_principal_may(&caller, scope) || refuse_scope(request, &caller, scope);
 }
 
 struct vor_fairness_key vor_auth_fairness_key(const struct vor_request *request)

@@ -11,7 +11,7 @@
  *
  *  @return true, or false after a problem has been replied: unauthorized (no key, or none of ours),
  *          forbidden (the key lacks the scope, which is named) */
-bool vor_auth_check(struct vor_app *app, struct vor_request *request, enum vor_scope scope);
+bool vor_auth_check(struct vor_request *request, enum vor_scope scope);
 
 /** Whose jobs a request is about: the name of its key; NULL when it sees the jobs of all. */
 const char *vor_auth_tenant(const struct vor_request *request);

@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 
-bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
+bool vor_limits_rate(struct vor_request *request)
 {
     const struct vor_principal *caller = &request->principal;
     struct vor_problem problem = VOR_PROBLEM_INIT("rate-limited");
@@ -18,11 +18,11 @@ bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
 
     if (caller->quota.rate <= 0)
         return true;
-    wait = vor_rates_take(app->rates, caller->name, caller->quota.rate, now);
+    wait = vor_rates_take(request->app->rates, caller->name, caller->quota.rate, now);
     /* Both count jobs asked for: at most q in w seconds, r of them now, all of them in t seconds.
      */
     burst = vor_rates_burst(caller->quota.rate);
-    left = vor_rates_left(app->rates, caller->name, caller->quota.rate, now);
+    left = vor_rates_left(request->app->rates, caller->name, caller->quota.rate, now);
     (void)snprintf(detail, sizeof detail, "\"jobs\";q=%.0f;w=%.0f", floor(burst),
                    ceil(burst / caller->quota.rate));
     vor_reply_header(request, "RateLimit-Policy", detail);
@@ -37,7 +37,7 @@ bool vor_limits_rate(struct vor_app *app, struct vor_request *request)
                    caller->name, caller->quota.rate);
     problem.detail = detail;
     problem.retry_seconds = (unsigned)ceil(wait);
-    vor_problem_reply(app, request, &problem);
+    vor_problem_reply(request, &problem);
     return false;
 }
 

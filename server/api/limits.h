@@ -13,7 +13,7 @@ struct vor_admitted;
  *  promise.
  *
  *  @return true, or false after a rate-limited problem has been replied */
-bool vor_limits_rate(struct vor_app *app, struct vor_request *request);
+bool vor_limits_rate(struct vor_request *request);
 
 /** The points of what was decoded.
  *

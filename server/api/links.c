@@ -28,9 +28,9 @@ static bool host_is_ours(const struct vor_config *config, const char *host)
     return length == strcspn(authority, ":/") && strncasecmp(authority, host, length) == 0;
 }
 
-const char *vor_host_refused(const struct vor_app *app, const struct vor_request *request)
+const char *vor_host_refused(const struct vor_request *request)
 {
-    const struct vor_config *config = app->config;
+    const struct vor_config *config = request->app->config;
     const struct vor_via *via = &request->via;
     const char *host = vor_request_header(request, "Host");
     bool listed = config->text[VOR_SET_ALLOWED_HOSTS][0] != '\0';
@@ -46,26 +46,24 @@ const char *vor_host_refused(const struct vor_app *app, const struct vor_request
     return host != NULL && !host_is_ours(config, host) ? host : NULL;
 }
 
-const char *vor_app_origin(const struct vor_app *app, const struct vor_request *request,
-                           char out[VOR_URL_MAX])
+const char *vor_app_origin(const struct vor_request *request, char out[VOR_URL_MAX])
 {
     const struct vor_via *via = &request->via;
     const char *host = vor_request_header(request, "Host");
 
     if (via->host[0] != '\0')
         host = via->host;
-    if (host == NULL || !vor_host_is_sound(host) || vor_host_refused(app, request) != NULL)
-        host = vor_http_address(app->http);
+    if (host == NULL || !vor_host_is_sound(host) || vor_host_refused(request) != NULL)
+        host = vor_http_address(request->app->http);
     if (strncmp(host, "unix:", 5) == 0)
         host = "localhost";
     (void)snprintf(out, VOR_URL_MAX, "%s://%s", via->scheme != NULL ? via->scheme : "http", host);
     return out;
 }
 
-const char *vor_app_url(const struct vor_app *app, const struct vor_request *request,
-                        const char *path, char out[VOR_URL_MAX])
+const char *vor_app_url(const struct vor_request *request, const char *path, char out[VOR_URL_MAX])
 {
-    const char *base = app->config->text[VOR_SET_PUBLIC_URL];
+    const char *base = request->app->config->text[VOR_SET_PUBLIC_URL];
     size_t length = strlen(base);
 
     while (length > 0 && base[length - 1] == '/')
@@ -74,27 +72,27 @@ const char *vor_app_url(const struct vor_app *app, const struct vor_request *req
         (void)snprintf(out, VOR_URL_MAX, "%.*s%s", (int)length, base, path);
         return out;
     }
-    length = strlen(vor_app_origin(app, request, out));
+    length = strlen(vor_app_origin(request, out));
     (void)snprintf(out + length, VOR_URL_MAX - length, "%s%s", request->via.prefix, path);
     return out;
 }
 
-const char *vor_app_job_url(const struct vor_app *app, const struct vor_request *request,
-                            const struct vor_uuid *id, const char *suffix, char out[VOR_URL_MAX])
+const char *vor_app_job_url(const struct vor_request *request, const struct vor_uuid *id,
+                            const char *suffix, char out[VOR_URL_MAX])
 {
     char path[128];
 
     (void)snprintf(path, sizeof path, "/v1/jobs/%s%s", id->text, suffix);
-    return vor_app_url(app, request, path, out);
+    return vor_app_url(request, path, out);
 }
 
-const char *vor_app_result_url(const struct vor_app *app, const struct vor_request *request,
-                               const struct vor_uuid *id, const char *output, char out[VOR_URL_MAX])
+const char *vor_app_result_url(const struct vor_request *request, const struct vor_uuid *id,
+                               const char *output, char out[VOR_URL_MAX])
 {
     char suffix[64];
 
     (void)snprintf(suffix, sizeof suffix, "/results/%s", output);
-    return vor_app_job_url(app, request, id, suffix, out);
+    return vor_app_job_url(request, id, suffix, out);
 }
 
 size_t vor_path_segment(const char *path, unsigned index, const char **out)

@@ -1,6 +1,7 @@
 #include "server/api/problem.h"
 
 #include "server/api/accept.h"
+#include "server/api/route_table.h"
 #include "server/base/disk.h"
 
 #include <assert.h>
@@ -38,9 +39,8 @@ static const struct problem_row *find_row(const char *slug, size_t length)
     return NULL;
 }
 
-static void fill_doc(const struct vor_app *app, const struct vor_request *request,
-                     const struct vor_problem *problem, struct vor_problem_room *room,
-                     struct vor_problem_doc *doc)
+static void fill_doc(const struct vor_request *request, const struct vor_problem *problem,
+                     struct vor_problem_room *room, struct vor_problem_doc *doc)
 {
     const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
     char path[96];
@@ -50,7 +50,7 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
         (void)snprintf(room->type, sizeof room->type, OGC "%s", row->slug);
     } else {
         (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
-        (void)vor_app_url(app, request, path, room->type);
+        (void)vor_app_url(request, path, room->type);
     }
     if (problem->job_id != NULL)
         (void)snprintf(room->instance, (sizeof room->instance), "/v1/jobs/%s", problem->job_id);
@@ -80,25 +80,24 @@ static void fill_doc(const struct vor_app *app, const struct vor_request *reques
     }
 }
 
-void vor_problem_write(const struct vor_app *app, const struct vor_request *request,
-                       const struct vor_problem *problem, struct vor_text *text)
+void vor_problem_write(const struct vor_request *request, const struct vor_problem *problem,
+                       struct vor_text *text)
 {
     struct vor_problem_room room;
     struct vor_problem_doc doc;
 
-    fill_doc(app, request, problem, &room, &doc);
+    fill_doc(request, problem, &room, &doc);
     vor_json_problem(text, &doc);
 }
 
-enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
-                                const struct vor_problem *problem)
+enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_problem *problem)
 {
     struct vor_problem_room room;
     struct vor_problem_doc doc;
     struct vor_text text;
     char seconds[16];
 
-    fill_doc(app, request, problem, &room, &doc);
+    fill_doc(request, problem, &room, &doc);
     request->problem = problem->slug;
     (void)snprintf(seconds, sizeof seconds, "%u",
                    problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
@@ -123,8 +122,8 @@ enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
-                              const char *format, ...)
+enum vor_next vor_problem_say(struct vor_request *request, const char *slug, const char *format,
+                              ...)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT(slug);
     char detail[512];
@@ -134,7 +133,7 @@ enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, 
     (void)vsnprintf(detail, sizeof detail, format, args);
     va_end(args);
     problem.detail = detail;
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
 void vor_problem_of_error(const struct vor_error *err, const char *job_id,
@@ -155,68 +154,66 @@ void vor_problem_of_error(const struct vor_error *err, const char *job_id,
     }
 }
 
-enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
-                                const struct vor_error *err, const char *job_id)
+enum vor_next vor_problem_error(struct vor_request *request, const struct vor_error *err,
+                                const char *job_id)
 {
     struct vor_problem problem;
 
     vor_problem_of_error(err, job_id, &problem);
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
-enum vor_next vor_problem_no_memory(struct vor_app *app, struct vor_request *request)
+enum vor_next vor_problem_no_memory(struct vor_request *request)
 {
     struct vor_error err;
 
     (void)vor_fail(&err, VOR_E_NOMEM, "a request");
-    return vor_problem_error(app, request, &err, NULL);
+    return vor_problem_error(request, &err, NULL);
 }
 
-enum vor_next vor_problem_or_wait(struct vor_app *app, struct vor_request *request)
+enum vor_next vor_problem_or_wait(struct vor_request *request)
 {
     if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the client disconnected");
+        return vor_problem_say(request, "client-closed", "the client disconnected");
     if (vor_request_closing(request))
-        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
+        return vor_problem_say(request, "draining", "the daemon is shutting down");
     return VOR_NEXT_WAIT;
 }
 
-enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
-                            const char *media_type, struct vor_text *text)
+enum vor_next vor_app_reply(struct vor_request *request, int http, const char *media_type,
+                            struct vor_text *text)
 {
     struct vor_error err;
 
     if (vor_text_status(text, &err) != VOR_OK)
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_error(request, &err, NULL);
     else
         vor_reply_bytes(request, http, media_type, text->data, text->size);
     vor_text_free(text);
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_problem_failed(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_job_view *row)
+enum vor_next vor_problem_failed(struct vor_request *request, const struct vor_job_view *row)
 {
     struct vor_problem problem;
 
     vor_problem_of_error(&row->problem, row->id.text, &problem);
     problem.attempt = row->attempt;
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
-void vor_problem_describe(struct vor_app *app, struct vor_request *request,
-                          const struct vor_job_view *row, struct vor_problem_room *room,
-                          struct vor_problem_doc *doc)
+void vor_problem_describe(struct vor_request *request, const struct vor_job_view *row,
+                          struct vor_problem_room *room, struct vor_problem_doc *doc)
 {
     struct vor_problem problem;
 
     vor_problem_of_error(&row->problem, row->id.text, &problem);
     problem.attempt = row->attempt;
-    fill_doc(app, request, &problem, room, doc);
+    fill_doc(request, &problem, room, doc);
     doc->request_id = NULL;
 }
 
-enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_problem(struct vor_request *request, enum vor_step step)
 {
     const char *slug;
     size_t length = vor_path_segment(request->path, 1, &slug);
@@ -225,10 +222,10 @@ enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vo
 
     (void)step;
     if (row == NULL || row->http == 200)
-        return vor_problem_say(app, request, "no-such-resource", "no problem has this name");
+        return vor_problem_say(request, "no-such-resource", "no problem has this name");
     vor_text_init(&text, 0);
     vor_text_printf(&text, "%s (HTTP %d)\n\n%s.\n%s\n", row->slug, row->http, row->title,
                     row->retryable ? "The same request may succeed later."
                                    : "The same request will fail again.");
-    return vor_app_reply(app, request, 200, "text/plain; charset=utf-8", &text);
+    return vor_app_reply(request, 200, "text/plain; charset=utf-8", &text);
 }

@@ -69,16 +69,15 @@ struct vor_problem {
     }
 
 /** Replies with a problem. Returns VOR_NEXT_REPLY, so that a handler can return the call. */
-enum vor_next vor_problem_reply(struct vor_app *app, struct vor_request *request,
-                                const struct vor_problem *problem);
+enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_problem *problem);
 
 /** Replies with a problem of this slug and one sentence. */
-enum vor_next vor_problem_say(struct vor_app *app, struct vor_request *request, const char *slug,
-                              const char *format, ...) VOR_PRINTF(4, 5);
+enum vor_next vor_problem_say(struct vor_request *request, const char *slug, const char *format,
+                              ...) VOR_PRINTF(3, 4);
 
 /** Appends a problem, as JSON, to something else that is replied. */
-void vor_problem_write(const struct vor_app *app, const struct vor_request *request,
-                       const struct vor_problem *problem, struct vor_text *text);
+void vor_problem_write(const struct vor_request *request, const struct vor_problem *problem,
+                       struct vor_text *text);
 
 /** The problem of an error of the engine, a codec or the store, which is borrowed, as is job_id
  *  (may be NULL). */
@@ -86,19 +85,19 @@ void vor_problem_of_error(const struct vor_error *err, const char *job_id,
                           struct vor_problem *problem);
 
 /** Replies with the problem of an error of the engine, a codec or the store. job_id may be NULL. */
-enum vor_next vor_problem_error(struct vor_app *app, struct vor_request *request,
-                                const struct vor_error *err, const char *job_id);
+enum vor_next vor_problem_error(struct vor_request *request, const struct vor_error *err,
+                                const char *job_id);
 
 /** The same where memory for a request is out. */
-enum vor_next vor_problem_no_memory(struct vor_app *app, struct vor_request *request);
+enum vor_next vor_problem_no_memory(struct vor_request *request);
 
 /** What a request does that waits for another thread: waits on, or replies why that is in vain, as
  *  its client has left or the daemon goes down. */
-enum vor_next vor_problem_or_wait(struct vor_app *app, struct vor_request *request);
+enum vor_next vor_problem_or_wait(struct vor_request *request);
 
 /** Replies with a document and frees it; one that could not be built becomes a problem. */
-enum vor_next vor_app_reply(struct vor_app *app, struct vor_request *request, int http,
-                            const char *media_type, struct vor_text *text);
+enum vor_next vor_app_reply(struct vor_request *request, int http, const char *media_type,
+                            struct vor_text *text);
 
 /** Memory for the strings of a description. */
 struct vor_problem_room {
@@ -108,16 +107,11 @@ struct vor_problem_room {
 };
 
 /** Replies with the problem of a job that failed. */
-enum vor_next vor_problem_failed(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_job_view *row);
+enum vor_next vor_problem_failed(struct vor_request *request, const struct vor_job_view *row);
 
 /** Describes that problem as a part of another document (statusInfo's exception). row and room must
  *  outlive doc. */
-void vor_problem_describe(struct vor_app *app, struct vor_request *request,
-                          const struct vor_job_view *row, struct vor_problem_room *room,
-                          struct vor_problem_doc *doc);
-
-/** GET /problems/{slug}: what a problem's type leads to. */
-enum vor_next vor_handle_problem(void *app, struct vor_request *request, enum vor_step step);
+void vor_problem_describe(struct vor_request *request, const struct vor_job_view *row,
+                          struct vor_problem_room *room, struct vor_problem_doc *doc);
 
 #endif

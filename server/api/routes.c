@@ -67,24 +67,24 @@ static const struct vor_route *find_route(enum vor_method method, const char *pa
     return NULL;
 }
 
-static bool origin_is_ours(const struct vor_app *app, const struct vor_request *request,
-                           const char *origin)
+static bool origin_is_ours(const struct vor_request *request, const char *origin)
 {
-    const char *public_url = app->config->text[VOR_SET_PUBLIC_URL];
+    const char *public_url = request->app->config->text[VOR_SET_PUBLIC_URL];
     size_t length = strlen(origin);
     char own[VOR_URL_MAX];
 
-    if (vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin, length, strncmp))
+    if (vor_config_list_has(request->app->config->text[VOR_SET_CORS_ORIGIN], origin, length,
+                            strncmp))
         return true;
     if (strncmp(public_url, origin, length) == 0 && strstr(origin, "://") != NULL &&
         (public_url[length] == '/' || public_url[length] == '\0'))
         return true;
-    return strcmp(origin, vor_app_origin(app, request, own)) == 0;
+    return strcmp(origin, vor_app_origin(request, own)) == 0;
 }
 
-static void add_cors(const struct vor_app *app, struct vor_request *request)
+static void add_cors(struct vor_request *request)
 {
-    const char *list = app->config->text[VOR_SET_CORS_ORIGIN];
+    const char *list = request->app->config->text[VOR_SET_CORS_ORIGIN];
     const char *origin = vor_request_header(request, "Origin");
 
     if (list[0] == '\0')
@@ -110,7 +110,7 @@ static void add_cors(const struct vor_app *app, struct vor_request *request)
 
 /* A form needs no leave of CORS, and a page may send one without an Origin; but no page can unsay
  * this header. Pages of --cors-origin may, and any page may have a link that somebody follows. */
-static bool is_from_other_site(const struct vor_app *app, const struct vor_request *request)
+static bool is_from_other_site(const struct vor_request *request)
 {
     const char *site = vor_request_header(request, "Sec-Fetch-Site");
     const char *mode = vor_request_header(request, "Sec-Fetch-Mode");
@@ -121,39 +121,39 @@ static bool is_from_other_site(const struct vor_app *app, const struct vor_reque
         return false;
     if (mode != NULL && strcmp(mode, "navigate") == 0 && (method == VOR_GET || method == VOR_HEAD))
         return false;
-    return origin == NULL || !vor_config_list_has(app->config->text[VOR_SET_CORS_ORIGIN], origin,
-                                                  strlen(origin), strncmp);
+    return origin == NULL || !vor_config_list_has(request->app->config->text[VOR_SET_CORS_ORIGIN],
+                                                  origin, strlen(origin), strncmp);
 }
 
 /* True when the request may come from where it comes; else it is answered. */
-static bool check_source(struct vor_app *app, struct vor_request *request)
+static bool check_source(struct vor_request *request)
 {
     const char *host = vor_request_header(request, "Host");
     const char *origin = vor_request_header(request, "Origin");
-    const char *refused = vor_host_refused(app, request);
+    const char *refused = vor_host_refused(request);
 
     if (host != NULL && !vor_host_is_sound(host))
-        vor_problem_say(app, request, "malformed-request", "Host is not NAME or NAME:PORT");
+        vor_problem_say(request, "malformed-request", "Host is not NAME or NAME:PORT");
     else if (refused != NULL)
-        vor_problem_say(app, request, "forbidden",
+        vor_problem_say(request, "forbidden",
                         "Host is %.100s, want localhost, 127.0.0.1, [::1], the host of "
                         "--public-url or one of --allowed-hosts",
                         refused);
-    else if (origin != NULL && !origin_is_ours(app, request, origin))
-        vor_problem_say(app, request, "forbidden",
+    else if (origin != NULL && !origin_is_ours(request, origin))
+        vor_problem_say(request, "forbidden",
                         "Origin is %.100s, want one of --cors-origin or the origin of this "
                         "daemon",
                         origin);
-    else if (is_from_other_site(app, request))
+    else if (is_from_other_site(request))
         vor_problem_say(
-            app, request, "forbidden",
+            request, "forbidden",
             "Sec-Fetch-Site is cross-site, and the page's origin is not in --cors-origin");
     else
         return true;
     return false;
 }
 
-static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *request)
+static enum vor_next reply_no_route(struct vor_request *request)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
     const char *path = request->path;
@@ -170,8 +170,7 @@ static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *req
     if (at > 0 && at < (sizeof methods))
         (void)snprintf(methods + at, (sizeof methods) - at, "OPTIONS");
     if (methods[0] == '\0')
-        return vor_problem_say(app, request, "no-such-resource", "there is nothing at %.200s",
-                               path);
+        return vor_problem_say(request, "no-such-resource", "there is nothing at %.200s", path);
     if (request->method == VOR_OPTIONS) {
         vor_reply_header(request, "Allow", methods);
         vor_reply_header(request, "Access-Control-Allow-Methods", methods);
@@ -180,48 +179,47 @@ static enum vor_next reply_no_route(struct vor_app *app, struct vor_request *req
     }
     problem.allow = methods;
     problem.detail = "the Allow header lists the methods of this resource";
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
-enum vor_next vor_route_dispatch(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_route_dispatch(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     const struct vor_route *route = request->route;
     unsigned most;
 
     if (step != VOR_STEP_HEAD)
-        return route->handler(app, request, step);
-    if (!check_source(app, request))
+        return route->handler(request, step);
+    if (!check_source(request))
         return VOR_NEXT_REPLY;
-    add_cors(app, request);
+    add_cors(request);
     route = find_route(request->method, request->path);
     if (route == NULL)
-        return reply_no_route(app, request);
+        return reply_no_route(request);
     request->route = route;
-    if (!vor_auth_check(app, request, route->scope))
+    if (!vor_auth_check(request, route->scope))
         return VOR_NEXT_REPLY;
     most = strncmp(route->path, "/v1", 3) == 0 ? vor_request_excess(request) : 0;
     if (most > 0) {
         request->reply.close = true;
-        return vor_problem_say(app, request, "too-many-connections",
+        return vor_problem_say(request, "too-many-connections",
                                "more than %u connections are open, in total or from this "
                                "client",
                                most);
     }
-    return route->handler(app, request, step);
+    return route->handler(request, step);
 }
 
-void vor_route_refuse(void *ctx, struct vor_request *request, const struct vor_refusal *refusal)
+void vor_route_refuse(struct vor_request *request, const struct vor_refusal *refusal)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT(refusal->slug);
 
     problem.detail = refusal->detail;
     problem.limit = refusal->limit;
     problem.got = refusal->got;
-    vor_problem_reply(ctx, request, &problem);
+    vor_problem_reply(request, &problem);
 }
 
-void vor_route_done(void *ctx, const struct vor_request *request)
+void vor_route_done(const struct vor_request *request)
 {
     const struct vor_route *route = request->route;
     const char *job = request->job;
@@ -232,7 +230,6 @@ void vor_route_done(void *ctx, const struct vor_request *request)
     int status = request->reply.http;
     char code[8];
 
-    (void)ctx;
     if (vor_request_gone(request) || status == 0)
         status = 499;
     /* For /metrics the paths of strangers are all one. */

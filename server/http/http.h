@@ -28,6 +28,7 @@ struct vor_request;
 struct vor_conn;
 struct MHD_Connection;
 struct vor_waker;
+struct vor_app;   /**< server/api/app.h */
 struct vor_route; /**< server/api/routes.h */
 
 enum vor_method { VOR_GET, VOR_HEAD, VOR_POST, VOR_DELETE, VOR_OPTIONS, VOR_METHOD_COUNT };
@@ -41,7 +42,7 @@ enum vor_next {
     VOR_NEXT_STAY   /**< call me when woken; the peer may leave, or have left, all the same */
 };
 
-typedef enum vor_next (*vor_handler)(void *ctx, struct vor_request *request, enum vor_step step);
+typedef enum vor_next (*vor_handler)(struct vor_request *request, enum vor_step step);
 
 /** Why the HTTP layer itself ends a request. */
 struct vor_refusal {
@@ -85,13 +86,13 @@ struct vor_http_options {
     const struct vor_networks *trusted; /**< proxies that are believed; borrowed */
     enum vor_proxy_headers proxy_headers;
     vor_handler handler; /**< the first one; routes.c hands on to the others */
-    void *ctx;
+    struct vor_app *app; /**< of each request */
     /** Makes the reply of a refusal, with one of vor_reply_bytes. */
-    void (*refuse)(void *ctx, struct vor_request *request, const struct vor_refusal *refusal);
+    void (*refuse)(struct vor_request *request, const struct vor_refusal *refusal);
     /** Called once a request is over, with what the log wants to know. */
-    void (*done)(void *ctx, const struct vor_request *request);
+    void (*done)(const struct vor_request *request);
     /** A line of the library's own log. */
-    void (*log)(void *ctx, const char *line);
+    void (*log)(const char *line);
 };
 
 /** Binds and listens; nobody is answered yet. A Unix socket that a daemon of before left behind is
@@ -163,8 +164,7 @@ struct vor_reply {
     uint64_t size;
     int fd; /**< owned, -1 for none */
     uint64_t offset;
-    long (*read)(void *ctx, struct vor_request *request, char *out, size_t size);
-    void *ctx;
+    long (*read)(struct vor_request *request, char *out, size_t size);
     bool close; /**< the connection, after the reply; a handler may set it */
 };
 
@@ -178,6 +178,7 @@ struct vor_body_sink {
 
 struct vor_request {
     /* What handlers read, but must not change. */
+    struct vor_app *app;    /**< of vor_http_options */
     enum vor_method method; /**< VOR_METHOD_COUNT for one that no route has */
     char *path;             /**< raw as sent, without the query; it begins with '/' */
     struct vor_field pairs[VOR_QUERY_MAX]; /**< of the query, decoded */
@@ -290,7 +291,6 @@ void vor_reply_file(struct vor_request *request, int http, const char *media_typ
 #define VOR_LENGTH_UNKNOWN UINT64_MAX
 void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
                       uint64_t length,
-                      long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
-                      void *ctx);
+                      long (*read)(struct vor_request *request, char *out, size_t size));
 
 #endif

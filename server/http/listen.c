@@ -170,7 +170,7 @@ static void on_log(void *cls, const char *format, va_list args)
 
     (void)vsnprintf(line, sizeof line, format, args);
     line[strcspn(line, "\n")] = '\0';
-    http->options.log(http->options.ctx, line);
+    http->options.log(line);
 }
 
 static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)

@@ -38,7 +38,7 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
 
     vor_conn_wait(request->conn, false);
     for (;;) {
-        long got = request->reply.read(request->reply.ctx, request, out, size);
+        long got = request->reply.read(request, out, size);
 
         if (got > 0) {
             request->sent += (uint64_t)got;
@@ -124,7 +124,7 @@ static void apply_conditions(struct vor_request *request)
         request->reply.http = http; /* the library sends no body, but its length */
     } else if (http == 412) {
         vor_reply_clear(request, 0);
-        request->http->options.refuse(request->http->options.ctx, request, &failed);
+        request->http->options.refuse(request, &failed);
     }
 }
 
@@ -163,7 +163,7 @@ static enum MHD_Result queue_reply(struct vor_request *request)
 
 static void refuse(struct vor_request *request, const struct vor_refusal *refusal)
 {
-    request->http->options.refuse(request->http->options.ctx, request, refusal);
+    request->http->options.refuse(request, refusal);
     request->reply.close = true;
 }
 
@@ -214,7 +214,7 @@ static enum MHD_Result run(struct vor_request *request, enum vor_step step)
     const struct vor_http_options *options = &request->http->options;
 
     for (;;) {
-        enum vor_next next = options->handler(options->ctx, request, step);
+        enum vor_next next = options->handler(request, step);
 
         switch (next) {
         case VOR_NEXT_REPLY:
@@ -403,6 +403,7 @@ void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connec
     if (request == NULL)
         return NULL;
     request->http = http;
+    request->app = http->options.app;
     request->connection = connection;
     request->conn = info != NULL ? info->socket_context : NULL;
     request->began = vor_clock_seconds();
@@ -444,7 +445,7 @@ void vor_mhd_end(void *cls, struct MHD_Connection *connection, void **con_cls,
         request->problem = "upload-timeout";
     }
     if (request->stage != VOR_AT_NEW) {
-        http->options.done(http->options.ctx, request);
+        http->options.done(request);
         request_free(request);
         (void)atomic_fetch_sub(&http->busy, 1);
     } else {

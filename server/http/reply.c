@@ -92,14 +92,12 @@ void vor_reply_file(struct vor_request *request, int http, const char *media_typ
 
 void vor_reply_stream(struct vor_request *request, int http, const char *media_type,
                       uint64_t length,
-                      long (*read)(void *ctx, struct vor_request *request, char *out, size_t size),
-                      void *ctx)
+                      long (*read)(struct vor_request *request, char *out, size_t size))
 {
     struct vor_reply *reply = begin(request, VOR_REPLY_STREAM, http, media_type);
 
     reply->size = length;
     reply->read = read;
-    reply->ctx = ctx;
 }
 
 char *vor_reply_raw(const struct vor_request *request)

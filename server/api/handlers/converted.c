@@ -3,18 +3,16 @@
 #include "server/api/problem.h"
 
 /* There is no length to tell yet: a stream, whose reply to HEAD has none. */
-static long no_bytes(void *ctx, struct vor_request *request, char *out, size_t size)
+static long no_bytes(struct vor_request *request, char *out, size_t size)
 {
-    (void)ctx;
     (void)request;
     (void)out;
     (void)size;
     return -1;
 }
 
-enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request,
-                                const struct vor_job_view *view, unsigned index, unsigned format,
-                                struct vor_converted *out)
+enum vor_next vor_converted_get(struct vor_request *request, const struct vor_job_view *view,
+                                unsigned index, unsigned format, struct vor_converted *out)
 {
     const char *name = view->spec.process->outputs[index].name;
     char blob[VOR_BLOB_NAME_MAX + 1];
@@ -25,29 +23,30 @@ enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request
     struct vor_error err;
 
     out->fd = -1;
-    if (!vor_blob_is_here(app, request, &view->id,
+    if (!vor_blob_is_here(request, &view->id,
                           vor_blob_of_converted(name, vor_format(format)->name, blob), &here,
                           &next))
         return next;
-    if (here.exists && vor_converted_open(out, app->blobs, &view->id, name, format, &err) != VOR_OK)
-        return vor_problem_error(app, request, &err, view->id.text);
+    if (here.exists &&
+        vor_converted_open(out, request->app->blobs, &view->id, name, format, &err) != VOR_OK)
+        return vor_problem_error(request, &err, view->id.text);
     if (out->fd >= 0)
         return VOR_NEXT_REPLY;
     if (request->method == VOR_HEAD) {
         vor_reply_header(request, "Cache-Control", "private, no-cache");
-        vor_reply_stream(request, 200, vor_format(format)->media_type, VOR_LENGTH_UNKNOWN, no_bytes,
-                         NULL);
+        vor_reply_stream(request, 200, vor_format(format)->media_type, VOR_LENGTH_UNKNOWN,
+                         no_bytes);
         return VOR_NEXT_REPLY;
     }
     asker = vor_asker_of(request);
-    outcome = vor_convert(app->conversions, view, index, format, &asker, &err);
+    outcome = vor_convert(request->app->conversions, view, index, format, &asker, &err);
     if (outcome == VOR_DONE)
-        return vor_problem_or_wait(app, request);
+        return vor_problem_or_wait(request);
     vor_waker_drop(asker.ctx);
     if (outcome == VOR_FULL)
-        return vor_problem_say(app, request, "too-many-conversions",
+        return vor_problem_say(request, "too-many-conversions",
                                "too many results are being converted; try again later");
     if (outcome == VOR_FAILED && err.status == VOR_E_CANCELLED)
         outcome = VOR_DRAINING;
-    return vor_outcome_reply(app, request, outcome, &err, &view->id);
+    return vor_outcome_reply(request, outcome, &err, &view->id);
 }

@@ -79,7 +79,7 @@ static void put_block(void *ctx, const struct vor_markup_block *block)
     }
 }
 
-enum vor_next vor_handle_docs(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_docs(struct vor_request *request, enum vor_step step)
 {
     struct vor_text text;
     struct vor_topic topic;
@@ -113,5 +113,5 @@ enum vor_next vor_handle_docs(void *ctx, struct vor_request *request, enum vor_s
                   "<a href=\"openapi.yaml\">openapi.yaml</a>, "
                   "<a href=\"openapi.json\">openapi.json</a>.</p>\n</section>\n</main>\n</html>\n");
     vor_page_headers(request);
-    return vor_app_reply(ctx, request, 200, "text/html; charset=utf-8", &text);
+    return vor_app_reply(request, 200, "text/html; charset=utf-8", &text);
 }

@@ -45,24 +45,20 @@ static void write_end(const struct vor_teller *teller, const struct vor_event *e
     vor_json_put_string(text, "status", vor_job_status_word(event->status));
     if (event->status == VOR_JOB_SUCCESSFUL) {
         /* href and report are older than outputs, which has them all by name. */
-        vor_json_put_string(
-            text, "href",
-            vor_app_result_url(teller->app, teller->request, id, outputs[0].name, url));
+        vor_json_put_string(text, "href",
+                            vor_app_result_url(teller->request, id, outputs[0].name, url));
         if (vor_artefact_find(outputs, "report") != NULL)
-            vor_json_put_string(
-                text, "report",
-                vor_app_result_url(teller->app, teller->request, id, "report", url));
+            vor_json_put_string(text, "report",
+                                vor_app_result_url(teller->request, id, "report", url));
         vor_json_key(text, "outputs");
         vor_json_begin_object(text);
         for (unsigned i = 0; outputs[i].name != NULL; i++)
-            vor_json_put_string(
-                text, outputs[i].name,
-                vor_app_result_url(teller->app, teller->request, id, outputs[i].name, url));
+            vor_json_put_string(text, outputs[i].name,
+                                vor_app_result_url(teller->request, id, outputs[i].name, url));
         vor_json_end_object(text);
     } else
-        vor_json_put_string(
-            text, "href",
-            vor_app_job_url(teller->app, teller->request, &teller->followed->row.id, "", url));
+        vor_json_put_string(text, "href",
+                            vor_app_job_url(teller->request, &teller->followed->row.id, "", url));
     vor_json_end_object(text);
 }
 
@@ -92,7 +88,7 @@ static void write_data(const struct vor_teller *teller, const struct vor_event *
         break;
     }
     /* Writes the job as it is now, but in the state that it had at the event. */
-    vor_worker_followed(teller->app->worker, teller->followed, &view);
+    vor_worker_followed(teller->request->app->worker, teller->followed, &view);
     if (view.status != event->status) {
         view.finished = 0;
         view.message[0] = '\0';
@@ -102,7 +98,7 @@ static void write_data(const struct vor_teller *teller, const struct vor_event *
     view.attempt = event->attempt;
     view.progress = event->progress;
     view.updated = event->time_ms;
-    vor_job_write(teller->app, teller->request, &view, text);
+    vor_job_write(teller->request, &view, text);
 }
 
 int vor_event_frame(const struct vor_teller *teller, const char *name, const char *id,
@@ -153,8 +149,7 @@ int vor_event_tell_preview(const struct vor_teller *teller, const struct vor_pre
     vor_json_put_u64(&data, "iteration", info->iteration);
     vor_json_put_u64(&data, "polish", info->polish);
     vor_json_put_u64(&data, "points", vor_shown_count(info->points, points));
-    vor_json_put_string(&data, "href",
-                        vor_app_job_url(teller->app, teller->request, id, suffix, url));
+    vor_json_put_string(&data, "href", vor_app_job_url(teller->request, id, suffix, url));
     vor_json_end_object(&data);
     told = vor_event_frame(teller, "preview", NULL, &data, out);
     vor_text_free(&data);

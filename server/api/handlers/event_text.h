@@ -6,7 +6,6 @@
 
 /** Whose events are written, and for whom; all borrowed. */
 struct vor_teller {
-    struct vor_app *app;
     struct vor_request *request;
     const struct vor_followed *followed;
     bool is_lines; /**< NDJSON */

@@ -178,8 +178,7 @@ static enum vor_job_outcome begin_look_up(struct stream *stream)
 
     stream->followed.job = NULL; /* a reference is the look-up's own */
     stream->task = (struct vor_task){.run = run_look_up, .weight = WEIGHT};
-    outcome = vor_read_begin(stream->app, stream->request, &stream->deferred, &stream->task,
-                             &stream->error);
+    outcome = vor_read_begin(stream->request, &stream->deferred, &stream->task, &stream->error);
     stream->is_looking_up = outcome == VOR_DONE;
     return outcome;
 }
@@ -415,9 +414,9 @@ static bool fill(struct stream *stream, struct vor_request *request)
     return true;
 }
 
-static long read_stream(void *ctx, struct vor_request *request, char *out, size_t size)
+static long read_stream(struct vor_request *request, char *out, size_t size)
 {
-    struct stream *stream = ctx;
+    struct stream *stream = request->state;
 
     while (stream->taken == stream->text.size) {
         vor_text_clear(&stream->text);
@@ -437,9 +436,9 @@ static long read_stream(void *ctx, struct vor_request *request, char *out, size_
 }
 
 /* A stream of the jobs that are asked for; NULL after a reply. */
-static struct stream *stream_create(struct vor_app *app, struct vor_request *request,
-                                    const struct vor_events_query *ask)
+static struct stream *stream_create(struct vor_request *request, const struct vor_events_query *ask)
 {
+    struct vor_app *app = request->app;
     const char *tenant = vor_auth_tenant(request);
     struct stream *stream;
 
@@ -452,13 +451,13 @@ static struct stream *stream_create(struct vor_app *app, struct vor_request *req
     }
     stream = calloc(1, sizeof *stream + ask->count * sizeof stream->tracks[0]);
     if (stream == NULL) {
-        vor_problem_no_memory(app, request);
+        vor_problem_no_memory(request);
         return NULL;
     }
     stream->app = app;
     stream->request = request;
     stream->sent_at = vor_clock_seconds();
-    stream->teller = (struct vor_teller){app, request, &stream->followed,
+    stream->teller = (struct vor_teller){request, &stream->followed,
                                          vor_accepts(request, "application/x-ndjson")};
     stream->is_many = ask->is_many;
     (void)snprintf(stream->tenant, sizeof stream->tenant, "%s", tenant != NULL ? tenant : "");
@@ -486,7 +485,7 @@ static const char *media_type(const struct stream *stream)
 }
 
 /* Answers a poll with what has happened, or waits for it. */
-static enum vor_next answer_poll(struct vor_app *app, struct vor_request *request)
+static enum vor_next answer_poll(struct vor_request *request)
 {
     struct stream *stream = request->state;
     double left = stream->deadline - vor_clock_seconds();
@@ -501,7 +500,7 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     } while (is_part && !stream->is_looking_up);
     if (((!stream->has_told && left > 0) || stream->is_looking_up) && !stream->ended &&
         !vor_request_gone(request) && !vor_request_closing(request) &&
-        !atomic_load(&app->draining)) {
+        !atomic_load(&request->app->draining)) {
         if (!stream->is_looking_up)
             vor_request_wake_after(request, left);
         return VOR_NEXT_WAIT;
@@ -509,85 +508,83 @@ static enum vor_next answer_poll(struct vor_app *app, struct vor_request *reques
     (void)snprintf(applied, sizeof applied, "wait=%.0f", stream->wait);
     vor_reply_header(request, "Preference-Applied", applied);
     vor_text_puts(&stream->text, ""); /* so that there is one, which may be empty */
-    return vor_app_reply(app, request, 200, media_type(stream), &stream->text);
+    return vor_app_reply(request, 200, media_type(stream), &stream->text);
 }
 
-static enum vor_next reply_stream(struct vor_app *app, struct vor_request *request)
+static enum vor_next reply_stream(struct vor_request *request)
 {
     struct stream *stream = request->state;
 
     if (stream->wait >= 0)
-        return answer_poll(app, request);
-    vor_reply_stream(request, 200, media_type(stream), VOR_LENGTH_UNKNOWN, read_stream, stream);
+        return answer_poll(request);
+    vor_reply_stream(request, 200, media_type(stream), VOR_LENGTH_UNKNOWN, read_stream);
     return VOR_NEXT_REPLY;
 }
 
 /* The stream of one job, once that was looked up: whether there is one is told before it begins. */
-static enum vor_next reply_found(struct vor_app *app, struct vor_request *request)
+static enum vor_next reply_found(struct vor_request *request)
 {
     struct stream *stream = request->state;
     struct track *track = &stream->tracks[0];
     enum vor_job_outcome outcome = take_found(stream, track);
 
     if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &stream->error, &track->id);
+        return vor_outcome_reply(request, outcome, &stream->error, &track->id);
     stream->is_found = true;
     return track->is_replay && vor_job_status_over(stream->followed.row.status) &&
                    (stream->is_read || read_latest(stream, track)) && stream->batch.count == 0
                ? vor_events_reply_nothing(request)
-               : reply_stream(app, request);
+               : reply_stream(request);
 }
 
-enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
-                               const struct vor_uuid *id)
+enum vor_next vor_events_reply(struct vor_request *request, const struct vor_uuid *id)
 {
     struct vor_events_query ask = {.count = 1, .wait = -1};
     struct stream *stream;
 
     ask.jobs[0].id = *id;
-    stream = stream_create(app, request, &ask);
+    stream = stream_create(request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
     turn_to(stream, &stream->tracks[0]);
     stream->is_looking_up = true;
     look_up(stream); /* it was accepted just now: there is hardly anything to read */
-    return reply_found(app, request);
+    return reply_found(request);
 }
 
-enum vor_next vor_handle_events(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_events(struct vor_request *request, enum vor_step step)
 {
     struct vor_events_query ask = {.count = 1};
     struct stream *stream = request->state;
     enum vor_job_outcome outcome;
 
     if (step == VOR_STEP_WAKE && stream->is_found)
-        return answer_poll(ctx, request);
+        return answer_poll(request);
     if (step == VOR_STEP_WAKE)
-        return vor_deferred_is_done(&stream->deferred) ? reply_found(ctx, request)
-                                                       : vor_problem_or_wait(ctx, request);
-    if (!vor_job_of_path(ctx, request, &ask.jobs[0].id) ||
-        !vor_events_query_one(ctx, request, &ask))
+        return vor_deferred_is_done(&stream->deferred) ? reply_found(request)
+                                                       : vor_problem_or_wait(request);
+    if (!vor_job_of_path(request, &ask.jobs[0].id) || !vor_events_query_one(request, &ask))
         return VOR_NEXT_REPLY;
-    stream = stream_create(ctx, request, &ask);
+    stream = stream_create(request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
     turn_to(stream, &stream->tracks[0]);
     outcome = begin_look_up(stream);
     return outcome == VOR_DONE ? VOR_NEXT_WAIT
-                               : vor_outcome_reply(ctx, request, outcome, &stream->error, NULL);
+                               : vor_outcome_reply(request, outcome, &stream->error, NULL);
 }
 
-enum vor_next vor_handle_events_of_many(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_events_of_many(struct vor_request *request, enum vor_step step)
 {
     struct vor_events_query ask;
     struct stream *stream;
 
     if (step == VOR_STEP_WAKE)
-        return answer_poll(ctx, request);
-    if (!vor_events_query_many(ctx, request, &ask))
+        return answer_poll(request);
+    if (!vor_events_query_many(request, &ask))
         return VOR_NEXT_REPLY;
-    stream = stream_create(ctx, request, &ask);
+    stream = stream_create(request, &ask);
     if (stream == NULL)
         return VOR_NEXT_REPLY;
-    return is_done(stream) ? vor_events_reply_nothing(request) : reply_stream(ctx, request);
+    return is_done(stream) ? vor_events_reply_nothing(request) : reply_stream(request);
 }

@@ -24,8 +24,7 @@ static double wait_of(const struct vor_request *request)
     return preferences.wait_seconds;
 }
 
-bool vor_query_points(struct vor_app *app, struct vor_request *request, const char *name,
-                      size_t *out)
+bool vor_query_points(struct vor_request *request, const char *name, size_t *out)
 {
     const char *text = vor_request_query(request, name);
     char quoted[64];
@@ -37,23 +36,22 @@ bool vor_query_points(struct vor_app *app, struct vor_request *request, const ch
         *out = value;
         return true;
     }
-    vor_problem_say(app, request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d", name,
+    vor_problem_say(request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d", name,
                     vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_PREVIEW_POINTS_MAX);
     return false;
 }
 
-bool vor_events_query_one(struct vor_app *app, struct vor_request *request,
-                          struct vor_events_query *out)
+bool vor_events_query_one(struct vor_request *request, struct vor_events_query *out)
 {
     const char *last = last_id_of(request);
 
-    if (!vor_query_points(app, request, "preview", &out->preview))
+    if (!vor_query_points(request, "preview", &out->preview))
         return false;
     out->wait = wait_of(request);
     out->is_replay = last != NULL;
     if (last == NULL || vor_position_parse(&out->jobs[0].position, last))
         return true;
-    vor_problem_say(app, request, BAD_QUERY, "the last event id is \"%.40s\", want ATTEMPT.NUMBER",
+    vor_problem_say(request, BAD_QUERY, "the last event id is \"%.40s\", want ATTEMPT.NUMBER",
                     last);
     return false;
 }
@@ -78,20 +76,20 @@ static bool has_job(const struct vor_events_query *ask, const struct vor_uuid *i
 }
 
 /* True when the item was taken in; else a problem has been replied. */
-static bool add_job(struct vor_app *app, struct vor_request *request, struct vor_events_query *out,
-                    const char *item, size_t length)
+static bool add_job(struct vor_request *request, struct vor_events_query *out, const char *item,
+                    size_t length)
 {
     struct vor_uuid id;
     char quoted[64];
 
     if (!vor_uuid_parse(&id, item, length))
-        vor_problem_say(app, request, BAD_QUERY,
+        vor_problem_say(request, BAD_QUERY,
                         "jobs holds \"%s\", want 1 to %d IDs of jobs, separated by commas",
                         vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
     else if (has_job(out, &id))
-        vor_problem_say(app, request, BAD_QUERY, "jobs holds %s twice, want each ID once", id.text);
+        vor_problem_say(request, BAD_QUERY, "jobs holds %s twice, want each ID once", id.text);
     else if (out->count == VOR_EVENT_JOBS_MAX)
-        vor_problem_say(app, request, BAD_QUERY, "jobs holds more than %d IDs, want 1 to %d",
+        vor_problem_say(request, BAD_QUERY, "jobs holds more than %d IDs, want 1 to %d",
                         VOR_EVENT_JOBS_MAX, VOR_EVENT_JOBS_MAX);
     else {
         out->jobs[out->count++].id = id;
@@ -100,20 +98,19 @@ static bool add_job(struct vor_app *app, struct vor_request *request, struct vor
     return false;
 }
 
-static bool read_jobs(struct vor_app *app, struct vor_request *request,
-                      struct vor_events_query *out)
+static bool read_jobs(struct vor_request *request, struct vor_events_query *out)
 {
     const char *at = vor_request_query(request, "jobs"), *item;
     size_t length;
 
     if (at == NULL) {
-        vor_problem_say(app, request, BAD_QUERY,
+        vor_problem_say(request, BAD_QUERY,
                         "jobs is missing, want 1 to %d IDs of jobs, separated by commas",
                         VOR_EVENT_JOBS_MAX);
         return false;
     }
     while (next_item(&at, &item, &length))
-        if (!add_job(app, request, out, item, length))
+        if (!add_job(request, out, item, length))
             return false;
     return true;
 }
@@ -131,8 +128,7 @@ static bool read_position(struct vor_events_query *out, unsigned index, const ch
     return out->jobs[index].is_over || vor_position_parse(&out->jobs[index].position, text);
 }
 
-static bool read_positions(struct vor_app *app, struct vor_request *request,
-                           struct vor_events_query *out)
+static bool read_positions(struct vor_request *request, struct vor_events_query *out)
 {
     const char *last = last_id_of(request), *at = last, *item;
     unsigned count = 0;
@@ -146,17 +142,16 @@ static bool read_positions(struct vor_app *app, struct vor_request *request,
     }
     if (last == NULL || (is_sound && count == out->count))
         return true;
-    vor_problem_say(app, request, BAD_QUERY,
+    vor_problem_say(request, BAD_QUERY,
                     "the last event id is \"%.40s\", want ATTEMPT.NUMBER or end for each of the %u "
                     "jobs, separated by commas",
                     last, out->count);
     return false;
 }
 
-bool vor_events_query_many(struct vor_app *app, struct vor_request *request,
-                           struct vor_events_query *out)
+bool vor_events_query_many(struct vor_request *request, struct vor_events_query *out)
 {
     *out = (struct vor_events_query){.is_many = true, .wait = wait_of(request)};
-    return vor_query_points(app, request, "preview", &out->preview) &&
-           read_jobs(app, request, out) && read_positions(app, request, out);
+    return vor_query_points(request, "preview", &out->preview) && read_jobs(request, out) &&
+           read_positions(request, out);
 }

@@ -29,22 +29,19 @@ struct vor_events_query {
  *  changed where the query has no such name.
  *
  *  @return true, or false after a problem has been replied */
-bool vor_query_points(struct vor_app *app, struct vor_request *request, const char *name,
-                      size_t *out);
+bool vor_query_points(struct vor_request *request, const char *name, size_t *out);
 
 /** Reads Prefer, preview and the last event id of a stream of one job, "ATTEMPT.NUMBER", if there
  * is one, from the header Last-Event-ID, else the query.
  *
  *  @return true, or false after a problem has been replied */
-bool vor_events_query_one(struct vor_app *app, struct vor_request *request,
-                          struct vor_events_query *out);
+bool vor_events_query_one(struct vor_request *request, struct vor_events_query *out);
 
 /** Reads Prefer and the query of a stream of many: preview; jobs, 1 to VOR_EVENT_JOBS_MAX different
  * ids with commas between; and the last event id: as many positions with commas between, of the
  * jobs in the same order, each "ATTEMPT.NUMBER" or "end".
  *
  *  @return true, or false after a problem has been replied */
-bool vor_events_query_many(struct vor_app *app, struct vor_request *request,
-                           struct vor_events_query *out);
+bool vor_events_query_many(struct vor_request *request, struct vor_events_query *out);
 
 #endif

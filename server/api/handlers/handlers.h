@@ -1,93 +1,36 @@
-/** The handlers of the route table; each is a vor_handler whose ctx is the struct vor_app. */
+/** What the handlers of the route table share. */
 #ifndef VOR_SERVER_API_HANDLERS_H
 #define VOR_SERVER_API_HANDLERS_H
 
-#include "server/api/app.h"
-#include "server/http/http.h"
+#include "server/api/route_table.h"
 #include "server/work/asker.h"
 #include "server/work/conversion.h"
 
 #include <stdbool.h>
 
-/** health.c */
-enum vor_next vor_handle_landing(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_livez(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_readyz(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_version(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_openapi(void *app, struct vor_request *request, enum vor_step step);
-
-/** page.c */
-enum vor_next vor_handle_root(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_asset(void *app, struct vor_request *request, enum vor_step step);
-
 /** What every page and each of its files is sent with: who may load what, and that it is asked for
  *  again each time. */
 void vor_page_headers(struct vor_request *request);
-
-/** docs.c */
-enum vor_next vor_handle_docs(void *app, struct vor_request *request, enum vor_step step);
-
-/** processes.c */
-enum vor_next vor_handle_processes(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_process(void *app, struct vor_request *request, enum vor_step step);
-
-/** submit.c */
-enum vor_next vor_handle_submit(void *app, struct vor_request *request, enum vor_step step);
-
-/** sequence.c */
-enum vor_next vor_handle_sequence(void *app, struct vor_request *request, enum vor_step step);
-
-/** job_get.c */
-enum vor_next vor_handle_job(void *app, struct vor_request *request, enum vor_step step);
-
-/** jobs.c */
-enum vor_next vor_handle_jobs(void *app, struct vor_request *request, enum vor_step step);
-
-/** job_end.c */
-enum vor_next vor_handle_dismiss(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_stop(void *app, struct vor_request *request, enum vor_step step);
-
-/** events.c */
-enum vor_next vor_handle_events(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_events_of_many(void *app, struct vor_request *request, enum vor_step step);
-
-/** preview.c */
-enum vor_next vor_handle_preview(void *app, struct vor_request *request, enum vor_step step);
-
-/** trace.c */
-enum vor_next vor_handle_trace(void *app, struct vor_request *request, enum vor_step step);
-
-/** results.c */
-enum vor_next vor_handle_results(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_result(void *app, struct vor_request *request, enum vor_step step);
-enum vor_next vor_handle_input(void *app, struct vor_request *request, enum vor_step step);
-
-/** tickets.c */
-enum vor_next vor_handle_ticket(void *app, struct vor_request *request, enum vor_step step);
-
-/** What they share. */
 
 /** The process that a request to start a job names, of those that HTTP offers: /v1/PROCESS, or
  *  /v1/processes/PROCESS/execution or .../frames.
  *
  *  @return NULL after a no-such-process problem has been replied */
-const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
-                                                     struct vor_request *request);
+const struct vor_process_info *vor_process_of_submit(struct vor_request *request);
 
 /** Reads the {jobID} of the path. A job of another key is none.
  *
  *  @return true, or false after a problem (no-such-job, store) has been replied */
-bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out);
+bool vor_job_of_path(struct vor_request *request, struct vor_uuid *out);
 
 /** The job of the path, as it is now.
  *
  *  @return true, or false after a problem (no-such-job, store) has been replied */
-bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vor_job_view *out);
+bool vor_job_look_up(struct vor_request *request, struct vor_job_view *out);
 
 /** Replies to an outcome that is not VOR_DONE: no-such-job, queue-full, draining, or err. */
-enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
-                                enum vor_job_outcome outcome, const struct vor_error *err,
-                                const struct vor_uuid *id);
+enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcome outcome,
+                                const struct vor_error *err, const struct vor_uuid *id);
 
 /** jobs.c: has task->run, of task->weight, read the store for a request that waits. It is given
  *  deferred, which it completes.
@@ -95,28 +38,25 @@ enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request
  *  @retval VOR_DONE the request is to wait
  *  @retval others   as vor_worker_read_soon; run will not be called */
 struct vor_deferred;
-enum vor_job_outcome vor_read_begin(struct vor_app *app, struct vor_request *request,
-                                    struct vor_deferred *deferred, struct vor_task *task,
-                                    struct vor_error *err);
+enum vor_job_outcome vor_read_begin(struct vor_request *request, struct vor_deferred *deferred,
+                                    struct vor_task *task, struct vor_error *err);
 
 /** jobs_filter.c: which jobs a list is asked for.
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */
 struct vor_job_filter;
-bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
-                         struct vor_job_filter *out);
+bool vor_job_filter_read(struct vor_request *request, struct vor_job_filter *out);
 
 /** The media type of output `index` of a successful job; NULL when this version does not know its
  *  format. */
 const char *vor_output_media_type(const struct vor_job_view *view, unsigned index);
 
 /** Appends the statusInfo of a job to a document. */
-void vor_job_write(struct vor_app *app, struct vor_request *request,
-                   const struct vor_job_view *view, struct vor_text *text);
+void vor_job_write(struct vor_request *request, const struct vor_job_view *view,
+                   struct vor_text *text);
 
 /** Replies why a job has no result to give: not ready, expired, dismissed, or its own problem. */
-enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_job_view *view);
+enum vor_next vor_result_missing(struct vor_request *request, const struct vor_job_view *view);
 
 /** here.c: this request as one who waits for an answer of another thread; with any other answer,
  * its ctx is to be dropped (vor_waker_drop). */
@@ -131,26 +71,24 @@ struct vor_here {
     bool exists;
     struct vor_flow *flow; /**< then; the caller ends it with vor_flow_drop or vor_reply_flow */
 };
-bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                      const char *name, struct vor_here *here, enum vor_next *next);
+bool vor_blob_is_here(struct vor_request *request, const struct vor_uuid *id, const char *name,
+                      struct vor_here *here, enum vor_next *next);
 
 /** Replies 200 with `size` bytes as they come. The last of them are sent once all have the SHA-256
  *  that they must have; else the reply is cut. */
-enum vor_next vor_reply_flow(struct vor_app *app, struct vor_request *request,
-                             struct vor_flow *flow, const char *media_type, uint64_t size,
-                             const char *sha256);
+enum vor_next vor_reply_flow(struct vor_request *request, struct vor_flow *flow,
+                             const char *media_type, uint64_t size, const char *sha256);
 
 /** Replies 200 with the whole main output of a successful job (a synchronous call).
  *
  *  @param[in] is_new  the job has just ended, so that its bytes need no look; else the request may
  *                     have to wait for that, and this is to be called again when it is woken */
-enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
-                               const struct vor_job_view *view, bool is_new);
+enum vor_next vor_result_whole(struct vor_request *request, const struct vor_job_view *view,
+                               bool is_new);
 
 /** Replies with the events of a job, from the first one that matters now. The request's state is
  *  released first; the stream becomes its state. */
-enum vor_next vor_events_reply(struct vor_app *app, struct vor_request *request,
-                               const struct vor_uuid *id);
+enum vor_next vor_events_reply(struct vor_request *request, const struct vor_uuid *id);
 
 /* The preferences of a request (RFC 7240). */
 
@@ -171,9 +109,8 @@ void vor_prefer_read(const struct vor_request *request, struct vor_preferences *
  *
  *  @retval VOR_NEXT_REPLY  the bytes are there; or, if fd is -1, a reply has been made
  *  @retval VOR_NEXT_WAIT   the request waits; the handler is to call this again at the next step */
-enum vor_next vor_converted_get(struct vor_app *app, struct vor_request *request,
-                                const struct vor_job_view *view, unsigned index, unsigned format,
-                                struct vor_converted *out);
+enum vor_next vor_converted_get(struct vor_request *request, const struct vor_job_view *view,
+                                unsigned index, unsigned format, struct vor_converted *out);
 
 /* What a request for a result asks for besides its path. */
 
@@ -190,12 +127,12 @@ struct vor_result_query {
  *                           and a ticket, and no other
  *
  *  @return true, or false after an invalid-query-parameter-value problem has been replied */
-bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+bool vor_result_query_read(struct vor_request *request, bool takes_format,
                            struct vor_result_query *out);
 
 /** Checks that the caller takes what will be sent.
  *
  *  @return true, or false after a not-acceptable problem has been replied */
-bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const char *media_type);
+bool vor_result_accepts(struct vor_request *request, const char *media_type);
 
 #endif

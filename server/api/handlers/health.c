@@ -4,16 +4,16 @@
 
 #include <string.h>
 
-static void put_link(struct vor_app *app, struct vor_request *request, struct vor_text *text,
-                     const char *rel, const char *type, const char *path)
+static void put_link(struct vor_request *request, struct vor_text *text, const char *rel,
+                     const char *type, const char *path)
 {
     char url[VOR_URL_MAX];
-    struct vor_link link = {rel, type, NULL, vor_app_url(app, request, path, url), -1};
+    struct vor_link link = {rel, type, NULL, vor_app_url(request, path, url), -1};
 
     vor_json_link(text, &link);
 }
 
-enum vor_next vor_handle_landing(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_landing(struct vor_request *request, enum vor_step step)
 {
     static const char json[] = "application/json";
     struct vor_text text;
@@ -25,45 +25,44 @@ enum vor_next vor_handle_landing(void *ctx, struct vor_request *request, enum vo
     vor_json_put_string(&text, "description", "Resamples point clouds");
     vor_json_key(&text, "links");
     vor_json_begin_array(&text);
-    put_link(ctx, request, &text, "self", json, "/v1/");
-    put_link(ctx, request, &text, "service-desc", "application/vnd.oai.openapi;version=3.0",
+    put_link(request, &text, "self", json, "/v1/");
+    put_link(request, &text, "service-desc", "application/vnd.oai.openapi;version=3.0",
              "/openapi.yaml");
-    put_link(ctx, request, &text, "service-desc", "application/vnd.oai.openapi+json;version=3.0",
+    put_link(request, &text, "service-desc", "application/vnd.oai.openapi+json;version=3.0",
              "/openapi.json");
-    put_link(ctx, request, &text, "service-doc", "text/html", "/docs");
-    put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/processes", json,
+    put_link(request, &text, "service-doc", "text/html", "/docs");
+    put_link(request, &text, "http://www.opengis.net/def/rel/ogc/1.0/processes", json,
              "/v1/processes");
-    put_link(ctx, request, &text, "http://www.opengis.net/def/rel/ogc/1.0/job-list", json,
-             "/v1/jobs");
-    put_link(ctx, request, &text, "status", json, "/readyz");
+    put_link(request, &text, "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "/v1/jobs");
+    put_link(request, &text, "status", json, "/readyz");
     vor_json_end_array(&text);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
-    return vor_app_reply(ctx, request, 200, json, &text);
+    return vor_app_reply(request, 200, json, &text);
 }
 
-enum vor_next vor_handle_livez(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_livez(struct vor_request *request, enum vor_step step)
 {
     static const char alive[] = "{\"status\":\"alive\"}\n";
 
-    (void)ctx, (void)step;
+    (void)step;
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_bytes(request, 200, "application/json", alive, strlen(alive));
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_readyz(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
+    struct vor_app *app = request->app;
     struct vor_worker_load load;
     struct vor_error err;
     struct vor_text text;
 
     (void)step;
     if (atomic_load(&app->leaving) || atomic_load(&app->draining))
-        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
+        return vor_problem_say(request, "draining", "the daemon is shutting down");
     if (vor_worker_ready(app->worker, &err) != VOR_OK) /* 503, also when the disk is full */
-        return vor_problem_say(app, request, "store-unavailable", "%s", err.message);
+        return vor_problem_say(request, "store-unavailable", "%s", err.message);
     vor_worker_load(app->worker, &load);
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
@@ -74,10 +73,10 @@ enum vor_next vor_handle_readyz(void *ctx, struct vor_request *request, enum vor
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }
 
-enum vor_next vor_handle_version(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_version(struct vor_request *request, enum vor_step step)
 {
     struct vor_text text;
 
@@ -88,5 +87,5 @@ enum vor_next vor_handle_version(void *ctx, struct vor_request *request, enum vo
     vor_json_put_string(&text, "version", VOR_VERSION);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
-    return vor_app_reply(ctx, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }

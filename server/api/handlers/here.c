@@ -22,21 +22,21 @@ struct vor_asker vor_asker_of(struct vor_request *request)
                               .caller = vor_auth_fairness_key(request)};
 }
 
-bool vor_blob_is_here(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                      const char *name, struct vor_here *here, enum vor_next *next)
+bool vor_blob_is_here(struct vor_request *request, const struct vor_uuid *id, const char *name,
+                      struct vor_here *here, enum vor_next *next)
 {
     struct vor_asker asker = vor_asker_of(request);
     struct vor_error err;
     enum vor_fetched fetched;
 
-    fetched = vor_fetch(vor_verify_fetcher(app->verify), id, name, &asker,
+    fetched = vor_fetch(vor_verify_fetcher(request->app->verify), id, name, &asker,
                         here->may_flow ? &here->flow : NULL, &err);
     if (fetched != VOR_FETCH_WAIT)
         vor_waker_drop(asker.ctx);
     if (fetched == VOR_FETCH_WAIT)
-        *next = vor_problem_or_wait(app, request);
+        *next = vor_problem_or_wait(request);
     else if (fetched == VOR_FETCH_FAILED)
-        *next = vor_problem_error(app, request, &err, id->text);
+        *next = vor_problem_error(request, &err, id->text);
     here->exists = fetched == VOR_FETCH_NEAR || fetched == VOR_FETCH_FLOWS;
     return here->exists || fetched == VOR_FETCH_NONE;
 }
@@ -80,9 +80,9 @@ static long take(struct flowing *flowing, struct vor_request *request, void *out
     return got;
 }
 
-static long read_flow(void *ctx, struct vor_request *request, char *out, size_t size)
+static long read_flow(struct vor_request *request, char *out, size_t size)
 {
-    struct flowing *flowing = ctx;
+    struct flowing *flowing = request->state;
     uint64_t first_held = flowing->size > HELD ? flowing->size - HELD : 0;
     char sha256[VOR_DIGEST_SIZE];
     int whole = 0;
@@ -110,21 +110,20 @@ static long read_flow(void *ctx, struct vor_request *request, char *out, size_t 
     return (long)size;
 }
 
-enum vor_next vor_reply_flow(struct vor_app *app, struct vor_request *request,
-                             struct vor_flow *flow, const char *media_type, uint64_t size,
-                             const char *sha256)
+enum vor_next vor_reply_flow(struct vor_request *request, struct vor_flow *flow,
+                             const char *media_type, uint64_t size, const char *sha256)
 {
     struct flowing *flowing = calloc(1, sizeof *flowing);
 
     if (flowing == NULL || (flowing->digest = vor_digest_create()) == NULL) {
         free(flowing);
         vor_flow_drop(flow);
-        return vor_problem_no_memory(app, request);
+        return vor_problem_no_memory(request);
     }
     flowing->flow = flow;
     flowing->size = size;
     (void)snprintf(flowing->sha256, sizeof flowing->sha256, "%s", sha256);
     vor_request_set_state(request, flowing, release);
-    vor_reply_stream(request, 200, media_type, size, read_flow, flowing);
+    vor_reply_stream(request, 200, media_type, size, read_flow);
     return VOR_NEXT_REPLY;
 }

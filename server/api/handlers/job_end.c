@@ -23,30 +23,30 @@ static void on_dismissed(struct vor_dismissal *work)
     vor_deferred_complete(work->ctx);
 }
 
-static enum vor_next reply_job(struct vor_app *app, struct vor_request *request, int http,
+static enum vor_next reply_job(struct vor_request *request, int http,
                                const struct vor_job_view *view)
 {
     struct vor_text text;
 
     vor_text_init(&text, 0);
-    vor_job_write(app, request, view, &text);
+    vor_job_write(request, view, &text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, http, "application/json", &text);
+    return vor_app_reply(request, http, "application/json", &text);
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request, int is_stop)
+static enum vor_next begin(struct vor_request *request, int is_stop)
 {
     struct dismissal *dismissal;
     struct vor_uuid id;
 
-    if (!vor_job_of_path(app, request, &id))
+    if (!vor_job_of_path(request, &id))
         return VOR_NEXT_REPLY;
     if (vor_request_closing(request))
-        return vor_outcome_reply(app, request, VOR_DRAINING, NULL, &id);
+        return vor_outcome_reply(request, VOR_DRAINING, NULL, &id);
     dismissal = calloc(1, sizeof *dismissal);
     if (dismissal == NULL)
-        return vor_problem_no_memory(app, request);
+        return vor_problem_no_memory(request);
     dismissal->work = (struct vor_dismissal){.id = id,
                                              .caller = vor_auth_fairness_key(request),
                                              .why = "dismissed by the caller",
@@ -55,53 +55,51 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request, int
                                              .ctx = &dismissal->deferred};
     vor_deferred_begin(&dismissal->deferred, request, free_dismissal);
     vor_deferred_retain(&dismissal->deferred);
-    vor_worker_dismiss_soon(app->worker, &dismissal->work);
+    vor_worker_dismiss_soon(request->app->worker, &dismissal->work);
     return VOR_NEXT_STAY;
 }
 
 /* Until a thread of the worker has done it. */
-static enum vor_next wait_for(struct vor_app *app, struct vor_request *request, const char *ended)
+static enum vor_next wait_for(struct vor_request *request, const char *ended)
 {
     if (!vor_request_closing(request))
         return VOR_NEXT_STAY;
-    return vor_problem_say(app, request, "draining",
+    return vor_problem_say(request, "draining",
                            "the daemon is shutting down; after the next start of the daemon, the "
                            "status of the job shows whether it is %s",
                            ended);
 }
 
-enum vor_next vor_handle_dismiss(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_dismiss(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     const struct dismissal *dismissal = request->state;
 
     if (step == VOR_STEP_HEAD)
-        return begin(app, request, 0);
+        return begin(request, 0);
     if (!vor_deferred_is_done(&dismissal->deferred))
-        return wait_for(app, request, "dismissed");
+        return wait_for(request, "dismissed");
     if (dismissal->work.outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, dismissal->work.outcome, &dismissal->work.error,
+        return vor_outcome_reply(request, dismissal->work.outcome, &dismissal->work.error,
                                  &dismissal->work.id);
-    return reply_job(app, request, 200, &dismissal->work.view);
+    return reply_job(request, 200, &dismissal->work.view);
 }
 
-enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_stop(struct vor_request *request, enum vor_step step)
 {
     const struct dismissal *asked = request->state;
-    struct vor_app *app = ctx;
     struct vor_job_view view;
     struct vor_error err;
     enum vor_job_outcome outcome;
 
     if (step != VOR_STEP_HEAD && !vor_deferred_is_done(&asked->deferred))
-        return wait_for(app, request, "stopped");
-    if (!vor_job_look_up(app, request, &view))
+        return wait_for(request, "stopped");
+    if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     if (step == VOR_STEP_HEAD) {
-        outcome = vor_worker_stop(app->worker, &view.id, &err);
+        outcome = vor_worker_stop(request->app->worker, &view.id, &err);
         if (outcome == VOR_CONFLICT && view.status == VOR_JOB_RUNNING &&
-            vor_store_is_shared(app->store))
-            return begin(app, request, 1);
+            vor_store_is_shared(request->app->store))
+            return begin(request, 1);
     } else {
         outcome = asked->work.outcome;
         err = asked->work.error;
@@ -111,11 +109,11 @@ enum vor_next vor_handle_stop(void *ctx, struct vor_request *request, enum vor_s
 
         problem.detail = "only a running job can be stopped";
         problem.job_id = view.id.text;
-        return vor_problem_reply(app, request, &problem);
+        return vor_problem_reply(request, &problem);
     }
     if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &err, &view.id);
-    if (!vor_job_look_up(app, request, &view)) /* its message says now that it stops */
+        return vor_outcome_reply(request, outcome, &err, &view.id);
+    if (!vor_job_look_up(request, &view)) /* its message says now that it stops */
         return VOR_NEXT_REPLY;
-    return reply_job(app, request, 202, &view);
+    return reply_job(request, 202, &view);
 }

@@ -33,7 +33,7 @@ static void release(void *state)
 }
 
 /* Listens to the job's events from now on; false after a problem has been replied. */
-static bool begin_poll(struct vor_app *app, struct vor_request *request, double seconds)
+static bool begin_poll(struct vor_request *request, double seconds)
 {
     struct vor_followed followed;
     struct vor_error err;
@@ -41,16 +41,16 @@ static bool begin_poll(struct vor_app *app, struct vor_request *request, double 
     struct poll *poll;
     enum vor_job_outcome outcome;
 
-    if (!vor_job_of_path(app, request, &id))
+    if (!vor_job_of_path(request, &id))
         return false;
     poll = calloc(1, sizeof *poll);
-    outcome =
-        poll != NULL ? vor_worker_follow(app->worker, &id, NULL, &followed, &err) : VOR_FAILED;
+    outcome = poll != NULL ? vor_worker_follow(request->app->worker, &id, NULL, &followed, &err)
+                           : VOR_FAILED;
     if (outcome != VOR_DONE) {
         if (poll == NULL)
             (void)vor_fail(&err, VOR_E_NOMEM, "a request");
         free(poll);
-        vor_outcome_reply(app, request, outcome, &err, &id);
+        vor_outcome_reply(request, outcome, &err, &id);
         return false;
     }
     poll->seconds = seconds;
@@ -76,9 +76,8 @@ static bool waits_on(struct vor_request *request, const struct vor_job_view *vie
     return true;
 }
 
-enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_job(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     struct vor_preferences preferences;
     struct vor_job_view view;
     const struct poll *poll;
@@ -86,19 +85,18 @@ enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_st
     struct vor_text text;
 
     vor_prefer_read(request, &preferences);
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     if (step == VOR_STEP_HEAD && preferences.wait_seconds > 0 &&
         vor_request_header(request, "If-None-Match") != NULL &&
         !vor_job_status_over(view.status) && /* what is over does not change */
-        (!begin_poll(app, request, preferences.wait_seconds) ||
-         !vor_job_look_up(app, request, &view)))
+        (!begin_poll(request, preferences.wait_seconds) || !vor_job_look_up(request, &view)))
         return VOR_NEXT_REPLY;
     if (view.expired)
-        return vor_result_missing(app, request, &view);
+        return vor_result_missing(request, &view);
     poll = request->state;
     vor_text_init(&text, 0);
-    vor_job_write(app, request, &view, &text);
+    vor_job_write(request, &view, &text);
     vor_text_puts(&text, "\n");
     if (vor_text_status(&text, NULL) == VOR_OK)
         vor_digest_etag(text.data, text.size, etag);
@@ -113,5 +111,5 @@ enum vor_next vor_handle_job(void *ctx, struct vor_request *request, enum vor_st
     }
     vor_reply_header(request, "ETag", etag[0] != '\0' ? etag : NULL);
     vor_reply_header(request, "Cache-Control", "no-cache");
-    return vor_app_reply(app, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }

@@ -50,32 +50,31 @@ static void add_link(struct info_room *room, const char *rel, const char *type, 
     room->info.link_count++;
 }
 
-static void add_links(struct vor_app *app, struct vor_request *request,
-                      const struct vor_job_view *view, struct info_room *room)
+static void add_links(struct vor_request *request, const struct vor_job_view *view,
+                      struct info_room *room)
 {
     static const char json[] = "application/json";
     char(*urls)[VOR_URL_MAX] = room->urls;
     bool over = vor_job_status_over(view->status);
 
-    vor_app_job_url(app, request, &view->id, "", urls[room->info.link_count]);
+    vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
     add_link(room, "self", json, NULL, -1);
     if (!over) {
-        vor_app_job_url(app, request, &view->id, "", urls[room->info.link_count]);
+        vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
         add_link(room, "monitor", json, NULL, -1);
-        vor_app_job_url(app, request, &view->id, "/events", urls[room->info.link_count]);
+        vor_app_job_url(request, &view->id, "/events", urls[room->info.link_count]);
         add_link(room, "monitor", "text/event-stream", NULL, -1);
-        vor_app_job_url(app, request, &view->id, "", urls[room->info.link_count]);
+        vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
         add_link(room, "cancel", NULL, "DELETE to dismiss", -1);
     }
     if (view->status == VOR_JOB_SUCCESSFUL && !view->expired) {
         const struct vor_artefact_info *outputs = view->spec.process->outputs;
 
-        vor_app_job_url(app, request, &view->id, "/results", urls[room->info.link_count]);
+        vor_app_job_url(request, &view->id, "/results", urls[room->info.link_count]);
         add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", "application/json", NULL,
                  -1);
         for (unsigned i = 0; outputs[i].name != NULL; i++) {
-            vor_app_result_url(app, request, &view->id, outputs[i].name,
-                               urls[room->info.link_count]);
+            vor_app_result_url(request, &view->id, outputs[i].name, urls[room->info.link_count]);
             add_link(room, "item", vor_output_media_type(view, i), outputs[i].name,
                      (int64_t)view->output[i].bytes);
         }
@@ -83,11 +82,11 @@ static void add_links(struct vor_app *app, struct vor_request *request,
     if (view->kept > 0 && !view->expired) {
         const struct vor_format *format = vor_format(view->input[0].format);
 
-        vor_app_job_url(app, request, &view->id, "/input", room->urls[room->info.link_count]);
+        vor_app_job_url(request, &view->id, "/input", room->urls[room->info.link_count]);
         add_link(room, "input", format != NULL ? format->media_type : NULL, NULL,
                  (int64_t)view->input[0].bytes);
     }
-    vor_app_url(app, request, "/v1/jobs", urls[room->info.link_count]);
+    vor_app_url(request, "/v1/jobs", urls[room->info.link_count]);
     add_link(room, "up", json, NULL, -1);
 }
 
@@ -105,8 +104,8 @@ static const char *time_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
     return wall_ms > 0 ? vor_clock_text(wall_ms, out) : NULL;
 }
 
-void vor_job_write(struct vor_app *app, struct vor_request *request,
-                   const struct vor_job_view *view, struct vor_text *text)
+void vor_job_write(struct vor_request *request, const struct vor_job_view *view,
+                   struct vor_text *text)
 {
     struct info_room room = {.info = VOR_STATUS_INFO_INIT};
     struct vor_status_info *info = &room.info;
@@ -150,10 +149,10 @@ void vor_job_write(struct vor_app *app, struct vor_request *request,
         info->origin = view->output[0].origin;
     info->metrics = view->has_record ? &view->record : NULL;
     if (view->status == VOR_JOB_FAILED) {
-        vor_problem_describe(app, request, view, &room.problem, &room.exception);
+        vor_problem_describe(request, view, &room.problem, &room.exception);
         info->exception = &room.exception;
     }
-    add_links(app, request, view, &room);
+    add_links(request, view, &room);
     info->links = room.links;
     vor_json_status_info(text, info);
 }

@@ -11,7 +11,7 @@
 #include <string.h>
 
 /* Reads the {jobID} of the path, whosever the job is. */
-static bool read_id(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
+static bool read_id(struct vor_request *request, struct vor_uuid *out)
 {
     const char *segment;
     size_t length = vor_path_segment(request->path, 2, &segment);
@@ -20,67 +20,66 @@ static bool read_id(struct vor_app *app, struct vor_request *request, struct vor
         (void)snprintf(request->job, sizeof request->job, "%s", out->text);
         return true;
     }
-    vor_problem_say(app, request, "no-such-job", "there is no job %.*s",
+    vor_problem_say(request, "no-such-job", "there is no job %.*s",
                     (int)(length < 60 ? length : 60), segment);
     return false;
 }
 
-bool vor_job_of_path(struct vor_app *app, struct vor_request *request, struct vor_uuid *out)
+bool vor_job_of_path(struct vor_request *request, struct vor_uuid *out)
 {
     struct vor_job_view view;
 
     if (vor_auth_tenant(request) == NULL)
-        return read_id(app, request, out);
-    if (!vor_job_look_up(app, request, &view))
+        return read_id(request, out);
+    if (!vor_job_look_up(request, &view))
         return false;
     *out = view.id;
     return true;
 }
 
-enum vor_next vor_outcome_reply(struct vor_app *app, struct vor_request *request,
-                                enum vor_job_outcome outcome, const struct vor_error *err,
-                                const struct vor_uuid *id)
+enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcome outcome,
+                                const struct vor_error *err, const struct vor_uuid *id)
 {
     struct vor_problem full = VOR_PROBLEM_INIT("queue-full");
     struct vor_worker_load load;
 
     switch (outcome) {
     case VOR_UNKNOWN:
-        return vor_problem_say(app, request, "no-such-job", "there is no job %s",
+        return vor_problem_say(request, "no-such-job", "there is no job %s",
                                id != NULL ? id->text : "");
     case VOR_FULL:
-        vor_worker_load(app->worker, &load);
+        vor_worker_load(request->app->worker, &load);
         full.detail = "too many jobs are waiting, or their inputs are too large together; try "
                       "again later";
         full.queue_depth = (int64_t)load.waiting;
-        return vor_problem_reply(app, request, &full);
+        return vor_problem_reply(request, &full);
     case VOR_CROWDED:
-        return vor_problem_say(app, request, "too-many-jobs", "%s", err->message);
+        return vor_problem_say(request, "too-many-jobs", "%s", err->message);
     case VOR_OVER_BYTES:
-        return vor_problem_say(app, request, "too-much-stored", "%s", err->message);
+        return vor_problem_say(request, "too-much-stored", "%s", err->message);
     case VOR_DRAINING:
-        return vor_problem_say(app, request, "draining", "the daemon is shutting down");
+        return vor_problem_say(request, "draining", "the daemon is shutting down");
     case VOR_CONFLICT:
-        return vor_problem_say(app, request, "not-running", "the job is not running");
+        return vor_problem_say(request, "not-running", "the job is not running");
     case VOR_FAILED:
     case VOR_DONE:
         break;
     }
-    return vor_problem_error(app, request, err, NULL);
+    return vor_problem_error(request, err, NULL);
 }
 
-bool vor_job_look_up(struct vor_app *app, struct vor_request *request, struct vor_job_view *out)
+bool vor_job_look_up(struct vor_request *request, struct vor_job_view *out)
 {
     struct vor_error err;
     struct vor_uuid id;
     enum vor_job_outcome outcome;
 
-    if (!read_id(app, request, &id))
+    if (!read_id(request, &id))
         return false;
-    outcome = vor_worker_get(app->worker, &id, vor_auth_tenant(request), out, &err);
+    outcome = vor_worker_get(request->app->worker, &id, vor_auth_tenant(request), out, &err);
     if (outcome == VOR_DONE)
         return true;
-    vor_outcome_reply(app, request, outcome, &err, &id);
+    vor_outcome_reply(request, outcome, &err, &id);
     return false;
 }
 
@@ -134,16 +133,15 @@ static void read_slice(void *ctx)
     vor_deferred_complete(&list->deferred);
 }
 
-enum vor_job_outcome vor_read_begin(struct vor_app *app, struct vor_request *request,
-                                    struct vor_deferred *deferred, struct vor_task *task,
-                                    struct vor_error *err)
+enum vor_job_outcome vor_read_begin(struct vor_request *request, struct vor_deferred *deferred,
+                                    struct vor_task *task, struct vor_error *err)
 {
     enum vor_job_outcome outcome;
 
     task->ctx = deferred;
     task->caller = vor_auth_fairness_key(request);
     vor_deferred_retain(deferred);
-    outcome = vor_worker_read_soon(app->worker, task, err);
+    outcome = vor_worker_read_soon(request->app->worker, task, err);
     if (outcome != VOR_DONE)
         vor_deferred_cancel(deferred);
     return outcome;
@@ -156,10 +154,9 @@ static enum vor_next begin_slice(struct listing *list)
     list->filter.limit = list->left < SLICE ? list->left + 1 : SLICE;
     list->task =
         (struct vor_task){.run = read_slice, .weight = list->walks ? SIZE_MAX : list->filter.limit};
-    outcome = vor_read_begin(list->app, list->request, &list->deferred, &list->task, &list->error);
-    return outcome == VOR_DONE
-               ? VOR_NEXT_WAIT
-               : vor_outcome_reply(list->app, list->request, outcome, &list->error, NULL);
+    outcome = vor_read_begin(list->request, &list->deferred, &list->task, &list->error);
+    return outcome == VOR_DONE ? VOR_NEXT_WAIT
+                               : vor_outcome_reply(list->request, outcome, &list->error, NULL);
 }
 
 /* Writes a link to /v1/jobs with the query of this request and another cursor. */
@@ -171,7 +168,7 @@ static void put_list_link(struct listing *list, const char *rel, const char *cur
     char mark = '?';
 
     vor_text_init(&url, 0);
-    vor_text_puts(&url, vor_app_url(list->app, list->request, "/v1/jobs", base));
+    vor_text_puts(&url, vor_app_url(list->request, "/v1/jobs", base));
     for (int i = 0; i < list->request->pair_count; i++) {
         const char *name = list->request->pairs[i].name;
 
@@ -196,17 +193,17 @@ static const char *keep(char *out, size_t size, const char *text)
     return out;
 }
 
-static enum vor_next begin_list(struct vor_app *app, struct vor_request *request)
+static enum vor_next begin_list(struct vor_request *request)
 {
     struct vor_job_filter filter;
     struct listing *list;
 
-    if (!vor_job_filter_read(app, request, &filter))
+    if (!vor_job_filter_read(request, &filter))
         return VOR_NEXT_REPLY;
     list = calloc(1, sizeof *list);
     if (list == NULL)
-        return vor_problem_no_memory(app, request);
-    list->app = app;
+        return vor_problem_no_memory(request);
+    list->app = request->app;
     list->request = request;
     list->filter = filter;
     list->filter.name = keep(list->name, sizeof list->name, filter.name);
@@ -238,20 +235,20 @@ static enum vor_next reply_list(struct listing *list)
     vor_json_end_object(&list->text);
     vor_text_puts(&list->text, "\n");
     vor_reply_header(list->request, "Cache-Control", "no-store");
-    return vor_app_reply(list->app, list->request, 200, "application/json", &list->text);
+    return vor_app_reply(list->request, 200, "application/json", &list->text);
 }
 
-enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_jobs(struct vor_request *request, enum vor_step step)
 {
     struct listing *list = request->state;
 
     if (step == VOR_STEP_HEAD)
-        return begin_list(ctx, request);
+        return begin_list(request);
     if (!vor_deferred_is_done(&list->deferred) || vor_request_gone(request) ||
         vor_request_closing(request))
-        return vor_problem_or_wait(ctx, request);
+        return vor_problem_or_wait(request);
     if (list->status != VOR_OK)
-        return vor_problem_error(ctx, request, &list->error, NULL);
+        return vor_problem_error(request, &list->error, NULL);
     for (size_t i = 0; i < list->count; i++) {
         if (list->left == 0) {
             list->more = true;
@@ -259,7 +256,7 @@ enum vor_next vor_handle_jobs(void *ctx, struct vor_request *request, enum vor_s
         }
         list->left--;
         list->filter.before_seq = list->rows[i].seq;
-        vor_job_write(list->app, list->request, &list->rows[i], &list->text);
+        vor_job_write(list->request, &list->rows[i], &list->text);
     }
     return list->count == list->filter.limit ? begin_slice(list) : reply_list(list);
 }

@@ -189,8 +189,7 @@ static const struct {
 
 enum { PARAMETERS = sizeof parameters / sizeof parameters[0] };
 
-bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
-                         struct vor_job_filter *out)
+bool vor_job_filter_read(struct vor_request *request, struct vor_job_filter *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
     char detail[256];
@@ -209,7 +208,7 @@ bool vor_job_filter_read(struct vor_app *app, struct vor_request *request,
         (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
         problem.parameter = name;
         problem.detail = detail;
-        vor_problem_reply(app, request, &problem);
+        vor_problem_reply(request, &problem);
         return false;
     }
     return true;

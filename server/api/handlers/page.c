@@ -47,8 +47,8 @@ void vor_page_headers(struct vor_request *request)
 
 /* Both codings have a tag of their own: their bytes differ. A tag changes with the bytes alone, so
  * asking again, every time, costs an answer without a body. */
-static enum vor_next reply_asset(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_asset *asset, const char *vary)
+static enum vor_next reply_asset(struct vor_request *request, const struct vor_asset *asset,
+                                 const char *vary)
 {
     bool is_gzip = takes_gzip(request);
     char etag[VOR_ETAG_SIZE + sizeof "-plain"];
@@ -66,16 +66,16 @@ static enum vor_next reply_asset(struct vor_app *app, struct vor_request *reques
         vor_text_init(&text, PLAIN_MAX);
         if (vor_gzip_inflate(&sink, asset->bytes, asset->size, PLAIN_MAX, &err) != VOR_OK) {
             vor_text_free(&text);
-            return vor_problem_error(app, request, &err, NULL);
+            return vor_problem_error(request, &err, NULL);
         }
-        return vor_app_reply(app, request, 200, asset->media_type, &text);
+        return vor_app_reply(request, 200, asset->media_type, &text);
     }
     vor_reply_header(request, "Content-Encoding", "gzip");
     vor_reply_bytes(request, 200, asset->media_type, asset->bytes, asset->size);
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_handle_root(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_root(struct vor_request *request, enum vor_step step)
 {
     double wanted = vor_accept_named(request, "text/html");
     struct vor_asset page;
@@ -84,12 +84,12 @@ enum vor_next vor_handle_root(void *ctx, struct vor_request *request, enum vor_s
      * programs send them as well. */
     if (wanted > 0 && wanted >= vor_accept_named(request, "application/json") &&
         vor_asset_find(&page, VOR_ASSET_PAGE, strlen(VOR_ASSET_PAGE)))
-        return reply_asset(ctx, request, &page, "Accept, Accept-Encoding");
+        return reply_asset(request, &page, "Accept, Accept-Encoding");
     vor_reply_header(request, "Vary", "Accept");
-    return vor_handle_landing(ctx, request, step);
+    return vor_handle_landing(request, step);
 }
 
-enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_asset(struct vor_request *request, enum vor_step step)
 {
     const char *segment;
     size_t length = vor_path_segment(request->path, 1, &segment);
@@ -98,18 +98,18 @@ enum vor_next vor_handle_asset(void *ctx, struct vor_request *request, enum vor_
 
     (void)step;
     if (vor_asset_find(&asset, segment, length))
-        return reply_asset(ctx, request, &asset, "Accept-Encoding");
-    return vor_problem_say(ctx, request, "no-such-resource", "the page has no file %s",
+        return reply_asset(request, &asset, "Accept-Encoding");
+    return vor_problem_say(request, "no-such-resource", "the page has no file %s",
                            vor_quote(name, sizeof name, segment, length));
 }
 
-enum vor_next vor_handle_openapi(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_openapi(struct vor_request *request, enum vor_step step)
 {
     const char *name = request->path + 1; /* openapi.json or openapi.yaml */
     struct vor_asset asset;
 
     (void)step;
     if (vor_asset_find(&asset, name, strlen(name)))
-        return reply_asset(ctx, request, &asset, "Accept-Encoding");
-    return vor_problem_say(ctx, request, "no-such-resource", "there is no %s", name);
+        return reply_asset(request, &asset, "Accept-Encoding");
+    return vor_problem_say(request, "no-such-resource", "there is no %s", name);
 }

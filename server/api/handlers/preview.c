@@ -9,19 +9,18 @@
 
 enum { CLOUD_BYTES = 1 << 20, FILE_BYTES = 2 << 20 }; /* of VOR_PREVIEW_POINTS_MAX points; 1.2 MB */
 
-static enum vor_next reply_none(struct vor_app *app, struct vor_request *request,
-                                const struct vor_uuid *id)
+static enum vor_next reply_none(struct vor_request *request, const struct vor_uuid *id)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("result-not-available");
 
     problem.job_id = id->text;
     problem.detail = "the job has no preview: it is not running, or no client follows its "
                      "events with preview=N, or no point has moved since the last preview";
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
-static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_followed *followed, size_t most)
+static enum vor_next reply_cloud(struct vor_request *request, const struct vor_followed *followed,
+                                 size_t most)
 {
     const struct vor_format *ply = vor_format(VOR_FORMAT_PLY);
     const struct vor_write_options options = {.keep_order = 1};
@@ -36,7 +35,7 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
     vor_memory_init(&memory, CLOUD_BYTES);
     vor_cloud_init(&cloud, &memory);
     vor_text_init(&text, FILE_BYTES);
-    status = vor_worker_mirror_preview(app->worker, followed->job, &err);
+    status = vor_worker_mirror_preview(request->app->worker, followed->job, &err);
     if (status == VOR_OK)
         status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
     if (status == VOR_OK)
@@ -53,15 +52,14 @@ static enum vor_next reply_cloud(struct vor_app *app, struct vor_request *reques
         vor_reply_header(request, "Cache-Control", "private, no-cache");
     }
     if (status == VOR_OK)
-        return vor_app_reply(app, request, 200, ply->media_type, &text);
+        return vor_app_reply(request, 200, ply->media_type, &text);
     vor_text_free(&text);
-    return status == VOR_E_EMPTY ? reply_none(app, request, &followed->row.id)
-                                 : vor_problem_error(app, request, &err, followed->row.id.text);
+    return status == VOR_E_EMPTY ? reply_none(request, &followed->row.id)
+                                 : vor_problem_error(request, &err, followed->row.id.text);
 }
 
-enum vor_next vor_handle_preview(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_preview(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     size_t most = VOR_PREVIEW_POINTS_MAX;
     struct vor_followed followed;
     enum vor_job_outcome outcome;
@@ -70,15 +68,15 @@ enum vor_next vor_handle_preview(void *ctx, struct vor_request *request, enum vo
     struct vor_uuid id;
 
     (void)step;
-    if (!vor_job_of_path(app, request, &id) || !vor_query_points(app, request, "points", &most))
+    if (!vor_job_of_path(request, &id) || !vor_query_points(request, "points", &most))
         return VOR_NEXT_REPLY;
-    outcome = vor_worker_follow(app->worker, &id, NULL, &followed, &err);
+    outcome = vor_worker_follow(request->app->worker, &id, NULL, &followed, &err);
     if (outcome != VOR_DONE)
-        next = vor_outcome_reply(app, request, outcome, &err, &id);
+        next = vor_outcome_reply(request, outcome, &err, &id);
     else if (followed.job == NULL || vor_job_is_over(followed.job))
-        next = reply_none(app, request, &id);
+        next = reply_none(request, &id);
     else
-        next = reply_cloud(app, request, &followed, most);
+        next = reply_cloud(request, &followed, most);
     if (outcome == VOR_DONE)
         vor_job_release(followed.job);
     return next;

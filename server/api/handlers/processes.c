@@ -14,8 +14,7 @@ struct process_links {
     struct vor_link links[PROCESS_LINKS];
 };
 
-static void make_links(struct vor_app *app, struct vor_request *request, const char *id,
-                       struct process_links *out)
+static void make_links(struct vor_request *request, const char *id, struct process_links *out)
 {
     static const char *const rels[PROCESS_LINKS] = {
         "self", "http://www.opengis.net/def/rel/ogc/1.0/execute", "up"};
@@ -26,14 +25,14 @@ static void make_links(struct vor_app *app, struct vor_request *request, const c
     (void)snprintf(paths[2], PROCESS_PATH_MAX, "/v1/processes");
     for (int i = 0; i < PROCESS_LINKS; i++)
         out->links[i] = (struct vor_link){rels[i], "application/json", NULL,
-                                          vor_app_url(app, request, paths[i], out->urls[i]), -1};
+                                          vor_app_url(request, paths[i], out->urls[i]), -1};
 }
 
-enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step step)
 {
     char url[VOR_URL_MAX];
     struct vor_link self = {"self", "application/json", NULL,
-                            vor_app_url(ctx, request, "/v1/processes", url), -1};
+                            vor_app_url(request, "/v1/processes", url), -1};
     const struct vor_process_info *process;
     struct process_links links = {0};
     struct vor_text text;
@@ -46,7 +45,7 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
         if (!process->on_http)
             continue;
-        make_links(ctx, request, process->id, &links);
+        make_links(request, process->id, &links);
         vor_json_process_summary(&text, process, links.links, PROCESS_LINKS);
     }
     vor_json_end_array(&text);
@@ -54,12 +53,11 @@ enum vor_next vor_handle_processes(void *ctx, struct vor_request *request, enum 
     vor_json_links(&text, &self, 1);
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
-    return vor_app_reply(ctx, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }
 
 /* The process that segment `index` of the path names; NULL after a problem has been replied. */
-static const struct vor_process_info *find_process(struct vor_app *app, struct vor_request *request,
-                                                   unsigned index)
+static const struct vor_process_info *find_process(struct vor_request *request, unsigned index)
 {
     const struct vor_process_info *process;
     const char *segment;
@@ -70,34 +68,32 @@ static const struct vor_process_info *find_process(struct vor_app *app, struct v
         if (process->on_http && strlen(process->id) == length &&
             memcmp(process->id, segment, length) == 0)
             return process;
-    vor_problem_say(app, request, "no-such-process",
-                    "there is no process %s; /v1/processes lists them",
+    vor_problem_say(request, "no-such-process", "there is no process %s; /v1/processes lists them",
                     vor_quote(id, sizeof id, segment, length));
     return NULL;
 }
 
-const struct vor_process_info *vor_process_of_submit(struct vor_app *app,
-                                                     struct vor_request *request)
+const struct vor_process_info *vor_process_of_submit(struct vor_request *request)
 {
     const char *segment;
     size_t length = vor_path_segment(request->path, 1, &segment);
     bool is_long = length == strlen("processes") && strncmp(segment, "processes", length) == 0;
 
-    return find_process(app, request, is_long ? 2 : 1);
+    return find_process(request, is_long ? 2 : 1);
 }
 
-enum vor_next vor_handle_process(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_process(struct vor_request *request, enum vor_step step)
 {
-    const struct vor_process_info *process = find_process(ctx, request, 2);
+    const struct vor_process_info *process = find_process(request, 2);
     struct process_links links = {0};
     struct vor_text text;
 
     (void)step;
     if (process == NULL)
         return VOR_NEXT_REPLY;
-    make_links(ctx, request, process->id, &links);
+    make_links(request, process->id, &links);
     vor_text_init(&text, 0);
     vor_json_process(&text, process, links.links, PROCESS_LINKS);
     vor_text_puts(&text, "\n");
-    return vor_app_reply(ctx, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }

@@ -33,7 +33,7 @@ static const char *read_format(struct vor_result_query *ask, const char *value, 
     return out;
 }
 
-bool vor_result_query_read(struct vor_app *app, struct vor_request *request, bool takes_format,
+bool vor_result_query_read(struct vor_request *request, bool takes_format,
                            struct vor_result_query *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
@@ -65,17 +65,17 @@ bool vor_result_query_read(struct vor_app *app, struct vor_request *request, boo
         if (problem.detail == NULL)
             continue;
         problem.parameter = name;
-        vor_problem_reply(app, request, &problem);
+        vor_problem_reply(request, &problem);
         return false;
     }
     return true;
 }
 
-bool vor_result_accepts(struct vor_app *app, struct vor_request *request, const char *media_type)
+bool vor_result_accepts(struct vor_request *request, const char *media_type)
 {
     if (vor_accept_takes(request, media_type))
         return true;
-    vor_problem_say(app, request, "not-acceptable",
+    vor_problem_say(request, "not-acceptable",
                     "the response is %s, but the Accept header "
                     "does not allow this media type",
                     media_type);

@@ -31,75 +31,73 @@ struct output {
     struct vor_flow *flow; /* of a file that is not here yet; owned until sent; NULL for none */
 };
 
-static enum vor_next say_with_job(struct vor_app *app, struct vor_request *request,
-                                  const char *slug, const char *detail, const char *job_id)
+static enum vor_next say_with_job(struct vor_request *request, const char *slug, const char *detail,
+                                  const char *job_id)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT(slug);
 
     problem.detail = detail;
     problem.job_id = job_id;
-    return vor_problem_reply(app, request, &problem);
+    return vor_problem_reply(request, &problem);
 }
 
-enum vor_next vor_result_missing(struct vor_app *app, struct vor_request *request,
-                                 const struct vor_job_view *view)
+enum vor_next vor_result_missing(struct vor_request *request, const struct vor_job_view *view)
 {
     if (view->expired)
-        return say_with_job(app, request, "job-expired",
+        return say_with_job(request, "job-expired",
                             "the results of this job have expired, or were deleted to free space",
                             view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
-        return vor_problem_failed(app, request, view);
+        return vor_problem_failed(request, view);
     case VOR_JOB_DISMISSED:
-        return say_with_job(app, request, "result-not-available", "the job was dismissed",
+        return say_with_job(request, "result-not-available", "the job was dismissed",
                             view->id.text);
     case VOR_JOB_ACCEPTED:
     case VOR_JOB_RUNNING:
-        return say_with_job(app, request, "result-not-ready", "the job has not ended yet",
+        return say_with_job(request, "result-not-ready", "the job has not ended yet",
                             view->id.text);
     case VOR_JOB_SUCCESSFUL:
     case VOR_JOB_STATUSES:
         break;
     }
-    return say_with_job(app, request, "result-not-available", "the job no longer has this file",
+    return say_with_job(request, "result-not-available", "the job no longer has this file",
                         view->id.text);
 }
 
 /* Opens a blob of a job, unless it flows; false after a problem has been replied, that of `missing`
  * where there is none. */
-static bool open_blob(struct vor_app *app, struct vor_request *request,
-                      const struct vor_job_view *view, const char *name,
-                      enum vor_next (*missing)(struct vor_app *, struct vor_request *,
-                                               const struct vor_job_view *),
+static bool open_blob(struct vor_request *request, const struct vor_job_view *view,
+                      const char *name,
+                      enum vor_next (*missing)(struct vor_request *, const struct vor_job_view *),
                       struct output *out)
 {
     struct vor_error err;
     int found = out->flow != NULL;
 
-    if (!found &&
-        vor_blob_get(app->blobs, &view->id, name, &out->fd, &out->size, &found, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, view->id.text);
+    if (!found && vor_blob_get(request->app->blobs, &view->id, name, &out->fd, &out->size, &found,
+                               &err) != VOR_OK) {
+        vor_problem_error(request, &err, view->id.text);
         return false;
     }
     if (!found)
-        missing(app, request, view);
+        missing(request, view);
     return found != 0;
 }
 
 /* The output that is kept in the row. */
-static bool open_kept(struct vor_app *app, struct vor_request *request,
-                      const struct vor_job_view *view, struct output *out)
+static bool open_kept(struct vor_request *request, const struct vor_job_view *view,
+                      struct output *out)
 {
     struct vor_error err;
-    vor_status status = vor_store_report(app->store, &view->id, &out->bytes, &err);
+    vor_status status = vor_store_report(request->app->store, &view->id, &out->bytes, &err);
 
     if (status == VOR_OK && out->bytes == NULL) {
-        vor_result_missing(app, request, view);
+        vor_result_missing(request, view);
         return false;
     }
     if (status != VOR_OK) {
-        vor_problem_error(app, request, &err, view->id.text);
+        vor_problem_error(request, &err, view->id.text);
         return false;
     }
     out->size = strlen(out->bytes);
@@ -117,25 +115,25 @@ static void name_file(const struct vor_job_view *view, unsigned index,
 }
 
 /* Output number `index` of a successful job; false after a problem has been replied. */
-static bool open_output(struct vor_app *app, struct vor_request *request,
-                        const struct vor_job_view *view, unsigned index, struct output *out)
+static bool open_output(struct vor_request *request, const struct vor_job_view *view,
+                        unsigned index, struct output *out)
 {
     char blob[VOR_BLOB_NAME_MAX + 1];
 
     out->media_type = vor_output_media_type(view, index);
     if (out->media_type == NULL) {
-        vor_result_missing(app, request, view);
+        vor_result_missing(request, view);
         return false;
     }
     name_file(view, index, vor_format(view->output[index].format), out);
     if (vor_output_in_row(&view->spec.process->outputs[index]))
-        return open_kept(app, request, view, out);
+        return open_kept(request, view, out);
     out->size = view->output[index].bytes;
     (void)snprintf(out->etag, sizeof out->etag, "\"%s\"", view->output[index].sha256);
     if (view->output[index].has_origin)
         (void)vor_origin_text(view->output[index].origin, out->origin);
     (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, blob);
-    return open_blob(app, request, view, blob, vor_result_missing, out);
+    return open_blob(request, view, blob, vor_result_missing, out);
 }
 
 /* A name that is not ASCII stands there a second time, as RFC 6266 has it, for those who read that.
@@ -172,15 +170,15 @@ static void add_headers(struct vor_request *request, const struct output *out)
         vor_reply_header(request, "Voronoid-Origin", out->origin);
 }
 
-static void send_part(struct vor_app *app, struct vor_request *request, int http,
-                      struct output *out, uint64_t offset, uint64_t length)
+static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,
+                      uint64_t length)
 {
     if (out->bytes != NULL) {
         vor_reply_bytes(request, http, out->media_type, out->bytes + offset, (size_t)length);
         return;
     }
     if (out->flow != NULL) {
-        (void)vor_reply_flow(app, request, out->flow, out->media_type, out->size, out->etag + 1);
+        (void)vor_reply_flow(request, out->flow, out->media_type, out->size, out->etag + 1);
         out->flow = NULL;
         return;
     }
@@ -188,8 +186,7 @@ static void send_part(struct vor_app *app, struct vor_request *request, int http
     out->fd = -1;
 }
 
-static enum vor_next reply_output(struct vor_app *app, struct vor_request *request,
-                                  struct output *out)
+static enum vor_next reply_output(struct vor_request *request, struct output *out)
 {
     const char *range = vor_request_header(request, "Range");
     const char *if_range = vor_request_header(request, "If-Range");
@@ -203,7 +200,7 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
     case VOR_RANGE_OUTSIDE:
         (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
         vor_reply_header(request, "Content-Range", span);
-        return vor_problem_say(app, request, "range-not-satisfiable",
+        return vor_problem_say(request, "range-not-satisfiable",
                                "Range is %.60s, want a range that begins within 0 to %" PRIu64,
                                vor_request_header(request, "Range"),
                                out->size > 0 ? out->size - 1 : 0);
@@ -212,11 +209,11 @@ static enum vor_next reply_output(struct vor_app *app, struct vor_request *reque
                        offset + length - 1, out->size);
         vor_reply_header(request, "Content-Range", span);
         add_headers(request, out);
-        send_part(app, request, 206, out, offset, length);
+        send_part(request, 206, out, offset, length);
         break;
     case VOR_RANGE_WHOLE:
         add_headers(request, out);
-        send_part(app, request, 200, out, 0, out->size);
+        send_part(request, 200, out, 0, out->size);
         break;
     }
     return VOR_NEXT_REPLY;
@@ -244,8 +241,8 @@ static bool may_flow(struct vor_request *request, const char *sha256, uint64_t s
 
 /* True when the bytes of a file are those that were written, or none are to be sent. Else *next is
  * what the handler returns; once woken, it is called again and asks again. */
-static bool is_sound(struct vor_app *app, struct vor_request *request,
-                     const struct vor_job_view *view, const struct output *out, enum vor_next *next)
+static bool is_sound(struct vor_request *request, const struct vor_job_view *view,
+                     const struct output *out, enum vor_next *next)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
     enum vor_verdict verdict;
@@ -257,11 +254,11 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
         return true;
     (void)snprintf(sha256, sizeof sha256, "%s", out->etag + 1); /* between its quotes */
     asker = vor_asker_of(request);
-    verdict = vor_verify_ask(app->verify, out->fd, out->size, sha256, &asker);
+    verdict = vor_verify_ask(request->app->verify, out->fd, out->size, sha256, &asker);
     if (verdict != VOR_VERDICT_WAIT)
         vor_waker_drop(asker.ctx);
     if (verdict == VOR_VERDICT_WAIT) {
-        *next = vor_problem_or_wait(app, request);
+        *next = vor_problem_or_wait(request);
     } else if (verdict == VOR_VERDICT_DAMAGED) {
         (void)snprintf(detail, sizeof detail,
                        "the stored bytes of %s differ from the bytes that were written "
@@ -269,41 +266,39 @@ static bool is_sound(struct vor_app *app, struct vor_request *request,
                        out->name, sha256);
         problem.detail = detail;
         problem.job_id = view->id.text;
-        *next = vor_problem_reply(app, request, &problem);
+        *next = vor_problem_reply(request, &problem);
     } else if (verdict == VOR_VERDICT_FAILED) {
-        *next = vor_problem_say(app, request, "store-unavailable",
+        *next = vor_problem_say(request, "store-unavailable",
                                 "the stored bytes cannot be checked now; try again later");
     }
     return verdict == VOR_VERDICT_SOUND;
 }
 
-enum vor_next vor_result_whole(struct vor_app *app, struct vor_request *request,
-                               const struct vor_job_view *view, bool is_new)
+enum vor_next vor_result_whole(struct vor_request *request, const struct vor_job_view *view,
+                               bool is_new)
 {
     enum vor_next next = VOR_NEXT_REPLY;
     struct output out = {.fd = -1};
 
-    if (open_output(app, request, view, 0, &out) &&
-        (is_new || is_sound(app, request, view, &out, &next))) {
+    if (open_output(request, view, 0, &out) && (is_new || is_sound(request, view, &out, &next))) {
         add_headers(request, &out);
-        send_part(app, request, 200, &out, 0, out.size);
+        send_part(request, 200, &out, 0, out.size);
     }
     output_close(&out);
     return next;
 }
 
 /* Output number `index` in another format than the job's. */
-static enum vor_next reply_converted(struct vor_app *app, struct vor_request *request,
-                                     const struct vor_job_view *view, unsigned index,
-                                     unsigned format)
+static enum vor_next reply_converted(struct vor_request *request, const struct vor_job_view *view,
+                                     unsigned index, unsigned format)
 {
     struct output out = {.fd = -1, .media_type = vor_format(format)->media_type};
     struct vor_converted converted;
     enum vor_next next;
 
-    if (!vor_result_accepts(app, request, out.media_type))
+    if (!vor_result_accepts(request, out.media_type))
         return VOR_NEXT_REPLY;
-    next = vor_converted_get(app, request, view, index, format, &converted);
+    next = vor_converted_get(request, view, index, format, &converted);
     if (next != VOR_NEXT_REPLY || converted.fd < 0)
         return next;
     out.fd = converted.fd;
@@ -311,16 +306,15 @@ static enum vor_next reply_converted(struct vor_app *app, struct vor_request *re
     (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", converted.sha256);
     memcpy(out.origin, converted.origin, sizeof out.origin);
     name_file(view, index, vor_format(format), &out);
-    if (is_sound(app, request, view, &out, &next))
-        next = reply_output(app, request, &out);
+    if (is_sound(request, view, &out, &next))
+        next = reply_output(request, &out);
     output_close(&out);
     return next;
 }
 
 /* Whether a client may be sent to where a result lies: conditions compare ETags, and there it has
  * another one; while S3 is away, the bytes may be here. */
-static bool may_be_sent_there(struct vor_app *app, struct vor_request *request,
-                              const struct vor_result_query *ask)
+static bool may_be_sent_there(struct vor_request *request, const struct vor_result_query *ask)
 {
     static const char *const conditions[] = {"If-Match", "If-None-Match", "If-Modified-Since",
                                              "If-Unmodified-Since", "If-Range"};
@@ -328,12 +322,11 @@ static bool may_be_sent_there(struct vor_app *app, struct vor_request *request,
     for (size_t i = 0; i < sizeof conditions / sizeof conditions[0]; i++)
         if (vor_request_header(request, conditions[i]) != NULL)
             return false;
-    return !ask->stays && vor_blobs_reach(app->blobs, NULL) == VOR_OK;
+    return !ask->stays && vor_blobs_reach(request->app->blobs, NULL) == VOR_OK;
 }
 
 /* Replies with a link to where a result lies; false where there is none. */
-static bool reply_link(struct vor_app *app, struct vor_request *request,
-                       const struct vor_job_view *view, unsigned index)
+static bool reply_link(struct vor_request *request, const struct vor_job_view *view, unsigned index)
 {
     const struct vor_job_output *output = &view->output[index];
     struct vor_blob_reading reading = {.method = request->method == VOR_HEAD ? "HEAD" : "GET",
@@ -351,7 +344,7 @@ static bool reply_link(struct vor_app *app, struct vor_request *request,
     put_disposition(&disposition, out.name);
     reading.disposition = disposition.failed ? "attachment" : disposition.data;
     (void)vor_blob_of_output(view->spec.process->outputs[index].name, view->attempt, blob);
-    done = vor_blob_link(app->blobs, &view->id, blob, &reading, &link, NULL) == VOR_OK &&
+    done = vor_blob_link(request->app->blobs, &view->id, blob, &reading, &link, NULL) == VOR_OK &&
            link.size > 0;
     if (done) {
         (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", output->sha256);
@@ -368,10 +361,9 @@ static bool reply_link(struct vor_app *app, struct vor_request *request,
     return done;
 }
 
-enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_result(struct vor_request *request, enum vor_step step)
 {
     const struct vor_artefact_info *outputs, *output;
-    struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
     struct vor_result_query ask;
@@ -382,7 +374,7 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
     struct vor_here here = {.exists = true};
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     (void)snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), segment);
     outputs = view.spec.process->outputs;
@@ -400,48 +392,46 @@ enum vor_next vor_handle_result(void *ctx, struct vor_request *request, enum vor
             at += (size_t)snprintf(names + at, (sizeof names) - at, "%s%s", i > 0 ? before : "",
                                    view.spec.process->outputs[i].name);
         }
-        return vor_problem_say(app, request, "no-such-output", "there is no output %s, want %s",
-                               name, names);
+        return vor_problem_say(request, "no-such-output", "there is no output %s, want %s", name,
+                               names);
     }
-    if (!vor_result_query_read(app, request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
+    if (!vor_result_query_read(request, output->kind == VOR_ARTEFACT_CLOUD, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
-        return vor_result_missing(app, request, &view);
+        return vor_result_missing(request, &view);
     if (ask.has_format && ask.format != view.output[output - outputs].format)
-        return reply_converted(app, request, &view, (unsigned)(output - outputs), ask.format);
-    if (!vor_output_in_row(output) && may_be_sent_there(app, request, &ask) &&
-        reply_link(app, request, &view, (unsigned)(output - outputs)))
+        return reply_converted(request, &view, (unsigned)(output - outputs), ask.format);
+    if (!vor_output_in_row(output) && may_be_sent_there(request, &ask) &&
+        reply_link(request, &view, (unsigned)(output - outputs)))
         return VOR_NEXT_REPLY;
     here.may_flow = may_flow(request, view.output[output - outputs].sha256,
                              view.output[output - outputs].bytes);
     (void)vor_blob_of_output(output->name, view.attempt, blob);
-    if (!vor_output_in_row(output) && !vor_blob_is_here(app, request, &view.id, blob, &here, &next))
+    if (!vor_output_in_row(output) && !vor_blob_is_here(request, &view.id, blob, &here, &next))
         return next;
     if (!here.exists)
-        return vor_result_missing(app, request, &view);
+        return vor_result_missing(request, &view);
     out.flow = here.flow;
-    if (open_output(app, request, &view, (unsigned)(output - outputs), &out) &&
-        vor_result_accepts(app, request, out.media_type) &&
-        is_sound(app, request, &view, &out, &next))
-        next = reply_output(app, request, &out);
+    if (open_output(request, &view, (unsigned)(output - outputs), &out) &&
+        vor_result_accepts(request, out.media_type) && is_sound(request, &view, &out, &next))
+        next = reply_output(request, &out);
     output_close(&out);
     return next;
 }
 
-enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_results(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     struct vor_result_query ask;
     struct vor_job_view view;
     struct vor_text text;
     char url[VOR_URL_MAX];
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view) || !vor_result_query_read(app, request, false, &ask))
+    if (!vor_job_look_up(request, &view) || !vor_result_query_read(request, false, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
-        return vor_result_missing(app, request, &view);
-    if (!vor_result_accepts(app, request, "application/json"))
+        return vor_result_missing(request, &view);
+    if (!vor_result_accepts(request, "application/json"))
         return VOR_NEXT_REPLY;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
@@ -450,26 +440,24 @@ enum vor_next vor_handle_results(void *ctx, struct vor_request *request, enum vo
 
         vor_json_key(&text, name);
         vor_json_begin_object(&text);
-        vor_json_put_string(&text, "href", vor_app_result_url(app, request, &view.id, name, url));
+        vor_json_put_string(&text, "href", vor_app_result_url(request, &view.id, name, url));
         vor_json_put_string(&text, "type", vor_output_media_type(&view, i));
         vor_json_end_object(&text);
     }
     vor_json_end_object(&text);
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, 200, "application/json", &text);
+    return vor_app_reply(request, 200, "application/json", &text);
 }
 
-static enum vor_next missing_input(struct vor_app *app, struct vor_request *request,
-                                   const struct vor_job_view *view)
+static enum vor_next missing_input(struct vor_request *request, const struct vor_job_view *view)
 {
-    return say_with_job(app, request, "input-not-kept", "the input of this job is no longer stored",
+    return say_with_job(request, "input-not-kept", "the input of this job is no longer stored",
                         view->id.text);
 }
 
-enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_input(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
     char blob[VOR_BLOB_NAME_MAX + 1];
@@ -478,16 +466,16 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     struct vor_here here = {.exists = false};
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     if (view.expired)
-        return vor_result_missing(app, request, &view);
+        return vor_result_missing(request, &view);
     (void)vor_blob_of_upload(view.spec.process->inputs[0].name, blob);
     here.may_flow = may_flow(request, view.input[0].sha256, view.input[0].bytes);
-    if (!vor_blob_is_here(app, request, &view.id, blob, &here, &next))
+    if (!vor_blob_is_here(request, &view.id, blob, &here, &next))
         return next;
     if (!here.exists)
-        return missing_input(app, request, &view);
+        return missing_input(request, &view);
     out.flow = here.flow;
     out.size = view.input[0].bytes;
     format = vor_format(view.input[0].format);
@@ -495,9 +483,9 @@ enum vor_next vor_handle_input(void *ctx, struct vor_request *request, enum vor_
     vor_result_name(out.name, view.name, view.id.text, view.spec.process->id, "input",
                     format != NULL ? format->suffix : "");
     (void)snprintf(out.etag, sizeof out.etag, "\"%s\"", view.input[0].sha256);
-    if (open_blob(app, request, &view, blob, missing_input, &out) &&
-        is_sound(app, request, &view, &out, &next))
-        next = reply_output(app, request, &out);
+    if (open_blob(request, &view, blob, missing_input, &out) &&
+        is_sound(request, &view, &out, &next))
+        next = reply_output(request, &out);
     output_close(&out);
     return next;
 }

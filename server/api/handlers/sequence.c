@@ -150,9 +150,9 @@ static long read_result(struct vor_sequence *sequence, char *out, size_t size)
     return (long)got;
 }
 
-static long read_reply(void *ctx, struct vor_request *request, char *out, size_t size)
+static long read_reply(struct vor_request *request, char *out, size_t size)
 {
-    struct vor_sequence *sequence = ctx;
+    struct vor_sequence *sequence = request->state;
 
     if (vor_request_gone(request))
         return -1;
@@ -217,7 +217,7 @@ static int take_piece(void *ctx, const void *bytes, size_t size)
         return vor_error_storage_full(err) ? 507 : 503;
     if (err->status == VOR_OK || (sequence->wasted += size) <= PATIENCE)
         return 0;
-    vor_problem_error(sequence->app, sequence->request, err, NULL);
+    vor_problem_error(sequence->request, err, NULL);
     return -1;
 }
 
@@ -255,39 +255,39 @@ static vor_status complete(struct vor_submit_head *head, bool *is_linked, struct
 }
 
 /* Reads the head; false after a problem has been replied. */
-static bool read_head(struct vor_app *app, struct vor_request *request,
-                      struct vor_submit_head *head, bool *is_linked)
+static bool read_head(struct vor_request *request, struct vor_submit_head *head, bool *is_linked)
 {
     struct vor_error err;
     enum vor_next next;
 
-    if (!vor_limits_rate(app, request) || !vor_submit_read_spec(app, request, head))
+    if (!vor_limits_rate(request) || !vor_submit_read_spec(request, head))
         return false;
     head->mode = VOR_SUBMIT_STREAM;
     if (head->body == VOR_SUBMIT_JSON || head->is_gzip) {
-        vor_problem_say(app, request, "unsupported-format",
+        vor_problem_say(request, "unsupported-format",
                         "the body is %s, want a tar archive, or a form with files",
                         head->is_gzip ? "compressed" : "JSON");
         return false;
     }
     if (!vor_accept_takes(request, "application/x-tar") &&
         !vor_accepts(request, "text/event-stream")) {
-        vor_problem_say(app, request, "not-acceptable",
+        vor_problem_say(request, "not-acceptable",
                         "the Accept header has none of application/x-tar, text/event-stream and "
                         "*/*");
         return false;
     }
     if (complete(head, is_linked, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_error(request, &err, NULL);
         return false;
     }
     /* The result that the first frame starts from must be there. */
-    return vor_submit_options_open(app, request, &head->options, head->spec.process, NULL, &next) &&
-           vor_submit_has_room(app, request, head);
+    return vor_submit_options_open(request, &head->options, head->spec.process, NULL, &next) &&
+           vor_submit_has_room(request, head);
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+static enum vor_next begin(struct vor_request *request)
 {
+    struct vor_app *app = request->app;
     struct vor_submit_head head;
     struct vor_sequence *sequence;
     struct vor_body_sink sink;
@@ -295,11 +295,11 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     bool is_linked = false;
     vor_status status;
 
-    if (!read_head(app, request, &head, &is_linked))
+    if (!read_head(request, &head, &is_linked))
         return VOR_NEXT_REPLY;
     sequence = calloc(1, sizeof *sequence);
     if (sequence == NULL)
-        return vor_problem_no_memory(app, request);
+        return vor_problem_no_memory(request);
     sequence->app = app;
     sequence->request = request;
     sequence->head = head;
@@ -318,15 +318,14 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     if (status == VOR_OK)
         status = vor_sequence_begin_body(sequence, &err);
     if (status != VOR_OK)
-        return vor_problem_error(app, request, &err, NULL);
+        return vor_problem_error(request, &err, NULL);
     sink = (struct vor_body_sink){sequence, take_piece};
     vor_request_take_body(request, &sink, (uint64_t)app->config->number[VOR_SET_BODY_LIMIT]);
     return VOR_NEXT_BODY;
 }
 
 /* The body is in. */
-static enum vor_next reply(struct vor_app *app, struct vor_request *request,
-                           struct vor_sequence *sequence)
+static enum vor_next reply(struct vor_request *request, struct vor_sequence *sequence)
 {
     struct vor_error *err = &sequence->error;
     vor_status status = err->status;
@@ -334,18 +333,18 @@ static enum vor_next reply(struct vor_app *app, struct vor_request *request,
     if (status == VOR_OK)
         status = vor_sequence_finish(sequence, err);
     if (status != VOR_OK)
-        return vor_problem_error(app, request, err, NULL);
+        return vor_problem_error(request, err, NULL);
     sequence->is_stream = true;
     sequence->sent_at = vor_clock_seconds();
-    (void)atomic_fetch_add(&app->streams, 1);
+    (void)atomic_fetch_add(&request->app->streams, 1);
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_header(request, "X-Accel-Buffering", "no");
     vor_reply_stream(request, 200, sequence->is_events ? "text/event-stream" : "application/x-tar",
-                     VOR_LENGTH_UNKNOWN, read_reply, sequence);
+                     VOR_LENGTH_UNKNOWN, read_reply);
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_handle_sequence(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_sequence(struct vor_request *request, enum vor_step step)
 {
-    return step == VOR_STEP_HEAD ? begin(ctx, request) : reply(ctx, request, request->state);
+    return step == VOR_STEP_HEAD ? begin(request) : reply(request, request->state);
 }

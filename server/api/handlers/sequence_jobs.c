@@ -69,7 +69,7 @@ void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
         problem.detail = "the daemon is shutting down";
     }
     vor_text_clear(&frame->told);
-    vor_problem_write(sequence->app, sequence->request, &problem, &frame->told);
+    vor_problem_write(sequence->request, &problem, &frame->told);
     frame->id.text[0] = '\0';
     frame->is_over = true;
 }
@@ -212,7 +212,7 @@ static void follow(struct vor_sequence *sequence, struct vor_flight *flight)
     if (sequence->is_events) {
         struct vor_frame *frame = &sequence->frames[flight->frame];
 
-        vor_job_write(sequence->app, sequence->request, &flight->view, &frame->told);
+        vor_job_write(sequence->request, &flight->view, &frame->told);
         frame->is_accepted = true;
     }
     flight->is_followed = true;
@@ -249,7 +249,7 @@ static void land(struct vor_sequence *sequence, struct vor_flight *flight)
         return;
     }
     vor_text_clear(&frame->told);
-    vor_job_write(sequence->app, sequence->request, &view, &frame->told);
+    vor_job_write(sequence->request, &view, &frame->told);
     frame->is_over = true;
     if (view.status != VOR_JOB_SUCCESSFUL)
         return;

@@ -53,8 +53,7 @@ bool vor_submit_options_has(const struct vor_process_info *process, const char *
  *  @param[out] next     what the handler returns after false: a problem has been replied
  * (no-such-job, job-expired, input-not-kept, those of vor_result_missing), or the request waits for
  * files that come from another machine, and asks again once woken */
-bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
-                             const struct vor_submit_options *options,
+bool vor_submit_options_open(struct vor_request *request, const struct vor_submit_options *options,
                              const struct vor_process_info *process, struct vor_uploads *uploads,
                              enum vor_next *next);
 
@@ -115,8 +114,7 @@ struct vor_submit_head {
  *  and a key. Of one whose body is JSON nothing but the process is read.
  *
  *  @return true, or false after a problem has been replied, as below */
-bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
-                          struct vor_submit_head *out);
+bool vor_submit_read_spec(struct vor_request *request, struct vor_submit_head *out);
 
 /** Reads a head; it is complete, but for that of a form, whose parameters are still to come, and of
  *  a body of JSON.
@@ -124,13 +122,12 @@ bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
  *  @return true, or false after a problem has been replied: no-such-process, a coding that is not
  *          taken, a parameter unknown, given twice or out of range, a key that is none, no
  *          acceptable format */
-bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out);
+bool vor_submit_read(struct vor_request *request, struct vor_submit_head *out);
 
 /** Completes a head whose parameters are all set, and chooses the format.
  *
  *  @return true, or false after a problem has been replied, as above */
-bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
-                         struct vor_submit_head *head);
+bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *head);
 
 /** Whether one coding (a token, not a list) says gzip.
  *
@@ -140,8 +137,7 @@ int vor_submit_coding(const char *coding);
 /** Whether there is room for a job and its inputs, and for a stream if the head asks for one.
  *
  *  @return true, or false after a problem has been replied */
-bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
-                         const struct vor_submit_head *head);
+bool vor_submit_has_room(struct vor_request *request, const struct vor_submit_head *head);
 
 /* --- submit_form.c ---------------------------------------------------------------------------- */
 
@@ -154,7 +150,7 @@ struct vor_submit_form;
  *  @param[in,out] uploads  none yet; gets the files, those of a form that is refused as well
  *
  *  @return NULL after a problem has been replied */
-struct vor_submit_form *vor_submit_form_begin(struct vor_app *app, struct vor_request *request,
+struct vor_submit_form *vor_submit_form_begin(struct vor_request *request,
                                               struct vor_submit_head *head,
                                               struct vor_uploads *uploads);
 
@@ -177,7 +173,7 @@ bool vor_submit_form_end(struct vor_submit_form *form);
  *  each with the place where it stands and the query that it belongs into (invalid-parameter); a
  *  body without any is no format that is read (unsupported-format), and one that is no JSON
  *  malformed-request. */
-void vor_submit_json_refuse(struct vor_app *app, struct vor_request *request,
-                            const struct vor_process_info *process, const struct vor_text *body);
+void vor_submit_json_refuse(struct vor_request *request, const struct vor_process_info *process,
+                            const struct vor_text *body);
 
 #endif

@@ -132,8 +132,8 @@ static int take_json(void *ctx, const void *bytes, size_t size)
 }
 
 /* Where the body goes; false after a problem has been replied. */
-static bool open_sink(struct vor_app *app, struct vor_request *request,
-                      struct submission *submission, struct vor_body_sink *sink)
+static bool open_sink(struct vor_request *request, struct submission *submission,
+                      struct vor_body_sink *sink)
 {
     const struct vor_submit_head *head = &submission->head;
     const char *name = head->spec.process->inputs[0].name; /* the main input */
@@ -142,8 +142,7 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
 
     switch (head->body) {
     case VOR_SUBMIT_FORM:
-        submission->form =
-            vor_submit_form_begin(app, request, &submission->head, &submission->uploads);
+        submission->form = vor_submit_form_begin(request, &submission->head, &submission->uploads);
         *sink = (struct vor_body_sink){submission->form, vor_submit_form_take};
         return submission->form != NULL;
     case VOR_SUBMIT_JSON:
@@ -155,34 +154,36 @@ static bool open_sink(struct vor_app *app, struct vor_request *request,
     }
     *sink = (struct vor_body_sink){submission, take_piece};
     if (head->options.input.text[0] == '\0')
-        status = vor_uploads_begin(&submission->uploads, name, head->is_gzip, app->blobs, &err);
+        status =
+            vor_uploads_begin(&submission->uploads, name, head->is_gzip, request->app->blobs, &err);
     else if (request->length != 0)
         status = vor_fail_param(&err, VOR_E_PARAM, "input",
                                 "input is job:%s, but the body also has a cloud; send only one "
                                 "input",
                                 head->options.input.text);
     if (status != VOR_OK)
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_error(request, &err, NULL);
     return status == VOR_OK;
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+static enum vor_next begin(struct vor_request *request)
 {
+    struct vor_app *app = request->app;
     enum vor_job_outcome outcome = VOR_DONE;
     uint64_t limit = (uint64_t)app->config->number[VOR_SET_BODY_LIMIT];
     struct vor_submit_head head;
     struct submission *submission;
     struct vor_body_sink sink;
 
-    if (!vor_limits_rate(app, request) || !vor_submit_read(app, request, &head))
+    if (!vor_limits_rate(request) || !vor_submit_read(request, &head))
         return VOR_NEXT_REPLY;
     if (head.body == VOR_SUBMIT_JSON)
         limit = limit < VOR_JSON_SIZE_MAX ? limit : VOR_JSON_SIZE_MAX;
-    else if (!vor_submit_has_room(app, request, &head))
+    else if (!vor_submit_has_room(request, &head))
         return VOR_NEXT_REPLY;
     submission = calloc(1, sizeof *submission);
     if (submission == NULL)
-        return vor_problem_no_memory(app, request);
+        return vor_problem_no_memory(request);
     submission->app = app;
     atomic_flag_clear(&submission->cancels);
     submission->head = head;
@@ -193,13 +194,13 @@ static enum vor_next begin(struct vor_app *app, struct vor_request *request)
     if (has_key(submission))
         outcome = vor_inflight_begin(app->inflight, &submission->head.options.key);
     if (outcome == VOR_CONFLICT)
-        return vor_problem_say(app, request, "idempotency-in-flight",
+        return vor_problem_say(request, "idempotency-in-flight",
                                "a request with Idempotency-Key %s is in progress; try again later",
                                submission->head.options.key.text);
     if (outcome != VOR_DONE)
-        return vor_problem_no_memory(app, request);
+        return vor_problem_no_memory(request);
     submission->in_flight = has_key(submission);
-    if (!open_sink(app, request, submission, &sink))
+    if (!open_sink(request, submission, &sink))
         return VOR_NEXT_REPLY;
     vor_request_take_body(request, &sink, limit);
     return VOR_NEXT_BODY;
@@ -290,14 +291,14 @@ static void on_admitted(struct vor_admission *admission)
     vor_deferred_complete(&submission->deferred);
 }
 
-static enum vor_next admit(struct vor_app *app, struct vor_request *request,
-                           struct submission *submission)
+static enum vor_next admit(struct vor_request *request, struct submission *submission)
 {
+    struct vor_app *app = request->app;
     enum vor_job_outcome outcome = vor_worker_book(app->worker);
 
     submission->booked = outcome == VOR_DONE;
     if (!submission->booked && !has_key(submission)) /* which may be that of a job that is there */
-        return vor_outcome_reply(app, request, outcome, NULL, NULL);
+        return vor_outcome_reply(request, outcome, NULL, NULL);
     submission->admission = (struct vor_admission){.uploads = submission->uploads,
                                                    .caller = vor_auth_fairness_key(request),
                                                    .spec = &submission->head.spec,
@@ -313,13 +314,13 @@ static enum vor_next admit(struct vor_app *app, struct vor_request *request,
     vor_deferred_cancel(&submission->deferred);
     if (submission->booked)
         vor_worker_unbook(app->worker);
-    return vor_outcome_reply(app, request, outcome, &submission->admission.error, NULL);
+    return vor_outcome_reply(request, outcome, &submission->admission.error, NULL);
 }
 
 /* Adds the address of the job, and the preferences that the reply follows; a stream follows none.
  */
-static void add_job_headers(struct vor_app *app, struct vor_request *request,
-                            const struct submission *submission, bool is_async)
+static void add_job_headers(struct vor_request *request, const struct submission *submission,
+                            bool is_async)
 {
     const struct vor_submit_head *head = &submission->head;
     bool waited = head->wait_seconds >= 0 && head->mode == VOR_SUBMIT_SYNC;
@@ -329,8 +330,7 @@ static void add_job_headers(struct vor_app *app, struct vor_request *request,
 
     if (submission->replayed)
         vor_reply_header(request, "Idempotent-Replayed", "true");
-    vor_reply_header(request, "Location",
-                     vor_app_job_url(app, request, &submission->view.id, "", url));
+    vor_reply_header(request, "Location", vor_app_job_url(request, &submission->view.id, "", url));
     applied[0] = '\0';
     if (is_async && head->is_async)
         length = snprintf(applied, sizeof applied, "respond-async%s", waited ? ", " : "");
@@ -341,8 +341,7 @@ static void add_job_headers(struct vor_app *app, struct vor_request *request,
         vor_reply_header(request, "Preference-Applied", applied);
 }
 
-static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *request,
-                                    struct submission *submission)
+static enum vor_next reply_accepted(struct vor_request *request, struct submission *submission)
 {
     struct vor_job_view view = submission->view;
     struct vor_error err;
@@ -350,18 +349,17 @@ static enum vor_next reply_accepted(struct vor_app *app, struct vor_request *req
 
     submission->settled = true;
     /* The job as it is now, or as it was accepted when the row cannot be read. */
-    if (vor_worker_get(app->worker, &submission->view.id, NULL, &view, &err) != VOR_DONE)
+    if (vor_worker_get(request->app->worker, &submission->view.id, NULL, &view, &err) != VOR_DONE)
         view = submission->view;
-    add_job_headers(app, request, submission, true);
+    add_job_headers(request, submission, true);
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_text_init(&text, 0);
-    vor_job_write(app, request, &view, &text);
+    vor_job_write(request, &view, &text);
     vor_text_puts(&text, "\n");
-    return vor_app_reply(app, request, 201, "application/json", &text);
+    return vor_app_reply(request, 201, "application/json", &text);
 }
 
-static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *request,
-                                  struct submission *submission)
+static enum vor_next wait_for_end(struct vor_request *request, struct submission *submission)
 {
     double left = submission->deadline - vor_clock_seconds();
 
@@ -369,38 +367,37 @@ static enum vor_next wait_for_end(struct vor_app *app, struct vor_request *reque
         struct vor_job_view view;
         struct vor_error err;
         enum vor_job_outcome outcome =
-            vor_worker_get(app->worker, &submission->view.id, NULL, &view, &err);
+            vor_worker_get(request->app->worker, &submission->view.id, NULL, &view, &err);
 
         /* Answers a caller who has waited for the end of the job. */
         submission->settled = true;
         if (!submission->headed)
-            add_job_headers(app, request, submission, false);
+            add_job_headers(request, submission, false);
         submission->headed = true;
         if (outcome != VOR_DONE)
-            return vor_outcome_reply(app, request, outcome, &err, &submission->view.id);
+            return vor_outcome_reply(request, outcome, &err, &submission->view.id);
         if (view.status != VOR_JOB_SUCCESSFUL)
-            return vor_result_missing(app, request, &view);
-        return vor_result_whole(app, request, &view, !submission->replayed);
+            return vor_result_missing(request, &view);
+        return vor_result_whole(request, &view, !submission->replayed);
     }
     if (vor_request_gone(request))
-        return vor_problem_say(app, request, "client-closed", "the client disconnected");
+        return vor_problem_say(request, "client-closed", "the client disconnected");
     if (vor_request_closing(request)) {
         submission->settled = true;
-        add_job_headers(app, request, submission, false);
-        return vor_problem_say(app, request, "draining",
+        add_job_headers(request, submission, false);
+        return vor_problem_say(request, "draining",
                                "the daemon is shutting down; the job runs after the next start "
                                "of the daemon");
     }
     if (submission->deadline > 0) {
         if (left <= 0)
-            return reply_accepted(app, request, submission);
+            return reply_accepted(request, submission);
         vor_request_wake_after(request, left);
     }
     return VOR_NEXT_WAIT;
 }
 
-static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
-                              struct submission *submission)
+static enum vor_next accepted(struct vor_request *request, struct submission *submission)
 {
     struct vor_uuid id = submission->view.id;
     enum vor_job_outcome outcome;
@@ -409,40 +406,39 @@ static enum vor_next accepted(struct vor_app *app, struct vor_request *request,
         submission->outcome = VOR_DRAINING;
     if (submission->outcome == VOR_CONFLICT)
         return vor_problem_say(
-            app, request, "idempotency-key-reused",
+            request, "idempotency-key-reused",
             "Idempotency-Key %s belongs to job %s, which has another process, parameter or input",
             submission->head.options.key.text, id.text);
     if (submission->outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, submission->outcome, &submission->error, NULL);
+        return vor_outcome_reply(request, submission->outcome, &submission->error, NULL);
     (void)snprintf(request->job, sizeof request->job, "%s", id.text);
     switch (submission->head.mode) {
     case VOR_SUBMIT_ASYNC:
-        return reply_accepted(app, request, submission);
+        return reply_accepted(request, submission);
     case VOR_SUBMIT_STREAM:
-        add_job_headers(app, request, submission, false);
-        return vor_events_reply(app, request, &id);
+        add_job_headers(request, submission, false);
+        return vor_events_reply(request, &id);
     case VOR_SUBMIT_SYNC:
         break;
     }
-    outcome = subscribe(app, NULL, submission, &id);
+    outcome = subscribe(request->app, NULL, submission, &id);
     if (outcome != VOR_DONE)
-        return vor_outcome_reply(app, request, outcome, &submission->error, &id);
+        return vor_outcome_reply(request, outcome, &submission->error, &id);
     submission->waits = true;
     if (submission->head.wait_seconds >= 0)
         submission->deadline = vor_clock_seconds() + submission->head.wait_seconds;
-    return wait_for_end(app, request, submission);
+    return wait_for_end(request, submission);
 }
 
 /* Answers a request whose key is that of a job, and admits any other. */
-static enum vor_next take_in(struct vor_app *app, struct vor_request *request,
-                             struct submission *submission)
+static enum vor_next take_in(struct vor_request *request, struct submission *submission)
 {
     enum vor_job_outcome outcome = VOR_UNKNOWN;
     struct vor_submit_inputs inputs;
     enum vor_next next;
 
-    if (!vor_submit_options_open(app, request, &submission->head.options,
-                                 submission->head.spec.process, &submission->uploads, &next)) {
+    if (!vor_submit_options_open(request, &submission->head.options, submission->head.spec.process,
+                                 &submission->uploads, &next)) {
         submission->follows = next == VOR_NEXT_WAIT;
         return next;
     }
@@ -450,57 +446,56 @@ static enum vor_next take_in(struct vor_app *app, struct vor_request *request,
         submission->packed |= submission->uploads.item[i].is_gzip;
     if (has_key(submission) && !submission->packed) {
         vor_submit_inputs_of_uploads(&inputs, &submission->uploads);
-        outcome = vor_submit_options_find(&submission->head.options, app, &submission->head.spec,
-                                          &inputs, &submission->view, &submission->error);
+        outcome =
+            vor_submit_options_find(&submission->head.options, request->app, &submission->head.spec,
+                                    &inputs, &submission->view, &submission->error);
     }
     if (outcome == VOR_UNKNOWN)
-        return admit(app, request, submission);
+        return admit(request, submission);
     end_flight(submission);
     submission->replayed = outcome == VOR_DONE;
     submission->outcome = outcome;
-    return accepted(app, request, submission);
+    return accepted(request, submission);
 }
 
 /* Waits until the job is over that the request goes on from, so that frames of a sequence may be
  * sent before the one before them is done. */
-static enum vor_next wait_for_previous(struct vor_app *app, struct vor_request *request,
-                                       struct submission *submission)
+static enum vor_next wait_for_previous(struct vor_request *request, struct submission *submission)
 {
     submission->follows = submission->job != NULL && !vor_job_is_over(submission->job);
     if (submission->follows)
-        return vor_problem_or_wait(app, request);
+        return vor_problem_or_wait(request);
     vor_job_unsubscribe(submission->job, &submission->subscriber);
     vor_job_release(submission->job);
     submission->job = NULL;
-    return take_in(app, request, submission);
+    return take_in(request, submission);
 }
 
-enum vor_next vor_handle_submit(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_submit(struct vor_request *request, enum vor_step step)
 {
-    struct vor_app *app = ctx;
     struct submission *submission = request->state;
 
     if (step == VOR_STEP_HEAD)
-        return begin(app, request);
+        return begin(request);
     if (step == VOR_STEP_BODY) {
         const struct vor_uuid *previous = &submission->head.options.previous;
 
         if (submission->head.body == VOR_SUBMIT_JSON)
-            vor_submit_json_refuse(app, request, submission->head.spec.process, &submission->json);
+            vor_submit_json_refuse(request, submission->head.spec.process, &submission->json);
         if (submission->head.body == VOR_SUBMIT_JSON ||
             (submission->form != NULL && (!vor_submit_form_end(submission->form) ||
-                                          !vor_submit_complete(app, request, &submission->head))))
+                                          !vor_submit_complete(request, &submission->head))))
             return VOR_NEXT_REPLY;
         if (previous->text[0] != '\0' &&
-            subscribe(app, vor_auth_tenant(request), submission, previous) != VOR_DONE)
+            subscribe(request->app, vor_auth_tenant(request), submission, previous) != VOR_DONE)
             submission->job = NULL; /* which is answered when its result is asked for */
-        return wait_for_previous(app, request, submission);
+        return wait_for_previous(request, submission);
     }
     if (submission->follows)
-        return wait_for_previous(app, request, submission);
+        return wait_for_previous(request, submission);
     if (submission->waits)
-        return wait_for_end(app, request, submission);
+        return wait_for_end(request, submission);
     if (vor_deferred_is_done(&submission->deferred))
-        return accepted(app, request, submission);
-    return vor_problem_or_wait(app, request);
+        return accepted(request, submission);
+    return vor_problem_or_wait(request);
 }

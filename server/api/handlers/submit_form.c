@@ -19,7 +19,6 @@ enum {
 static const char main_alias[] = "file";
 
 struct vor_submit_form {
-    struct vor_app *app;
     struct vor_request *request;
     struct vor_submit_head *head;
     struct vor_uploads *uploads;
@@ -56,7 +55,7 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
         return vor_fail(err, VOR_E_UNSUPPORTED,
                         "the Content-Encoding of %s is %s, want gzip or none", input->name,
                         vor_quote(shown, sizeof shown, part->coding, strlen(part->coding)));
-    status = vor_uploads_begin(uploads, input->name, coding > 0, form->app->blobs, err);
+    status = vor_uploads_begin(uploads, input->name, coding > 0, form->request->app->blobs, err);
     if (status == VOR_OK)
         form->file = &uploads->item[uploads->count - 1];
     form->is_unnamed = part->is_unnamed;
@@ -167,7 +166,7 @@ static vor_status on_end(void *ctx, struct vor_error *err)
 
 /* --- the whole -------------------------------------------------------------------------------- */
 
-struct vor_submit_form *vor_submit_form_begin(struct vor_app *app, struct vor_request *request,
+struct vor_submit_form *vor_submit_form_begin(struct vor_request *request,
                                               struct vor_submit_head *head,
                                               struct vor_uploads *uploads)
 {
@@ -176,17 +175,16 @@ struct vor_submit_form *vor_submit_form_begin(struct vor_app *app, struct vor_re
     struct vor_error err;
 
     if (form == NULL) {
-        vor_problem_no_memory(app, request);
+        vor_problem_no_memory(request);
         return NULL;
     }
-    form->app = app;
     form->request = request;
     form->head = head;
     form->uploads = uploads;
     if (vor_multipart_begin(&form->scanner, vor_request_header(request, "Content-Type"), &events,
                             &err) == VOR_OK)
         return form;
-    vor_problem_error(app, request, &err, NULL);
+    vor_problem_error(request, &err, NULL);
     free(form);
     return NULL;
 }
@@ -204,7 +202,7 @@ static int refused(struct vor_submit_form *form, size_t size)
     form->wasted += size;
     if (form->wasted <= PATIENCE)
         return 0;
-    vor_problem_error(form->app, form->request, &form->error, NULL);
+    vor_problem_error(form->request, &form->error, NULL);
     return -1;
 }
 
@@ -258,6 +256,6 @@ bool vor_submit_form_end(struct vor_submit_form *form)
         add_of_job(&inputs, spec->process, "previous", &options->previous, err) == VOR_OK &&
         vor_spec_check_inputs(spec, inputs, err) == VOR_OK)
         return true;
-    vor_problem_error(form->app, form->request, err, NULL);
+    vor_problem_error(form->request, err, NULL);
     return false;
 }

@@ -27,8 +27,7 @@ int vor_submit_coding(const char *coding)
     return coding[0] == '\0' || strcasecmp(coding, "identity") == 0 ? 0 : -1;
 }
 
-static bool read_coding(struct vor_app *app, struct vor_request *request,
-                        struct vor_submit_head *out)
+static bool read_coding(struct vor_request *request, struct vor_submit_head *out)
 {
     unsigned index = 0;
     const char *value = vor_request_header_next(request, "Content-Encoding", &index);
@@ -44,13 +43,13 @@ static bool read_coding(struct vor_app *app, struct vor_request *request,
         return true;
     vor_reply_header(request, "Accept-Encoding", "gzip");
     vor_problem_say(
-        app, request, "unsupported-format", "Content-Encoding is %s%s, want gzip, once, or none",
+        request, "unsupported-format", "Content-Encoding is %s%s, want gzip, once, or none",
         vor_quote(shown, sizeof shown, value, strlen(value)), more != NULL ? " and more" : "");
     return false;
 }
 
 /* Reads Content-Type and Content-Encoding. */
-static bool read_body(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+static bool read_body(struct vor_request *request, struct vor_submit_head *out)
 {
     const char *type = vor_request_header(request, "Content-Type");
     size_t length = type != NULL ? strcspn(type, "; \t") : 0;
@@ -62,11 +61,11 @@ static bool read_body(struct vor_app *app, struct vor_request *request, struct v
         out->body = VOR_SUBMIT_FORM;
     if (out->body == VOR_SUBMIT_JSON)
         return true;
-    if (!read_coding(app, request, out))
+    if (!read_coding(request, out))
         return false;
     if (out->body != VOR_SUBMIT_FORM || !out->is_gzip)
         return true;
-    vor_problem_say(app, request, "unsupported-format",
+    vor_problem_say(request, "unsupported-format",
                     "Content-Encoding is gzip for the whole form, want it only in the headers "
                     "of a part with a file");
     return false;
@@ -128,8 +127,8 @@ static bool accepts_all(const struct acceptance *accept)
 }
 
 /* The parameter decides, then Accept; what neither decides is the input's format. */
-static bool choose_format(struct vor_app *app, struct vor_request *request,
-                          const struct acceptance *accept, struct vor_submit_head *out)
+static bool choose_format(struct vor_request *request, const struct acceptance *accept,
+                          struct vor_submit_head *out)
 {
     const struct vor_format *named = vor_format((unsigned)out->spec.value[VOR_PARAM_FORMAT]);
 
@@ -139,7 +138,7 @@ static bool choose_format(struct vor_app *app, struct vor_request *request,
         if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
             vor_accept_takes(request, named->media_type))
             return true;
-        vor_problem_say(app, request, "not-acceptable",
+        vor_problem_say(request, "not-acceptable",
                         "format is %s, but the Accept header does not allow %s", named->name,
                         named->media_type);
         return false;
@@ -150,29 +149,28 @@ static bool choose_format(struct vor_app *app, struct vor_request *request,
     }
     if (accepts_all(accept) || (accept->json && out->mode == VOR_SUBMIT_ASYNC))
         return true;
-    vor_problem_say(app, request, "not-acceptable",
+    vor_problem_say(request, "not-acceptable",
                     "Accept names none of %s, %s, text/event-stream and */*",
                     vor_format(VOR_FORMAT_PLY)->media_type, vor_format(VOR_FORMAT_DRC)->media_type);
     return false;
 }
 
 /* A document is JSON. */
-static bool check_document(struct vor_app *app, struct vor_request *request,
-                           const struct acceptance *accept, struct vor_submit_head *out)
+static bool check_document(struct vor_request *request, const struct acceptance *accept,
+                           struct vor_submit_head *out)
 {
     (void)out;
     if (accepts_all(accept) || accept->json)
         return true;
-    vor_problem_say(app, request, "not-acceptable",
+    vor_problem_say(request, "not-acceptable",
                     "the Accept header has none of application/json, text/event-stream and */*");
     return false;
 }
 
-bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
-                         struct vor_submit_head *head)
+bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *head)
 {
-    static bool (*const accepts[])(struct vor_app *, struct vor_request *,
-                                   const struct acceptance *, struct vor_submit_head *) = {
+    static bool (*const accepts[])(struct vor_request *, const struct acceptance *,
+                                   struct vor_submit_head *) = {
         [VOR_ARTEFACT_CLOUD] = choose_format,
         [VOR_ARTEFACT_DOCUMENT] = check_document,
     };
@@ -180,39 +178,38 @@ bool vor_submit_complete(struct vor_app *app, struct vor_request *request,
     struct vor_error err;
 
     if (vor_spec_complete(&head->spec, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_error(request, &err, NULL);
         return false;
     }
     read_accept(request, &accept);
-    return accepts[head->spec.process->outputs[0].kind](app, request, &accept, head);
+    return accepts[head->spec.process->outputs[0].kind](request, &accept, head);
 }
 
-bool vor_submit_read_spec(struct vor_app *app, struct vor_request *request,
-                          struct vor_submit_head *out)
+bool vor_submit_read_spec(struct vor_request *request, struct vor_submit_head *out)
 {
-    const struct vor_process_info *process = vor_process_of_submit(app, request);
+    const struct vor_process_info *process = vor_process_of_submit(request);
     struct vor_error err;
 
     memset(out, 0, sizeof *out);
     if (process == NULL)
         return false;
     vor_spec_preset(&out->spec, process);
-    if (!read_body(app, request, out))
+    if (!read_body(request, out))
         return false;
     if (out->body == VOR_SUBMIT_JSON ||
         (read_pairs(request, out, &err) == VOR_OK &&
          vor_submit_options_read_key(&out->options, request, &err) == VOR_OK))
         return true;
-    vor_problem_error(app, request, &err, NULL);
+    vor_problem_error(request, &err, NULL);
     return false;
 }
 
-bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vor_submit_head *out)
+bool vor_submit_read(struct vor_request *request, struct vor_submit_head *out)
 {
     struct vor_preferences preferences;
     struct acceptance accept;
 
-    if (!vor_submit_read_spec(app, request, out))
+    if (!vor_submit_read_spec(request, out))
         return false;
     if (out->body == VOR_SUBMIT_JSON)
         return true;
@@ -224,12 +221,12 @@ bool vor_submit_read(struct vor_app *app, struct vor_request *request, struct vo
         out->mode = VOR_SUBMIT_STREAM;
     else if (out->is_async && out->wait_seconds <= 0)
         out->mode = VOR_SUBMIT_ASYNC;
-    return out->body == VOR_SUBMIT_FORM || vor_submit_complete(app, request, out);
+    return out->body == VOR_SUBMIT_FORM || vor_submit_complete(request, out);
 }
 
-bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
-                         const struct vor_submit_head *head)
+bool vor_submit_has_room(struct vor_request *request, const struct vor_submit_head *head)
 {
+    struct vor_app *app = request->app;
     const struct vor_quota *quota = &request->principal.quota;
     const struct vor_job_label label = {.key = &head->options.key,
                                         .jobs_max = (uint64_t)quota->jobs,
@@ -240,18 +237,18 @@ bool vor_submit_has_room(struct vor_app *app, struct vor_request *request,
         vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
 
     if (room != VOR_DONE) {
-        vor_outcome_reply(app, request, room, &err, NULL);
+        vor_outcome_reply(request, room, &err, NULL);
         return false;
     }
     if (head->mode == VOR_SUBMIT_STREAM &&
         atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
-        vor_problem_say(app, request, "too-many-streams", "%.0f event streams are open",
+        vor_problem_say(request, "too-many-streams", "%.0f event streams are open",
                         app->config->number[VOR_SET_STREAMS]);
         return false;
     }
     if (length > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] || /* refused for that */
         vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
         return true;
-    vor_problem_error(app, request, &err, NULL);
+    vor_problem_error(request, &err, NULL);
     return false;
 }

@@ -75,14 +75,14 @@ static void look_into(struct found *found, const struct vor_json *object, const 
 
 /* --- the answer ------------------------------------------------------------------------------- */
 
-static void refuse(struct vor_app *app, struct vor_request *request, struct found *found)
+static void refuse(struct vor_request *request, struct found *found)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-parameter");
     const char *id = found->process->id;
     char detail[1024];
 
     if (found->count == 0) {
-        vor_problem_say(app, request, "unsupported-format",
+        vor_problem_say(request, "unsupported-format",
                         "the body is JSON, want a cloud, or a form (multipart/form-data) with one; "
                         "parameters belong in the query, as in /v1/%s?seed=1",
                         id);
@@ -97,11 +97,11 @@ static void refuse(struct vor_app *app, struct vor_request *request, struct foun
     problem.detail = detail;
     problem.errors = found->errors;
     problem.error_count = found->count;
-    vor_problem_reply(app, request, &problem);
+    vor_problem_reply(request, &problem);
 }
 
-void vor_submit_json_refuse(struct vor_app *app, struct vor_request *request,
-                            const struct vor_process_info *process, const struct vor_text *body)
+void vor_submit_json_refuse(struct vor_request *request, const struct vor_process_info *process,
+                            const struct vor_text *body)
 {
     struct found found = {.process = process};
     struct vor_json *json = NULL;
@@ -109,13 +109,13 @@ void vor_submit_json_refuse(struct vor_app *app, struct vor_request *request,
 
     if (vor_text_status(body, &err) != VOR_OK ||
         vor_json_parse(&json, body->data != NULL ? body->data : "", body->size, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, NULL);
+        vor_problem_error(request, &err, NULL);
         return;
     }
     vor_text_init(&found.query, 0);
     if (vor_json_kind(json) == VOR_JSON_OBJECT)
         look_into(&found, json, "", 1);
-    refuse(app, request, &found);
+    refuse(request, &found);
     vor_text_free(&found.query);
     vor_json_free(json);
 }

@@ -78,29 +78,29 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
     return VOR_OK;
 }
 
-static bool refuse(struct vor_app *app, struct vor_request *request, const char *slug,
-                   const char *why, const char *option, const struct vor_uuid *id)
+static bool refuse(struct vor_request *request, const char *slug, const char *why,
+                   const char *option, const struct vor_uuid *id)
 {
-    vor_problem_say(app, request, slug, "%s is job:%s: %s", option, id->text, why);
+    vor_problem_say(request, slug, "%s is job:%s: %s", option, id->text, why);
     return false;
 }
 
 /* The job that an option names; false after a problem has been replied. */
-static bool find_job(struct vor_app *app, struct vor_request *request, struct vor_job_view *view,
-                     const char *option, const struct vor_uuid *id)
+static bool find_job(struct vor_request *request, struct vor_job_view *view, const char *option,
+                     const struct vor_uuid *id)
 {
     enum vor_job_outcome outcome;
     struct vor_error err;
 
-    outcome = vor_worker_get(app->worker, id, vor_auth_tenant(request), view, &err);
+    outcome = vor_worker_get(request->app->worker, id, vor_auth_tenant(request), view, &err);
     if (outcome == VOR_UNKNOWN)
-        return refuse(app, request, "no-such-job", "there is no such job", option, id);
+        return refuse(request, "no-such-job", "there is no such job", option, id);
     if (outcome != VOR_DONE) {
-        vor_outcome_reply(app, request, outcome, &err, id);
+        vor_outcome_reply(request, outcome, &err, id);
         return false;
     }
     if (view->expired)
-        return refuse(app, request, "job-expired", "this job has expired", option, id);
+        return refuse(request, "job-expired", "this job has expired", option, id);
     return true;
 }
 
@@ -112,10 +112,9 @@ struct other {
 };
 
 /* The main input of a job; false after a problem has been replied. */
-static bool find_input(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                       struct other *out)
+static bool find_input(struct vor_request *request, const struct vor_uuid *id, struct other *out)
 {
-    if (!find_job(app, request, &out->view, "input", id))
+    if (!find_job(request, &out->view, "input", id))
         return false;
     out->source.id = *id;
     (void)vor_blob_of_upload(out->view.spec.process->inputs[0].name, out->source.name);
@@ -124,19 +123,18 @@ static bool find_input(struct vor_app *app, struct vor_request *request, const s
 }
 
 /* The result of a job, a cloud; likewise. */
-static bool find_result(struct vor_app *app, struct vor_request *request, const struct vor_uuid *id,
-                        struct other *out)
+static bool find_result(struct vor_request *request, const struct vor_uuid *id, struct other *out)
 {
     const struct vor_artefact_info *output;
 
-    if (!find_job(app, request, &out->view, "previous", id))
+    if (!find_job(request, &out->view, "previous", id))
         return false;
     output = &out->view.spec.process->outputs[0];
     if (output->kind != VOR_ARTEFACT_CLOUD)
-        return refuse(app, request, "no-such-output", "the result of this job is not a cloud",
+        return refuse(request, "no-such-output", "the result of this job is not a cloud",
                       "previous", id);
     if (out->view.status != VOR_JOB_SUCCESSFUL) {
-        vor_result_missing(app, request, &out->view);
+        vor_result_missing(request, &out->view);
         return false;
     }
     out->source.id = *id;
@@ -145,26 +143,26 @@ static bool find_result(struct vor_app *app, struct vor_request *request, const 
     return true;
 }
 
-static bool is_here(struct vor_app *app, struct vor_request *request, const struct other *other,
-                    enum vor_next *next)
+static bool is_here(struct vor_request *request, const struct other *other, enum vor_next *next)
 {
     struct vor_here here = {.may_flow = false};
 
     return other->source.id.text[0] == '\0' ||
-           vor_blob_is_here(app, request, &other->source.id, other->source.name, &here, next);
+           vor_blob_is_here(request, &other->source.id, other->source.name, &here, next);
 }
 
 /* Adds the bytes, where any are asked for; false after a problem has been replied. */
-static bool reopen(struct vor_app *app, struct vor_request *request, struct other *other,
-                   struct vor_uploads *uploads, int *found)
+static bool reopen(struct vor_request *request, struct other *other, struct vor_uploads *uploads,
+                   int *found)
 {
     struct vor_error err;
 
     *found = other->source.id.text[0] == '\0';
     if (*found)
         return true;
-    if (vor_blob_reopen(app->blobs, &other->source, &other->upload.bytes, found, &err) != VOR_OK) {
-        vor_problem_error(app, request, &err, other->source.id.text);
+    if (vor_blob_reopen(request->app->blobs, &other->source, &other->upload.bytes, found, &err) !=
+        VOR_OK) {
+        vor_problem_error(request, &err, other->source.id.text);
         return false;
     }
     if (*found)
@@ -172,8 +170,7 @@ static bool reopen(struct vor_app *app, struct vor_request *request, struct othe
     return true;
 }
 
-bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
-                             const struct vor_submit_options *options,
+bool vor_submit_options_open(struct vor_request *request, const struct vor_submit_options *options,
                              const struct vor_process_info *process, struct vor_uploads *uploads,
                              enum vor_next *next)
 {
@@ -182,23 +179,22 @@ bool vor_submit_options_open(struct vor_app *app, struct vor_request *request,
     int found;
 
     *next = VOR_NEXT_REPLY;
-    if ((options->input.text[0] != '\0' && !find_input(app, request, &options->input, &input)) ||
-        (options->previous.text[0] != '\0' &&
-         !find_result(app, request, &options->previous, &previous)))
+    if ((options->input.text[0] != '\0' && !find_input(request, &options->input, &input)) ||
+        (options->previous.text[0] != '\0' && !find_result(request, &options->previous, &previous)))
         return false;
     if (uploads == NULL)
         return true;
-    if (!is_here(app, request, &input, next) || !is_here(app, request, &previous, next))
+    if (!is_here(request, &input, next) || !is_here(request, &previous, next))
         return false;
-    if (!reopen(app, request, &input, uploads, &found))
+    if (!reopen(request, &input, uploads, &found))
         return false;
     if (!found)
-        return refuse(app, request, "input-not-kept", "the input of this job is no longer stored",
+        return refuse(request, "input-not-kept", "the input of this job is no longer stored",
                       "input", &options->input);
-    if (!reopen(app, request, &previous, uploads, &found))
+    if (!reopen(request, &previous, uploads, &found))
         return false;
     if (!found)
-        vor_result_missing(app, request, &previous.view);
+        vor_result_missing(request, &previous.view);
     return found;
 }
 

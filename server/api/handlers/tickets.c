@@ -14,7 +14,7 @@
 enum { SHOWN_SIZE = 64, MS = 1000 };
 
 /* The output that the query asks for, else the main one; NULL after a problem has been replied. */
-static const struct vor_artefact_info *read_output(struct vor_app *app, struct vor_request *request,
+static const struct vor_artefact_info *read_output(struct vor_request *request,
                                                    const struct vor_job_view *view)
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[0];
@@ -24,14 +24,14 @@ static const struct vor_artefact_info *read_output(struct vor_app *app, struct v
         const char *name = request->pairs[i].name, *value = request->pairs[i].value;
 
         if (strcmp(name, "output") != 0) {
-            vor_problem_say(app, request, "invalid-query-parameter-value",
+            vor_problem_say(request, "invalid-query-parameter-value",
                             "unknown parameter \"%s\"; want output",
                             vor_quote(shown, sizeof shown, name, strlen(name)));
             return NULL;
         }
         output = vor_artefact_find(view->spec.process->outputs, value);
         if (output == NULL) {
-            vor_problem_say(app, request, "no-such-output", "there is no output %s",
+            vor_problem_say(request, "no-such-output", "there is no output %s",
                             vor_quote(shown, sizeof shown, value, strlen(value)));
             return NULL;
         }
@@ -39,25 +39,25 @@ static const struct vor_artefact_info *read_output(struct vor_app *app, struct v
     return output;
 }
 
-enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_ticket(struct vor_request *request, enum vor_step step)
 {
     const struct vor_artefact_info *output;
-    struct vor_app *app = ctx;
     struct vor_job_view view;
     char url[VOR_URL_MAX], ticket[VOR_TICKET_SIZE], whole[VOR_URL_MAX + VOR_TICKET_SIZE + 16];
     char expires[VOR_CLOCK_TEXT_SIZE];
     struct vor_text text;
 
     (void)step;
-    if (!vor_job_look_up(app, request, &view))
+    if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
-    output = read_output(app, request, &view);
+    output = read_output(request, &view);
     if (output == NULL)
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
-        return vor_result_missing(app, request, &view);
-    vor_app_result_url(app, request, &view.id, output->name, url);
-    vor_ticket_write(app->tickets, &view.id, output->name, vor_tickets_now(app->tickets), ticket);
+        return vor_result_missing(request, &view);
+    vor_app_result_url(request, &view.id, output->name, url);
+    vor_ticket_write(request->app->tickets, &view.id, output->name,
+                     vor_tickets_now(request->app->tickets), ticket);
     (void)snprintf(whole, sizeof whole, "%s?ticket=%s", url, ticket);
     vor_clock_text(vor_clock_wall_ms() + (int64_t)VOR_TICKET_SECONDS * MS, expires);
     vor_text_init(&text, 0);
@@ -69,5 +69,5 @@ enum vor_next vor_handle_ticket(void *ctx, struct vor_request *request, enum vor
     vor_text_puts(&text, "\n");
     vor_reply_header(request, "Location", whole);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(app, request, 201, "application/json", &text);
+    return vor_app_reply(request, 201, "application/json", &text);
 }

@@ -104,39 +104,39 @@ static void read_trace(void *ctx)
     vor_deferred_complete(&trace->deferred);
 }
 
-static enum vor_next begin(struct vor_app *app, struct vor_request *request)
+static enum vor_next begin(struct vor_request *request)
 {
     enum vor_job_outcome outcome;
     struct trace *trace;
     struct vor_uuid id;
 
-    if (!vor_job_of_path(app, request, &id))
+    if (!vor_job_of_path(request, &id))
         return VOR_NEXT_REPLY;
     trace = calloc(1, sizeof *trace);
     if (trace == NULL)
-        return vor_problem_no_memory(app, request);
-    trace->app = app;
+        return vor_problem_no_memory(request);
+    trace->app = request->app;
     trace->id = id;
     trace->is_table = vor_accepts(request, "text/csv");
     trace->task = (struct vor_task){.run = read_trace, .weight = WEIGHT};
     vor_text_init(&trace->text, 0);
     vor_deferred_begin(&trace->deferred, request, free_trace);
-    outcome = vor_read_begin(app, request, &trace->deferred, &trace->task, &trace->error);
+    outcome = vor_read_begin(request, &trace->deferred, &trace->task, &trace->error);
     return outcome == VOR_DONE ? VOR_NEXT_WAIT
-                               : vor_outcome_reply(app, request, outcome, &trace->error, NULL);
+                               : vor_outcome_reply(request, outcome, &trace->error, NULL);
 }
 
-enum vor_next vor_handle_trace(void *ctx, struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_trace(struct vor_request *request, enum vor_step step)
 {
     struct trace *trace = request->state;
 
     if (step == VOR_STEP_HEAD)
-        return begin(ctx, request);
+        return begin(request);
     if (!vor_deferred_is_done(&trace->deferred))
-        return vor_problem_or_wait(ctx, request);
+        return vor_problem_or_wait(request);
     if (trace->outcome != VOR_DONE)
-        return vor_outcome_reply(ctx, request, trace->outcome, &trace->error, &trace->id);
+        return vor_outcome_reply(request, trace->outcome, &trace->error, &trace->id);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(ctx, request, 200, trace->is_table ? "text/csv" : "application/json",
+    return vor_app_reply(request, 200, trace->is_table ? "text/csv" : "application/json",
                          &trace->text);
 }
