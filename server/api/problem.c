@@ -39,80 +39,80 @@ static const struct problem_row *find_row(const char *slug, size_t length)
     return NULL;
 }
 
-static void fill_doc(const struct vor_request *request, const struct vor_problem *problem,
-                     struct vor_problem_room *room, struct vor_problem_doc *doc)
-{
-    const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
-    char path[96];
-
-    assert(row != NULL);
-    if (row->is_ogc) {
-        (void)snprintf(room->type, sizeof room->type, OGC "%s", row->slug);
-    } else {
-        (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
-        (void)vor_app_url(request, path, room->type);
-    }
-    if (problem->job_id != NULL)
-        (void)snprintf(room->instance, (sizeof room->instance), "/v1/jobs/%s", problem->job_id);
-    else
-        (void)snprintf(room->instance, (sizeof room->instance), "urn:request:%s", request->id);
-    *doc = (struct vor_problem_doc)VOR_PROBLEM_DOC_INIT;
-    doc->type = room->type;
-    doc->title = row->title;
-    doc->status = row->http;
-    doc->detail = problem->detail;
-    doc->instance = room->instance;
-    doc->retryable = row->retryable;
-    doc->request_id = request->id;
-    doc->job_id = problem->job_id;
-    doc->attempt = problem->attempt;
-    doc->has_limit = problem->limit > 0;
-    doc->limit = problem->limit;
-    doc->got = problem->got;
-    doc->byte_offset = problem->byte_offset;
-    doc->queue_depth = problem->queue_depth;
-    doc->errors = problem->errors;
-    doc->error_count = problem->error_count;
-    if (problem->parameter != NULL && problem->parameter[0] != '\0') {
-        room->error = (struct vor_problem_error){NULL, problem->parameter, NULL};
-        doc->errors = &room->error;
-        doc->error_count = 1;
-    }
-}
-
 void vor_problem_write(const struct vor_request *request, const struct vor_problem *problem,
                        struct vor_text *text)
 {
-    struct vor_problem_room room;
-    struct vor_problem_doc doc;
+    const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
+    const struct vor_problem_error own = {.parameter = problem->parameter};
+    bool has_own = problem->parameter != NULL && problem->parameter[0] != '\0';
+    const struct vor_problem_error *errors = has_own ? &own : problem->errors;
+    size_t count = has_own ? 1 : problem->error_count;
+    char path[96], type[VOR_URL_MAX];
 
-    fill_doc(request, problem, &room, &doc);
-    vor_json_problem(text, &doc);
+    assert(row != NULL);
+    vor_json_begin_object(text);
+    (void)snprintf(path, sizeof path, "/problems/%s", row->slug);
+    if (row->is_ogc)
+        (void)snprintf(type, sizeof type, OGC "%s", row->slug);
+    else
+        (void)vor_app_url(request, path, type);
+    vor_json_put_string(text, "type", type);
+    vor_json_put_string(text, "title", row->title);
+    vor_json_put_i64(text, "status", row->http);
+    vor_json_put_given(text, "detail", problem->detail);
+    if (problem->job_id != NULL)
+        (void)snprintf(path, sizeof path, "/v1/jobs/%s", problem->job_id);
+    else
+        (void)snprintf(path, sizeof path, "urn:request:%s", request->id);
+    vor_json_put_string(text, "instance", path);
+    vor_json_put_bool(text, "retryable", row->retryable);
+    vor_json_put_given(text, "requestId", problem->is_of_job ? NULL : request->id);
+    vor_json_put_given(text, "jobID", problem->job_id);
+    if (problem->attempt > 0)
+        vor_json_put_u64(text, "attempt", problem->attempt);
+    if (problem->limit > 0) {
+        vor_json_put_u64(text, "limit", problem->limit);
+        vor_json_put_u64(text, "got", problem->got);
+    }
+    if (problem->byte_offset >= 0)
+        vor_json_put_i64(text, "byteOffset", problem->byte_offset);
+    if (problem->queue_depth >= 0)
+        vor_json_put_i64(text, "queueDepth", problem->queue_depth);
+    if (count > 0) {
+        vor_json_key(text, "errors");
+        vor_json_begin_array(text);
+    }
+    for (size_t i = 0; i < count; i++) {
+        vor_json_begin_object(text);
+        vor_json_put_given(text, "pointer", errors[i].pointer);
+        vor_json_put_given(text, "parameter", errors[i].parameter);
+        vor_json_put_given(text, "detail", errors[i].detail);
+        vor_json_end_object(text);
+    }
+    if (count > 0)
+        vor_json_end_array(text);
+    vor_json_end_object(text);
 }
 
 enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_problem *problem)
 {
-    struct vor_problem_room room;
-    struct vor_problem_doc doc;
+    const struct problem_row *row = find_row(problem->slug, strlen(problem->slug));
     struct vor_text text;
     char seconds[16];
 
-    fill_doc(request, problem, &room, &doc);
+    assert(row != NULL);
+    vor_text_init(&text, 0);
+    vor_problem_write(request, problem, &text);
+    vor_text_puts(&text, "\n");
     request->problem = problem->slug;
     (void)snprintf(seconds, sizeof seconds, "%u",
                    problem->retry_seconds > 0 ? problem->retry_seconds : retry_seconds);
-    if (doc.retryable)
-        vor_reply_header(request, "Retry-After", seconds);
-    if (problem->allow != NULL)
-        vor_reply_header(request, "Allow", problem->allow);
-    if (problem->challenge != NULL)
-        vor_reply_header(request, "WWW-Authenticate", problem->challenge);
+    vor_reply_header(request, "Retry-After", row->retryable ? seconds : NULL);
+    vor_reply_header(request, "Allow", problem->allow);
+    vor_reply_header(request, "WWW-Authenticate", problem->challenge);
     vor_reply_header(request, "Cache-Control", "no-store");
-    vor_text_init(&text, 0);
-    vor_json_problem(&text, &doc);
-    vor_text_puts(&text, "\n");
     /* A strict client of OGC's standard that asks for application/json takes nothing else. */
-    vor_reply_bytes(request, doc.status,
+    vor_reply_bytes(request, row->http,
                     vor_accepts(request, "application/json") &&
                             !vor_accepts(request, "application/problem+json")
                         ? "application/json"
@@ -193,24 +193,10 @@ enum vor_next vor_app_reply(struct vor_request *request, int http, const char *m
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_problem_failed(struct vor_request *request, const struct vor_job_view *row)
+void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem)
 {
-    struct vor_problem problem;
-
-    vor_problem_of_error(&row->problem, row->id.text, &problem);
-    problem.attempt = row->attempt;
-    return vor_problem_reply(request, &problem);
-}
-
-void vor_problem_describe(struct vor_request *request, const struct vor_job_view *row,
-                          struct vor_problem_room *room, struct vor_problem_doc *doc)
-{
-    struct vor_problem problem;
-
-    vor_problem_of_error(&row->problem, row->id.text, &problem);
-    problem.attempt = row->attempt;
-    fill_doc(request, &problem, room, doc);
-    doc->request_id = NULL;
+    vor_problem_of_error(&row->problem, row->id.text, problem);
+    problem->attempt = row->attempt;
 }
 
 enum vor_next vor_handle_problem(struct vor_request *request, enum vor_step step)

@@ -45,6 +45,12 @@
       "The database of jobs or the storage of files cannot be used")                               \
     X("storage-full", 507, 1, 0, "The disk is full")
 
+/** One entry of a problem's errors[]: exactly one of pointer and parameter is set; detail may be
+ *  NULL. */
+struct vor_problem_error {
+    const char *pointer, *parameter, *detail;
+};
+
 /** What to say; 0, NULL and (for byte_offset and queue_depth) -1 leave out. Strings are borrowed.
  *  Begin with VOR_PROBLEM_INIT(slug). */
 struct vor_problem {
@@ -55,6 +61,7 @@ struct vor_problem {
     size_t error_count;
     const char *job_id;
     unsigned attempt; /**< of a job: the one that failed; 0 for none */
+    bool is_of_job;   /**< part of what is told of it: without the identifier of this request */
     uint64_t limit, got;
     int64_t byte_offset, queue_depth;
     const char *allow;     /**< for the Allow header */
@@ -75,7 +82,9 @@ enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_pr
 enum vor_next vor_problem_say(struct vor_request *request, const char *slug, const char *format,
                               ...) VOR_PRINTF(3, 4);
 
-/** Appends a problem, as JSON, to something else that is replied. */
+/** Appends a problem as JSON: {"type","title","status","detail","instance","retryable",
+ *  "requestId","jobID","attempt","limit","got","byteOffset","queueDepth",
+ *  "errors":[{"pointer"|"parameter","detail"}]}. */
 void vor_problem_write(const struct vor_request *request, const struct vor_problem *problem,
                        struct vor_text *text);
 
@@ -99,19 +108,7 @@ enum vor_next vor_problem_or_wait(struct vor_request *request);
 enum vor_next vor_app_reply(struct vor_request *request, int http, const char *media_type,
                             struct vor_text *text);
 
-/** Memory for the strings of a description. */
-struct vor_problem_room {
-    char type[VOR_URL_MAX];
-    char instance[96];
-    struct vor_problem_error error;
-};
-
-/** Replies with the problem of a job that failed. */
-enum vor_next vor_problem_failed(struct vor_request *request, const struct vor_job_view *row);
-
-/** Describes that problem as a part of another document (statusInfo's exception). row and room must
- *  outlive doc. */
-void vor_problem_describe(struct vor_request *request, const struct vor_job_view *row,
-                          struct vor_problem_room *room, struct vor_problem_doc *doc);
+/** The problem of a job that failed; row is borrowed. */
+void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem);
 
 #endif

@@ -139,6 +139,18 @@ is $failed->{status}, 'failed', 'its status says failed';
 is $failed->{exception}{status}, 422, 'with the same problem';
 is_deeply [map { @$_{qw(type attempt)} } $failed->{exception}, json($flat)], [(json($flat)->{type}, 1) x 2],
     'of the same type, of the first attempt';
+# The exact shape of a statusInfo and of a problem: members, their order, what is left out. U: an address, N: a number, T: a time.
+my $shape = $daemon->get("/v1/jobs/$job")->{content} =~ s/\Q$job\E/J/gr =~ s{http://[^"]+}{U}gr =~ s/"\d{4}-[^"]+Z"/T/gr =~ s/"[0-9a-f]{64}"/S/r;
+my $was = json($flat)->{detail};
+is $shape, '{"jobID":"J","id":"J","type":"process","processID":"resample","status":"failed","message":"' . $was . '","progress":' . $failed->{progress} .
+    ',"created":T,"started":T,"updated":T,"finished":T,"voronoid":{"attempt":1,"stage":null,"queuePosition":null,"eta":null,' .
+    qq("input":{"format":"ply","points":9,"bytes":${\length $line},"sha256":S},"parameters":{"points":5,"format":"ply"},"target":{"points":5,"format":"ply"},"metrics":null},) .
+    '"exception":{"type":"U","title":"' . json($flat)->{title} . qq(","status":422,"detail":"$was","instance":"/v1/jobs/J","retryable":false,"jobID":"J","attempt":1},) .
+    '"links":[' . join(',', '{"rel":"self","type":"application/json","href":"U"}',
+        qq({"rel":"input","type":"$failed->{links}[1]{type}","href":"U","length":${\length $line}}), '{"rel":"up","type":"application/json","href":"U"}') . "]}\n",
+    'a statusInfo has its shape';
+like $flat->{content}, qr/^\{"type":"[^"]+","title":"[^"]+","status":422,"detail":"[^"]+","instance":"[^"]+","retryable":false,"requestId":"[^"]+","jobID":"$job","attempt":1\}\n\z/,
+    'a problem has its shape';
 is_problem($daemon->get("/v1/jobs/$job/results"), 422, 'degenerate-cloud',
     'its results answer with the problem');
 is_problem($daemon->get("/v1/jobs/$job/results/cloud"), 422, 'degenerate-cloud', 'its cloud too');

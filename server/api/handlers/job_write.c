@@ -5,22 +5,8 @@
 #include "server/base/clock.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
-#include <string.h>
-
-enum { LINKS_MAX = 6 + VOR_OUTPUTS_MAX };
-
-/* Everything a statusInfo borrows. */
-struct info_room {
-    struct vor_status_info info;
-    struct vor_link links[LINKS_MAX];
-    char urls[LINKS_MAX][VOR_URL_MAX];
-    char times[4][VOR_CLOCK_TEXT_SIZE];
-    struct vor_input_info inputs[VOR_INPUTS_MAX];
-    char input_formats[VOR_INPUTS_MAX][16], target_format[16];
-    struct vor_problem_room problem;
-    struct vor_problem_doc exception;
-};
 
 const char *vor_output_media_type(const struct vor_job_view *view, unsigned index)
 {
@@ -31,128 +17,191 @@ const char *vor_output_media_type(const struct vor_job_view *view, unsigned inde
     return format != NULL ? format->media_type : NULL;
 }
 
-static const char *lower_label(unsigned format, char out[16])
+/* The name of a format in small letters. */
+static void put_format(struct vor_text *text, unsigned format)
 {
     const struct vor_format *row = vor_format(format);
-    size_t i = 0;
+    char label[16] = "";
 
-    for (; row != NULL && row->label[i] != '\0' && i < 15; i++)
-        out[i] = (char)tolower((unsigned char)row->label[i]);
-    out[i] = '\0';
-    return out;
+    for (size_t i = 0; row != NULL && row->label[i] != '\0' && i + 1 < sizeof label; i++)
+        label[i] = (char)tolower((unsigned char)row->label[i]);
+    vor_json_put_string(text, "format", label);
 }
 
-static void add_link(struct info_room *room, const char *rel, const char *type, const char *title,
-                     int64_t length)
+static void put_time(struct vor_text *text, const char *key, int64_t wall_ms)
 {
-    room->links[room->info.link_count] =
-        (struct vor_link){rel, type, title, room->urls[room->info.link_count], length};
-    room->info.link_count++;
+    char time[VOR_CLOCK_TEXT_SIZE];
+
+    if (wall_ms > 0)
+        vor_json_put_string(text, key, vor_clock_text(wall_ms, time));
 }
 
-static void add_links(struct vor_request *request, const struct vor_job_view *view,
-                      struct info_room *room)
+static void put_input(struct vor_text *text, const char *key, const struct vor_job_input *input)
+{
+    vor_json_key(text, key);
+    vor_json_begin_object(text);
+    put_format(text, input->format);
+    vor_json_put_u64(text, "points", input->points);
+    vor_json_put_u64(text, "bytes", input->bytes);
+    vor_json_put_given(text, "sha256", input->sha256);
+    vor_json_end_object(text);
+}
+
+/* The first input stands alone; where there are more, all stand together as well. */
+static void put_inputs(struct vor_text *text, const struct vor_job_view *view)
+{
+    const struct vor_artefact_info *inputs = view->spec.process->inputs;
+    unsigned first = (unsigned)__builtin_ffs((int)view->inputs) - 1;
+
+    if (view->inputs == 0)
+        return;
+    put_input(text, "input", &view->input[first]);
+    if (view->inputs >> first == 1)
+        return;
+    vor_json_key(text, "inputs");
+    vor_json_begin_object(text);
+    for (unsigned i = 0; inputs[i].name != NULL; i++)
+        if ((view->inputs >> i & 1) != 0)
+            put_input(text, inputs[i].name, &view->input[i]);
+    vor_json_end_object(text);
+}
+
+static void put_target(struct vor_text *text, const struct vor_job_view *view)
+{
+    bool has_format = vor_spec_given(&view->spec, VOR_PARAM_FORMAT);
+    double target = vor_spec_target(&view->spec, view->input[0].points);
+    uint64_t points = view->status == VOR_JOB_SUCCESSFUL ? view->output[0].points
+                      : target > 0                       ? (uint64_t)target
+                                                         : 0; /* until the area is known */
+
+    if (points == 0 && !has_format)
+        return;
+    vor_json_key(text, "target");
+    vor_json_begin_object(text);
+    if (points > 0)
+        vor_json_put_u64(text, "points", points);
+    if (has_format)
+        put_format(text, (unsigned)view->spec.value[VOR_PARAM_FORMAT]);
+    vor_json_end_object(text);
+}
+
+/* What OGC's statusInfo does not have. */
+static void put_own_members(struct vor_text *text, const struct vor_job_view *view)
+{
+    const double *origin = view->output[0].origin;
+
+    vor_json_key(text, "voronoid");
+    vor_json_begin_object(text);
+    vor_json_put_given(text, "name", view->name);
+    vor_json_put_u64(text, "attempt", view->attempt);
+    vor_json_put_string(text, "stage",
+                        vor_job_status_over(view->status) ? NULL : vor_stage_word(view->stage));
+    vor_json_key(text, "queuePosition");
+    if (view->queue_position >= 0)
+        vor_json_i64(text, view->queue_position);
+    else
+        vor_json_null(text);
+    vor_json_put_double(text, "eta", view->eta_seconds >= 0 ? view->eta_seconds : NAN);
+    put_inputs(text, view);
+    if (!view->request_lost) {
+        vor_json_key(text, "parameters");
+        vor_json_spec_changed(text, &view->spec);
+    }
+    put_target(text, view);
+    if (view->status == VOR_JOB_SUCCESSFUL && view->output[0].has_origin) {
+        vor_json_key(text, "origin");
+        vor_json_begin_object(text);
+        vor_json_put_double(text, "x", origin[0]);
+        vor_json_put_double(text, "y", origin[1]);
+        vor_json_put_double(text, "z", origin[2]);
+        vor_json_end_object(text);
+    }
+    vor_json_key(text, "metrics");
+    if (view->has_record)
+        vor_json_record(text, &view->record);
+    else
+        vor_json_null(text);
+    vor_json_end_object(text);
+}
+
+/* A link to what stands behind the job's own address. */
+static void put_link(struct vor_request *request, const struct vor_job_view *view,
+                     const char *suffix, struct vor_link link, struct vor_text *text)
+{
+    char url[VOR_URL_MAX];
+
+    link.href = vor_app_job_url(request, &view->id, suffix, url);
+    vor_json_link(text, &link);
+}
+
+static void put_links(struct vor_request *request, const struct vor_job_view *view,
+                      struct vor_text *text)
 {
     static const char json[] = "application/json";
-    char(*urls)[VOR_URL_MAX] = room->urls;
-    bool over = vor_job_status_over(view->status);
+    const struct vor_artefact_info *outputs = view->spec.process->outputs;
+    struct vor_link up = {.rel = "up", .type = json, .length = -1};
+    char url[VOR_URL_MAX], suffix[64];
 
-    vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
-    add_link(room, "self", json, NULL, -1);
-    if (!over) {
-        vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
-        add_link(room, "monitor", json, NULL, -1);
-        vor_app_job_url(request, &view->id, "/events", urls[room->info.link_count]);
-        add_link(room, "monitor", "text/event-stream", NULL, -1);
-        vor_app_job_url(request, &view->id, "", urls[room->info.link_count]);
-        add_link(room, "cancel", NULL, "DELETE to dismiss", -1);
+    put_link(request, view, "", (struct vor_link){"self", json, NULL, NULL, -1}, text);
+    if (!vor_job_status_over(view->status)) {
+        put_link(request, view, "", (struct vor_link){"monitor", json, NULL, NULL, -1}, text);
+        put_link(request, view, "/events",
+                 (struct vor_link){"monitor", "text/event-stream", NULL, NULL, -1}, text);
+        put_link(request, view, "",
+                 (struct vor_link){"cancel", NULL, "DELETE to dismiss", NULL, -1}, text);
     }
     if (view->status == VOR_JOB_SUCCESSFUL && !view->expired) {
-        const struct vor_artefact_info *outputs = view->spec.process->outputs;
-
-        vor_app_job_url(request, &view->id, "/results", urls[room->info.link_count]);
-        add_link(room, "http://www.opengis.net/def/rel/ogc/1.0/results", "application/json", NULL,
-                 -1);
+        put_link(request, view, "/results",
+                 (struct vor_link){"http://www.opengis.net/def/rel/ogc/1.0/results", json, NULL,
+                                   NULL, -1},
+                 text);
         for (unsigned i = 0; outputs[i].name != NULL; i++) {
-            vor_app_result_url(request, &view->id, outputs[i].name, urls[room->info.link_count]);
-            add_link(room, "item", vor_output_media_type(view, i), outputs[i].name,
-                     (int64_t)view->output[i].bytes);
+            (void)snprintf(suffix, sizeof suffix, "/results/%s", outputs[i].name);
+            put_link(request, view, suffix,
+                     (struct vor_link){"item", vor_output_media_type(view, i), outputs[i].name,
+                                       NULL, (int64_t)view->output[i].bytes},
+                     text);
         }
     }
     if (view->kept > 0 && !view->expired) {
         const struct vor_format *format = vor_format(view->input[0].format);
 
-        vor_app_job_url(request, &view->id, "/input", room->urls[room->info.link_count]);
-        add_link(room, "input", format != NULL ? format->media_type : NULL, NULL,
-                 (int64_t)view->input[0].bytes);
+        put_link(request, view, "/input",
+                 (struct vor_link){"input", format != NULL ? format->media_type : NULL, NULL, NULL,
+                                   (int64_t)view->input[0].bytes},
+                 text);
     }
-    vor_app_url(request, "/v1/jobs", urls[room->info.link_count]);
-    add_link(room, "up", json, NULL, -1);
-}
-
-static uint64_t target_points(const struct vor_job_view *view)
-{
-    double target = vor_spec_target(&view->spec, view->input[0].points);
-
-    if (view->status == VOR_JOB_SUCCESSFUL)
-        return view->output[0].points;
-    return target > 0 ? (uint64_t)target : 0;
-}
-
-static const char *time_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
-{
-    return wall_ms > 0 ? vor_clock_text(wall_ms, out) : NULL;
+    up.href = vor_app_url(request, "/v1/jobs", url);
+    vor_json_link(text, &up);
 }
 
 void vor_job_write(struct vor_request *request, const struct vor_job_view *view,
                    struct vor_text *text)
 {
-    struct info_room room = {.info = VOR_STATUS_INFO_INIT};
-    struct vor_status_info *info = &room.info;
-    const struct vor_artefact_info *inputs;
+    struct vor_problem problem;
 
-    info->job_id = view->id.text;
-    info->process_id = view->process;
-    info->name = view->name;
-    info->status = vor_job_status_word(view->status);
-    info->message = view->message[0] != '\0' ? view->message : NULL;
-    info->progress = view->progress;
-    info->created = time_text(view->created, room.times[0]);
-    info->started = time_text(view->started, room.times[1]);
-    info->updated = time_text(view->updated, room.times[2]);
-    info->finished = time_text(view->finished, room.times[3]);
-    info->attempt = view->attempt;
-    info->stage = vor_job_status_over(view->status) ? NULL : vor_stage_word(view->stage);
-    info->queue_position = view->queue_position;
-    info->eta = view->eta_seconds;
-    inputs = view->spec.process->inputs;
-    for (unsigned i = 0; inputs[i].name != NULL; i++) {
-        const struct vor_job_input *input = &view->input[i];
-
-        if ((view->inputs >> i & 1) == 0)
-            continue;
-        room.inputs[info->input_count++] = (struct vor_input_info){
-            .name = inputs[i].name,
-            .format = lower_label(input->format, room.input_formats[i]),
-            .points = input->points,
-            .bytes = input->bytes,
-            .sha256 = input->sha256,
-        };
-    }
-    info->inputs = room.inputs;
-    info->parameters = view->request_lost ? NULL : &view->spec;
-    info->target_points = target_points(view);
-    if (vor_spec_given(&view->spec, VOR_PARAM_FORMAT))
-        info->target_format =
-            lower_label((unsigned)view->spec.value[VOR_PARAM_FORMAT], room.target_format);
-    if (view->status == VOR_JOB_SUCCESSFUL && view->output[0].has_origin)
-        info->origin = view->output[0].origin;
-    info->metrics = view->has_record ? &view->record : NULL;
+    vor_json_begin_object(text);
+    vor_json_put_string(text, "jobID", view->id.text);
+    vor_json_put_string(text, "id", view->id.text);
+    vor_json_put_string(text, "type", "process");
+    vor_json_put_string(text, "processID", view->process);
+    vor_json_put_string(text, "status", vor_job_status_word(view->status));
+    vor_json_put_given(text, "message", view->message);
+    vor_json_put_i64(text, "progress", view->progress);
+    put_time(text, "created", view->created);
+    put_time(text, "started", view->started);
+    put_time(text, "updated", view->updated);
+    put_time(text, "finished", view->finished);
+    put_own_members(text, view);
     if (view->status == VOR_JOB_FAILED) {
-        vor_problem_describe(request, view, &room.problem, &room.exception);
-        info->exception = &room.exception;
+        vor_problem_of_job(view, &problem);
+        problem.is_of_job = true;
+        vor_json_key(text, "exception");
+        vor_problem_write(request, &problem, text);
     }
-    add_links(request, view, &room);
-    info->links = room.links;
-    vor_json_status_info(text, info);
+    vor_json_key(text, "links");
+    vor_json_begin_array(text);
+    put_links(request, view, text);
+    vor_json_end_array(text);
+    vor_json_end_object(text);
 }

@@ -43,13 +43,16 @@ static enum vor_next say_with_job(struct vor_request *request, const char *slug,
 
 enum vor_next vor_result_missing(struct vor_request *request, const struct vor_job_view *view)
 {
+    struct vor_problem problem;
+
     if (view->expired)
         return say_with_job(request, "job-expired",
                             "the results of this job have expired, or were deleted to free space",
                             view->id.text);
     switch (view->status) {
     case VOR_JOB_FAILED:
-        return vor_problem_failed(request, view);
+        vor_problem_of_job(view, &problem);
+        return vor_problem_reply(request, &problem);
     case VOR_JOB_DISMISSED:
         return say_with_job(request, "result-not-available", "the job was dismissed",
                             view->id.text);
