@@ -67,11 +67,7 @@ static vor_status step(struct inflation *z, int *done, struct vor_error *err)
             (void)vor_fail(err, VOR_E_BYTES,
                            "the gzip body of %zu bytes inflates to more than %llu bytes", z->size,
                            (unsigned long long)z->most);
-        if (err != NULL) {
-            err->limit = z->most;
-            err->got = z->most + 1;
-        }
-        return VOR_E_BYTES;
+        return vor_fail_over(err, VOR_E_BYTES, z->most, z->most + 1);
     }
     z->out += got;
     if (got > 0 && z->sink->write(z->sink->ctx, z->block, got) != 0)

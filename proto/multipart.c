@@ -11,9 +11,7 @@ enum { SHOWN_SIZE = 40 }; /* of bytes from outside in a message */
 static vor_status refuse(struct vor_error *err, uint64_t offset, const char *what)
 {
     (void)vor_fail(err, VOR_E_REQUEST, "the form is malformed: %s", what);
-    if (err != NULL)
-        err->byte_offset = (int64_t)offset;
-    return VOR_E_REQUEST;
+    return vor_fail_at(err, VOR_E_REQUEST, offset);
 }
 
 static vor_status refuse_byte(const struct vor_multipart *scanner, struct vor_error *err,
@@ -23,9 +21,7 @@ static vor_status refuse_byte(const struct vor_multipart *scanner, struct vor_er
 
     (void)vor_fail(err, VOR_E_REQUEST, "the form is malformed: %s, got \"%s\"", what,
                    vor_quote(shown, sizeof shown, &byte, 1));
-    if (err != NULL)
-        err->byte_offset = (int64_t)scanner->offset;
-    return VOR_E_REQUEST;
+    return vor_fail_at(err, VOR_E_REQUEST, scanner->offset);
 }
 
 /* --- parameters of a header value: ; NAME=VALUE ; NAME="VALUE" -------------------------------- */

@@ -105,11 +105,7 @@ static vor_status too_long(struct vor_error *err, const char *what, size_t limit
 {
     (void)vor_fail(err, VOR_E_LIMIT, "event stream: %s of %zu bytes, want at most %zu", what, got,
                    limit);
-    if (err != NULL) {
-        err->limit = limit;
-        err->got = got;
-    }
-    return VOR_E_LIMIT;
+    return vor_fail_over(err, VOR_E_LIMIT, limit, got);
 }
 
 /* Digits only, or the field is ignored. */

@@ -18,13 +18,9 @@ static const struct field name_field = {0, 100}, mode_field = {100, 8}, owner_fi
 
 static vor_status refuse(const struct vor_tar *scanner, const char *what, struct vor_error *err)
 {
-    int64_t offset = (int64_t)scanner->header_at;
-
-    (void)vor_fail(err, VOR_E_REQUEST, "the tar archive is damaged at byte %lld: %s",
-                   (long long)offset, what);
-    if (err != NULL)
-        err->byte_offset = offset;
-    return VOR_E_REQUEST;
+    (void)vor_fail(err, VOR_E_REQUEST, "the tar archive is damaged at byte %llu: %s",
+                   (unsigned long long)scanner->header_at, what);
+    return vor_fail_at(err, VOR_E_REQUEST, scanner->header_at);
 }
 
 size_t vor_tar_filler(uint64_t size)

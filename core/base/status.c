@@ -80,3 +80,19 @@ vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *
     va_end(args);
     return status;
 }
+
+vor_status vor_fail_over(struct vor_error *err, vor_status status, uint64_t limit, uint64_t got)
+{
+    if (err != NULL) {
+        err->limit = limit;
+        err->got = got;
+    }
+    return status;
+}
+
+vor_status vor_fail_at(struct vor_error *err, vor_status status, uint64_t offset)
+{
+    if (err != NULL)
+        err->byte_offset = (int64_t)offset;
+    return status;
+}

@@ -72,4 +72,10 @@ vor_status vor_fail(struct vor_error *err, vor_status status, const char *format
 vor_status vor_fail_param(struct vor_error *err, vor_status status, const char *parameter,
                           const char *format, ...) VOR_PRINTF(4, 5);
 
+/** Adds to a failure which limit was exceeded, and by what; returns status. */
+vor_status vor_fail_over(struct vor_error *err, vor_status status, uint64_t limit, uint64_t got);
+
+/** Adds to a failure where in the bytes it is; returns status. */
+vor_status vor_fail_at(struct vor_error *err, vor_status status, uint64_t offset);
+
 #endif

@@ -98,11 +98,7 @@ vor_status vor_cloud_resize(struct vor_cloud *cloud, size_t n, struct vor_error 
         return vor_fail(err, VOR_E_EMPTY, "the cloud has 0 points, want at least 1");
     if (n > VOR_POINTS_MAX) {
         vor_fail(err, VOR_E_LIMIT, "the cloud has %zu points, want 1 to %zu", n, VOR_POINTS_MAX);
-        if (err != NULL) {
-            err->limit = VOR_POINTS_MAX;
-            err->got = n;
-        }
-        return VOR_E_LIMIT;
+        return vor_fail_over(err, VOR_E_LIMIT, VOR_POINTS_MAX, n);
     }
     cloud->xyz = vor_malloc(cloud->memory, n, 3 * sizeof *cloud->xyz);
     if (cloud->xyz == NULL)

@@ -119,10 +119,7 @@ static void refuse_over(struct walk *walk, size_t at, const char *what, uint64_t
             vor_fail(walk->err, VOR_E_LIMIT,
                      "the Draco file of %zu bytes declares %llu %s, want at most %llu", walk->size,
                      (unsigned long long)got, what, (unsigned long long)limit));
-    if (walk->err != NULL) {
-        walk->err->limit = limit;
-        walk->err->got = got;
-    }
+    (void)vor_fail_over(walk->err, VOR_E_LIMIT, limit, got);
 }
 
 static uint64_t points_of_bytes(size_t size)
@@ -252,39 +249,30 @@ static uint32_t kd_number(struct walk *walk, unsigned count, const char *what, u
     return ranged(walk, count, "the kd-tree", what, low, high);
 }
 
-/* Bitstream 2.3 and later, and the integers of earlier ones: level, bits, points. */
-static void walk_kd_points(struct walk *walk, uint32_t points)
-{
-    (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
-    if (walk->version < BITSTREAM(2, 3))
-        (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
-    (void)kd_number(walk, 4, "the kd-tree's number of bits", 0, 32);
-    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
-}
-
-/* Bitstreams before 2.3 had an encoding of its own for float positions. */
-static void walk_kd_floats(struct walk *walk, uint32_t points)
-{
-    (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
-    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
-    if (kd_number(walk, 4, "the kd-tree's version", 2, 3) == 3)
-        (void)kd_number(walk, 1, "the kd-tree's method", 1, 1);
-    (void)kd_number(walk, 4, "the kd-tree's quantisation", 0, 31);
-    (void)fixed(walk, 4, "the kd-tree");
-    (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
-    (void)kd_number(walk, 4, "the kd-tree's level", 0, 6);
-}
-
 static void walk_kd_tree(struct walk *walk, uint32_t points)
 {
     uint32_t method = KD_INTEGERS;
 
     if (walk->version < BITSTREAM(2, 3))
         method = kd_number(walk, 1, "the kd-tree's method", KD_FLOATS, KD_INTEGERS);
-    if (method == KD_INTEGERS)
-        walk_kd_points(walk, points);
-    else
-        walk_kd_floats(walk, points);
+    if (method == KD_INTEGERS) {
+        /* Bitstream 2.3 and later, and the integers of earlier ones: level, bits, points. */
+        (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
+        if (walk->version < BITSTREAM(2, 3))
+            (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+        (void)kd_number(walk, 4, "the kd-tree's number of bits", 0, 32);
+        (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+    } else {
+        /* Bitstreams before 2.3 had an encoding of its own for float positions. */
+        (void)kd_number(walk, 1, "the kd-tree's level", 0, 6);
+        (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+        if (kd_number(walk, 4, "the kd-tree's version", 2, 3) == 3)
+            (void)kd_number(walk, 1, "the kd-tree's method", 1, 1);
+        (void)kd_number(walk, 4, "the kd-tree's quantisation", 0, 31);
+        (void)fixed(walk, 4, "the kd-tree");
+        (void)kd_number(walk, 4, "the kd-tree's number of points", points, points);
+        (void)kd_number(walk, 4, "the kd-tree's level", 0, 6);
+    }
 }
 
 /* Bitstream 2.3: the data of the tree's four coders, and behind them what turns integers into the
@@ -337,16 +325,6 @@ static void walk_point_cloud(struct walk *walk)
     walk_kd_tree(walk, points);
     if (walk->status == VOR_OK && walk->version >= BITSTREAM(2, 3))
         walk_kd_coders(walk, walk->bytes[at], scalars);
-}
-
-static void walk_sequential_mesh(struct walk *walk)
-{
-    size_t at = walk->at;
-    uint32_t faces = count_since(walk, BITSTREAM(2, 2), "the number of faces");
-
-    refuse_over(walk, at, "faces", faces, 2 * most_points(walk));
-    at = walk->at;
-    refuse_points(walk, at, count_since(walk, BITSTREAM(2, 2), "the number of points"));
 }
 
 static void walk_breaker_mesh(struct walk *walk)
@@ -419,9 +397,14 @@ vor_status vor_draco_precheck(const uint8_t *bytes, size_t size, const struct vo
     walk.metadata = walk.at - HEADER;
     if (bytes[KIND] == POINT_CLOUD)
         walk_point_cloud(&walk);
-    else if (bytes[METHOD] == SEQUENTIAL)
-        walk_sequential_mesh(&walk);
-    else
+    else if (bytes[METHOD] == SEQUENTIAL) {
+        size_t at = walk.at;
+        uint32_t faces = count_since(&walk, BITSTREAM(2, 2), "the number of faces");
+
+        refuse_over(&walk, at, "faces", faces, 2 * most_points(&walk));
+        at = walk.at;
+        refuse_points(&walk, at, count_since(&walk, BITSTREAM(2, 2), "the number of points"));
+    } else
         walk_breaker_mesh(&walk);
     return walk.status;
 }

@@ -41,9 +41,7 @@ static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, st
         "the Draco data ends after %zu of %zu bytes; only up to %d zero bytes may follow the "
         "data",
         used, size, VOR_DRACO_PADDING_MAX);
-    if (err != NULL)
-        err->byte_offset = (int64_t)used;
-    return VOR_E_FORMAT;
+    return vor_fail_at(err, VOR_E_FORMAT, used);
 }
 
 static vor_status decode(struct vor_draco_decoded **out, struct vor_alloc_budget *budget,
@@ -299,13 +297,9 @@ static vor_status load_cloud(struct load *load)
     if (status != VOR_OK)
         return status;
     if (load->n > most) {
-        status = vor_fail(load->err, VOR_E_LIMIT,
-                          "the Draco file holds %zu points, want at most %zu", load->n, most);
-        if (load->err != NULL) {
-            load->err->limit = most;
-            load->err->got = load->n;
-        }
-        return status;
+        (void)vor_fail(load->err, VOR_E_LIMIT, "the Draco file holds %zu points, want at most %zu",
+                       load->n, most);
+        return vor_fail_over(load->err, VOR_E_LIMIT, most, load->n);
     }
     status = vor_cloud_resize(load->cloud, load->n, load->err);
     for (unsigned i = 0; status == VOR_OK && i < vor_draco_attributes(load->decoded); i++)

@@ -360,15 +360,9 @@ static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink
 
 static vor_status refuse_over(size_t got, size_t limit, const char *what, struct vor_error *err)
 {
-    vor_status status =
-        vor_fail(err, VOR_E_LIMIT, "the result has %zu %s, but a Draco file can have at most %zu",
-                 got, what, limit);
-
-    if (err != NULL) {
-        err->limit = limit;
-        err->got = got;
-    }
-    return status;
+    (void)vor_fail(err, VOR_E_LIMIT, "the result has %zu %s, but a Draco file can have at most %zu",
+                   got, what, limit);
+    return vor_fail_over(err, VOR_E_LIMIT, limit, got);
 }
 
 /* The library counts scalars, and corners of faces, in int. */

@@ -19,20 +19,14 @@ struct scan {
 static vor_status reject(const struct scan *s, size_t at, const char *what)
 {
     (void)vor_fail(s->err, VOR_E_REQUEST, "JSON: %s at byte %zu", what, at);
-    if (s->err != NULL)
-        s->err->byte_offset = (int64_t)at;
-    return VOR_E_REQUEST;
+    return vor_fail_at(s->err, VOR_E_REQUEST, at);
 }
 
 static vor_status exceed(const struct scan *s, const char *what, size_t limit, size_t got)
 {
     (void)vor_fail(s->err, VOR_E_REQUEST, "JSON: %s: %zu, want at most %zu", what, got, limit);
-    if (s->err != NULL) {
-        s->err->byte_offset = (int64_t)s->at;
-        s->err->limit = limit;
-        s->err->got = got;
-    }
-    return VOR_E_REQUEST;
+    (void)vor_fail_over(s->err, VOR_E_REQUEST, limit, got);
+    return vor_fail_at(s->err, VOR_E_REQUEST, s->at);
 }
 
 /* The byte at hand, or -1 at the end. */

@@ -28,9 +28,8 @@ static int is_end(uint8_t c)
 
 static vor_status too_short(const struct vor_ply_body *body, uint64_t row, struct vor_error *err)
 {
-    return vor_ply_at(err, body->size,
-                      vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before row %llu",
-                               body->size, (unsigned long long)row));
+    return VOR_PLY_FAIL(err, body->size, "the file ends after %zu bytes, before row %llu",
+                        body->size, (unsigned long long)row);
 }
 
 /* Moves to the first token of the next line that has one. */
@@ -64,9 +63,8 @@ static vor_status too_few(const struct vor_ply_body *body, const struct vor_ply_
 {
     char name[SHOWN];
 
-    vor_fail(err, VOR_E_FORMAT, "row %zu ends before its %s", row,
-             vor_quote(name, sizeof name, property->name, property->name_length));
-    return vor_ply_at(err, body->at, VOR_E_FORMAT);
+    return VOR_PLY_FAIL(err, body->at, "row %zu ends before its %s", row,
+                        vor_quote(name, sizeof name, property->name, property->name_length));
 }
 
 static vor_status bad_number(const struct vor_ply_body *body, const struct vor_ply_column *column,
@@ -88,7 +86,7 @@ static vor_status bad_number(const struct vor_ply_body *body, const struct vor_p
                  memchr(token.at, ',', token.length) != NULL
                      ? ": separate numbers by blanks, and write decimals with a point"
                      : "");
-    return vor_ply_at(err, offset_of(body, token), VOR_E_FORMAT);
+    return vor_fail_at(err, VOR_E_FORMAT, offset_of(body, token));
 }
 
 /* Stores a coordinate that is of another type than its column. */
@@ -190,7 +188,7 @@ static vor_status take_item(struct vor_ply_body *body, const struct vor_ply_colu
         return bad_number(body, column, row, token, read, err);
     widen((uint8_t *)&number, VOR_FLOAT64, value, column->property->type);
     status = items->take(items->ctx, row, item, number, err);
-    return status == VOR_OK ? VOR_OK : vor_ply_at(err, offset_of(body, token), status);
+    return status == VOR_OK ? VOR_OK : vor_fail_at(err, status, offset_of(body, token));
 }
 
 /* Refuses what a row of that many properties has behind them. */
@@ -202,9 +200,9 @@ static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned proper
 
     if (extra.length == 0)
         return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT, "row %zu has more values than its %u properties: \"%s\"", row,
-             properties, vor_quote(shown, sizeof shown, extra.at, extra.length));
-    return vor_ply_at(err, offset_of(body, extra), VOR_E_FORMAT);
+    return VOR_PLY_FAIL(err, offset_of(body, extra),
+                        "row %zu has more values than its %u properties: \"%s\"", row, properties,
+                        vor_quote(shown, sizeof shown, extra.at, extra.length));
 }
 
 vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,

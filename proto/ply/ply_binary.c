@@ -124,20 +124,19 @@ vor_status vor_ply_rows_fit(const struct vor_ply_body *body, const struct vor_pl
 
     if (!__builtin_mul_overflow(element->count, row, &need) && need <= left)
         return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT,
-             "%llu rows of %s need at least %zu bytes each, but the file has only %zu bytes "
-             "left: the file is cut short, or its number of rows is wrong",
-             (unsigned long long)element->count,
-             vor_quote(name, sizeof name, element->name, element->name_length), row,
-             body->size - body->at);
-    return vor_ply_at(err, body->size, VOR_E_FORMAT);
+    return VOR_PLY_FAIL(
+        err, body->size,
+        "%llu rows of %s need at least %zu bytes each, but the file has only %zu bytes "
+        "left: the file is cut short, or its number of rows is wrong",
+        (unsigned long long)element->count,
+        vor_quote(name, sizeof name, element->name, element->name_length), row,
+        body->size - body->at);
 }
 
 static vor_status truncated(const struct vor_ply_body *body, uint64_t row, struct vor_error *err)
 {
-    return vor_ply_at(err, body->size,
-                      vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, inside row %llu",
-                               body->size, (unsigned long long)row));
+    return VOR_PLY_FAIL(err, body->size, "the file ends after %zu bytes, inside row %llu",
+                        body->size, (unsigned long long)row);
 }
 
 /* Moves past a list. Its length is whatever the file says, so it is compared with what is left. */
@@ -152,16 +151,13 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_prop
         return truncated(body, row, err);
     count = load(body->bytes + body->at, property->count_type, vor_ply_swaps(body->encoding));
     if (!(count >= 0) || count != floor(count))
-        return vor_ply_at(err, body->at,
-                          vor_fail(err, VOR_E_FORMAT,
-                                   "a list in row %llu has %g items, want a whole number",
-                                   (unsigned long long)row, count));
+        return VOR_PLY_FAIL(err, body->at, "a list in row %llu has %g items, want a whole number",
+                            (unsigned long long)row, count);
     left -= count_size;
     if (count * (double)vor_type_size(property->type) > (double)left)
-        return vor_ply_at(err, body->at,
-                          vor_fail(err, VOR_E_FORMAT,
-                                   "a list in row %llu has %.0f items, but %zu bytes are left",
-                                   (unsigned long long)row, count, left));
+        return VOR_PLY_FAIL(err, body->at,
+                            "a list in row %llu has %.0f items, but %zu bytes are left",
+                            (unsigned long long)row, count, left);
     body->at += count_size + (size_t)count * vor_type_size(property->type);
     return VOR_OK;
 }
@@ -212,7 +208,7 @@ static vor_status take_list(struct vor_ply_body *body, const struct vor_ply_prop
     for (uint64_t i = 0; status == VOR_OK && at < body->at; i++, at += size) {
         status = items->take(items->ctx, row, i, load(body->bytes + at, list->type, swap), err);
         if (status != VOR_OK)
-            return vor_ply_at(err, at, status);
+            return vor_fail_at(err, status, at);
     }
     return status;
 }

@@ -32,11 +32,7 @@ static vor_status too_many(const struct vor_ply_faces *faces, const char *what, 
 {
     vor_fail(err, VOR_E_LIMIT, "the file has %llu %s, want at most %zu", (unsigned long long)got,
              what, faces->most);
-    if (err != NULL) {
-        err->limit = faces->most;
-        err->got = got;
-    }
-    return VOR_E_LIMIT;
+    return vor_fail_over(err, VOR_E_LIMIT, faces->most, got);
 }
 
 static vor_status reserve(struct vor_ply_faces *faces, size_t capacity, struct vor_error *err)
@@ -141,11 +137,11 @@ static vor_status check_type(const struct vor_ply_element *element, unsigned lis
 
     if (property->type != VOR_FLOAT32 && property->type != VOR_FLOAT64)
         return VOR_OK;
-    vor_fail(err, VOR_E_FORMAT, "property %s of %s is a list of %s, want a list of integers",
-             vor_quote(name, sizeof name, property->name, property->name_length),
-             vor_quote(of, sizeof of, element->name, element->name_length),
-             vor_type_name(property->type));
-    return vor_ply_at(err, element->offset, VOR_E_FORMAT);
+    return VOR_PLY_FAIL(err, element->offset,
+                        "property %s of %s is a list of %s, want a list of integers",
+                        vor_quote(name, sizeof name, property->name, property->name_length),
+                        vor_quote(of, sizeof of, element->name, element->name_length),
+                        vor_type_name(property->type));
 }
 
 vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *body,
@@ -156,7 +152,7 @@ vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *
     vor_status status = check_type(element, list, err);
 
     if (status == VOR_OK && element->count > faces->most)
-        return vor_ply_at(err, element->offset, too_many(faces, "faces", element->count, err));
+        return vor_fail_at(err, too_many(faces, "faces", element->count, err), element->offset);
     if (status == VOR_OK)
         status = vor_ply_rows_fit(body, element, err);
     faces->is_strip = is_strips(element);

@@ -136,7 +136,7 @@ static vor_status next_line(struct scan *scan, struct line *line, struct vor_err
         else
             vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header",
                      scan->size);
-        return vor_ply_at(err, scan->size, VOR_E_FORMAT);
+        return vor_fail_at(err, VOR_E_FORMAT, scan->size);
     }
     line->at = (const char *)begin;
     line->offset = scan->at;
@@ -145,9 +145,8 @@ static vor_status next_line(struct scan *scan, struct line *line, struct vor_err
     if (end != NULL && scan->stop == '\n' && line->length > 0 && end[-1] == '\r')
         line->length--;
     if (line->length > VOR_PLY_LINE_MAX)
-        return vor_ply_at(
-            err, line->offset,
-            vor_fail(err, VOR_E_FORMAT, "a header line has more than %d bytes", VOR_PLY_LINE_MAX));
+        return VOR_PLY_FAIL(err, line->offset, "a header line has more than %d bytes",
+                            VOR_PLY_LINE_MAX);
     return VOR_OK;
 }
 
@@ -155,9 +154,8 @@ static vor_status bad_line(const struct line *line, const char *want, struct vor
 {
     char shown[80];
 
-    vor_fail(err, VOR_E_FORMAT, "header line \"%s\", want %s",
-             vor_quote(shown, sizeof shown, line->at, line->length), want);
-    return vor_ply_at(err, line->offset, VOR_E_FORMAT);
+    return VOR_PLY_FAIL(err, line->offset, "header line \"%s\", want %s",
+                        vor_quote(shown, sizeof shown, line->at, line->length), want);
 }
 
 /* Digits only; what does not fit is UINT64_MAX, which no limit lets pass. */
@@ -188,15 +186,13 @@ static vor_status read_element(struct scan *scan, struct vor_ply_header *header,
     if (line->words != 3 || !parse_count(line->word[2], &count))
         return bad_line(line, "element NAME COUNT with a whole number", err);
     if (header->element_count == VOR_PLY_ELEMENTS_MAX)
-        return vor_ply_at(err, line->offset,
-                          vor_fail(err, VOR_E_FORMAT, "the header has more than %d elements",
-                                   VOR_PLY_ELEMENTS_MAX));
+        return VOR_PLY_FAIL(err, line->offset, "the header has more than %d elements",
+                            VOR_PLY_ELEMENTS_MAX);
     for (unsigned i = 0; i < header->element_count; i++)
         if (header->elements[i].name_length == line->word[1].length &&
             memcmp(header->elements[i].name, line->word[1].at, line->word[1].length) == 0)
-            return vor_ply_at(err, line->offset,
-                              vor_fail(err, VOR_E_FORMAT, "element %s is declared twice",
-                                       show(shown, line->word[1])));
+            return VOR_PLY_FAIL(err, line->offset, "element %s is declared twice",
+                                show(shown, line->word[1]));
     element->name = line->word[1].at;
     element->name_length = line->word[1].length;
     element->offset = line->offset;
@@ -239,15 +235,13 @@ static vor_status add_property(struct vor_ply_element *element,
 
     vor_quote(of, sizeof of, element->name, element->name_length);
     if (element->property_count == VOR_PLY_PROPERTIES_MAX)
-        return vor_ply_at(err, offset,
-                          vor_fail(err, VOR_E_FORMAT, "element %s has more than %d properties", of,
-                                   VOR_PLY_PROPERTIES_MAX));
+        return VOR_PLY_FAIL(err, offset, "element %s has more than %d properties", of,
+                            VOR_PLY_PROPERTIES_MAX);
     for (unsigned i = 0; i < element->property_count; i++)
         if (element->properties[i].name_length == name.length &&
             memcmp(element->properties[i].name, name.at, name.length) == 0)
-            return vor_ply_at(err, offset,
-                              vor_fail(err, VOR_E_FORMAT, "property %s of %s is declared twice",
-                                       show(shown, name), of));
+            return VOR_PLY_FAIL(err, offset, "property %s of %s is declared twice",
+                                show(shown, name), of);
     element->properties[element->property_count++] = *property;
     return VOR_OK;
 }
@@ -323,7 +317,7 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
     scan.stop = vor_ply_line_stop(bytes, size);
     scan.at = find_begin(bytes, scan.size);
     if (scan.size - scan.at < 3 || memcmp(bytes + scan.at, "ply", 3) != 0)
-        return vor_ply_at(err, 0, vor_fail(err, VOR_E_FORMAT, "the file does not begin with ply"));
+        return VOR_PLY_FAIL(err, 0, "the file does not begin with ply");
     status = next_line(&scan, &line, err);
     if (status == VOR_OK && (!cut_words(&line) || line.words != 1 || !is(line.word[0], "ply")))
         return bad_line(&line, "ply", err);
@@ -335,8 +329,7 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
     if (status != VOR_OK)
         return status;
     if (!scan.has_format)
-        return vor_ply_at(err, line.offset,
-                          vor_fail(err, VOR_E_FORMAT, "the header has no format line"));
+        return VOR_PLY_FAIL(err, line.offset, "the header has no format line");
     out->body = scan.at;
     return VOR_OK;
 }

@@ -63,12 +63,8 @@ int vor_ply_alike(const char *name, size_t length, const char *want);
  *  is_scalar says so. VOR_PLY_PROPERTIES_MAX where there is none. */
 unsigned vor_ply_find(const struct vor_ply_element *element, const char *name, int is_scalar);
 
-/** Adds to a failure where in the file it is; returns status. */
-static inline vor_status vor_ply_at(struct vor_error *err, size_t offset, vor_status status)
-{
-    if (err != NULL)
-        err->byte_offset = (int64_t)offset;
-    return status;
-}
+/** Fails, and says where in the file. */
+#define VOR_PLY_FAIL(err, offset, ...)                                                             \
+    vor_fail_at(err, vor_fail(err, VOR_E_FORMAT, __VA_ARGS__), offset)
 
 #endif

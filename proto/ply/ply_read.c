@@ -57,22 +57,19 @@ static vor_status find_vertex(struct reader *reader, const struct vor_limits *li
             break;
     }
     if (element == NULL)
-        return vor_ply_at(err, header->body,
-                          vor_fail(err, VOR_E_FORMAT,
-                                   "the header has no element vertex, want one with x, y and z"));
+        return VOR_PLY_FAIL(err, header->body,
+                            "the header has no element vertex, want one with x, y and z");
     reader->vertex = element;
     if (element->count == 0)
-        return vor_ply_at(err, element->offset,
-                          vor_fail(err, VOR_E_EMPTY, "the file has 0 vertices, want at least 1"));
+        return vor_fail_at(err,
+                           vor_fail(err, VOR_E_EMPTY, "the file has 0 vertices, want at least 1"),
+                           element->offset);
     if (element->count <= most)
         return VOR_OK;
     vor_fail(err, VOR_E_LIMIT, "the file has %llu vertices, want 1 to %zu",
              (unsigned long long)element->count, most);
-    if (err != NULL) {
-        err->limit = most;
-        err->got = element->count;
-    }
-    return vor_ply_at(err, element->offset, VOR_E_LIMIT);
+    (void)vor_fail_over(err, VOR_E_LIMIT, most, element->count);
+    return vor_fail_at(err, VOR_E_LIMIT, element->offset);
 }
 
 /* Where x, y and z are among the vertex's properties. */
@@ -95,7 +92,7 @@ static vor_status find_coordinates(const struct reader *reader, unsigned at[3],
             vor_fail(err, VOR_E_FORMAT, "property %s of vertex is a list, want a number", names[c]);
         else
             continue;
-        return vor_ply_at(err, vertex->offset, VOR_E_FORMAT);
+        return vor_fail_at(err, VOR_E_FORMAT, vertex->offset);
     }
     return VOR_OK;
 }
@@ -299,7 +296,7 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
         status = VOR_OK;
         if (reader->body.not_finite > 0)
             status = vor_cloud_sift(&reader->cloud, reader->wide, limits->drop_invalid, err);
-        status = status == VOR_OK ? VOR_OK : vor_ply_at(err, reader->body.not_finite, status);
+        status = status == VOR_OK ? VOR_OK : vor_fail_at(err, status, reader->body.not_finite);
     }
     if (status == VOR_OK && reader->wide != NULL)
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);

@@ -52,11 +52,7 @@ vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_adm
         (void)vor_fail(err, VOR_E_LIMIT,
                        "the input %s has %llu points, want at most %.0f with this key",
                        admitted->item[i].name, (unsigned long long)points, quota->points);
-        if (err != NULL) {
-            err->limit = (uint64_t)quota->points;
-            err->got = points;
-        }
-        return VOR_E_LIMIT;
+        return vor_fail_over(err, VOR_E_LIMIT, (uint64_t)quota->points, points);
     }
     return VOR_OK;
 }

@@ -75,11 +75,7 @@ static vor_status check_own_time(const struct vor_spec *spec, double points, uns
                    "seconds is %g, but placing %.0f points takes about %.0f seconds: request "
                    "at least %.0f seconds, or fewer points",
                    own, points, least, ceil((least - VOR_COST_SPARE) / VOR_COST_FAR));
-    if (err != NULL) {
-        err->limit = (uint64_t)own;
-        err->got = (uint64_t)least;
-    }
-    return VOR_E_WORK;
+    return vor_fail_over(err, VOR_E_WORK, (uint64_t)own, (uint64_t)least);
 }
 
 vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned threads,
@@ -104,9 +100,5 @@ vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned
         seconds, seconds / limit, limit, vor_spec_iterations(spec),
         vor_run_stage_info(projects ? VOR_RUN_STAGE_PROJECT : VOR_RUN_STAGE_ITERATE)->step,
         vor_spec_polish(spec), vor_spec_target(spec, points), fits);
-    if (err != NULL) {
-        err->limit = (uint64_t)limit;
-        err->got = (uint64_t)seconds;
-    }
-    return VOR_E_WORK;
+    return vor_fail_over(err, VOR_E_WORK, (uint64_t)limit, (uint64_t)seconds);
 }

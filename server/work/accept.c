@@ -26,9 +26,7 @@ static vor_status check_need(const struct vor_worker *worker, struct vor_job_vie
                    "the job needs about %llu bytes of memory, but all jobs together may use "
                    "only %llu",
                    (unsigned long long)need, (unsigned long long)budget);
-    err->limit = budget;
-    err->got = need;
-    return VOR_E_NOMEM;
+    return vor_fail_over(err, VOR_E_NOMEM, budget, need);
 }
 
 /* Likewise; row has its inputs and its format. */
@@ -106,9 +104,7 @@ static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitt
         return VOR_OK;
     (void)vor_fail(err, VOR_E_BYTES, "the decoded inputs have %llu bytes, want at most %llu",
                    (unsigned long long)row->decoded, (unsigned long long)most);
-    err->limit = most;
-    err->got = row->decoded;
-    return VOR_E_BYTES;
+    return vor_fail_over(err, VOR_E_BYTES, most, row->decoded);
 }
 
 /* For a job that has a place in the queue, and keeps it when VOR_DONE is returned. */
