@@ -249,17 +249,17 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
         .path = config->endpoint.path,
         .mode = socket_modes[(int)config->number[VOR_SET_SOCKET_MODE]],
         .threads = (unsigned)config->number[VOR_SET_HTTP_THREADS],
-        .connections = (unsigned)config->number[VOR_SET_CONNECTIONS],
+        .limits = {.connections = (unsigned)config->number[VOR_SET_CONNECTIONS],
+                   .each = (unsigned)config->number[VOR_SET_ADDRESS_CONNECTIONS],
+                   .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
+                   .keep_seconds = config->number[VOR_SET_KEEP_TIMEOUT],
+                   .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
+                   .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
+                   .body_rate = config->number[VOR_SET_BODY_RATE],
+                   .reply_rate = config->number[VOR_SET_REPLY_RATE],
+                   .beat_seconds = config->number[VOR_SET_HEARTBEAT],
+                   .trusted = &config->trusted},
         .streams = (unsigned)config->number[VOR_SET_STREAMS],
-        .each = (unsigned)config->number[VOR_SET_ADDRESS_CONNECTIONS],
-        .header_seconds = config->number[VOR_SET_HEADER_TIMEOUT],
-        .keep_seconds = config->number[VOR_SET_KEEP_TIMEOUT],
-        .body_seconds = config->number[VOR_SET_BODY_TIMEOUT],
-        .body_idle_seconds = config->number[VOR_SET_BODY_IDLE],
-        .body_rate = config->number[VOR_SET_BODY_RATE],
-        .reply_rate = config->number[VOR_SET_REPLY_RATE],
-        .beat_seconds = config->number[VOR_SET_HEARTBEAT],
-        .trusted = &config->trusted,
         .proxy_headers = (enum vor_proxy_headers)config->number[VOR_SET_PROXY_HEADERS],
         .handler = vor_config_answers(config) ? vor_route_dispatch : vor_admin_dispatch,
         .app = &daemon->app,
@@ -275,11 +275,13 @@ static vor_status open_http(struct daemon *daemon, struct vor_error *err)
     options.port = config->admin.port;
     options.path = config->admin.path;
     options.threads = 1;
-    options.connections = ADMIN_CONNECTIONS;
-    options.streams = options.each = 0;
-    options.header_seconds = options.body_seconds = options.body_idle_seconds = ADMIN_SECONDS;
-    options.keep_seconds = ADMIN_KEEP_SECONDS;
-    options.body_rate = options.reply_rate = options.beat_seconds = 0;
+    options.streams = 0;
+    options.limits = (struct vor_conn_limits){.connections = ADMIN_CONNECTIONS,
+                                              .header_seconds = ADMIN_SECONDS,
+                                              .body_seconds = ADMIN_SECONDS,
+                                              .body_idle_seconds = ADMIN_SECONDS,
+                                              .keep_seconds = ADMIN_KEEP_SECONDS,
+                                              .trusted = &config->trusted};
     options.proxy_headers = VOR_PROXY_X_FORWARDED;
     options.handler = vor_admin_dispatch;
     options.done = vor_admin_done;
@@ -395,19 +397,6 @@ static int wait_signal(const struct daemon *daemon)
     return number;
 }
 
-/* SIGUSR2 comes from drain. Before a signal that ends it is ignored. SIGCHLD comes when the zygote
- * dies, without which no upload can be read: the daemon ends as after SIGTERM, but as failed. */
-static void block_signals(struct daemon *daemon)
-{
-    static const int numbers[] = {SIGTERM, SIGINT, SIGQUIT, SIGUSR1, SIGHUP, SIGCHLD, SIGUSR2};
-
-    (void)signal(SIGPIPE, SIG_IGN);
-    (void)sigemptyset(&daemon->signals);
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
-        (void)sigaddset(&daemon->signals, numbers[i]);
-    (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
-}
-
 static const char *signal_word(int number)
 {
     switch (number) {
@@ -516,10 +505,18 @@ static int serve(struct daemon *daemon)
 {
     struct vor_error err;
     int result;
+    static const int numbers[] = {SIGTERM, SIGINT, SIGQUIT, SIGUSR1, SIGHUP, SIGCHLD, SIGUSR2};
 
     if (vor_flann_load(&err) != VOR_OK || start_zygote(daemon, &err) != VOR_OK)
         return failed_start(daemon, &err);
-    block_signals(daemon);
+    /* SIGUSR2 comes from drain. Before a signal that ends it is ignored. SIGCHLD comes when the
+     * zygote dies, without which no upload can be read: the daemon ends as after SIGTERM, but as
+     * failed. */
+    (void)signal(SIGPIPE, SIG_IGN);
+    (void)sigemptyset(&daemon->signals);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        (void)sigaddset(&daemon->signals, numbers[i]);
+    (void)pthread_sigmask(SIG_BLOCK, &daemon->signals, NULL);
     vor_log_open(STDERR_FILENO, (enum vor_log_level)daemon->config.number[VOR_SET_LOG_LEVEL]);
     daemon->app.config = &daemon->config;
     if (start(daemon, &err) != VOR_OK) {

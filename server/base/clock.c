@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* CLOCK_BOOTTIME */
+#define _GNU_SOURCE /* CLOCK_BOOTTIME, strptime */
 
 #include "server/base/clock.h"
 
@@ -58,6 +58,20 @@ const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE])
         (void)strftime(day, sizeof day, "%Y-%m-%dT%H:%M:%S", &utc);
     (void)snprintf(out, VOR_CLOCK_TEXT_SIZE, "%s.%03dZ", day, (int)(wall_ms % 1000));
     return out;
+}
+
+int vor_clock_read(const char *text, int64_t *seconds)
+{
+    static const char shape[] = "0000-00-00T00:00:00";
+    struct tm utc = {0};
+
+    for (size_t i = 0; i + 1 < sizeof shape; i++)
+        if (shape[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != shape[i])
+            return 0;
+    if (strptime(text, "%Y-%m-%dT%H:%M:%S", &utc) == NULL || utc.tm_year < 70)
+        return 0;
+    *seconds = (int64_t)timegm(&utc);
+    return 1;
 }
 
 void vor_clock_http_date(char out[VOR_HTTP_DATE_SIZE])

@@ -28,6 +28,11 @@ int64_t vor_clock_boot_ms(void);
 /** Writes RFC 3339 UTC with milliseconds; returns out. */
 const char *vor_clock_text(int64_t wall_ms, char out[VOR_CLOCK_TEXT_SIZE]);
 
+/** Reads the first 19 characters of such a text, or of any that has digits in their places, as
+ *  seconds since 1970. Returns 0, and *seconds is unchanged, for what is no such time, or one
+ *  before. */
+int vor_clock_read(const char *text, int64_t *seconds);
+
 /** The time now as HTTP has it (RFC 9110, 5.6.7): "Thu, 26 Nov 2026 09:52:10 GMT", always of this
  *  length; the daemon runs in the C locale. */
 enum { VOR_HTTP_DATE_SIZE = 30 };

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum {
     STATUSES_MAX = 100 /* bytes of all five with commas between */
@@ -29,16 +28,13 @@ static void print_json(const struct vor_json *json)
 /* "5 s", "3 min", "2 h", "4 d" since a time such as 2026-11-21T03:15:34.537Z; "?" for any other. */
 static const char *age_of(const char *created, char out[32])
 {
-    struct tm time = {0};
     long long seconds;
+    int64_t then;
 
     (void)snprintf(out, 32, "?");
-    if (sscanf(created, "%4d-%2d-%2dT%2d:%2d:%2d", &time.tm_year, &time.tm_mon, &time.tm_mday,
-               &time.tm_hour, &time.tm_min, &time.tm_sec) != 6)
+    if (!vor_clock_read(created, &then))
         return out;
-    time.tm_year -= 1900;
-    time.tm_mon -= 1;
-    seconds = vor_clock_wall_ms() / 1000 - (long long)timegm(&time);
+    seconds = vor_clock_wall_ms() / 1000 - (long long)then;
     if (seconds < 120)
         (void)snprintf(out, 32, "%lld s", seconds > 0 ? seconds : 0);
     else if (seconds < 120LL * 60)

@@ -2,7 +2,7 @@
 #ifndef VOR_SERVER_HTTP_CONN_H
 #define VOR_SERVER_HTTP_CONN_H
 
-#include "server/base/address.h"
+#include "server/http/http.h"
 
 enum vor_phase {
     VOR_PHASE_HEAD,   /**< since accept, or since the request line on a kept connection */
@@ -21,14 +21,5 @@ enum vor_conn_excess { VOR_EXCESS_NONE, VOR_EXCESS_ALL, VOR_EXCESS_ADDRESS };
 struct vor_conn;
 
 struct vor_conn_guard;
-
-/** As in vor_http_options; and for how many seconds a connection may be silent before it is closed
- *  to make room, as long as the reserve lasts. */
-struct vor_conn_limits {
-    double header_seconds, keep_seconds, body_seconds, body_idle_seconds, body_rate, reply_rate;
-    double beat_seconds, grace_seconds;
-    unsigned connections, each;
-    const struct vor_networks *trusted; /**< borrowed; may be NULL */
-};
 
 #endif

@@ -65,16 +65,10 @@ struct vor_via {
     char prefix[VOR_PREFIX_MAX + 1]; /**< path before ours, "" or "/a/b"; sound */
 };
 
-/** Limits and deadlines; seconds unless named otherwise. */
-struct vor_http_options {
-    const char *host; /**< numeric address or name to bind */
-    unsigned port;    /**< 0: any free one */
-    const char *path; /**< of a Unix socket instead; NULL or "" for none */
-    unsigned mode;    /**< of that socket: who may connect, 0660 */
-    unsigned threads;
+/** Limits and deadlines of connections; seconds unless named otherwise. */
+struct vor_conn_limits {
     unsigned connections; /**< as many at a time, without streams; when they are more, the oldest
                                silent ones are cut, and 32 more are let in for health checks */
-    unsigned streams;     /**< as many besides */
     unsigned each;        /**< connections of one address, if not loopback's or a trusted proxy's */
     double header_seconds;    /**< from accept, or from the request line on a kept connection */
     double keep_seconds;      /**< a kept connection may idle this long */
@@ -83,7 +77,19 @@ struct vor_http_options {
     double body_rate;         /**< bytes a second on average, after body_idle_seconds */
     double reply_rate;        /**< the same of who reads a reply, streams excepted */
     double beat_seconds;      /**< between two signs of life of a stream */
-    const struct vor_networks *trusted; /**< proxies that are believed; borrowed */
+    double grace_seconds;     /**< a silent one stays so long when room is to be made, as long as
+                                   the reserve lasts */
+    const struct vor_networks *trusted; /**< proxies that are believed; borrowed; may be NULL */
+};
+
+struct vor_http_options {
+    const char *host; /**< numeric address or name to bind */
+    unsigned port;    /**< 0: any free one */
+    const char *path; /**< of a Unix socket instead; NULL or "" for none */
+    unsigned mode;    /**< of that socket: who may connect, 0660 */
+    unsigned threads;
+    struct vor_conn_limits limits;
+    unsigned streams; /**< connections besides those of the limits */
     enum vor_proxy_headers proxy_headers;
     vor_handler handler; /**< the first one; routes.c hands on to the others */
     struct vor_app *app; /**< of each request */

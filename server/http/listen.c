@@ -180,7 +180,7 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
     /* The library divides its limit of connections among its threads and stops accepting at it. As
      * many for each as there may be in all, and those which are cut and not closed yet: the limit
      * that is met is ours. */
-    unsigned most = options->connections + options->streams + SPARE;
+    unsigned most = options->limits.connections + options->streams + SPARE;
 
     return vor_mhd->start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME | MHD_USE_ERROR_LOG, 0, NULL, NULL,
@@ -202,31 +202,19 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *options,
                          struct vor_error *err)
 {
-    const struct vor_conn_limits limits = {
-        .header_seconds = options->header_seconds,
-        .keep_seconds = options->keep_seconds,
-        .body_seconds = options->body_seconds,
-        .body_idle_seconds = options->body_idle_seconds,
-        .body_rate = options->body_rate,
-        .reply_rate = options->reply_rate,
-        .beat_seconds = options->beat_seconds,
-        .grace_seconds = grace_seconds,
-        .connections = options->connections,
-        .each = options->each,
-        .trusted = options->trusted,
-    };
     struct vor_http *http = calloc(1, sizeof *http);
     vor_status status;
 
     if (http == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the HTTP threads");
     http->options = *options;
+    http->options.limits.grace_seconds = grace_seconds;
     http->fd = -1;
     status = vor_mhd_load(err);
     if (status == VOR_OK)
         status = open_socket(&http->fd, options, err);
     if (status == VOR_OK)
-        status = vor_conn_guard_start(&http->guard, &limits, err);
+        status = vor_conn_guard_start(&http->guard, &http->options.limits, err);
     if (status != VOR_OK) {
         vor_http_stop(http);
         return status;

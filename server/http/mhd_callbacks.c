@@ -109,14 +109,17 @@ static struct MHD_Response *make_response(struct vor_request *request)
     return response;
 }
 
-/* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
-static void apply_conditions(struct vor_request *request)
+static enum MHD_Result queue_reply(struct vor_request *request)
 {
+    bool early = request->length != 0 && !request->whole;
+    const struct vor_reply *reply = &request->reply;
+    struct MHD_Response *response;
+    enum MHD_Result result;
     const struct vor_refusal failed = {412, "precondition-failed",
                                        "no ETag in If-Match is the current one", 0, 0};
-    const struct vor_reply *reply = &request->reply;
     int http = 200;
 
+    /* Makes of a reply of 200 that has an ETag what the conditions of the request leave of it. */
     for (unsigned i = 0; reply->http == 200 && i < reply->field_count; i++)
         if (strcmp(reply->fields[i].name, "ETag") == 0)
             http = vor_request_condition(request, reply->fields[i].value);
@@ -126,16 +129,6 @@ static void apply_conditions(struct vor_request *request)
         vor_reply_clear(request, 0);
         request->http->options.refuse(request, &failed);
     }
-}
-
-static enum MHD_Result queue_reply(struct vor_request *request)
-{
-    bool early = request->length != 0 && !request->whole;
-    const struct vor_reply *reply = &request->reply;
-    struct MHD_Response *response;
-    enum MHD_Result result;
-
-    apply_conditions(request);
     response = make_response(request);
     request->stage = VOR_AT_REPLIED;
     if (response == NULL)
@@ -271,7 +264,8 @@ static const char *check_head(struct vor_request *request, const char **detail)
         return slug;
     if (request->via.client[0] != '\0')
         vor_forwarded_read(&request->via, &request->head, &request->from,
-                           request->http->options.trusted, request->http->options.proxy_headers);
+                           request->http->options.limits.trusted,
+                           request->http->options.proxy_headers);
     request->length = vor_head_length(&request->head);
     request->path = request->target;
     request->query = strchr(request->target, '?');

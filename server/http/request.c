@@ -73,9 +73,9 @@ unsigned vor_request_excess(const struct vor_request *request)
 
     switch (vor_conn_excess(request->http->guard, request->conn)) {
     case VOR_EXCESS_ALL:
-        return options->connections;
+        return options->limits.connections;
     case VOR_EXCESS_ADDRESS:
-        return options->each;
+        return options->limits.each;
     case VOR_EXCESS_NONE:
         break;
     }

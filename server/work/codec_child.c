@@ -111,15 +111,6 @@ static void warm_heap(size_t size)
     free(heap);
 }
 
-/* Large uploads give way to small ones, and to the front; the last step of a job does not. */
-static void step_back(const struct vor_codec_order *order)
-{
-    enum { LARGE = 1 << 20, NICENESS = 5 };
-
-    if (order->size > LARGE && order->op != VOR_CODEC_ENCODE)
-        (void)setpriority(PRIO_PROCESS, 0, NICENESS);
-}
-
 static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *ring,
                                  const struct vor_codec_start *start, const int *fds)
 {
@@ -128,7 +119,11 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     void *ring_bytes, *input = NULL;
     vor_status status;
 
-    step_back(&start->order);
+    /* Large uploads give way to small ones, and to the front; the last step of a job does not. */
+    enum { LARGE = 1 << 20, NICENESS = 5 };
+
+    if (start->order.size > LARGE && start->order.op != VOR_CODEC_ENCODE)
+        (void)setpriority(PRIO_PROCESS, 0, NICENESS);
     status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
     if (status != VOR_OK)
         return status;

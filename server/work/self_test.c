@@ -37,28 +37,13 @@ vor_status vor_self_test_judge(const struct vor_cloud *made, double delta, struc
     return VOR_OK;
 }
 
-/* Points of a cube's six faces, in the middles of their squares, moved onto the unit sphere. */
-static void make_sphere(struct vor_cloud *cloud)
-{
-    float *at = cloud->xyz;
-
-    for (int i = 0; i < VOR_SELF_TEST_INPUT; i++, at += 3) {
-        int face = i / (SIDE * SIDE), row = i / SIDE % SIDE, column = i % SIDE;
-        double u = (2 * row + 1.0) / SIDE - 1, v = (2 * column + 1.0) / SIDE - 1;
-        double length = sqrt(1 + u * u + v * v);
-
-        at[face % 3] = (float)((face < 3 ? 1 : -1) / length);
-        at[(face + 1) % 3] = (float)(u / length);
-        at[(face + 2) % 3] = (float)(v / length);
-    }
-}
-
 static vor_status run_engine(struct vor_artefacts *out, struct vor_artefacts *in,
                              const struct vor_run *run, struct vor_error *err)
 {
     struct vor_cloud sphere;
     struct vor_spec spec;
     vor_status status;
+    float *at;
 
     vor_spec_init(&spec);
     vor_cloud_init(&sphere, run->memory);
@@ -73,7 +58,17 @@ static vor_status run_engine(struct vor_artefacts *out, struct vor_artefacts *in
         status = vor_cloud_resize(&sphere, VOR_SELF_TEST_INPUT, err);
     if (status != VOR_OK)
         return status;
-    make_sphere(&sphere);
+    at = sphere.xyz;
+    /* Points of a cube's six faces, in the middles of their squares, moved onto the unit sphere. */
+    for (int i = 0; i < VOR_SELF_TEST_INPUT; i++, at += 3) {
+        int face = i / (SIDE * SIDE), row = i / SIDE % SIDE, column = i % SIDE;
+        double u = (2 * row + 1.0) / SIDE - 1, v = (2 * column + 1.0) / SIDE - 1;
+        double length = sqrt(1 + u * u + v * v);
+
+        at[face % 3] = (float)((face < 3 ? 1 : -1) / length);
+        at[(face + 1) % 3] = (float)(u / length);
+        at[(face + 2) % 3] = (float)(v / length);
+    }
     vor_artefacts_put_cloud(in, "cloud", &sphere);
     return vor_engine_run(out, in, &spec, run, err);
 }

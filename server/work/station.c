@@ -40,24 +40,6 @@ struct sitting {
 /* Libraries, stacks and what the allocator keeps besides what runs are charged with. */
 enum { MARGIN_BYTES = 256 << 20, STACK_BYTES = 8 << 20 };
 
-/* Bounds what the process may take: what leaks is then refused here, and not by the kernel's choice
- * of a process to kill. Sanitizers need address space of their own. */
-static void limit_memory(struct station *station)
-{
-    const struct rlimit no_core = {0, 0};
-
-    (void)setrlimit(RLIMIT_CORE, &no_core);
-    station->memory = (struct rlimit){RLIM_INFINITY, RLIM_INFINITY};
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    if (station->board->memory > 0) {
-        station->memory.rlim_cur = station->memory.rlim_max =
-            station->board->memory + MARGIN_BYTES +
-            (rlim_t)STACK_BYTES * (station->board->threads + VOR_SEATS);
-        (void)setrlimit(RLIMIT_DATA, &station->memory);
-    }
-#endif
-}
-
 /* Whether memory is refused because the whole process has none left, which no run that stays within
  * its own can bring about. */
 static int is_exhausted(const struct station *station)
@@ -239,6 +221,7 @@ static int report_ready(struct station *station, int channel)
 int vor_station_run(int channel, const int *fds, unsigned fd_count)
 {
     struct station station = {.board = fd_count >= 1 ? vor_board_map(fds[0]) : NULL};
+    const struct rlimit no_core = {0, 0};
 
     if (station.board == NULL || fd_count != (station.board->has_codec ? 2 : 1))
         return EXIT_FAILURE;
@@ -250,7 +233,18 @@ int vor_station_run(int channel, const int *fds, unsigned fd_count)
     }
     vor_log_set_level(VOR_LOG_OFF); /* the front logs; how a child ended is in the error */
     vor_machine_set_oom_score(OOM_SCORE);
-    limit_memory(&station);
+    /* Bounds what the process may take: what leaks is then refused here, and not by the kernel's
+     * choice of a process to kill. Sanitizers need address space of their own. */
+    (void)setrlimit(RLIMIT_CORE, &no_core);
+    station.memory = (struct rlimit){RLIM_INFINITY, RLIM_INFINITY};
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    if (station.board->memory > 0) {
+        station.memory.rlim_cur = station.memory.rlim_max =
+            station.board->memory + MARGIN_BYTES +
+            (rlim_t)STACK_BYTES * (station.board->threads + VOR_SEATS);
+        (void)setrlimit(RLIMIT_DATA, &station.memory);
+    }
+#endif
     if (vor_pool_create(&station.means.pool, station.board->threads, NULL) != VOR_OK ||
         !start_thread(tick, &station))
         return VOR_STATION_NO_POOL;

@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { LIST_DEFAULT = 10, LIST_MAX = 10000, SECONDS_MAX = 1000000000 };
 
@@ -96,38 +95,6 @@ static const char *read_longest(const char *value, struct vor_job_filter *out)
     return read_seconds(value, &out->duration_max);
 }
 
-/* The digits from `at` on as a number. */
-static int digits_at(const char *text, int at, int count)
-{
-    int number = 0;
-
-    for (int i = at; i < at + count; i++)
-        number = number * 10 + (text[i] - '0');
-    return number;
-}
-
-/* "2026-11-21T03:15:34" as seconds since 1970; false for anything else. */
-static bool parse_second(const char *text, int64_t *out)
-{
-    static const char shape[] = "0000-00-00T00:00:00";
-    struct tm time = {0};
-
-    for (size_t i = 0; i + 1 < sizeof shape; i++)
-        if (shape[i] == '0' ? text[i] < '0' || text[i] > '9' : text[i] != shape[i])
-            return false;
-    time.tm_year = digits_at(text, 0, 4) - 1900;
-    time.tm_mon = digits_at(text, 5, 2) - 1;
-    time.tm_mday = digits_at(text, 8, 2);
-    time.tm_hour = digits_at(text, 11, 2);
-    time.tm_min = digits_at(text, 14, 2);
-    time.tm_sec = digits_at(text, 17, 2);
-    if (time.tm_year < 70 || time.tm_mon < 0 || time.tm_mon > 11 || time.tm_mday < 1 ||
-        time.tm_mday > 31 || time.tm_hour > 23 || time.tm_min > 59 || time.tm_sec > 60)
-        return false;
-    *out = (int64_t)timegm(&time);
-    return true;
-}
-
 /* A time in UTC of that length, perhaps with a fraction of a second; both ends of what it names,
  * in milliseconds. */
 static bool parse_instant(const char *text, size_t length, int64_t *first, int64_t *last)
@@ -136,7 +103,7 @@ static bool parse_instant(const char *text, size_t length, int64_t *first, int64
     int64_t seconds;
     size_t digits = 0;
 
-    if (length <= SECOND || !parse_second(text, &seconds) || text[length - 1] != 'Z')
+    if (length <= SECOND || !vor_clock_read(text, &seconds) || text[length - 1] != 'Z')
         return false;
     *first = seconds * 1000;
     *last = *first + 999;

@@ -155,25 +155,8 @@ static bool choose_format(struct vor_request *request, const struct acceptance *
     return false;
 }
 
-/* A document is JSON. */
-static bool check_document(struct vor_request *request, const struct acceptance *accept,
-                           struct vor_submit_head *out)
-{
-    (void)out;
-    if (accepts_all(accept) || accept->json)
-        return true;
-    vor_problem_say(request, "not-acceptable",
-                    "the Accept header has none of application/json, text/event-stream and */*");
-    return false;
-}
-
 bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *head)
 {
-    static bool (*const accepts[])(struct vor_request *, const struct acceptance *,
-                                   struct vor_submit_head *) = {
-        [VOR_ARTEFACT_CLOUD] = choose_format,
-        [VOR_ARTEFACT_DOCUMENT] = check_document,
-    };
     struct acceptance accept;
     struct vor_error err;
 
@@ -182,7 +165,13 @@ bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *he
         return false;
     }
     read_accept(request, &accept);
-    return accepts[head->spec.process->outputs[0].kind](request, &accept, head);
+    if (head->spec.process->outputs[0].kind == VOR_ARTEFACT_CLOUD)
+        return choose_format(request, &accept, head);
+    if (accepts_all(&accept) || accept.json) /* a document is JSON */
+        return true;
+    vor_problem_say(request, "not-acceptable",
+                    "the Accept header has none of application/json, text/event-stream and */*");
+    return false;
 }
 
 bool vor_submit_read_spec(struct vor_request *request, struct vor_submit_head *out)

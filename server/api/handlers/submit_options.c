@@ -85,88 +85,52 @@ static bool refuse(struct vor_request *request, const char *slug, const char *wh
     return false;
 }
 
-/* The job that an option names; false after a problem has been replied. */
-static bool find_job(struct vor_request *request, struct vor_job_view *view, const char *option,
-                     const struct vor_uuid *id)
-{
-    enum vor_job_outcome outcome;
-    struct vor_error err;
-
-    outcome = vor_worker_get(request->app->worker, id, vor_auth_tenant(request), view, &err);
-    if (outcome == VOR_UNKNOWN)
-        return refuse(request, "no-such-job", "there is no such job", option, id);
-    if (outcome != VOR_DONE) {
-        vor_outcome_reply(request, outcome, &err, id);
-        return false;
-    }
-    if (view->expired)
-        return refuse(request, "job-expired", "this job has expired", option, id);
-    return true;
-}
-
-/* A job's file that is to be an input of this one. */
+/* A job's file that is to be an input of this one: its main input as it came, or its result. */
 struct other {
+    const char *option;        /* "input", "previous" */
+    const struct vor_uuid *id; /* "" where there is none */
     struct vor_job_view view;
-    struct vor_blob_source source; /* its id is "" where there is none */
+    struct vor_blob_source source;
     struct vor_upload upload;
 };
 
-/* The main input of a job; false after a problem has been replied. */
-static bool find_input(struct vor_request *request, const struct vor_uuid *id, struct other *out)
+/* Finds the job that an option names, if it does, and its file; false after a problem has been
+ * replied. */
+static bool find_other(struct vor_request *request, struct other *other)
 {
-    if (!find_job(request, &out->view, "input", id))
-        return false;
-    out->source.id = *id;
-    (void)vor_blob_of_upload(out->view.spec.process->inputs[0].name, out->source.name);
-    memcpy(out->source.sha256, out->view.input[0].sha256, sizeof out->source.sha256);
-    return true;
-}
-
-/* The result of a job, a cloud; likewise. */
-static bool find_result(struct vor_request *request, const struct vor_uuid *id, struct other *out)
-{
+    const struct vor_job_view *view = &other->view;
     const struct vor_artefact_info *output;
-
-    if (!find_job(request, &out->view, "previous", id))
-        return false;
-    output = &out->view.spec.process->outputs[0];
-    if (output->kind != VOR_ARTEFACT_CLOUD)
-        return refuse(request, "no-such-output", "the result of this job is not a cloud",
-                      "previous", id);
-    if (out->view.status != VOR_JOB_SUCCESSFUL) {
-        vor_result_missing(request, &out->view);
-        return false;
-    }
-    out->source.id = *id;
-    (void)vor_blob_of_output(output->name, out->view.attempt, out->source.name);
-    memcpy(out->source.sha256, out->view.output[0].sha256, sizeof out->source.sha256);
-    return true;
-}
-
-static bool is_here(struct vor_request *request, const struct other *other, enum vor_next *next)
-{
-    struct vor_here here = {.may_flow = false};
-
-    return other->source.id.text[0] == '\0' ||
-           vor_blob_is_here(request, &other->source.id, other->source.name, &here, next);
-}
-
-/* Adds the bytes, where any are asked for; false after a problem has been replied. */
-static bool reopen(struct vor_request *request, struct other *other, struct vor_uploads *uploads,
-                   int *found)
-{
+    enum vor_job_outcome outcome;
     struct vor_error err;
 
-    *found = other->source.id.text[0] == '\0';
-    if (*found)
+    if (other->id->text[0] == '\0')
         return true;
-    if (vor_blob_reopen(request->app->blobs, &other->source, &other->upload.bytes, found, &err) !=
-        VOR_OK) {
-        vor_problem_error(request, &err, other->source.id.text);
+    outcome = vor_worker_get(request->app->worker, other->id, vor_auth_tenant(request),
+                             &other->view, &err);
+    if (outcome == VOR_UNKNOWN)
+        return refuse(request, "no-such-job", "there is no such job", other->option, other->id);
+    if (outcome != VOR_DONE) {
+        vor_outcome_reply(request, outcome, &err, other->id);
         return false;
     }
-    if (*found)
-        vor_uploads_add(uploads, &other->upload);
+    if (view->expired)
+        return refuse(request, "job-expired", "this job has expired", other->option, other->id);
+    other->source.id = *other->id;
+    if (strcmp(other->option, "input") == 0) {
+        (void)vor_blob_of_upload(view->spec.process->inputs[0].name, other->source.name);
+        memcpy(other->source.sha256, view->input[0].sha256, sizeof other->source.sha256);
+        return true;
+    }
+    output = &view->spec.process->outputs[0];
+    if (output->kind != VOR_ARTEFACT_CLOUD)
+        return refuse(request, "no-such-output", "the result of this job is not a cloud",
+                      other->option, other->id);
+    if (view->status != VOR_JOB_SUCCESSFUL) {
+        vor_result_missing(request, view);
+        return false;
+    }
+    (void)vor_blob_of_output(output->name, view->attempt, other->source.name);
+    memcpy(other->source.sha256, view->output[0].sha256, sizeof other->source.sha256);
     return true;
 }
 
@@ -174,28 +138,40 @@ bool vor_submit_options_open(struct vor_request *request, const struct vor_submi
                              const struct vor_process_info *process, struct vor_uploads *uploads,
                              enum vor_next *next)
 {
-    struct other input = {.upload = {.name = process->inputs[0].name}};
-    struct other previous = {.upload = {.name = "previous"}};
+    struct other others[] = {
+        {.option = "input", .id = &options->input, .upload = {.name = process->inputs[0].name}},
+        {.option = "previous", .id = &options->previous, .upload = {.name = "previous"}}};
+    struct vor_here here = {.may_flow = false};
+    struct vor_error err;
     int found;
 
     *next = VOR_NEXT_REPLY;
-    if ((options->input.text[0] != '\0' && !find_input(request, &options->input, &input)) ||
-        (options->previous.text[0] != '\0' && !find_result(request, &options->previous, &previous)))
+    if (!find_other(request, &others[0]) || !find_other(request, &others[1]))
         return false;
-    if (uploads == NULL)
-        return true;
-    if (!is_here(request, &input, next) || !is_here(request, &previous, next))
-        return false;
-    if (!reopen(request, &input, uploads, &found))
-        return false;
-    if (!found)
-        return refuse(request, "input-not-kept", "the input of this job is no longer stored",
-                      "input", &options->input);
-    if (!reopen(request, &previous, uploads, &found))
-        return false;
-    if (!found)
-        vor_result_missing(request, &previous.view);
-    return found;
+    for (int i = 0; i < 2 && uploads != NULL; i++)
+        if (others[i].id->text[0] != '\0' &&
+            !vor_blob_is_here(request, others[i].id, others[i].source.name, &here, next))
+            return false;
+    for (int i = 0; i < 2 && uploads != NULL; i++) {
+        struct other *other = &others[i];
+
+        if (other->id->text[0] == '\0')
+            continue;
+        if (vor_blob_reopen(request->app->blobs, &other->source, &other->upload.bytes, &found,
+                            &err) != VOR_OK) {
+            vor_problem_error(request, &err, other->id->text);
+            return false;
+        }
+        if (!found && i == 0)
+            return refuse(request, "input-not-kept", "the input of this job is no longer stored",
+                          other->option, other->id);
+        if (!found) {
+            vor_result_missing(request, &other->view);
+            return false;
+        }
+        vor_uploads_add(uploads, &other->upload);
+    }
+    return true;
 }
 
 void vor_submit_inputs_of_uploads(struct vor_submit_inputs *out, const struct vor_uploads *uploads)
