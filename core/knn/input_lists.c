@@ -137,7 +137,8 @@ static unsigned select(const struct vor_input_lists *lists, size_t i, unsigned k
 
 enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists, size_t i,
                                                   const float x[3], unsigned k,
-                                                  const uint32_t **index)
+                                                  const uint32_t **index,
+                                                  struct vor_knn_last *before)
 {
     uint32_t *list = &lists->list[i * lists->wide];
     float distance2[WIDE_MAX], within = INFINITY;
@@ -164,7 +165,7 @@ enum vor_input_lists_found vor_input_lists_search(struct vor_input_lists *lists,
         vor_knn_search_near(lists->knn, &(struct vor_knn_near){x, 1, wide, &within},
                             &lists->list[i * lists->wide], distance2);
     else
-        vor_knn_search(lists->knn, x, 1, wide, &lists->list[i * lists->wide], distance2);
+        vor_knn_search_next(lists->knn, before, x, wide, list, distance2);
     memcpy(&lists->anchor[3 * i], x, 3 * sizeof *x);
     lists->reach[i] = wide < lists->m ? sqrtf(distance2[wide - 1]) : INFINITY;
     lists->k[i] = (uint16_t)k;

@@ -122,7 +122,8 @@ static double gather(struct vor_lop_data *out, struct project *project, size_t i
     const uint32_t *index;
     double far2 = 0;
 
-    (void)vor_input_lists_search(&project->near_data, i, x, project->k, &index);
+    (void)vor_input_lists_search(&project->near_data, i, x, project->k, &index,
+                                 &(struct vor_knn_last){.k = 0});
     out->count = project->k;
     for (unsigned j = 0; j < project->k; j++) {
         size_t at = index[j];
