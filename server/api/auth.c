@@ -28,8 +28,7 @@ static bool refuse(struct vor_request *request, const char *challenge, const cha
 
     problem.detail = detail;
     problem.challenge = challenge;
-    vor_problem_reply(request, &problem);
-    return false;
+    return vor_problem_reply(request, &problem);
 }
 
 static bool refuse_scope(struct vor_request *request, const struct vor_principal *caller,
@@ -53,8 +52,7 @@ static bool refuse_scope(struct vor_request *request, const struct vor_principal
                    caller->name, scopes, vor_scope_word(scope));
     problem.detail = detail;
     problem.challenge = challenge;
-    vor_problem_reply(request, &problem);
-    return false;
+    return vor_problem_reply(request, &problem);
 }
 
 /* True when the request is for a result and has a good ticket to it. */

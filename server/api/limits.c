@@ -37,8 +37,7 @@ bool vor_limits_rate(struct vor_request *request)
                    caller->name, caller->quota.rate);
     problem.detail = detail;
     problem.retry_seconds = (unsigned)ceil(wait);
-    vor_problem_reply(request, &problem);
-    return false;
+    return vor_problem_reply(request, &problem);
 }
 
 vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_admitted *admitted,

@@ -193,6 +193,12 @@ enum vor_next vor_app_reply(struct vor_request *request, int http, const char *m
     return VOR_NEXT_REPLY;
 }
 
+enum vor_next vor_reply_json(struct vor_request *request, int http, struct vor_text *text)
+{
+    vor_text_puts(text, "\n");
+    return vor_app_reply(request, http, "application/json", text);
+}
+
 void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem)
 {
     vor_problem_of_error(&row->problem, row->id.text, problem);

@@ -75,7 +75,9 @@ struct vor_problem {
         .slug = (name), .byte_offset = -1, .queue_depth = -1                                       \
     }
 
-/** Replies with a problem. Returns VOR_NEXT_REPLY, so that a handler can return the call. */
+/** Replies with a problem. Returns VOR_NEXT_REPLY, so that a handler can return the call; it is 0,
+ *  so that what is false after a problem has been replied can, too. */
+_Static_assert(VOR_NEXT_REPLY == 0, "a problem that was replied is false");
 enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_problem *problem);
 
 /** Replies with a problem of this slug and one sentence. */
@@ -107,6 +109,9 @@ enum vor_next vor_problem_or_wait(struct vor_request *request);
 /** Replies with a document and frees it; one that could not be built becomes a problem. */
 enum vor_next vor_app_reply(struct vor_request *request, int http, const char *media_type,
                             struct vor_text *text);
+
+/** The same with JSON, which ends with a line feed. */
+enum vor_next vor_reply_json(struct vor_request *request, int http, struct vor_text *text);
 
 /** The problem of a job that failed; row is borrowed. */
 void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem);

@@ -36,9 +36,9 @@ bool vor_query_points(struct vor_request *request, const char *name, size_t *out
         *out = value;
         return true;
     }
-    vor_problem_say(request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d", name,
-                    vor_quote(quoted, sizeof quoted, text, strlen(text)), VOR_PREVIEW_POINTS_MAX);
-    return false;
+    return vor_problem_say(request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d",
+                           name, vor_quote(quoted, sizeof quoted, text, strlen(text)),
+                           VOR_PREVIEW_POINTS_MAX);
 }
 
 bool vor_events_query_one(struct vor_request *request, struct vor_events_query *out)
@@ -51,9 +51,8 @@ bool vor_events_query_one(struct vor_request *request, struct vor_events_query *
     out->is_replay = last != NULL;
     if (last == NULL || vor_position_parse(&out->jobs[0].position, last))
         return true;
-    vor_problem_say(request, BAD_QUERY, "the last event id is \"%.40s\", want ATTEMPT.NUMBER",
-                    last);
-    return false;
+    return vor_problem_say(request, BAD_QUERY,
+                           "the last event id is \"%.40s\", want ATTEMPT.NUMBER", last);
 }
 
 /* The next item of a list with commas; false past the last. *at is NULL there. */
@@ -67,51 +66,32 @@ static bool next_item(const char **at, const char **item, size_t *length)
     return true;
 }
 
-static bool has_job(const struct vor_events_query *ask, const struct vor_uuid *id)
-{
-    for (unsigned i = 0; i < ask->count; i++)
-        if (strcmp(ask->jobs[i].id.text, id->text) == 0)
-            return true;
-    return false;
-}
-
-/* True when the item was taken in; else a problem has been replied. */
-static bool add_job(struct vor_request *request, struct vor_events_query *out, const char *item,
-                    size_t length)
-{
-    struct vor_uuid id;
-    char quoted[64];
-
-    if (!vor_uuid_parse(&id, item, length))
-        vor_problem_say(request, BAD_QUERY,
-                        "jobs holds \"%s\", want 1 to %d IDs of jobs, separated by commas",
-                        vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
-    else if (has_job(out, &id))
-        vor_problem_say(request, BAD_QUERY, "jobs holds %s twice, want each ID once", id.text);
-    else if (out->count == VOR_EVENT_JOBS_MAX)
-        vor_problem_say(request, BAD_QUERY, "jobs holds more than %d IDs, want 1 to %d",
-                        VOR_EVENT_JOBS_MAX, VOR_EVENT_JOBS_MAX);
-    else {
-        out->jobs[out->count++].id = id;
-        return true;
-    }
-    return false;
-}
-
 static bool read_jobs(struct vor_request *request, struct vor_events_query *out)
 {
     const char *at = vor_request_query(request, "jobs"), *item;
+    struct vor_uuid id;
+    char quoted[64];
     size_t length;
 
-    if (at == NULL) {
-        vor_problem_say(request, BAD_QUERY,
-                        "jobs is missing, want 1 to %d IDs of jobs, separated by commas",
-                        VOR_EVENT_JOBS_MAX);
-        return false;
+    if (at == NULL)
+        return vor_problem_say(request, BAD_QUERY,
+                               "jobs is missing, want 1 to %d IDs of jobs, separated by commas",
+                               VOR_EVENT_JOBS_MAX);
+    while (next_item(&at, &item, &length)) {
+        if (!vor_uuid_parse(&id, item, length))
+            return vor_problem_say(
+                request, BAD_QUERY,
+                "jobs holds \"%s\", want 1 to %d IDs of jobs, separated by commas",
+                vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
+        for (unsigned i = 0; i < out->count; i++)
+            if (strcmp(out->jobs[i].id.text, id.text) == 0)
+                return vor_problem_say(request, BAD_QUERY, "jobs holds %s twice, want each ID once",
+                                       id.text);
+        if (out->count == VOR_EVENT_JOBS_MAX)
+            return vor_problem_say(request, BAD_QUERY, "jobs holds more than %d IDs, want 1 to %d",
+                                   VOR_EVENT_JOBS_MAX, VOR_EVENT_JOBS_MAX);
+        out->jobs[out->count++].id = id;
     }
-    while (next_item(&at, &item, &length))
-        if (!add_job(request, out, item, length))
-            return false;
     return true;
 }
 
@@ -142,11 +122,11 @@ static bool read_positions(struct vor_request *request, struct vor_events_query 
     }
     if (last == NULL || (is_sound && count == out->count))
         return true;
-    vor_problem_say(request, BAD_QUERY,
-                    "the last event id is \"%.40s\", want ATTEMPT.NUMBER or end for each of the %u "
-                    "jobs, separated by commas",
-                    last, out->count);
-    return false;
+    return vor_problem_say(
+        request, BAD_QUERY,
+        "the last event id is \"%.40s\", want ATTEMPT.NUMBER or end for each of the %u "
+        "jobs, separated by commas",
+        last, out->count);
 }
 
 bool vor_events_query_many(struct vor_request *request, struct vor_events_query *out)

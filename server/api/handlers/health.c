@@ -37,8 +37,7 @@ enum vor_next vor_handle_landing(struct vor_request *request, enum vor_step step
     put_link(request, &text, "status", json, "/readyz");
     vor_json_end_array(&text);
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
-    return vor_app_reply(request, 200, json, &text);
+    return vor_reply_json(request, 200, &text);
 }
 
 enum vor_next vor_handle_livez(struct vor_request *request, enum vor_step step)
@@ -71,9 +70,8 @@ enum vor_next vor_handle_readyz(struct vor_request *request, enum vor_step step)
     vor_json_put_u64(&text, "running", load.running);
     vor_json_put_string(&text, "sandbox", app->sandbox);
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(request, 200, "application/json", &text);
+    return vor_reply_json(request, 200, &text);
 }
 
 enum vor_next vor_handle_version(struct vor_request *request, enum vor_step step)
@@ -86,6 +84,5 @@ enum vor_next vor_handle_version(struct vor_request *request, enum vor_step step
     vor_json_put_string(&text, "name", "voronoid");
     vor_json_put_string(&text, "version", VOR_VERSION);
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
-    return vor_app_reply(request, 200, "application/json", &text);
+    return vor_reply_json(request, 200, &text);
 }

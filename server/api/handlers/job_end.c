@@ -30,9 +30,8 @@ static enum vor_next reply_job(struct vor_request *request, int http,
 
     vor_text_init(&text, 0);
     vor_job_write(request, view, &text);
-    vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(request, http, "application/json", &text);
+    return vor_reply_json(request, http, &text);
 }
 
 static enum vor_next begin(struct vor_request *request, int is_stop)

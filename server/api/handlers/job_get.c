@@ -50,8 +50,7 @@ static bool begin_poll(struct vor_request *request, double seconds)
         if (poll == NULL)
             (void)vor_fail(&err, VOR_E_NOMEM, "a request");
         free(poll);
-        vor_outcome_reply(request, outcome, &err, &id);
-        return false;
+        return vor_outcome_reply(request, outcome, &err, &id);
     }
     poll->seconds = seconds;
     poll->deadline = vor_clock_seconds() + seconds;

@@ -20,9 +20,8 @@ static bool read_id(struct vor_request *request, struct vor_uuid *out)
         (void)snprintf(request->job, sizeof request->job, "%s", out->text);
         return true;
     }
-    vor_problem_say(request, "no-such-job", "there is no job %.*s",
-                    (int)(length < 60 ? length : 60), segment);
-    return false;
+    return vor_problem_say(request, "no-such-job", "there is no job %.*s",
+                           (int)(length < 60 ? length : 60), segment);
 }
 
 bool vor_job_of_path(struct vor_request *request, struct vor_uuid *out)
@@ -79,8 +78,7 @@ bool vor_job_look_up(struct vor_request *request, struct vor_job_view *out)
     outcome = vor_worker_get(request->app->worker, &id, vor_auth_tenant(request), out, &err);
     if (outcome == VOR_DONE)
         return true;
-    vor_outcome_reply(request, outcome, &err, &id);
-    return false;
+    return vor_outcome_reply(request, outcome, &err, &id);
 }
 
 /* Jobs of a list that are read and written at a step; writing takes some 4 ms of a core. Between
@@ -233,9 +231,8 @@ static enum vor_next reply_list(struct listing *list)
         put_list_link(list, "next", cursor);
     vor_json_end_array(&list->text);
     vor_json_end_object(&list->text);
-    vor_text_puts(&list->text, "\n");
     vor_reply_header(list->request, "Cache-Control", "no-store");
-    return vor_app_reply(list->request, 200, "application/json", &list->text);
+    return vor_reply_json(list->request, 200, &list->text);
 }
 
 enum vor_next vor_handle_jobs(struct vor_request *request, enum vor_step step)

@@ -175,8 +175,7 @@ bool vor_job_filter_read(struct vor_request *request, struct vor_job_filter *out
         (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
         problem.parameter = name;
         problem.detail = detail;
-        vor_problem_reply(request, &problem);
-        return false;
+        return vor_problem_reply(request, &problem);
     }
     return true;
 }

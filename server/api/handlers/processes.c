@@ -52,8 +52,7 @@ enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step st
     vor_json_key(&text, "links");
     vor_json_links(&text, &self, 1);
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
-    return vor_app_reply(request, 200, "application/json", &text);
+    return vor_reply_json(request, 200, &text);
 }
 
 /* The process that segment `index` of the path names; NULL after a problem has been replied. */
@@ -94,6 +93,5 @@ enum vor_next vor_handle_process(struct vor_request *request, enum vor_step step
     make_links(request, process->id, &links);
     vor_text_init(&text, 0);
     vor_json_process(&text, process, links.links, PROCESS_LINKS);
-    vor_text_puts(&text, "\n");
-    return vor_app_reply(request, 200, "application/json", &text);
+    return vor_reply_json(request, 200, &text);
 }

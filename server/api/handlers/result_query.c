@@ -65,8 +65,7 @@ bool vor_result_query_read(struct vor_request *request, bool takes_format,
         if (problem.detail == NULL)
             continue;
         problem.parameter = name;
-        vor_problem_reply(request, &problem);
-        return false;
+        return vor_problem_reply(request, &problem);
     }
     return true;
 }
@@ -75,9 +74,8 @@ bool vor_result_accepts(struct vor_request *request, const char *media_type)
 {
     if (vor_accept_takes(request, media_type))
         return true;
-    vor_problem_say(request, "not-acceptable",
-                    "the response is %s, but the Accept header "
-                    "does not allow this media type",
-                    media_type);
-    return false;
+    return vor_problem_say(request, "not-acceptable",
+                           "the response is %s, but the Accept header "
+                           "does not allow this media type",
+                           media_type);
 }

@@ -79,10 +79,8 @@ static bool open_blob(struct vor_request *request, const struct vor_job_view *vi
     int found = out->flow != NULL;
 
     if (!found && vor_blob_get(request->app->blobs, &view->id, name, &out->fd, &out->size, &found,
-                               &err) != VOR_OK) {
-        vor_problem_error(request, &err, view->id.text);
-        return false;
-    }
+                               &err) != VOR_OK)
+        return vor_problem_error(request, &err, view->id.text);
     if (!found)
         missing(request, view);
     return found != 0;
@@ -95,14 +93,10 @@ static bool open_kept(struct vor_request *request, const struct vor_job_view *vi
     struct vor_error err;
     vor_status status = vor_store_report(request->app->store, &view->id, &out->bytes, &err);
 
-    if (status == VOR_OK && out->bytes == NULL) {
-        vor_result_missing(request, view);
-        return false;
-    }
-    if (status != VOR_OK) {
-        vor_problem_error(request, &err, view->id.text);
-        return false;
-    }
+    if (status == VOR_OK && out->bytes == NULL)
+        return vor_result_missing(request, view);
+    if (status != VOR_OK)
+        return vor_problem_error(request, &err, view->id.text);
     out->size = strlen(out->bytes);
     vor_digest_etag(out->bytes, (size_t)out->size, out->etag);
     return true;
@@ -124,10 +118,8 @@ static bool open_output(struct vor_request *request, const struct vor_job_view *
     char blob[VOR_BLOB_NAME_MAX + 1];
 
     out->media_type = vor_output_media_type(view, index);
-    if (out->media_type == NULL) {
-        vor_result_missing(request, view);
-        return false;
-    }
+    if (out->media_type == NULL)
+        return vor_result_missing(request, view);
     name_file(view, index, vor_format(view->output[index].format), out);
     if (vor_output_in_row(&view->spec.process->outputs[index]))
         return open_kept(request, view, out);
@@ -448,9 +440,8 @@ enum vor_next vor_handle_results(struct vor_request *request, enum vor_step step
         vor_json_end_object(&text);
     }
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(request, 200, "application/json", &text);
+    return vor_reply_json(request, 200, &text);
 }
 
 static enum vor_next missing_input(struct vor_request *request, const struct vor_job_view *view)

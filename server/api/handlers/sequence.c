@@ -263,23 +263,18 @@ static bool read_head(struct vor_request *request, struct vor_submit_head *head,
     if (!vor_limits_rate(request) || !vor_submit_read_spec(request, head))
         return false;
     head->mode = VOR_SUBMIT_STREAM;
-    if (head->body == VOR_SUBMIT_JSON || head->is_gzip) {
-        vor_problem_say(request, "unsupported-format",
-                        "the body is %s, want a tar archive, or a form with files",
-                        head->is_gzip ? "compressed" : "JSON");
-        return false;
-    }
+    if (head->body == VOR_SUBMIT_JSON || head->is_gzip)
+        return vor_problem_say(request, "unsupported-format",
+                               "the body is %s, want a tar archive, or a form with files",
+                               head->is_gzip ? "compressed" : "JSON");
     if (!vor_accept_takes(request, "application/x-tar") &&
-        !vor_accepts(request, "text/event-stream")) {
-        vor_problem_say(request, "not-acceptable",
-                        "the Accept header has none of application/x-tar, text/event-stream and "
-                        "*/*");
-        return false;
-    }
-    if (complete(head, is_linked, &err) != VOR_OK) {
-        vor_problem_error(request, &err, NULL);
-        return false;
-    }
+        !vor_accepts(request, "text/event-stream"))
+        return vor_problem_say(
+            request, "not-acceptable",
+            "the Accept header has none of application/x-tar, text/event-stream and "
+            "*/*");
+    if (complete(head, is_linked, &err) != VOR_OK)
+        return vor_problem_error(request, &err, NULL);
     /* The result that the first frame starts from must be there. */
     return vor_submit_options_open(request, &head->options, head->spec.process, NULL, &next) &&
            vor_submit_has_room(request, head);

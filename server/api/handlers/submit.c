@@ -355,8 +355,7 @@ static enum vor_next reply_accepted(struct vor_request *request, struct submissi
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_text_init(&text, 0);
     vor_job_write(request, &view, &text);
-    vor_text_puts(&text, "\n");
-    return vor_app_reply(request, 201, "application/json", &text);
+    return vor_reply_json(request, 201, &text);
 }
 
 static enum vor_next wait_for_end(struct vor_request *request, struct submission *submission)

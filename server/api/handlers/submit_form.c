@@ -256,6 +256,5 @@ bool vor_submit_form_end(struct vor_submit_form *form)
         add_of_job(&inputs, spec->process, "previous", &options->previous, err) == VOR_OK &&
         vor_spec_check_inputs(spec, inputs, err) == VOR_OK)
         return true;
-    vor_problem_error(form->request, err, NULL);
-    return false;
+    return vor_problem_error(form->request, err, NULL);
 }

@@ -42,10 +42,9 @@ static bool read_coding(struct vor_request *request, struct vor_submit_head *out
     if (coding >= 0 && more == NULL)
         return true;
     vor_reply_header(request, "Accept-Encoding", "gzip");
-    vor_problem_say(
+    return vor_problem_say(
         request, "unsupported-format", "Content-Encoding is %s%s, want gzip, once, or none",
         vor_quote(shown, sizeof shown, value, strlen(value)), more != NULL ? " and more" : "");
-    return false;
 }
 
 /* Reads Content-Type and Content-Encoding. */
@@ -65,10 +64,10 @@ static bool read_body(struct vor_request *request, struct vor_submit_head *out)
         return false;
     if (out->body != VOR_SUBMIT_FORM || !out->is_gzip)
         return true;
-    vor_problem_say(request, "unsupported-format",
-                    "Content-Encoding is gzip for the whole form, want it only in the headers "
-                    "of a part with a file");
-    return false;
+    return vor_problem_say(
+        request, "unsupported-format",
+        "Content-Encoding is gzip for the whole form, want it only in the headers "
+        "of a part with a file");
 }
 
 static vor_status read_pairs(struct vor_request *request, struct vor_submit_head *out,
@@ -138,10 +137,9 @@ static bool choose_format(struct vor_request *request, const struct acceptance *
         if (out->mode != VOR_SUBMIT_SYNC || (accept->json && out->is_async) ||
             vor_accept_takes(request, named->media_type))
             return true;
-        vor_problem_say(request, "not-acceptable",
-                        "format is %s, but the Accept header does not allow %s", named->name,
-                        named->media_type);
-        return false;
+        return vor_problem_say(request, "not-acceptable",
+                               "format is %s, but the Accept header does not allow %s", named->name,
+                               named->media_type);
     }
     if (accept->quality > 0) {
         out->spec.value[VOR_PARAM_FORMAT] = accept->format;
@@ -149,10 +147,9 @@ static bool choose_format(struct vor_request *request, const struct acceptance *
     }
     if (accepts_all(accept) || (accept->json && out->mode == VOR_SUBMIT_ASYNC))
         return true;
-    vor_problem_say(request, "not-acceptable",
-                    "Accept names none of %s, %s, text/event-stream and */*",
-                    vor_format(VOR_FORMAT_PLY)->media_type, vor_format(VOR_FORMAT_DRC)->media_type);
-    return false;
+    return vor_problem_say(
+        request, "not-acceptable", "Accept names none of %s, %s, text/event-stream and */*",
+        vor_format(VOR_FORMAT_PLY)->media_type, vor_format(VOR_FORMAT_DRC)->media_type);
 }
 
 bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *head)
@@ -160,18 +157,16 @@ bool vor_submit_complete(struct vor_request *request, struct vor_submit_head *he
     struct acceptance accept;
     struct vor_error err;
 
-    if (vor_spec_complete(&head->spec, &err) != VOR_OK) {
-        vor_problem_error(request, &err, NULL);
-        return false;
-    }
+    if (vor_spec_complete(&head->spec, &err) != VOR_OK)
+        return vor_problem_error(request, &err, NULL);
     read_accept(request, &accept);
     if (head->spec.process->outputs[0].kind == VOR_ARTEFACT_CLOUD)
         return choose_format(request, &accept, head);
     if (accepts_all(&accept) || accept.json) /* a document is JSON */
         return true;
-    vor_problem_say(request, "not-acceptable",
-                    "the Accept header has none of application/json, text/event-stream and */*");
-    return false;
+    return vor_problem_say(
+        request, "not-acceptable",
+        "the Accept header has none of application/json, text/event-stream and */*");
 }
 
 bool vor_submit_read_spec(struct vor_request *request, struct vor_submit_head *out)
@@ -189,8 +184,7 @@ bool vor_submit_read_spec(struct vor_request *request, struct vor_submit_head *o
         (read_pairs(request, out, &err) == VOR_OK &&
          vor_submit_options_read_key(&out->options, request, &err) == VOR_OK))
         return true;
-    vor_problem_error(request, &err, NULL);
-    return false;
+    return vor_problem_error(request, &err, NULL);
 }
 
 bool vor_submit_read(struct vor_request *request, struct vor_submit_head *out)
@@ -225,19 +219,14 @@ bool vor_submit_has_room(struct vor_request *request, const struct vor_submit_he
     enum vor_job_outcome room =
         vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
 
-    if (room != VOR_DONE) {
-        vor_outcome_reply(request, room, &err, NULL);
-        return false;
-    }
+    if (room != VOR_DONE)
+        return vor_outcome_reply(request, room, &err, NULL);
     if (head->mode == VOR_SUBMIT_STREAM &&
-        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS]) {
-        vor_problem_say(request, "too-many-streams", "%.0f event streams are open",
-                        app->config->number[VOR_SET_STREAMS]);
-        return false;
-    }
+        atomic_load(&app->streams) >= (unsigned)app->config->number[VOR_SET_STREAMS])
+        return vor_problem_say(request, "too-many-streams", "%.0f event streams are open",
+                               app->config->number[VOR_SET_STREAMS]);
     if (length > (int64_t)app->config->number[VOR_SET_BODY_LIMIT] || /* refused for that */
         vor_blobs_room(app->blobs, length > 0 ? (uint64_t)length : 0, &err) == VOR_OK)
         return true;
-    vor_problem_error(request, &err, NULL);
-    return false;
+    return vor_problem_error(request, &err, NULL);
 }

@@ -81,8 +81,7 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
 static bool refuse(struct vor_request *request, const char *slug, const char *why,
                    const char *option, const struct vor_uuid *id)
 {
-    vor_problem_say(request, slug, "%s is job:%s: %s", option, id->text, why);
-    return false;
+    return vor_problem_say(request, slug, "%s is job:%s: %s", option, id->text, why);
 }
 
 /* A job's file that is to be an input of this one: its main input as it came, or its result. */
@@ -109,10 +108,8 @@ static bool find_other(struct vor_request *request, struct other *other)
                              &other->view, &err);
     if (outcome == VOR_UNKNOWN)
         return refuse(request, "no-such-job", "there is no such job", other->option, other->id);
-    if (outcome != VOR_DONE) {
-        vor_outcome_reply(request, outcome, &err, other->id);
-        return false;
-    }
+    if (outcome != VOR_DONE)
+        return vor_outcome_reply(request, outcome, &err, other->id);
     if (view->expired)
         return refuse(request, "job-expired", "this job has expired", other->option, other->id);
     other->source.id = *other->id;
@@ -125,10 +122,8 @@ static bool find_other(struct vor_request *request, struct other *other)
     if (output->kind != VOR_ARTEFACT_CLOUD)
         return refuse(request, "no-such-output", "the result of this job is not a cloud",
                       other->option, other->id);
-    if (view->status != VOR_JOB_SUCCESSFUL) {
-        vor_result_missing(request, view);
-        return false;
-    }
+    if (view->status != VOR_JOB_SUCCESSFUL)
+        return vor_result_missing(request, view);
     (void)vor_blob_of_output(output->name, view->attempt, other->source.name);
     memcpy(other->source.sha256, view->output[0].sha256, sizeof other->source.sha256);
     return true;
@@ -158,17 +153,13 @@ bool vor_submit_options_open(struct vor_request *request, const struct vor_submi
         if (other->id->text[0] == '\0')
             continue;
         if (vor_blob_reopen(request->app->blobs, &other->source, &other->upload.bytes, &found,
-                            &err) != VOR_OK) {
-            vor_problem_error(request, &err, other->id->text);
-            return false;
-        }
+                            &err) != VOR_OK)
+            return vor_problem_error(request, &err, other->id->text);
         if (!found && i == 0)
             return refuse(request, "input-not-kept", "the input of this job is no longer stored",
                           other->option, other->id);
-        if (!found) {
-            vor_result_missing(request, &other->view);
-            return false;
-        }
+        if (!found)
+            return vor_result_missing(request, &other->view);
         vor_uploads_add(uploads, &other->upload);
     }
     return true;

@@ -66,8 +66,7 @@ enum vor_next vor_handle_ticket(struct vor_request *request, enum vor_step step)
     vor_json_put_string(&text, "ticket", ticket);
     vor_json_put_string(&text, "expires", expires);
     vor_json_end_object(&text);
-    vor_text_puts(&text, "\n");
     vor_reply_header(request, "Location", whole);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_app_reply(request, 201, "application/json", &text);
+    return vor_reply_json(request, 201, &text);
 }
