@@ -96,7 +96,6 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
 
     if (found == NULL) {
         const struct vor_foreign *foreign = size > 0 ? vor_foreign_sniff(bytes, size) : NULL;
-        char shown[80];
 
         if (size == 0)
             vor_fail(err, VOR_E_UNSUPPORTED, "the input is empty, want a PLY or a Draco file");
@@ -106,7 +105,7 @@ vor_status vor_codec_read(struct vor_cloud *out, const struct vor_format **forma
         else
             vor_fail(err, VOR_E_UNSUPPORTED,
                      "the input begins with \"%s\", want \"ply\" and a line end, or \"DRACO\"",
-                     vor_quote(shown, sizeof shown, bytes, size < 16 ? size : 16));
+                     VOR_QUOTED(80, bytes, size < 16 ? size : 16));
         if (err != NULL)
             err->byte_offset = 0;
         return VOR_E_UNSUPPORTED;

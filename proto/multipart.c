@@ -20,7 +20,7 @@ static vor_status refuse_byte(const struct vor_multipart *scanner, struct vor_er
     char shown[8];
 
     (void)vor_fail(err, VOR_E_REQUEST, "the form is malformed: %s, got \"%s\"", what,
-                   vor_quote(shown, sizeof shown, &byte, 1));
+                   VOR_QUOTED(8, &byte, 1));
     return vor_fail_at(err, VOR_E_REQUEST, scanner->offset);
 }
 
@@ -145,7 +145,6 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
 {
     const char *at = behind_word(content_type, "multipart/form-data");
     struct parameter boundary = {.length = 0};
-    char shown[SHOWN_SIZE];
     int found;
 
     assert(at != NULL);
@@ -162,7 +161,7 @@ vor_status vor_multipart_begin(struct vor_multipart *scanner, const char *conten
             err, VOR_E_REQUEST,
             "the boundary \"%s\" of %zu characters is invalid, want 1 to %d characters: letters, "
             "digits, '()+_,-./:=? and blanks, but no blank at the end",
-            vor_quote(shown, sizeof shown, boundary.value, strlen(boundary.value)), boundary.length,
+            VOR_QUOTED(SHOWN_SIZE, boundary.value, strlen(boundary.value)), boundary.length,
             VOR_MULTIPART_BOUNDARY_MAX);
     memset(scanner, 0, sizeof *scanner);
     scanner->events = *events;

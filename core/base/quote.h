@@ -12,4 +12,7 @@
  *  @return out */
 const char *vor_quote(char *out, size_t size, const void *bytes, size_t length);
 
+/** The same in memory of the block around. */
+#define VOR_QUOTED(size, bytes, length) vor_quote((char[size]){0}, size, bytes, length)
+
 #endif

@@ -76,10 +76,8 @@ static vor_status check_duplicates(const cJSON *root, const struct vor_json_keys
             (second == NULL || list.keys[i].offset < second->offset))
             second = &list.keys[i];
     if (second != NULL) {
-        char name[64];
-
         (void)vor_fail(err, VOR_E_REQUEST, "JSON: duplicate key \"%s\" at byte %u",
-                       vor_quote(name, sizeof name, second->name, strlen(second->name)),
+                       VOR_QUOTED(64, second->name, strlen(second->name)),
                        (unsigned)second->offset);
         if (err != NULL)
             err->byte_offset = second->offset;

@@ -61,10 +61,8 @@ static size_t offset_of(const struct vor_ply_body *body, struct token token)
 static vor_status too_few(const struct vor_ply_body *body, const struct vor_ply_property *property,
                           size_t row, struct vor_error *err)
 {
-    char name[SHOWN];
-
     return VOR_PLY_FAIL(err, body->at, "row %zu ends before its %s", row,
-                        vor_quote(name, sizeof name, property->name, property->name_length));
+                        VOR_QUOTED(SHOWN, property->name, property->name_length));
 }
 
 static vor_status bad_number(const struct vor_ply_body *body, const struct vor_ply_column *column,
@@ -196,13 +194,12 @@ static vor_status end_row(struct vor_ply_body *body, size_t row, unsigned proper
                           struct vor_error *err)
 {
     struct token extra = next_token(body);
-    char shown[SHOWN];
 
     if (extra.length == 0)
         return VOR_OK;
     return VOR_PLY_FAIL(err, offset_of(body, extra),
                         "row %zu has more values than its %u properties: \"%s\"", row, properties,
-                        vor_quote(shown, sizeof shown, extra.at, extra.length));
+                        VOR_QUOTED(SHOWN, extra.at, extra.length));
 }
 
 vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_rows *rows,

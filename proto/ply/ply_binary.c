@@ -120,7 +120,6 @@ vor_status vor_ply_rows_fit(const struct vor_ply_body *body, const struct vor_pl
     size_t row = ascii ? 2 * (size_t)element->property_count
                        : row_bytes(element->properties, element->property_count, &has_list);
     size_t left = body->size - body->at + (ascii ? 1 : 0), need;
-    char name[48];
 
     if (!__builtin_mul_overflow(element->count, row, &need) && need <= left)
         return VOR_OK;
@@ -128,9 +127,8 @@ vor_status vor_ply_rows_fit(const struct vor_ply_body *body, const struct vor_pl
         err, body->size,
         "%llu rows of %s need at least %zu bytes each, but the file has only %zu bytes "
         "left: the file is cut short, or its number of rows is wrong",
-        (unsigned long long)element->count,
-        vor_quote(name, sizeof name, element->name, element->name_length), row,
-        body->size - body->at);
+        (unsigned long long)element->count, VOR_QUOTED(48, element->name, element->name_length),
+        row, body->size - body->at);
 }
 
 static vor_status truncated(const struct vor_ply_body *body, uint64_t row, struct vor_error *err)

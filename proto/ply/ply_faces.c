@@ -133,15 +133,13 @@ static vor_status check_type(const struct vor_ply_element *element, unsigned lis
                              struct vor_error *err)
 {
     const struct vor_ply_property *property = &element->properties[list];
-    char name[SHOWN], of[SHOWN];
 
     if (property->type != VOR_FLOAT32 && property->type != VOR_FLOAT64)
         return VOR_OK;
-    return VOR_PLY_FAIL(err, element->offset,
-                        "property %s of %s is a list of %s, want a list of integers",
-                        vor_quote(name, sizeof name, property->name, property->name_length),
-                        vor_quote(of, sizeof of, element->name, element->name_length),
-                        vor_type_name(property->type));
+    return VOR_PLY_FAIL(
+        err, element->offset, "property %s of %s is a list of %s, want a list of integers",
+        VOR_QUOTED(SHOWN, property->name, property->name_length),
+        VOR_QUOTED(SHOWN, element->name, element->name_length), vor_type_name(property->type));
 }
 
 vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *body,

@@ -155,7 +155,7 @@ static vor_status bad_line(const struct line *line, const char *want, struct vor
     char shown[80];
 
     return VOR_PLY_FAIL(err, line->offset, "header line \"%s\", want %s",
-                        vor_quote(shown, sizeof shown, line->at, line->length), want);
+                        VOR_QUOTED(80, line->at, line->length), want);
 }
 
 /* Digits only; what does not fit is UINT64_MAX, which no limit lets pass. */

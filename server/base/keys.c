@@ -230,13 +230,12 @@ static vor_status read_name(struct vor_principal *out, const char *text, size_t 
 {
     static const char allowed[] =
         "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-    char shown[SHOWN_SIZE];
 
     if (length < 1 || length > VOR_KEY_NAME_MAX || strspn(text, allowed) < length)
         return vor_fail_param(err, VOR_E_PARAM, "name",
                               "the name is \"%s\", want 1 to %d letters, digits, dots, dashes and "
                               "underscores",
-                              vor_quote(shown, sizeof shown, text, length), VOR_KEY_NAME_MAX);
+                              VOR_QUOTED(SHOWN_SIZE, text, length), VOR_KEY_NAME_MAX);
     memcpy(out->name, text, length);
     out->name[length] = '\0';
     return VOR_OK;
@@ -261,7 +260,7 @@ static vor_status read_scopes(struct vor_principal *out, const char *text, size_
             return vor_fail_param(err, VOR_E_PARAM, "scopes",
                                   "the scopes are \"%s\", want one or more of read, submit and "
                                   "admin, separated by commas",
-                                  vor_quote(shown, sizeof shown, text, length));
+                                  VOR_QUOTED(SHOWN_SIZE, text, length));
         out->scopes |= 1u << scope;
         at += word + 1;
     }

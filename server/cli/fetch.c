@@ -158,7 +158,6 @@ static int fetch_result(struct fetch *fetch, const struct vor_json *member)
 /* Fetches what is wanted of the results that the job has, the main one first. */
 static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
 {
-    char quoted[NAME_MAX_BYTES];
     struct vor_text line;
     const struct vor_follow *follow = &fetch->follow;
     const char *wanted = follow->cli->option[VOR_OPTION_RESULT];
@@ -171,7 +170,7 @@ static int fetch_listed(struct fetch *fetch, const struct vor_json *list)
     if (wanted != NULL && vor_json_get(list, wanted) == NULL) {
         vor_text_init(&line, 0);
         vor_text_printf(&line, "no result %s, want ",
-                        vor_quote(quoted, sizeof quoted, wanted, strlen(wanted)));
+                        VOR_QUOTED(NAME_MAX_BYTES, wanted, strlen(wanted)));
         for (const struct vor_json *m = vor_json_first(list); m != NULL; m = vor_json_next(m))
             vor_text_printf(&line, "%s%s", m != vor_json_first(list) ? " or " : "",
                             vor_json_name(m));

@@ -125,7 +125,6 @@ int vor_cli_jobs(const struct vor_cli *cli)
     struct rows rows = {cli, 0};
     struct vor_follow follow;
     struct vor_error err;
-    char quoted[64];
     int code;
 
     if (statuses != NULL && (statuses[0] == '\0' || strlen(statuses) > STATUSES_MAX ||
@@ -133,7 +132,7 @@ int vor_cli_jobs(const struct vor_cli *cli)
         (void)vor_fail(
             &err, VOR_E_PARAM,
             "status is \"%s\", want some of accepted,running,successful,failed,dismissed",
-            vor_quote(quoted, sizeof quoted, statuses, strlen(statuses)));
+            VOR_QUOTED(64, statuses, strlen(statuses)));
         return vor_cli_fail(cli->command->name, &err);
     }
     if (cli->operand_count > 0) {

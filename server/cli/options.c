@@ -105,7 +105,7 @@ static vor_status refuse_word(const struct reader *r, const char *word)
     char names[NAMES_SIZE] = "";
     const struct vor_process_info *process = r->cli->command->process;
     size_t length = strcspn(word, "=");
-    char shown[SHOWN_SIZE], exact[SHOWN_SIZE];
+    char exact[SHOWN_SIZE];
     enum vor_parameter parameter;
 
     (void)snprintf(exact, sizeof exact, "%.*s", (int)(length < SHOWN_SIZE ? length : 0), word);
@@ -120,8 +120,7 @@ static vor_status refuse_word(const struct reader *r, const char *word)
                                process->id);
         }
         return vor_fail(r->err, VOR_E_PARAM, "%s is an option of %s, not of %s",
-                        vor_quote(shown, sizeof shown, word, length), names,
-                        r->cli->command->process->id);
+                        VOR_QUOTED(SHOWN_SIZE, word, length), names, r->cli->command->process->id);
     }
     return vor_option_refuse(r->longs, word, r->cli->command->name, r->err);
 }
@@ -193,11 +192,10 @@ static vor_status set_parameter(struct reader *r, enum vor_parameter parameter, 
 static vor_status add_operand(struct reader *r, char *text)
 {
     struct vor_cli *cli = r->cli;
-    char quoted[SHOWN_SIZE];
 
     if (cli->operand_count == cli->command->most)
         return vor_fail(r->err, VOR_E_PARAM, "%s is one operand too many",
-                        vor_quote(quoted, sizeof quoted, text, strlen(text)));
+                        VOR_QUOTED(SHOWN_SIZE, text, strlen(text)));
     cli->operands[cli->operand_count++] = text;
     return VOR_OK;
 }
@@ -278,7 +276,6 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
 {
     const struct vor_process_info *process = cli->command->process;
     const char *suffix = suffix_of(path);
-    char quoted[SHOWN_SIZE];
     struct vor_text served;
     vor_status status;
 
@@ -292,7 +289,7 @@ vor_status vor_cli_check_suffix(const struct vor_cli *cli, const char *path, str
     if (status == VOR_OK)
         status = vor_fail(err, VOR_E_PARAM,
                           "the suffix of the output is %s, want one of %s, or give --format",
-                          vor_quote(quoted, sizeof quoted, suffix, strlen(suffix)), served.data);
+                          VOR_QUOTED(SHOWN_SIZE, suffix, strlen(suffix)), served.data);
     vor_text_free(&served);
     return status;
 }
@@ -403,7 +400,7 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
 
     if (name != NULL && preset == NULL) {
         const char *process = cli->command->process->id;
-        char quoted[SHOWN_SIZE], names[NAMES_SIZE], meant[VOR_NEAREST_TEXT_SIZE];
+        char names[NAMES_SIZE], meant[VOR_NEAREST_TEXT_SIZE];
         struct vor_nearest nearest;
         size_t end = 0;
 
@@ -415,7 +412,7 @@ static vor_status take_preset(struct vor_cli *cli, struct vor_error *err)
             vor_nearest_try(&nearest, preset->name, strlen(preset->name));
         }
         return vor_fail(err, VOR_E_PARAM, "--preset is %s, want one of %s%s",
-                        vor_quote(quoted, sizeof quoted, name, strlen(name)), names,
+                        VOR_QUOTED(SHOWN_SIZE, name, strlen(name)), names,
                         vor_nearest_text(&nearest, "", meant));
     }
     while (status == VOR_OK && vor_named_preset_next(&at, &parameter, value)) {
@@ -446,8 +443,6 @@ static vor_status check_into(struct vor_cli *cli, struct vor_error *err)
 /* IDs become part of URLs and of file names. */
 static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
 {
-    char quoted[SHOWN_SIZE];
-
     if (cli->operand_count < cli->command->least)
         return vor_fail(err, VOR_E_PARAM, "no job: give its ID; see voronoid jobs");
     for (int i = 0; i < cli->operand_count; i++) {
@@ -457,7 +452,7 @@ static vor_status check_jobs(const struct vor_cli *cli, struct vor_error *err)
             return vor_fail(err, VOR_E_PARAM,
                             "\"%s\" is not a job, want an ID such as "
                             "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11 or its beginning",
-                            vor_quote(quoted, sizeof quoted, text, strlen(text)));
+                            VOR_QUOTED(SHOWN_SIZE, text, strlen(text)));
     }
     return VOR_OK;
 }

@@ -27,7 +27,6 @@ static double wait_of(const struct vor_request *request)
 bool vor_query_points(struct vor_request *request, const char *name, size_t *out)
 {
     const char *text = vor_request_query(request, name);
-    char quoted[64];
     unsigned value;
 
     if (text == NULL)
@@ -37,8 +36,7 @@ bool vor_query_points(struct vor_request *request, const char *name, size_t *out
         return true;
     }
     return vor_problem_say(request, BAD_QUERY, "%s is \"%s\", want a whole number from 1 to %d",
-                           name, vor_quote(quoted, sizeof quoted, text, strlen(text)),
-                           VOR_PREVIEW_POINTS_MAX);
+                           name, VOR_QUOTED(64, text, strlen(text)), VOR_PREVIEW_POINTS_MAX);
 }
 
 bool vor_events_query_one(struct vor_request *request, struct vor_events_query *out)
@@ -70,7 +68,6 @@ static bool read_jobs(struct vor_request *request, struct vor_events_query *out)
 {
     const char *at = vor_request_query(request, "jobs"), *item;
     struct vor_uuid id;
-    char quoted[64];
     size_t length;
 
     if (at == NULL)
@@ -82,7 +79,7 @@ static bool read_jobs(struct vor_request *request, struct vor_events_query *out)
             return vor_problem_say(
                 request, BAD_QUERY,
                 "jobs holds \"%s\", want 1 to %d IDs of jobs, separated by commas",
-                vor_quote(quoted, sizeof quoted, item, length), VOR_EVENT_JOBS_MAX);
+                VOR_QUOTED(64, item, length), VOR_EVENT_JOBS_MAX);
         for (unsigned i = 0; i < out->count; i++)
             if (strcmp(out->jobs[i].id.text, id.text) == 0)
                 return vor_problem_say(request, BAD_QUERY, "jobs holds %s twice, want each ID once",

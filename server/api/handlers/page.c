@@ -94,13 +94,12 @@ enum vor_next vor_handle_asset(struct vor_request *request, enum vor_step step)
     const char *segment;
     size_t length = vor_path_segment(request->path, 1, &segment);
     struct vor_asset asset;
-    char name[64];
 
     (void)step;
     if (vor_asset_find(&asset, segment, length))
         return reply_asset(request, &asset, "Accept-Encoding");
     return vor_problem_say(request, "no-such-resource", "the page has no file %s",
-                           vor_quote(name, sizeof name, segment, length));
+                           VOR_QUOTED(64, segment, length));
 }
 
 enum vor_next vor_handle_openapi(struct vor_request *request, enum vor_step step)

@@ -61,14 +61,13 @@ static const struct vor_process_info *find_process(struct vor_request *request, 
     const struct vor_process_info *process;
     const char *segment;
     size_t length = vor_path_segment(request->path, index, &segment);
-    char id[64];
 
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++)
         if (process->on_http && strlen(process->id) == length &&
             memcmp(process->id, segment, length) == 0)
             return process;
     vor_problem_say(request, "no-such-process", "there is no process %s; /v1/processes lists them",
-                    vor_quote(id, sizeof id, segment, length));
+                    VOR_QUOTED(64, segment, length));
     return NULL;
 }
 

@@ -27,7 +27,7 @@ static const char *read_format(struct vor_result_query *ask, const char *value, 
             return NULL;
         }
     at = snprintf(out, size, "format is \"%s\", want one of ",
-                  vor_quote(shown, sizeof shown, value, strlen(value)));
+                  VOR_QUOTED(SHOWN, value, strlen(value)));
     for (unsigned i = 0; vor_format(i) != NULL && (size_t)at < size; i++)
         at += snprintf(out + at, size - (size_t)at, "%s%s", i > 0 ? ", " : "", vor_format(i)->name);
     return out;
@@ -37,7 +37,7 @@ bool vor_result_query_read(struct vor_request *request, bool takes_format,
                            struct vor_result_query *out)
 {
     struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
-    char detail[256], shown[SHOWN];
+    char detail[256];
     const char *segment;
     bool is_for_one = vor_path_segment(request->path, 4, &segment) > 0;
 
@@ -56,7 +56,7 @@ bool vor_result_query_read(struct vor_request *request, bool takes_format,
                 problem.detail = "link must be true or false";
         } else {
             (void)snprintf(detail, sizeof detail, "unknown parameter \"%s\"; want %s",
-                           vor_quote(shown, sizeof shown, name, strlen(name)),
+                           VOR_QUOTED(SHOWN, name, strlen(name)),
                            takes_format ? "format or link"
                            : is_for_one ? "link"
                                         : "none");

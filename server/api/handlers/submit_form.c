@@ -45,7 +45,6 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
 {
     struct vor_uploads *uploads = form->uploads;
     int coding = vor_submit_coding(part->coding);
-    char shown[SHOWN_SIZE];
     vor_status status;
 
     for (unsigned i = 0; i < uploads->count; i++)
@@ -54,7 +53,7 @@ static vor_status begin_file(struct vor_submit_form *form, const struct vor_arte
     if (coding < 0)
         return vor_fail(err, VOR_E_UNSUPPORTED,
                         "the Content-Encoding of %s is %s, want gzip or none", input->name,
-                        vor_quote(shown, sizeof shown, part->coding, strlen(part->coding)));
+                        VOR_QUOTED(SHOWN_SIZE, part->coding, strlen(part->coding)));
     status = vor_uploads_begin(uploads, input->name, coding > 0, form->request->app->blobs, err);
     if (status == VOR_OK)
         form->file = &uploads->item[uploads->count - 1];
@@ -73,7 +72,7 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
     if (!is_option && (parameter == VOR_PARAMETER_COUNT ||
                        !vor_process_takes(form->head->spec.process, parameter))) {
         const struct vor_artefact_info *inputs = form->head->spec.process->inputs;
-        char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX], shown[SHOWN_SIZE];
+        char files[(SHOWN_SIZE + 2) * VOR_INPUTS_MAX];
         struct vor_error which;
         size_t at = 0;
 
@@ -84,7 +83,7 @@ static vor_status begin_text(struct vor_submit_form *form, const struct vor_mult
         if (at == 0)
             files[0] = '\0';
         return vor_fail_param(
-            err, VOR_E_PARAM, vor_quote(shown, sizeof shown, part->name, strlen(part->name)),
+            err, VOR_E_PARAM, VOR_QUOTED(SHOWN_SIZE, part->name, strlen(part->name)),
             "%s; its files are %s (or %s)%s", which.message, inputs[0].name, main_alias, files);
     }
     if (part->is_file || part->coding[0] != '\0')

@@ -32,7 +32,6 @@ static bool read_coding(struct vor_request *request, struct vor_submit_head *out
     unsigned index = 0;
     const char *value = vor_request_header_next(request, "Content-Encoding", &index);
     const char *more = vor_request_header_next(request, "Content-Encoding", &index);
-    char shown[SHOWN_SIZE];
     int coding;
 
     if (value == NULL)
@@ -44,7 +43,7 @@ static bool read_coding(struct vor_request *request, struct vor_submit_head *out
     vor_reply_header(request, "Accept-Encoding", "gzip");
     return vor_problem_say(
         request, "unsupported-format", "Content-Encoding is %s%s, want gzip, once, or none",
-        vor_quote(shown, sizeof shown, value, strlen(value)), more != NULL ? " and more" : "");
+        VOR_QUOTED(SHOWN_SIZE, value, strlen(value)), more != NULL ? " and more" : "");
 }
 
 /* Reads Content-Type and Content-Encoding. */
@@ -75,13 +74,12 @@ static vor_status read_pairs(struct vor_request *request, struct vor_submit_head
 {
     for (int i = 0; i < request->pair_count; i++) {
         const char *name = request->pairs[i].name, *value = request->pairs[i].value;
-        char quoted[sizeof err->parameter];
         vor_status status;
         int taken;
 
         if (vor_request_query(request, name) != value)
             return vor_fail_param(err, VOR_E_PARAM, name, "%s is given more than once",
-                                  vor_quote(quoted, sizeof quoted, name, strlen(name)));
+                                  VOR_QUOTED(sizeof err->parameter, name, strlen(name)));
         status =
             vor_submit_options_take(&out->options, out->spec.process, name, value, &taken, err);
         if (status == VOR_OK && !taken)

@@ -17,7 +17,6 @@ vor_status vor_submit_options_take(struct vor_submit_options *out,
 {
     static const char scheme[] = "job:";
     size_t length = sizeof scheme - 1;
-    char quoted[SHOWN_SIZE];
     long count;
 
     *taken = vor_submit_options_has(process, name);
@@ -29,7 +28,7 @@ vor_status vor_submit_options_take(struct vor_submit_options *out,
             return vor_fail_param(err, VOR_E_PARAM, name,
                                   "name is \"%s\", want 1 to %d characters of UTF-8 without "
                                   "control characters",
-                                  vor_quote(quoted, sizeof quoted, value, strlen(value)),
+                                  VOR_QUOTED(SHOWN_SIZE, value, strlen(value)),
                                   VOR_JOB_NAME_CHARACTERS);
         memcpy(out->name, value, strlen(value) + 1);
         return VOR_OK;
@@ -39,7 +38,7 @@ vor_status vor_submit_options_take(struct vor_submit_options *out,
                        strlen(value) - length))
         return VOR_OK;
     return vor_fail_param(err, VOR_E_PARAM, name, "%s is \"%s\", want job:ID, with the ID of a job",
-                          name, vor_quote(quoted, sizeof quoted, value, strlen(value)));
+                          name, VOR_QUOTED(SHOWN_SIZE, value, strlen(value)));
 }
 
 bool vor_submit_options_has(const struct vor_process_info *process, const char *name)
@@ -55,7 +54,6 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
     const char *value = vor_request_header_next(request, "Idempotency-Key", &index);
     const char *at = value;
     size_t length = 0;
-    char quoted[SHOWN_SIZE];
     int is_quoted;
 
     (void)snprintf(out->key.principal, sizeof out->key.principal, "%s", request->principal.name);
@@ -71,7 +69,7 @@ vor_status vor_submit_options_read_key(struct vor_submit_options *out,
         return vor_fail_param(err, VOR_E_PARAM, "Idempotency-Key",
                               "Idempotency-Key is %s, want 1 to %zu visible ASCII characters "
                               "except quote, comma and backslash, with or without quotes",
-                              vor_quote(quoted, sizeof quoted, value, strlen(value)),
+                              VOR_QUOTED(SHOWN_SIZE, value, strlen(value)),
                               sizeof out->key.text - 1);
     memcpy(out->key.text, at, length);
     out->key.text[length] = '\0';

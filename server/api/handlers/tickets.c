@@ -18,7 +18,6 @@ static const struct vor_artefact_info *read_output(struct vor_request *request,
                                                    const struct vor_job_view *view)
 {
     const struct vor_artefact_info *output = &view->spec.process->outputs[0];
-    char shown[SHOWN_SIZE];
 
     for (int i = 0; i < request->pair_count; i++) {
         const char *name = request->pairs[i].name, *value = request->pairs[i].value;
@@ -26,13 +25,13 @@ static const struct vor_artefact_info *read_output(struct vor_request *request,
         if (strcmp(name, "output") != 0) {
             vor_problem_say(request, "invalid-query-parameter-value",
                             "unknown parameter \"%s\"; want output",
-                            vor_quote(shown, sizeof shown, name, strlen(name)));
+                            VOR_QUOTED(SHOWN_SIZE, name, strlen(name)));
             return NULL;
         }
         output = vor_artefact_find(view->spec.process->outputs, value);
         if (output == NULL) {
             vor_problem_say(request, "no-such-output", "there is no output %s",
-                            vor_quote(shown, sizeof shown, value, strlen(value)));
+                            VOR_QUOTED(SHOWN_SIZE, value, strlen(value)));
             return NULL;
         }
     }
