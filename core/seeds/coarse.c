@@ -33,7 +33,7 @@ static vor_status even_out(struct vor_seeds *seeds, const struct vor_domain *thi
     vor_status status = is_first ? how->spread(seeds, &told, how->spec, how->run, err) : VOR_OK;
 
     if (status == VOR_OK)
-        status = vor_polish(seeds, &told, how->spec, how->run, err);
+        status = vor_polish(seeds, &told, 1, how->spec, how->run, err);
     if (thin != NULL)
         vor_seeds_onto(seeds, thin);
     return status;
@@ -166,7 +166,8 @@ struct vor_spec vor_coarse_shorten(const struct vor_spec *spec, const struct vor
     struct vor_spec out = *spec;
 
     if (less > 0 && vor_spec_polish(spec) > 0) {
-        out.value[VOR_PARAM_ITERATIONS] = rint((1 - less) * vor_spec_iterations(spec));
+        out.value[VOR_PARAM_ITERATIONS] =
+            seeds->track != NULL ? rint((1 - less) * vor_spec_iterations(spec)) : 1;
         out.value[VOR_PARAM_POLISH] = rint((1 - less / 2) * vor_spec_polish(spec));
     }
     return out;
