@@ -80,12 +80,13 @@ VOR_NODISCARD static inline vor_status vor_store_listen(struct vor_store *store,
                                                         void (*heard)(void *ctx), void *ctx,
                                                         struct vor_error *err)
 {
-    return store->is_shared ? store->driver->listen(store, where, heard, ctx, err) : VOR_OK;
+    return store->driver->listen != NULL ? store->driver->listen(store, where, heard, ctx, err)
+                                         : VOR_OK;
 }
 
 static inline void vor_store_unlisten(struct vor_store *store)
 {
-    if (store->is_shared)
+    if (store->driver->listen != NULL)
         (void)store->driver->listen(store, NULL, NULL, NULL, NULL);
 }
 
