@@ -17,8 +17,6 @@ static vor_status refuse(struct vor_error *err, uint64_t offset, const char *wha
 static vor_status refuse_byte(const struct vor_multipart *scanner, struct vor_error *err,
                               const char *what, char byte)
 {
-    char shown[8];
-
     (void)vor_fail(err, VOR_E_REQUEST, "the form is malformed: %s, got \"%s\"", what,
                    VOR_QUOTED(8, &byte, 1));
     return vor_fail_at(err, VOR_E_REQUEST, scanner->offset);

@@ -2,8 +2,6 @@
  * schema of a parameter. */
 #include "proto/json/json.h"
 
-#include "core/base/quote.h"
-
 #include <assert.h>
 #include <stdbool.h>
 #include <stdio.h>

@@ -152,8 +152,6 @@ static vor_status next_line(struct scan *scan, struct line *line, struct vor_err
 
 static vor_status bad_line(const struct line *line, const char *want, struct vor_error *err)
 {
-    char shown[80];
-
     return VOR_PLY_FAIL(err, line->offset, "header line \"%s\", want %s",
                         VOR_QUOTED(80, line->at, line->length), want);
 }

@@ -1,6 +1,5 @@
 #include "proto/ply/ply.h"
 
-#include "core/base/quote.h"
 #include "core/cloud/sift.h"
 #include "proto/ply/ply_body.h"
 #include "proto/ply/ply_faces.h"

@@ -2,7 +2,6 @@
 
 #include "server/api/problem.h"
 #include "server/api/tickets.h"
-#include "server/base/clock.h"
 #include "server/base/keys.h"
 
 #include <stdio.h>

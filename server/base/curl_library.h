@@ -12,6 +12,7 @@
     X(easy_cleanup)                                                                                \
     X(easy_escape)                                                                                 \
     X(easy_getinfo)                                                                                \
+    X(easy_header)                                                                                 \
     X(easy_init)                                                                                   \
     X(easy_perform)                                                                                \
     X(easy_reset)                                                                                  \

@@ -1,5 +1,6 @@
 #include "server/base/digest.h"
 
+#include <nettle/base16.h>
 #include <nettle/hmac.h>
 #include <nettle/memops.h>
 #include <nettle/sha2.h>
@@ -12,14 +13,10 @@ struct vor_digest {
 
 static void write_hex(struct sha256_ctx *state, char out[VOR_DIGEST_SIZE])
 {
-    static const char digits[] = "0123456789abcdef";
     uint8_t bytes[SHA256_DIGEST_SIZE];
 
     sha256_digest(state, sizeof bytes, bytes);
-    for (size_t i = 0; i < sizeof bytes; i++) {
-        out[2 * i] = digits[bytes[i] >> 4];
-        out[2 * i + 1] = digits[bytes[i] & 15];
-    }
+    base16_encode_update(out, sizeof bytes, bytes);
     out[VOR_DIGEST_SIZE - 1] = '\0';
 }
 

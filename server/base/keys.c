@@ -244,8 +244,6 @@ static vor_status read_name(struct vor_principal *out, const char *text, size_t 
 static vor_status read_scopes(struct vor_principal *out, const char *text, size_t length,
                               struct vor_error *err)
 {
-    char shown[SHOWN_SIZE];
-
     out->scopes = 0;
     for (size_t at = 0; at <= length;) {
         size_t word = strcspn(text + at, ",:");

@@ -2,9 +2,7 @@
  * is so for every process that shares it. So each write asks for room first, and has no more bytes
  * than a pipe with room takes whole (PIPE_BUF). What a slow reader has not read yet is in the pipe,
  * which is made as large as an ordinary user may have it. */
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* F_SETPIPE_SZ */
-#endif
 #include "server/base/log.h"
 
 #include "proto/json/json.h"

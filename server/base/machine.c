@@ -1,6 +1,4 @@
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* sched_getaffinity, strsep */
-#endif
 #include "server/base/machine.h"
 
 #include "core/base/parallel.h"

@@ -2,7 +2,6 @@
 #ifndef VOR_CLI_HELP_H
 #define VOR_CLI_HELP_H
 
-#include "core/spec/kinds.h"
 #include "server/cli/options.h"
 
 #include <stdio.h>

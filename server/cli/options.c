@@ -1,7 +1,6 @@
 #include "server/cli/options.h"
 
 #include "core/base/nearest.h"
-#include "core/base/parallel.h"
 #include "core/base/quote.h"
 #include "core/spec/decimal.h"
 #include "proto/codec.h"

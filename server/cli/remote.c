@@ -140,52 +140,31 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     return call->text.failed ? CURL_WRITEFUNC_ERROR : size;
 }
 
+/* The header of that name of the answer, "" for none. */
+static const char *header_of(const struct vor_remote *remote, const char *name)
+{
+    struct curl_header *header;
+
+    return curl->easy_header(remote->handle, name, 0, CURLH_HEADER, -1, &header) == CURLHE_OK
+               ? header->value
+               : "";
+}
+
 /* Location may be relative to the URL of the call. */
-static void keep_location(struct vor_remote_call *call, const char *value, size_t size)
+static void keep_location(struct vor_remote_call *call, const char *value)
 {
     CURLU *url = curl->url();
-    char text[VOR_REMOTE_URL_MAX], *whole = NULL;
+    char *whole = NULL;
 
-    while (size > 0 &&
-           (value[size - 1] == '\r' || value[size - 1] == '\n' || value[size - 1] == ' '))
-        size--;
-    (void)snprintf(text, sizeof text, "%.*s", (int)(size < sizeof text ? size : 0), value);
-    if (url != NULL &&
+    call->location[0] = '\0';
+    if (value[0] != '\0' && url != NULL &&
         curl->url_set(url, CURLUPART_URL, call->url, CURLU_GUESS_SCHEME) == CURLUE_OK &&
-        curl->url_set(url, CURLUPART_URL, text, 0) == CURLUE_OK &&
+        curl->url_set(url, CURLUPART_URL, value, 0) == CURLUE_OK &&
         curl->url_get(url, CURLUPART_URL, &whole, 0) == CURLUE_OK &&
         strlen(whole) < sizeof call->location)
         (void)snprintf(call->location, sizeof call->location, "%s", whole);
     curl->free(whole);
     curl->url_cleanup(url);
-}
-
-/* The value of a header, *size bytes; NULL where the line is another one. */
-static const char *value_of(const char *line, size_t *size, const char *name)
-{
-    size_t at = strlen(name);
-
-    if (*size <= at || strncasecmp(line, name, at) != 0)
-        return NULL;
-    while (at < *size && line[at] == ' ')
-        at++;
-    *size -= at;
-    return line + at;
-}
-
-static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
-{
-    struct exchange *exchange = ctx;
-    size_t size = unit * count, length = size;
-    const char *value = value_of(line, &length, "location:");
-
-    if (value != NULL)
-        keep_location(exchange->call, value, length);
-    value = exchange->digest == NULL ? value_of(line, &length, "etag: \"") : NULL;
-    if (value != NULL)
-        (void)snprintf(exchange->call->etag, sizeof exchange->call->etag, "%.*s",
-                       (int)strcspn(value, "\"\r\n"), value);
-    return size;
 }
 
 static size_t on_file(char *bytes, size_t unit, size_t count, void *ctx)
@@ -236,8 +215,6 @@ static void set_up(CURL *handle, struct exchange *exchange)
     }
     curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
     curl->easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
-    curl->easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
-    curl->easy_setopt(handle, CURLOPT_HEADERDATA, exchange);
     curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
     curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
     curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
@@ -368,10 +345,14 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
                               struct vor_error *err)
 {
     struct exchange exchange = {.remote = remote, .call = call, .url = call->url};
-    vor_status status;
+    vor_status status = perform_once(&exchange, err);
+    const char *etag = header_of(remote, "ETag");
 
-    call->location[0] = call->etag[0] = '\0';
-    status = perform_once(&exchange, err);
+    call->etag[0] = '\0';
+    if (etag[0] == '"')
+        (void)snprintf(call->etag, sizeof call->etag, "%.*s", (int)strcspn(etag + 1, "\""),
+                       etag + 1);
+    keep_location(call, header_of(remote, "Location"));
     return status == VOR_OK && call->goes_there && call->http == 307 && call->location[0] != '\0'
                ? go_there(&exchange, err)
                : status;

@@ -1,6 +1,4 @@
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* MSG_CMSG_CLOEXEC */
-#endif
 #include "server/proc/channel.h"
 
 #include "server/base/clock.h"

@@ -2,9 +2,7 @@
  * second pair, the watch, which the zygote keeps: it tells there that the child was forked and,
  * once it has ended, how. The front closing its end of the watch is the order to kill. So no call
  * needs a lock, none waits for another's child, and a child that is let go of is gone. */
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* close_range, wait4 */
-#endif
 #include "server/proc/zygote.h"
 
 #include "server/base/disk.h"

@@ -1,6 +1,4 @@
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* memfd_create */
-#endif
 #include "server/work/encode.h"
 
 #include "proto/dump.h"

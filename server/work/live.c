@@ -1,6 +1,4 @@
-#ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* twalk_r */
-#endif
 #include "server/work/live.h"
 
 #include "server/base/clock.h"

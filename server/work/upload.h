@@ -2,7 +2,6 @@
 #ifndef VOR_SERVER_WORK_UPLOAD_H
 #define VOR_SERVER_WORK_UPLOAD_H
 
-#include "core/spec.h"
 #include "server/blob/blob.h"
 #include "server/work/codec_run.h"
 

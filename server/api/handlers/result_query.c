@@ -15,7 +15,6 @@ enum { SHOWN = 64 };
 static const char *read_format(struct vor_result_query *ask, const char *value, char *out,
                                size_t size)
 {
-    char shown[SHOWN];
     int at;
 
     if (ask->has_format)
