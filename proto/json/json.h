@@ -44,6 +44,10 @@ void vor_json_put_u64(struct vor_text *text, const char *key, uint64_t value);
 void vor_json_put_i64(struct vor_text *text, const char *key, int64_t value);
 void vor_json_put_bool(struct vor_text *text, const char *key, int value);
 
+/** Writes a key and begins its value. */
+void vor_json_put_object(struct vor_text *text, const char *key);
+void vor_json_put_array(struct vor_text *text, const char *key);
+
 /** The shortest of "%.15g", "%.16g", "%.17g" that reads back as value (which must be finite), with
  *  a point. out has room for VOR_JSON_NUMBER_MAX. Returns its length. */
 #define VOR_JSON_NUMBER_MAX 32

@@ -56,8 +56,7 @@ static void begin_object_of(struct vor_text *text, const struct rows *rows)
 
     assert(rows->object < sizeof name);
     (void)snprintf(name, sizeof name, "%.*s", (int)rows->object, rows->begin->name);
-    vor_json_key(text, name);
-    vor_json_begin_object(text);
+    vor_json_put_object(text, name);
 }
 
 static void put_object(struct vor_text *text, const struct vor_members *members, const void *values)
@@ -100,8 +99,7 @@ static void put_member(struct vor_text *text, const char *name, const struct vor
             vor_json_put_double(text, axes[c], ((const double *)value)[c]);
         return;
     case VOR_MEMBER_NUMBERS:
-        vor_json_key(text, name);
-        vor_json_begin_array(text);
+        vor_json_put_array(text, name);
         for (unsigned i = 0; i < row->word_count; i++)
             vor_json_double(text, ((const double *)value)[i]);
         vor_json_end_array(text);
@@ -236,8 +234,7 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
         return;
     case VOR_MEMBER_NUMBERS:
         vor_json_put_string(text, "type", "array");
-        vor_json_key(text, "items");
-        vor_json_begin_object(text);
+        vor_json_put_object(text, "items");
         vor_json_put_string(text, "type", "number");
         vor_json_end_object(text);
         return;
@@ -246,16 +243,14 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
         return;
     case VOR_MEMBER_WORD:
         vor_json_put_string(text, "type", "string");
-        vor_json_key(text, "enum");
-        vor_json_begin_array(text);
+        vor_json_put_array(text, "enum");
         for (unsigned i = 0; i < row->word_count; i++)
             vor_json_string(text, row->words[i]);
         vor_json_end_array(text);
         return;
     case VOR_MEMBER_LIST:
         vor_json_put_string(text, "type", "array");
-        vor_json_key(text, "items");
-        vor_json_begin_object(text);
+        vor_json_put_object(text, "items");
         vor_json_members_schema(text, row->inner);
         vor_json_end_object(text);
         return;
@@ -271,8 +266,7 @@ static void put_type(struct vor_text *text, const struct vor_member *row)
 
 static void put_property(struct vor_text *text, const char *name, const struct vor_member *row)
 {
-    vor_json_key(text, name);
-    vor_json_begin_object(text);
+    vor_json_put_object(text, name);
     put_type(text, row);
     vor_json_put_string(text, "description", row->sentence);
     if (row->unit[0] != '\0')
@@ -307,12 +301,10 @@ void vor_json_members_schema(struct vor_text *text, const struct vor_members *me
     struct rows rows;
 
     vor_json_put_string(text, "type", "object");
-    vor_json_key(text, "required");
-    vor_json_begin_array(text);
+    vor_json_put_array(text, "required");
     put_top_names(text, members);
     vor_json_end_array(text);
-    vor_json_key(text, "properties");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "properties");
     for (const struct vor_member *at = members->rows; at < end_of(members); at = rows.end) {
         rows = rows_from(members, at);
         if (rows.object > 0) {
@@ -320,8 +312,7 @@ void vor_json_members_schema(struct vor_text *text, const struct vor_members *me
             vor_json_put_string(text, "type", "object");
             if (rows.begin->kind == VOR_MEMBER_OPTIONAL)
                 vor_json_put_string(text, "description", rows.begin->sentence);
-            vor_json_key(text, "required");
-            vor_json_begin_array(text);
+            vor_json_put_array(text, "required");
             /* The names of the rows within their object, a vector's three for it. */
             for (const struct vor_member *row = rows.begin; row < rows.end; row++) {
                 for (int c = 0; row->kind == VOR_MEMBER_VECTOR && c < 3; c++)
@@ -330,8 +321,7 @@ void vor_json_members_schema(struct vor_text *text, const struct vor_members *me
                     vor_json_string(text, name_in(&rows, row));
             }
             vor_json_end_array(text);
-            vor_json_key(text, "properties");
-            vor_json_begin_object(text);
+            vor_json_put_object(text, "properties");
             put_properties(text, &rows);
             vor_json_end_object(text);
             vor_json_end_object(text);

@@ -18,10 +18,8 @@ static void put_when(struct vor_text *text, const struct vor_process_info *proce
 
     if (when == NULL || !vor_process_takes(process, when->other))
         return;
-    vor_json_key(text, "x-when");
-    vor_json_begin_object(text);
-    vor_json_key(text, vor_parameter_info(when->other)->name);
-    vor_json_begin_array(text);
+    vor_json_put_object(text, "x-when");
+    vor_json_put_array(text, vor_parameter_info(when->other)->name);
     for (const char *at = when->words; sscanf(at, "%63s%n", word, &length) == 1; at += length)
         vor_json_string(text, word);
     vor_json_end_array(text);
@@ -33,8 +31,7 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
 {
     struct vor_parameter_info info = vor_process_parameter(process, parameter);
 
-    vor_json_key(text, info.name);
-    vor_json_begin_object(text);
+    vor_json_put_object(text, info.name);
     vor_json_put_string(text, "title", vor_parameter_title(parameter));
     vor_json_put_string(text, "description", info.sentence);
     vor_json_put_string(text, "x-level", vor_level_word(vor_parameter_level(parameter)));
@@ -47,16 +44,20 @@ static void put_parameter(struct vor_text *text, const struct vor_process_info *
     vor_json_end_object(text);
 }
 
-/* What a cloud or a document is. */
-static void put_schema(struct vor_text *text, const struct vor_artefact_info *artefact)
+static void put_artefact(struct vor_text *text, const struct vor_artefact_info *artefact)
 {
     const struct vor_members *members = vor_document_members(artefact->name);
     const struct vor_format *format;
 
+    vor_json_put_object(text, artefact->name);
+    vor_json_put_string(text, "title", artefact->name);
+    vor_json_put_string(text, "description", artefact->sentence);
+    if (!artefact->is_required)
+        vor_json_put_u64(text, "minOccurs", 0);
+    vor_json_key(text, "schema");
     vor_json_begin_object(text);
     if (artefact->kind == VOR_ARTEFACT_CLOUD) {
-        vor_json_key(text, "oneOf");
-        vor_json_begin_array(text);
+        vor_json_put_array(text, "oneOf");
         for (unsigned i = 0; (format = vor_format(i)) != NULL; i++) {
             vor_json_begin_object(text);
             vor_json_put_string(text, "type", "string");
@@ -73,18 +74,6 @@ static void put_schema(struct vor_text *text, const struct vor_artefact_info *ar
         vor_json_put_string(text, "contentMediaType", "application/json");
     }
     vor_json_end_object(text);
-}
-
-static void put_artefact(struct vor_text *text, const struct vor_artefact_info *artefact)
-{
-    vor_json_key(text, artefact->name);
-    vor_json_begin_object(text);
-    vor_json_put_string(text, "title", artefact->name);
-    vor_json_put_string(text, "description", artefact->sentence);
-    if (!artefact->is_required)
-        vor_json_put_u64(text, "minOccurs", 0);
-    vor_json_key(text, "schema");
-    put_schema(text, artefact);
     vor_json_end_object(text);
 }
 
@@ -96,8 +85,7 @@ static void put_presets(struct vor_text *text, const struct vor_process_info *pr
     struct vor_spec spec;
     const char *at;
 
-    vor_json_key(text, "x-presets");
-    vor_json_begin_array(text);
+    vor_json_put_array(text, "x-presets");
     for (unsigned i = 0; (preset = vor_named_preset(process->id, i)) != NULL; i++) {
         vor_json_begin_object(text);
         vor_json_put_string(text, "name", preset->name);
@@ -121,8 +109,7 @@ static void put_presets(struct vor_text *text, const struct vor_process_info *pr
 
 static void put_words(struct vor_text *text, const char *key, const char *const *words)
 {
-    vor_json_key(text, key);
-    vor_json_begin_array(text);
+    vor_json_put_array(text, key);
     for (; *words != NULL; words++)
         vor_json_string(text, *words);
     vor_json_end_array(text);
@@ -157,23 +144,20 @@ void vor_json_process(struct vor_text *text, const struct vor_process_info *proc
 {
     vor_json_begin_object(text);
     put_summary(text, process, links, link_count);
-    vor_json_key(text, "inputs");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "inputs");
     for (unsigned i = 0; process->inputs[i].name != NULL; i++)
         put_artefact(text, &process->inputs[i]);
     for (int i = 0; i < VOR_PARAMETER_COUNT; i++)
         if (vor_process_takes(process, (enum vor_parameter)i))
             put_parameter(text, process, (enum vor_parameter)i);
     vor_json_end_object(text);
-    vor_json_key(text, "outputs");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "outputs");
     for (unsigned i = 0; process->outputs[i].name != NULL; i++)
         put_artefact(text, &process->outputs[i]);
     vor_json_end_object(text);
     put_presets(text, process);
     /* What is told while it runs. */
-    vor_json_key(text, "x-record");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "x-record");
     vor_json_members_schema(text, &vor_record_members);
     vor_json_end_object(text);
     vor_json_end_object(text);

@@ -49,8 +49,7 @@ static void put_words(struct vor_text *text, const struct vor_parameter_info *in
     const char *word;
     size_t length;
 
-    vor_json_key(text, "enum");
-    vor_json_begin_array(text);
+    vor_json_put_array(text, "enum");
     for (unsigned i = 0; (length = vor_parameter_choice(info, i, &word)) > 0; i++)
         if (memchr(word, ':', length) == NULL && (info->allowed >> i & 1) != 0)
             vor_json_bytes(text, word, length);
@@ -110,14 +109,12 @@ static void put_schema(struct vor_text *text, const struct vor_parameter_info *i
     case VOR_FORM_LIST:
     case VOR_FORM_COUNTS:
         vor_json_put_bool(text, "uniqueItems", 1);
-        vor_json_key(text, "items");
-        vor_json_begin_object(text);
+        vor_json_put_object(text, "items");
         put_schema(text, info, form == VOR_FORM_LIST ? VOR_FORM_WORD : VOR_FORM_WHOLE);
         vor_json_end_object(text);
         break;
     case VOR_FORM_AUTO:
-        vor_json_key(text, "enum");
-        vor_json_begin_array(text);
+        vor_json_put_array(text, "enum");
         vor_json_string(text, "auto");
         vor_json_end_array(text);
         break;
@@ -171,8 +168,7 @@ void vor_json_parameter_schema(struct vor_text *text, const struct vor_process_i
 
     vor_json_begin_object(text);
     if (has_two) {
-        vor_json_key(text, "oneOf");
-        vor_json_begin_array(text);
+        vor_json_put_array(text, "oneOf");
     }
     for (unsigned i = 0; (form = vor_kind_form(info.kind, i)) != VOR_FORM_NONE; i++) {
         if (has_two)

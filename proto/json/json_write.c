@@ -174,6 +174,18 @@ void vor_json_put_string(struct vor_text *text, const char *key, const char *val
     vor_json_string(text, value);
 }
 
+void vor_json_put_object(struct vor_text *text, const char *key)
+{
+    vor_json_key(text, key);
+    vor_json_begin_object(text);
+}
+
+void vor_json_put_array(struct vor_text *text, const char *key)
+{
+    vor_json_key(text, key);
+    vor_json_begin_array(text);
+}
+
 void vor_json_put_double(struct vor_text *text, const char *key, double value)
 {
     vor_json_key(text, key);

@@ -79,8 +79,7 @@ void vor_problem_write(const struct vor_request *request, const struct vor_probl
     if (problem->queue_depth >= 0)
         vor_json_put_i64(text, "queueDepth", problem->queue_depth);
     if (count > 0) {
-        vor_json_key(text, "errors");
-        vor_json_begin_array(text);
+        vor_json_put_array(text, "errors");
     }
     for (size_t i = 0; i < count; i++) {
         vor_json_begin_object(text);

@@ -116,20 +116,12 @@ static const int free_calls[] = {
     SCMP_SYS(sysinfo) /* qsort asks how much memory there is */
 };
 
-static int allow_free_calls(scmp_filter_ctx filter)
-{
-    int failed = 0;
-
-    for (size_t i = 0; i < sizeof free_calls / sizeof free_calls[0]; i++)
-        failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, free_calls[i], 0);
-    return failed;
-}
-
 /* Nothing that can be run is mapped, and only one file to be shared, where writing would reach it;
  * the others for reading. */
-static int allow_maps(scmp_filter_ctx filter)
+static int allow_calls(scmp_filter_ctx filter)
 {
     const struct scmp_arg_cmp not_run = SCMP_A2(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0);
+    const struct scmp_arg_cmp there = SCMP_A0(SCMP_CMP_EQ, VOR_SANDBOX_CHANNEL);
     int failed =
         seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mmap), 2, not_run,
                          SCMP_A3(SCMP_CMP_MASKED_EQ, MAP_SHARED | MAP_PRIVATE, MAP_PRIVATE));
@@ -138,15 +130,11 @@ static int allow_maps(scmp_filter_ctx filter)
                                SCMP_A3(SCMP_CMP_MASKED_EQ, MAP_SHARED | MAP_PRIVATE, MAP_SHARED),
                                SCMP_A4(SCMP_CMP_EQ, VOR_SANDBOX_SHARED));
     failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(mprotect), 1, not_run);
+    failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(sendmsg), 1, there);
+    failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(recvmsg), 1, there);
+    for (size_t i = 0; i < sizeof free_calls / sizeof free_calls[0]; i++)
+        failed |= seccomp_rule_add(filter, SCMP_ACT_ALLOW, free_calls[i], 0);
     return failed;
-}
-
-static int allow_channel(scmp_filter_ctx filter)
-{
-    const struct scmp_arg_cmp there = SCMP_A0(SCMP_CMP_EQ, VOR_SANDBOX_CHANNEL);
-
-    return seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(sendmsg), 1, there) |
-           seccomp_rule_add(filter, SCMP_ACT_ALLOW, SCMP_SYS(recvmsg), 1, there);
 }
 
 /* The list as the kernel takes it, made once: libseccomp takes 1.5 ms for it, children begin by the
@@ -154,34 +142,21 @@ static int allow_channel(scmp_filter_ctx filter)
 static struct sock_filter program[PROGRAM_MAX];
 static unsigned short program_length;
 
-/* libseccomp writes programs to files only. */
-static int read_program(scmp_filter_ctx filter)
-{
-    int fd = memfd_create("filter", MFD_CLOEXEC);
-    ssize_t size = -1;
-
-    if (fd >= 0 && seccomp_export_bpf(filter, fd) == 0)
-        size = pread(fd, program, sizeof program, 0);
-    if (fd >= 0)
-        (void)close(fd);
-    if (size <= 0 || size == (ssize_t)sizeof program)
-        return -1;
-    program_length = (unsigned short)((size_t)size / sizeof program[0]);
-    return 0;
-}
-
 static vor_status make_program(struct vor_error *err)
 {
     scmp_filter_ctx filter = seccomp_init(SCMP_ACT_KILL_PROCESS);
-    int failed = -1;
+    int fd = memfd_create("filter", MFD_CLOEXEC); /* libseccomp writes programs to files only */
+    ssize_t size = -1;
 
-    if (filter != NULL)
-        failed = allow_free_calls(filter) | allow_maps(filter) | allow_channel(filter);
-    if (failed == 0)
-        failed = read_program(filter);
+    if (filter != NULL && allow_calls(filter) == 0 && fd >= 0 &&
+        seccomp_export_bpf(filter, fd) == 0)
+        size = pread(fd, program, sizeof program, 0);
+    if (fd >= 0)
+        (void)close(fd);
     seccomp_release(filter);
-    if (failed != 0)
+    if (size <= 0 || size == (ssize_t)sizeof program)
         return vor_fail(err, VOR_E_INTERNAL, "libseccomp cannot create a filter for system calls");
+    program_length = (unsigned short)((size_t)size / sizeof program[0]);
     return VOR_OK;
 }
 

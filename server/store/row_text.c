@@ -24,15 +24,13 @@ static void write_outputs(struct vor_text *text, const struct vor_job_view *row)
         if (!any)
             vor_json_begin_object(text);
         any = 1;
-        vor_json_key(text, outputs[i].name);
-        vor_json_begin_object(text);
+        vor_json_put_object(text, outputs[i].name);
         if (i > 0) {
             put_artefact(text, output->format, output->points, output->bytes);
             vor_json_put_string(text, "sha256", output->sha256);
         }
         if (output->has_origin) {
-            vor_json_key(text, "origin");
-            vor_json_begin_array(text);
+            vor_json_put_array(text, "origin");
             for (int c = 0; c < 3; c++)
                 vor_json_double(text, output->origin[c]);
             vor_json_end_array(text);
@@ -85,8 +83,7 @@ vor_status vor_row_write(struct vor_row_text *out, const struct vor_job_view *ro
 
             if ((row->inputs >> i & 1) == 0)
                 continue;
-            vor_json_key(&out->inputs, row->spec.process->inputs[i].name);
-            vor_json_begin_object(&out->inputs);
+            vor_json_put_object(&out->inputs, row->spec.process->inputs[i].name);
             put_artefact(&out->inputs, input->format, input->points, input->bytes);
             vor_json_put_string(&out->inputs, "sha256", input->sha256);
             vor_json_put_double(&out->inputs, "seconds", input->seconds);

@@ -67,18 +67,6 @@ static enum vor_answer asked(void *ctx)
     return VOR_CANCEL;
 }
 
-static void store_events(struct run *run)
-{
-    struct vor_error err;
-    int changed;
-
-    if (vor_worker_store_events(run->worker, run->job, &run->lease, &changed, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&run->view),
-                VOR_TEXT("error", err.message));
-    else if (!changed)
-        vor_job_ask(run->job, VOR_CANCEL);
-}
-
 static void take_record(struct run *run, const struct vor_record *record)
 {
     double now = vor_clock_seconds();
@@ -90,8 +78,15 @@ static void take_record(struct run *run, const struct vor_record *record)
     run->is_resumed = 0;
     vor_job_progress(run->job, record, vor_clock_wall_ms());
     if (now - run->stored >= store_seconds && !vor_store_is_shared(run->worker->config.store)) {
+        struct vor_error err;
+        int changed;
+
         run->stored = now;
-        store_events(run);
+        if (vor_worker_store_events(run->worker, run->job, &run->lease, &changed, &err) != VOR_OK)
+            vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&run->view),
+                    VOR_TEXT("error", err.message));
+        else if (!changed)
+            vor_job_ask(run->job, VOR_CANCEL);
     }
 }
 

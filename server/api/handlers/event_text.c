@@ -50,8 +50,7 @@ static void write_end(const struct vor_teller *teller, const struct vor_event *e
         if (vor_artefact_find(outputs, "report") != NULL)
             vor_json_put_string(text, "report",
                                 vor_app_result_url(teller->request, id, "report", url));
-        vor_json_key(text, "outputs");
-        vor_json_begin_object(text);
+        vor_json_put_object(text, "outputs");
         for (unsigned i = 0; outputs[i].name != NULL; i++)
             vor_json_put_string(text, outputs[i].name,
                                 vor_app_result_url(teller->request, id, outputs[i].name, url));

@@ -23,8 +23,7 @@ enum vor_next vor_handle_landing(struct vor_request *request, enum vor_step step
     vor_json_begin_object(&text);
     vor_json_put_string(&text, "title", "voronoid");
     vor_json_put_string(&text, "description", "Resamples point clouds");
-    vor_json_key(&text, "links");
-    vor_json_begin_array(&text);
+    vor_json_put_array(&text, "links");
     put_link(request, &text, "self", json, "/v1/");
     put_link(request, &text, "service-desc", "application/vnd.oai.openapi;version=3.0",
              "/openapi.yaml");

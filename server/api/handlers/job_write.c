@@ -38,8 +38,7 @@ static void put_time(struct vor_text *text, const char *key, int64_t wall_ms)
 
 static void put_input(struct vor_text *text, const char *key, const struct vor_job_input *input)
 {
-    vor_json_key(text, key);
-    vor_json_begin_object(text);
+    vor_json_put_object(text, key);
     put_format(text, input->format);
     vor_json_put_u64(text, "points", input->points);
     vor_json_put_u64(text, "bytes", input->bytes);
@@ -58,8 +57,7 @@ static void put_inputs(struct vor_text *text, const struct vor_job_view *view)
     put_input(text, "input", &view->input[first]);
     if (view->inputs >> first == 1)
         return;
-    vor_json_key(text, "inputs");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "inputs");
     for (unsigned i = 0; inputs[i].name != NULL; i++)
         if ((view->inputs >> i & 1) != 0)
             put_input(text, inputs[i].name, &view->input[i]);
@@ -76,8 +74,7 @@ static void put_target(struct vor_text *text, const struct vor_job_view *view)
 
     if (points == 0 && !has_format)
         return;
-    vor_json_key(text, "target");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "target");
     if (points > 0)
         vor_json_put_u64(text, "points", points);
     if (has_format)
@@ -90,8 +87,7 @@ static void put_own_members(struct vor_text *text, const struct vor_job_view *vi
 {
     const double *origin = view->output[0].origin;
 
-    vor_json_key(text, "voronoid");
-    vor_json_begin_object(text);
+    vor_json_put_object(text, "voronoid");
     vor_json_put_given(text, "name", view->name);
     vor_json_put_u64(text, "attempt", view->attempt);
     vor_json_put_string(text, "stage",
@@ -109,8 +105,7 @@ static void put_own_members(struct vor_text *text, const struct vor_job_view *vi
     }
     put_target(text, view);
     if (view->status == VOR_JOB_SUCCESSFUL && view->output[0].has_origin) {
-        vor_json_key(text, "origin");
-        vor_json_begin_object(text);
+        vor_json_put_object(text, "origin");
         vor_json_put_double(text, "x", origin[0]);
         vor_json_put_double(text, "y", origin[1]);
         vor_json_put_double(text, "z", origin[2]);
@@ -199,8 +194,7 @@ void vor_job_write(struct vor_request *request, const struct vor_job_view *view,
         vor_json_key(text, "exception");
         vor_problem_write(request, &problem, text);
     }
-    vor_json_key(text, "links");
-    vor_json_begin_array(text);
+    vor_json_put_array(text, "links");
     put_links(request, view, text);
     vor_json_end_array(text);
     vor_json_end_object(text);

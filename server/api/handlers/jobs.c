@@ -212,8 +212,7 @@ static enum vor_next begin_list(struct vor_request *request)
     list->left = filter.limit;
     vor_text_init(&list->text, 0);
     vor_json_begin_object(&list->text);
-    vor_json_key(&list->text, "jobs");
-    vor_json_begin_array(&list->text);
+    vor_json_put_array(&list->text, "jobs");
     vor_deferred_begin(&list->deferred, request, free_listing);
     return begin_slice(list);
 }
@@ -223,8 +222,7 @@ static enum vor_next reply_list(struct listing *list)
     char cursor[32];
 
     vor_json_end_array(&list->text);
-    vor_json_key(&list->text, "links");
-    vor_json_begin_array(&list->text);
+    vor_json_put_array(&list->text, "links");
     put_list_link(list, "self", NULL);
     (void)snprintf(cursor, sizeof cursor, "%lld", (long long)list->filter.before_seq);
     if (list->more)

@@ -40,8 +40,7 @@ enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step st
     (void)step;
     vor_text_init(&text, 0);
     vor_json_begin_object(&text);
-    vor_json_key(&text, "processes");
-    vor_json_begin_array(&text);
+    vor_json_put_array(&text, "processes");
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
         if (!process->on_http)
             continue;

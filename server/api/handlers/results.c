@@ -433,8 +433,7 @@ enum vor_next vor_handle_results(struct vor_request *request, enum vor_step step
     for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++) {
         const char *name = view.spec.process->outputs[i].name;
 
-        vor_json_key(&text, name);
-        vor_json_begin_object(&text);
+        vor_json_put_object(&text, name);
         vor_json_put_string(&text, "href", vor_app_result_url(request, &view.id, name, url));
         vor_json_put_string(&text, "type", vor_output_media_type(&view, i));
         vor_json_end_object(&text);

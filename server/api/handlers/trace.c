@@ -79,8 +79,7 @@ static void write_trace(struct trace *trace, struct vor_followed *followed)
     vor_json_begin_object(text);
     vor_json_put_string(text, "jobID", trace->id.text);
     vor_json_put_u64(text, "attempt", followed->row.attempt);
-    vor_json_key(text, "records");
-    vor_json_begin_array(text);
+    vor_json_put_array(text, "records");
     position = write_records(trace, followed);
     vor_json_end_array(text);
     (void)snprintf(last, sizeof last, "%u.%u", position.attempt, position.number);
