@@ -5,7 +5,6 @@
 #include "core/opt/anderson.h"
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
-#include "core/seeds/fixed.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
@@ -200,7 +199,7 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
 {
     enum vor_surface_kind kind = vor_seeds_cell(cvt->seeds, scratch, i);
     struct vor_moments moments;
-    double x[3], from[3], normal[3];
+    double x[3], normal[3];
 
     memcpy(&cvt->lloyd[3 * i], &cvt->seeds->xyz[3 * i], 3 * sizeof(float));
     cvt->flags[i] &= (unsigned char)~AT_BORDER;
@@ -233,11 +232,6 @@ static void lloyd_step(struct cvt *cvt, struct vor_scratch *scratch, size_t i,
     if (cvt->step != NULL)
         stretch(cvt, scratch, i, x);
     sums->held += (uint64_t)restrict_move(cvt, scratch, i, &moments, x);
-    vor_seeds_position(cvt->seeds, i, from);
-    if (vor_seeds_fenced(cvt->seeds, scratch, i, from, x)) {
-        cvt->flags[i] |= AT_BORDER;
-        memcpy(x, from, sizeof from);
-    }
     vor_to_floats(&cvt->lloyd[3 * i], x);
     for (size_t c = 0; cvt->step != NULL && c < 3; c++)
         cvt->step[3 * i + c] = cvt->lloyd[3 * i + c] - cvt->seeds->xyz[3 * i + c];

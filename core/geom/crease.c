@@ -21,10 +21,6 @@ enum {
  * .974 / .972, precision on fandisk30k_noise2 .923 / .920 / .915, CPU there 18.8 / 17 / 15 us. */
 #define STEP 0.5
 
-/* Farthest that the meeting of two planes may put the edge, in spacings. At 1.25 / 2.5 / 5:
- * precision on fandisk30k_noise2 .914 / .921 / .921, all else the same. */
-#define FAR 2.5
-
 /* The points in the frame of the fit, in spacings. */
 struct fit {
     unsigned k;
@@ -132,7 +128,7 @@ static int meet(struct kink *next, const struct fit *fit, const struct kink *kin
         return 0;
     next->at = -b[0] / b[1];
     next->slant = -b[2] / b[1];
-    return fabs(next->at) <= FAR; /* not so where they are parallel */
+    return isfinite(next->at); /* not so where they are parallel */
 }
 
 static struct kink find(const struct fit *fit)

@@ -28,9 +28,6 @@ const double vor_sheet_arcs[VOR_SHEET_ARCS] = {0.5, 0.35};
 /* Mean of the directions to the list's points, seen from a point over the list: 0 in its middle,
  * 0.64 at its straight end, 1 far outside. */
 #define INSIDE 0.5
-/* Fewest points that were left out. */
-enum { OUT = 3 };
-
 unsigned vor_sheet_walk_take(const struct vor_walk *walk, unsigned k, uint32_t *index)
 {
     unsigned taken = 0;
@@ -121,7 +118,7 @@ int vor_sheet_walk_left_over(const struct vor_walk *walk, const struct vor_surfa
         far += (unsigned)lies_far(own, vor_domain_point(domain, walk->index[j]), local);
         over += (unsigned)lies_over(own, domain, index, n, local);
     }
-    return out >= OUT && 2 * far >= out && over >= OVER * out;
+    return out > 0 && 2 * far >= out && over >= OVER * out;
 }
 
 unsigned vor_sheet_walk_carried(struct vor_walk *walk, struct vor_surface *own,
@@ -152,5 +149,5 @@ unsigned vor_sheet_walk_carried(struct vor_walk *walk, struct vor_surface *own,
         if (!lies_far(own, vor_domain_point(domain, walk->index[j]), local))
             n = 0;
     }
-    return other >= OUT ? n : 0;
+    return other > 0 ? n : 0;
 }

@@ -22,7 +22,7 @@ struct saved {
     uint64_t n, fixed, half, indexed_before, indexed;
     struct vor_counts counts;
     struct vor_seeds_policy policy;
-    double fence, coherence, area;
+    double coherence, area;
     uint32_t unused;
     int on_whole, tracks, normals;
 };
@@ -196,7 +196,6 @@ vor_status vor_checkpoint_seeds(struct vor_seeds *out, struct vor_outcome *told,
     }
     seeds.fixed = saved.fixed;
     seeds.half = saved.half;
-    seeds.fence = saved.fence;
     seeds.coherence = saved.coherence;
     seeds.area = saved.area;
     seeds.unused = saved.unused;
@@ -252,7 +251,6 @@ static void save(const struct vor_checkpoint_of *of, const struct vor_counts *co
     saved.indexed = seeds->point_lists.indexed;
     saved.counts = *counts;
     saved.policy = seeds->policy;
-    saved.fence = seeds->fence;
     saved.coherence = seeds->coherence;
     saved.area = seeds->area;
     saved.unused = seeds->unused;

@@ -7,11 +7,6 @@
 
 #include <string.h>
 
-/* Spacings of sites that other seeds keep from them: two sites are one apart. Without it some slip
- * out between two, and stay beyond (one on a square of 1,500, five along half an armadillo). So far
- * within a border they start, where too many lie outside of it to be taken out. */
-#define FENCE 0.6
-
 /* What the seeds counted before they were made anew. */
 struct counted {
     struct vor_counts counts;
@@ -212,18 +207,16 @@ static vor_status make_way(struct vor_seeds *seeds, const struct vor_sites *site
     } else {
         status = vor_knn_build(&knn, sites->place, sites->places, memory, err);
         if (status == VOR_OK && surplus > 0) {
-            double room = FENCE * sites->spacing;
-
             look(distance2, index, seeds, sites, knn);
             memcpy(sorted, distance2, n * sizeof *sorted);
             vor_sort_floats(sorted, n);
             keep_far(seeds, distance2, sorted[surplus - 1], wanted);
             look(distance2, index, seeds, sites, knn);
-            /* Those left near a border, or outside, go to FENCE spacings within it. */
+            /* Those left outside go onto the border. */
             for (size_t i = 0; i < seeds->n; i++) {
-                double far = room + beyond(seeds, sites, i, index[i]);
+                double far = beyond(seeds, sites, i, index[i]);
 
-                for (size_t c = 0; (double)distance2[i] < room * room && c < 3; c++)
+                for (size_t c = 0; distance2[i] < 0 && c < 3; c++)
                     seeds->xyz[3 * i + c] -=
                         (float)(far * (double)sites->outward[3 * (size_t)index[i] + c]);
             }
@@ -248,30 +241,6 @@ vor_status vor_seeds_add_sites(struct vor_seeds *seeds, const struct vor_sites *
     if (status == VOR_OK) {
         seeds->fixed = sites->n;
         seeds->half = sites->half;
-        seeds->fence = FENCE * sites->spacing;
     }
     return status;
-}
-
-int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
-                     const double x[3], const double y[3])
-{
-    double fence = seeds->fence * vor_wanted_at(&seeds->wanted, i);
-
-    for (unsigned j = 0; seeds->fixed > 0 && j < scratch->crowd.count; j++) {
-        size_t other = scratch->crowd.index[j];
-        double was2 = 0, is2 = 0;
-
-        if (other < vor_seeds_moving(seeds))
-            continue;
-        for (size_t c = 0; c < 3; c++) {
-            double at = (double)seeds->xyz[3 * other + c];
-
-            was2 += (x[c] - at) * (x[c] - at);
-            is2 += (y[c] - at) * (y[c] - at);
-        }
-        if (is2 < fence * fence && is2 < was2)
-            return 1;
-    }
-    return 0;
 }

@@ -53,9 +53,4 @@ VOR_NODISCARD vor_status vor_seeds_add_sites(struct vor_seeds *seeds, const stru
                                              size_t n, const struct vor_run *run,
                                              struct vor_error *err);
 
-/** Whether seed i, which moves from x to y, ends within the fence of one that does not move, and
- *  nearer to it than it began. scratch->crowd was gathered around it. O(crowd). */
-int vor_seeds_fenced(const struct vor_seeds *seeds, const struct vor_scratch *scratch, size_t i,
-                     const double x[3], const double y[3]);
-
 #endif

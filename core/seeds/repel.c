@@ -5,7 +5,6 @@
 #include "core/seeds/area.h"
 #include "core/seeds/attach.h"
 #include "core/seeds/checkpoint.h"
-#include "core/seeds/fixed.h"
 #include "core/seeds/forces.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
@@ -340,13 +339,10 @@ static void move(struct polish *polish, struct vor_scratch *scratch, size_t i, d
         vor_surface_put(&scratch->onto, y);
     if (!scratch->interior && seeds->policy.keep_border)
         (void)vor_attach_near(seeds, scratch, y);
-    if (vor_seeds_fenced(seeds, scratch, i, x, y))
-        memcpy(y, x, sizeof y);
     step_to(polish, i, x, y);
 }
 
-/* Moves seed i as move() does one that is far from where the input ends, and from seeds that do not
- * move. */
+/* Moves seed i as move() does one that is far from where the input ends. */
 static void glide(struct polish *polish, const struct vor_surface *surface, size_t i, double v[3])
 {
     double x[3], y[3];
@@ -372,7 +368,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
         double v[3];
         int summed = sum_forces(polish, i, v);
 
-        if (summed && last != NULL && !cell && seeds->fixed == 0) {
+        if (summed && last != NULL && !cell) {
             glide(polish, last, i, v);
             continue;
         }
@@ -383,7 +379,7 @@ static void move_block(void *ctx, size_t begin, size_t end, unsigned worker)
             vor_seeds_crowd(seeds, scratch, i);
             vor_seeds_clip(seeds, scratch, i, 0);
             find_hole(polish, scratch, i);
-        } else if (!summed || seeds->fixed > 0)
+        } else if (!summed)
             vor_seeds_within(seeds, scratch, i, crowd_reach(polish, i));
         vor_stretched_distances(&scratch->crowd, &seeds->stretched, seeds->xyz, i);
         if (!(polish->covers && towards_centroid(polish, scratch, i, v)) && !summed)

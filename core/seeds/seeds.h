@@ -93,8 +93,6 @@ struct vor_seeds {
     size_t n;
     size_t fixed; /**< the last ones of these, which do not move (seeds/fixed.h) */
     size_t half;  /**< of those, on borders: they have half a cell */
-    double fence; /**< distance that others keep from those, so that none slips through between two;
-                       with a density, times the value of the field there */
     struct vor_seeds_policy policy;
     int sheets;      /**< fits look for layers: a domain that they are or were made on has sheets */
     float *xyz;      /**< n x 3 */
