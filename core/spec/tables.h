@@ -538,7 +538,7 @@ struct vor_artefact_info {
     X(INSPECT, OUTLIERS, VOR_OUTLIERS_DROP)                                                        \
     X(UPSAMPLE, RATIO, 4)                                                                          \
     X(UPSAMPLE, ITERATIONS, 1)                                                                     \
-    X(UPSAMPLE, POLISH, 8)                                                                         \
+    X(UPSAMPLE, POLISH, 12)                                                                        \
     X(MESH, POLISH, 120)                                                                           \
     VOR_EXTRA_PRESETS(X)
 

@@ -209,7 +209,7 @@ VT_TEST(before_the_first_record_the_request_says_how_long)
 {
     struct vor_spec spec = request_of("upsample", "120000");
     struct vor_pace pace = {.work = vor_pace_work_of(&spec, 30000, 1)};
-    double alone = 0.12 * (10 + 2.0 * 30000 / 120000 + 5 + 8 * 1.2 + 5.5);
+    double alone = 0.12 * (10 + 2.0 * 30000 / 120000 + 5 + 12 * 1.2 + 5.5);
 
     ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), alone, 1e-12);
     pace.work.threads = 3;
@@ -220,33 +220,33 @@ VT_TEST(before_the_first_record_the_request_says_how_long)
 }
 
 /* ear: 15 of 30 thousand points are projected in 12 steps, 45 thousand inserted by one thread,
- * however many there are, then 8 steps of the polish; all times as the table of pace.c has them. */
+ * however many there are, then 12 steps of the polish; times as the table of pace.c has them. */
 VT_TEST(projected_and_inserted_points_count_by_what_they_take)
 {
     static const double project = 12 * 15e3 * 2.5e-6, insert = 45e3 * 15e-6,
-                        polish = 8 * 60e3 * 3.3e-6, end = 60e3 * 5.5e-6, start = 30e3 * 80e-6;
+                        polish = 12 * 60e3 * 3.3e-6, end = 60e3 * 5.5e-6, start = 30e3 * 80e-6;
     struct vor_spec spec = request_of("upsample", "60000");
     struct vor_pace pace;
 
     vt_assert_ok(vor_spec_set(&spec, "method", "ear", &vt_err));
     for (unsigned threads = 1; threads <= 2; threads++) {
         double gain = threads == 1 ? 1 : 1.9, all = project / gain + insert + polish / gain;
-        struct vor_record record = at(VOR_RUN_STAGE_PROJECT, 0, 12, 45000 + 8, start / gain);
+        struct vor_record record = at(VOR_RUN_STAGE_PROJECT, 0, 12, 45000 + 12, start / gain);
 
         pace = (struct vor_pace){.work = vor_pace_work_of(&spec, 30000, threads)};
         ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (start + end) / gain + all, 1e-9);
         vor_pace_add(&pace, &record);
         ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), all + end / gain, 1e-9);
-        record = at(VOR_RUN_STAGE_PROJECT, 12, 12, 45000 + 8, (start + project) / gain);
+        record = at(VOR_RUN_STAGE_PROJECT, 12, 12, 45000 + 12, (start + project) / gain);
         vor_pace_add(&pace, &record);
         ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), project / gain / all, 1e-9);
-        record = at(VOR_RUN_STAGE_INSERT, 15000, 45000, 8, record.seconds + insert / 3);
+        record = at(VOR_RUN_STAGE_INSERT, 15000, 45000, 12, record.seconds + insert / 3);
         vor_pace_add(&pace, &record);
         ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), insert * 2 / 3 + (polish + end) / gain,
                                 1e-9);
         ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), (project / gain + insert / 3) / all,
                                 1e-9);
-        record = at(VOR_RUN_STAGE_POLISH, 8, 8, 0, record.seconds + 9);
+        record = at(VOR_RUN_STAGE_POLISH, 12, 12, 0, record.seconds + 9);
         vor_pace_add(&pace, &record);
         ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 1, 1e-12);
     }

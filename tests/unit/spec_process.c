@@ -62,7 +62,7 @@ static const struct {
     const char *process, *parameter, *text;
 } presets[] = {{"denoise", "ratio", "1"},       {"denoise", "outliers", "drop"},
                {"inspect", "outliers", "drop"}, {"upsample", "ratio", "4"},
-               {"upsample", "iterations", "1"}, {"upsample", "polish", "8"},
+               {"upsample", "iterations", "1"}, {"upsample", "polish", "12"},
                {"mesh", "polish", "120"}};
 
 enum { PRESETS = sizeof presets / sizeof presets[0] };
