@@ -79,7 +79,7 @@ static float key_of(const struct twin *twin, size_t i, size_t j, float clearance
 
     middle(twin, i, j, m);
     for (int c = 0; c < 3; c++)
-        least = fmax(least, VOR_LOP_CLEARANCE_MIN * fabs((double)m[c]));
+        least = fmax(least, VOR_ROUNDED * fabs((double)m[c]));
     if (!((double)clearance2 > least * least))
         return 0;
     return (float)(vor_lop_power(turned, twin->rho) * sqrt((double)clearance2));
