@@ -1,11 +1,13 @@
 #include "server/base/digest.h"
 
+#include <errno.h>
 #include <nettle/base16.h>
 #include <nettle/hmac.h>
 #include <nettle/memops.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 struct vor_digest {
     struct sha256_ctx state;
@@ -60,6 +62,30 @@ void vor_digest_of(const void *bytes, size_t size, uint8_t out[VOR_DIGEST_BYTES]
     sha256_init(&state);
     sha256_update(&state, size, bytes);
     sha256_digest(&state, VOR_DIGEST_BYTES, out);
+}
+
+int vor_digest_file(int fd, uint64_t from, uint64_t size, char out[VOR_DIGEST_SIZE])
+{
+    enum { BLOCK = 1 << 18 }; /* bytes */
+    const uint64_t end = from + size;
+    struct sha256_ctx state;
+    uint8_t *block = malloc(BLOCK);
+
+    sha256_init(&state);
+    while (block != NULL && from < end) {
+        ssize_t got =
+            pread(fd, block, end - from < BLOCK ? (size_t)(end - from) : BLOCK, (off_t)from);
+
+        if (got == 0 || (got < 0 && errno != EINTR))
+            break;
+        if (got < 0)
+            continue;
+        sha256_update(&state, (size_t)got, block);
+        from += (uint64_t)got;
+    }
+    free(block);
+    write_hex(&state, out);
+    return block != NULL && from == end;
 }
 
 void vor_digest_hmac(const void *key, size_t key_size, const void *bytes, size_t size,

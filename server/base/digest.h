@@ -26,6 +26,11 @@ void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE]);
 #define VOR_DIGEST_BYTES 32
 void vor_digest_of(const void *bytes, size_t size, uint8_t out[VOR_DIGEST_BYTES]);
 
+/** The digest of `size` bytes of a file. False when they cannot be read, or memory is out.
+ *
+ *  Cost: reads them; not for HTTP threads. */
+int vor_digest_file(int fd, uint64_t from, uint64_t size, char out[VOR_DIGEST_SIZE]);
+
 /** HMAC-SHA-256 (RFC 2104) of bytes under a key of any length. */
 void vor_digest_hmac(const void *key, size_t key_size, const void *bytes, size_t size,
                      uint8_t out[VOR_DIGEST_BYTES]);

@@ -92,8 +92,8 @@
       "Requests to S3, or to PostgreSQL for files, that were sent again")                          \
     X(BLOB_ERRORS, "blob_errors_total", COUNTER, "", "reason",                                     \
       "Requests to S3, or to PostgreSQL for files, that failed after all tries. Values of the "    \
-      "label reason: away (no answer), refused (wrong keys or rights, no such bucket or table) "   \
-      "and other (any other error)")                                                               \
+      "label reason: away (no answer), refused (wrong keys or rights, no such bucket or table), "  \
+      "damaged (bytes that are not those that were written) and other (any other error)")          \
     X(STORAGE_UP, "storage_up", GAUGE, "", "part",                                                 \
       "1 while the job database (label part=store) and the storage of files (label part=blobs) "   \
       "can be reached, else 0")                                                                    \

@@ -185,14 +185,8 @@ VOR_NODISCARD vor_status vor_blob_seal(struct vor_blob_writer *writer, struct vo
 VOR_NODISCARD vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
                                          struct vor_error *err);
 
-/** The digest of the first `size` bytes of a file. False when they cannot be read, or memory is
- * out.
- *
- *  Cost: reads them; not for HTTP threads. */
-int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE]);
-
 /** VOR_E_DAMAGED unless the first `size` bytes of a blob have this digest; VOR_OK if it is none.
- *  Cost as above. */
+ *  Cost: reads them; not for HTTP threads. */
 VOR_NODISCARD vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256,
                                           const char *name, struct vor_error *err);
 
@@ -249,11 +243,13 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
  *  here lately: then it is not for HTTP threads. */
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
 
-/** Makes a blob near, and tells of its bytes meanwhile.
+/** Makes a blob near, and tells of its bytes meanwhile. Where only a part is wanted, and the pieces
+ *  have digests, that part is told of, and the blob is no nearer.
  *
  *  @param[out] found  0 when there is none
  *
- *  @retval VOR_E_IO */
+ *  @retval VOR_E_DAMAGED a piece is not what was written; those before it were told of
+ *  @retval VOR_E_IO, VOR_E_NOMEM */
 VOR_NODISCARD vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id,
                                         const char *name, const struct vor_blob_watch *watch,
                                         int *found, struct vor_error *err);

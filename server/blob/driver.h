@@ -74,11 +74,24 @@ struct vor_blob_cache {
     int is_shared;    /**< other processes may use the same folder at the same time */
 };
 
-/** Who is told of the bytes of a blob as they come from another machine: `have` of them stand in
- * fd, which is the caller's. Less than before: they come again from the first on. */
+/** Bytes of a piece, each of which has a digest of its own where blobs are on another machine. */
+enum { VOR_BLOB_PIECE = 1 << 20 };
+
+/** Which bytes of a blob are wanted: from a piece's first on, up to a piece's last, or UINT64_MAX
+ * for all of them. */
+struct vor_blob_part {
+    uint64_t from, to;
+    uint64_t size;                /**< of the blob */
+    char sha256[VOR_DIGEST_SIZE]; /**< of the blob; "" where it is not known */
+};
+
+/** Who is told of the bytes of a blob as they come from another machine, piece by piece: those from
+ *  part.from up to `have` are right, and stand in fd, which is the caller's, from its beginning on.
+ *  Of a blob without digests of its pieces nothing is told. */
 struct vor_blob_watch {
     void (*came)(void *ctx, int fd, uint64_t have);
     void *ctx;
+    struct vor_blob_part part;
 };
 
 enum { VOR_BLOB_LINK_SECONDS = 120 }; /**< for which a link to a blob is good */

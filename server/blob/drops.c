@@ -14,7 +14,7 @@ static const double look_seconds = 1, quiet_seconds = 10;
 
 struct drop {
     struct drop *next;
-    char key[VOR_OBJECT_KEY_MAX + 1];
+    char key[VOR_OBJECT_KEY_MAX + 1], before[VOR_OBJECT_KEY_MAX + 1]; /* "": none before it */
 };
 
 struct vor_drops {
@@ -32,14 +32,17 @@ static void delete_first(struct vor_drops *drops)
 {
     struct drop *drop = drops->first;
     struct vor_error err;
-    vor_status status;
+    vor_status status = VOR_OK;
 
     drops->first = drop->next;
     if (drops->first == NULL)
         drops->end = &drops->first;
     drops->current = drop;
     pthread_mutex_unlock(&drops->mutex);
-    status = drops->objects->kind->remove(drops->objects, drop->key, &err);
+    if (drop->before[0] != '\0')
+        status = drops->objects->kind->remove(drops->objects, drop->before, &err);
+    if (status == VOR_OK)
+        status = drops->objects->kind->remove(drops->objects, drop->key, &err);
     if (status != VOR_OK)
         vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("key", drop->key),
                 VOR_TEXT("error", err.message));
@@ -114,13 +117,15 @@ void vor_drops_destroy(struct vor_drops *drops)
     free(drops);
 }
 
-vor_status vor_drop(struct vor_drops *drops, const char *key, struct vor_error *err)
+vor_status vor_drop(struct vor_drops *drops, const char *key, const char *before,
+                    struct vor_error *err)
 {
     struct drop *drop = calloc(1, sizeof *drop);
 
     if (drop == NULL)
         return vor_fail(err, VOR_E_NOMEM, "deleting a file");
     (void)snprintf(drop->key, sizeof drop->key, "%s", key);
+    (void)snprintf(drop->before, sizeof drop->before, "%s", before);
     pthread_mutex_lock(&drops->mutex);
     *drops->end = drop;
     drops->end = &drop->next;

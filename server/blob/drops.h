@@ -18,8 +18,12 @@ VOR_NODISCARD vor_status vor_drops_create(struct vor_drops **out, struct vor_obj
 /** Deletes what is left, up to the first failure. drops may be NULL. */
 void vor_drops_destroy(struct vor_drops *drops);
 
-/** @retval VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_drop(struct vor_drops *drops, const char *key, struct vor_error *err);
+/** @param[in] before  an object that goes before it, so that none is left without the other; "" for
+ *                      none
+ *
+ *  @retval VOR_E_NOMEM */
+VOR_NODISCARD vor_status vor_drop(struct vor_drops *drops, const char *key, const char *before,
+                                  struct vor_error *err);
 
 /** The key is about to be written: it will not be deleted, and is not being deleted any more. */
 void vor_drop_not(struct vor_drops *drops, const char *key);

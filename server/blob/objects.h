@@ -36,6 +36,16 @@ struct vor_object_bytes {
     const struct vor_blob_patience *patience; /**< borrowed; its is_wanted counts */
 };
 
+/** Who takes the bytes of an object, and which: from `from` up to `to`, or UINT64_MAX for all. */
+struct vor_object_reader {
+    uint64_t from, to;
+    /** Gets them in order, with the place of the first; others may come as well. Where a request is
+     *  sent again they come again from the first on. False: no more are wanted, and the get fails.
+     */
+    int (*take)(void *ctx, uint64_t at, const void *bytes, size_t size);
+    void *ctx;
+};
+
 struct vor_object {
     const char *key; /**< behind what was listed */
     uint64_t size;
@@ -50,10 +60,9 @@ struct vor_objects_kind {
     /** Puts bytes in place of what was there. */
     vor_status (*put)(struct vor_objects *objects, const char *key,
                       const struct vor_object_bytes *bytes, struct vor_error *err);
-    /** Writes the bytes of an object to an empty file; fd -1: it is only looked for. watch may be
-     *  NULL. */
-    vor_status (*get)(struct vor_objects *objects, const char *key, int fd,
-                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
+    /** Reads an object; reader NULL: it is only looked for, and *size is its size. */
+    vor_status (*get)(struct vor_objects *objects, const char *key,
+                      const struct vor_object_reader *reader, uint64_t *size, int *found,
                       struct vor_error *err);
     vor_status (*move)(struct vor_objects *objects, const char *from, const char *to,
                        struct vor_error *err);

@@ -4,6 +4,7 @@
 #include "server/base/disk.h"
 #include "server/base/metrics.h"
 #include "server/base/postgres_library.h"
+#include "server/blob/pieces.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -15,7 +16,6 @@
 #include <unistd.h>
 
 enum {
-    PIECE = 1 << 20,
     IDLE_MAX = 4,
     STATEMENT_SIZE = 1536,
     PAGE = 1000,
@@ -43,8 +43,7 @@ struct call {
     const char *key, *to;
     int fd;
     uint64_t size;
-    const char *sha256;
-    const struct vor_blob_watch *watch;
+    const struct vor_object_reader *reader;
     const struct vor_blob_patience *patience;
     double began; /* the statement */
     int found, is_probe, is_unwanted;
@@ -208,54 +207,31 @@ static int64_t number_at(const struct call *call, int column)
     return strtoll(call->db->pg->getvalue(call->result, 0, column), NULL, 10);
 }
 
-static void digest_piece(const void *bytes, size_t size, char out[VOR_DIGEST_SIZE])
-{
-    char etag[VOR_ETAG_SIZE];
-
-    vor_digest_etag(bytes, size, etag);
-    (void)snprintf(out, VOR_DIGEST_SIZE, "%.64s", etag + 1);
-}
-
 /* Sends the pieces of a file; buffer has room for one. */
-static vor_status put_pieces(struct call *call, char *buffer, struct vor_digest *whole,
-                             struct vor_error *err)
+static vor_status put_pieces(struct call *call, uint8_t *buffer, struct vor_error *err)
 {
     vor_status status = VOR_OK;
-    char sha256[VOR_DIGEST_SIZE];
     size_t have = 0;
 
     for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
-        size_t want = call->size - at < PIECE ? (size_t)(call->size - at) : PIECE;
-        ssize_t got;
-
-        for (have = 0; have < want; have += (size_t)got) {
-            do
-                got = pread(call->fd, buffer + have, want - have, (off_t)(at + have));
-            while (got < 0 && errno == EINTR);
-            if (got <= 0)
-                return vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
-        }
-        vor_digest_update(whole, buffer, have);
-        digest_piece(buffer, have, sha256);
-        status = ask(call, buffer, have, err,
-                     "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64 ", '%s', $1)",
-                     call->object, at / PIECE, sha256);
+        have = call->size - at < VOR_BLOB_PIECE ? (size_t)(call->size - at) : VOR_BLOB_PIECE;
+        status = vor_piece_read(call->fd, at, buffer, have, err);
+        if (status == VOR_OK)
+            status = ask(call, buffer, have, err,
+                         "INSERT INTO voronoid_piece VALUES (%" PRId64 ", %" PRIu64
+                         ", encode(sha256($1), 'hex'), $1)",
+                         call->object, at / VOR_BLOB_PIECE);
     }
-    vor_digest_hex(whole, sha256);
-    return status == VOR_OK && strcmp(sha256, call->sha256) != 0
-               ? vor_fail(err, VOR_E_DAMAGED,
-                          "a temporary file does not contain what was written to it")
-               : status;
+    return status;
 }
 
 /* The server ends the transaction of a daemon that has hung for 10 s: others would wait for it. */
 static vor_status put_once(struct call *call, struct vor_error *err)
 {
-    struct vor_digest *whole = vor_digest_create();
-    char *buffer = malloc(PIECE);
+    uint8_t *buffer = malloc(VOR_BLOB_PIECE);
     vor_status status = VOR_OK;
 
-    if (whole == NULL || buffer == NULL)
+    if (buffer == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "a part of a file");
     if (status == VOR_OK)
         status = ask(call, NULL, 0, err, "BEGIN");
@@ -267,7 +243,7 @@ static vor_status put_once(struct call *call, struct vor_error *err)
                      call->size);
     if (status == VOR_OK) {
         call->object = number_at(call, 0);
-        status = put_pieces(call, buffer, whole, err);
+        status = put_pieces(call, buffer, err);
     }
     if (status == VOR_OK)
         status = ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key);
@@ -278,7 +254,6 @@ static vor_status put_once(struct call *call, struct vor_error *err)
                      call->key, call->object);
     if (status == VOR_OK)
         status = ask(call, NULL, 0, err, "COMMIT");
-    vor_digest_destroy(whole);
     free(buffer);
     return status;
 }
@@ -291,7 +266,6 @@ static vor_status put(struct vor_objects *objects, const char *key,
                         .key = key,
                         .fd = bytes->fd,
                         .size = bytes->size,
-                        .sha256 = bytes->sha256,
                         .patience = bytes->patience};
     vor_status status = perform(&call, put_once, err);
 
@@ -338,27 +312,13 @@ static vor_status remove_one(struct vor_objects *objects, const char *key, struc
 
 /* --- reading ---------------------------------------------------------------------------------- */
 
-static vor_status write_all(int fd, const char *bytes, size_t size, struct vor_error *err)
-{
-    for (size_t done = 0; done < size;) {
-        ssize_t wrote = write(fd, bytes + done, size - done);
-
-        if (wrote < 0 && errno != EINTR)
-            return vor_fail_errno(err, errno, "a temporary file");
-        done += wrote > 0 ? (size_t)wrote : 0;
-    }
-    return VOR_OK;
-}
-
-static vor_status get_piece(struct call *call, uint64_t at, size_t *size, struct vor_error *err)
+static vor_status get_piece(struct call *call, uint64_t at, struct vor_error *err)
 {
     const struct vor_pg *pg = call->db->pg;
-    char sha256[VOR_DIGEST_SIZE];
-    const char *bytes;
-    vor_status status = ask(call, NULL, 0, err,
-                            "SELECT sha256, data FROM voronoid_piece WHERE object = %" PRId64
-                            " AND number = %" PRIu64,
-                            call->object, at / PIECE);
+    vor_status status =
+        ask(call, NULL, 0, err,
+            "SELECT data FROM voronoid_piece WHERE object = %" PRId64 " AND number = %" PRIu64,
+            call->object, at / VOR_BLOB_PIECE);
 
     if (status != VOR_OK)
         return status;
@@ -367,16 +327,9 @@ static vor_status get_piece(struct call *call, uint64_t at, size_t *size, struct
         err->got = EAGAIN;
         return VOR_E_IO;
     }
-    bytes = pg->getvalue(call->result, 0, 1);
-    *size = (size_t)pg->getlength(call->result, 0, 1);
-    digest_piece(bytes, *size, sha256);
-    if (strcmp(sha256, pg->getvalue(call->result, 0, 0)) != 0 ||
-        *size != (call->size - at < PIECE ? call->size - at : PIECE))
-        return vor_fail(err, VOR_E_DAMAGED,
-                        "the stored file %s is damaged: the SHA-256 of a piece is not the one that "
-                        "was recorded when it was written",
-                        call->key);
-    return write_all(call->fd, bytes, *size, err);
+    call->is_unwanted = !call->reader->take(call->reader->ctx, at, pg->getvalue(call->result, 0, 0),
+                                            (size_t)pg->getlength(call->result, 0, 0));
+    return call->is_unwanted ? vor_fail(err, VOR_E_IO, "%s: no more is wanted", what) : VOR_OK;
 }
 
 static vor_status get_once(struct call *call, struct vor_error *err)
@@ -384,7 +337,6 @@ static vor_status get_once(struct call *call, struct vor_error *err)
     vor_status status =
         ask(call, NULL, 0, err,
             "SELECT object::text, size::text FROM voronoid_file WHERE key = '%s'", call->key);
-    size_t have = 0;
 
     if (status != VOR_OK)
         return status;
@@ -393,25 +345,18 @@ static vor_status get_once(struct call *call, struct vor_error *err)
         return VOR_OK;
     call->object = number_at(call, 0);
     call->size = (uint64_t)number_at(call, 1);
-    if (call->fd < 0)
-        return VOR_OK;
-    /* What an attempt has written is no part of the next one. */
-    if (ftruncate(call->fd, 0) != 0 || lseek(call->fd, 0, SEEK_SET) != 0)
-        return vor_fail_errno(err, errno, "a temporary file");
-    for (uint64_t at = 0; status == VOR_OK && at < call->size; at += have) {
-        status = get_piece(call, at, &have, err);
-        if (status == VOR_OK && call->watch != NULL)
-            call->watch->came(call->watch->ctx, call->fd, at + have);
-    }
+    for (uint64_t at = call->reader != NULL ? call->reader->from : call->size;
+         status == VOR_OK && at < call->size && at < call->reader->to; at += VOR_BLOB_PIECE)
+        status = get_piece(call, at, err);
     return status;
 }
 
-static vor_status get(struct vor_objects *objects, const char *key, int fd,
-                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
+static vor_status get(struct vor_objects *objects, const char *key,
+                      const struct vor_object_reader *reader, uint64_t *size, int *found,
                       struct vor_error *err)
 {
     struct call call = {
-        .db = of(objects), .verb = fd >= 0 ? "get" : "head", .key = key, .fd = fd, .watch = watch};
+        .db = of(objects), .verb = reader != NULL ? "get" : "head", .key = key, .reader = reader};
     vor_status status = perform(&call, get_once, err);
 
     clear(&call);

@@ -4,6 +4,7 @@
 #include "server/blob/aged.h"
 #include "server/blob/dir.h"
 #include "server/blob/drops.h"
+#include "server/blob/pieces.h"
 #include "server/blob/postgres.h"
 #include "server/blob/s3_client.h"
 
@@ -18,6 +19,7 @@
 
 #define KEEP "keep/"
 #define LOST "lost/"
+#define PIECES "piece/" /* of those in KEEP */
 
 struct remote {
     struct vor_blob_directory copies; /* first: functions of vor_blob_dir take it for their own */
@@ -166,21 +168,83 @@ static vor_status name_copy(struct vor_blob_writer *writer, const struct vor_uui
     return status;
 }
 
-/* Reads an object into a file, which *fd then reads from its beginning. */
+static int take_text(void *text, uint64_t at, const void *bytes, size_t size)
+{
+    if (at == 0)
+        vor_text_clear(text);
+    vor_text_add(text, bytes, size);
+    return !((struct vor_text *)text)->failed;
+}
+
+/* Gets ready to check the bytes of a blob, if it has the digests for that, which are in `list`. */
+static vor_status read_digests(struct remote *remote, const struct vor_uuid *id, const char *name,
+                               struct vor_arrival *arrival, struct vor_text *list,
+                               struct vor_error *err)
+{
+    const struct vor_blob_part *part = &arrival->watch->part;
+    const struct vor_object_reader reader = {0, UINT64_MAX, take_text, list};
+    char key[VOR_OBJECT_KEY_MAX + 1];
+    uint64_t size;
+    int found = 0;
+    vor_status status = remote->objects->kind->get(remote->objects, key_of(key, PIECES, id, name),
+                                                   &reader, &size, &found, err);
+
+    arrival->digest = status == VOR_OK && found ? vor_pieces_of(list, part) : NULL;
+    if (arrival->digest == NULL)
+        return status;
+    arrival->at = part->from;
+    arrival->end = part->to < part->size ? part->to : part->size;
+    arrival->piece = malloc(VOR_BLOB_PIECE);
+    return arrival->piece != NULL ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "a part of a file");
+}
+
+/* Reads the bytes of an object that are wanted into a file. */
+static vor_status receive(struct remote *remote, const struct vor_uuid *id, const char *name,
+                          struct vor_arrival *arrival, uint64_t *size, int *found,
+                          struct vor_error *err)
+{
+    struct vor_object_reader reader = {0, UINT64_MAX, vor_arrival_take, arrival};
+    struct vor_text list;
+    vor_status status = VOR_OK;
+
+    vor_text_init(&list, 0);
+    if (arrival->watch != NULL && arrival->watch->part.size > VOR_BLOB_PIECE)
+        status = read_digests(remote, id, name, arrival, &list, err);
+    if (vor_arrival_is_part(arrival)) {
+        reader.from = arrival->at;
+        reader.to = arrival->end;
+    }
+    (void)key_of(arrival->name, KEEP, id, name);
+    if (status == VOR_OK)
+        status =
+            remote->objects->kind->get(remote->objects, arrival->name, &reader, size, found, err);
+    if (arrival->failure.status != VOR_OK ||
+        (status == VOR_OK && *found && vor_arrival_end(arrival) != VOR_OK)) {
+        status = arrival->failure.status;
+        if (err != NULL)
+            *err = arrival->failure;
+    }
+    free(arrival->piece);
+    vor_text_free(&list);
+    return status;
+}
+
+/* Reads an object into a file, which becomes a copy, and *fd then reads it from its beginning; but
+ * not where a part was wanted, and came. */
 static vor_status fetch(struct remote *remote, const struct vor_uuid *id, const char *name,
                         const struct vor_blob_watch *watch, int *fd, int *found,
                         struct vor_error *err)
 {
-    char key[VOR_OBJECT_KEY_MAX + 1];
+    struct vor_arrival arrival = {.watch = watch};
     struct vor_blob_writer *writer = NULL;
     vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
 
     if (status != VOR_OK)
         return status;
     writer->blobs = &remote->copies.base;
-    status = remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), writer->fd,
-                                        watch, &writer->size, found, err);
-    if (status == VOR_OK && *found) {
+    arrival.fd = writer->fd;
+    status = receive(remote, id, name, &arrival, &writer->size, found, err);
+    if (status == VOR_OK && *found && !vor_arrival_is_part(&arrival)) {
         *fd = fcntl(writer->fd, F_DUPFD_CLOEXEC, 0);
         status = *fd >= 0 && lseek(*fd, 0, SEEK_SET) == 0
                      ? name_copy(writer, id, name, err)
@@ -196,24 +260,68 @@ static vor_status fetch(struct remote *remote, const struct vor_uuid *id, const 
 
 /* --- the functions of the driver -------------------------------------------------------------- */
 
+/* Puts bytes as an object, as long as somebody waits for that. */
+static vor_status put(struct remote *remote, const char *key, const struct vor_object_bytes *bytes,
+                      struct vor_error *err)
+{
+    const struct vor_blob_patience *patience = bytes->patience;
+    vor_status status;
+
+    do
+        status = remote->objects->kind->put(remote->objects, key, bytes, err);
+    while (status != VOR_OK && vor_error_storage_absent(err) && patience->may_wait != NULL &&
+           patience->may_wait(patience->ctx, err));
+    return status;
+}
+
+static vor_status put_pieces(struct remote *remote, const char *key, const struct vor_text *list,
+                             const struct vor_blob_patience *patience, struct vor_error *err)
+{
+    char etag[VOR_ETAG_SIZE];
+    struct vor_object_bytes bytes = {-1, list->size, etag + 1, patience};
+    struct vor_arrival file = {.fd = -1};
+    struct vor_blob_writer *writer = NULL;
+    vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
+
+    if (status != VOR_OK)
+        return status;
+    writer->blobs = &remote->copies.base;
+    bytes.fd = file.fd = writer->fd;
+    vor_digest_etag(list->data, list->size, etag);
+    etag[VOR_ETAG_SIZE - 2] = '\0'; /* without its quotes */
+    if (vor_arrival_take(&file, 0, list->data, list->size))
+        status = put(remote, key, &bytes, err);
+    else
+        *err = file.failure;
+    vor_blob_dir.discard(writer);
+    return file.failure.status != VOR_OK ? file.failure.status : status;
+}
+
+/* The digests of its pieces follow it, and go before it: none are left without it, and without them
+ * it is read whole. */
 static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                          const char *name, struct vor_error *err)
 {
     struct remote *remote = (struct remote *)writer->blobs;
-    const struct vor_blob_patience *patience = &writer->patience;
     char key[VOR_OBJECT_KEY_MAX + 1], sha256[VOR_DIGEST_SIZE];
-    const struct vor_object_bytes bytes = {writer->fd, writer->size, sha256, patience};
-    vor_status status;
+    const struct vor_object_bytes bytes = {writer->fd, writer->size, sha256, &writer->patience};
+    const int has_pieces = writer->size > VOR_BLOB_PIECE && vor_pieces_are_for(name);
+    struct vor_text list;
+    vor_status status = VOR_OK;
 
     if (writer->digest != NULL)
         vor_digest_hex(writer->digest, sha256);
     else
         memcpy(sha256, writer->sha256, sizeof sha256);
+    vor_text_init(&list, 0);
+    if (has_pieces)
+        status = vor_pieces_write(&list, writer->fd, writer->size, sha256, err);
     vor_drop_not(remote->drops, key_of(key, KEEP, id, name));
-    do
-        status = remote->objects->kind->put(remote->objects, key, &bytes, err);
-    while (status != VOR_OK && vor_error_storage_absent(err) && patience->may_wait != NULL &&
-           patience->may_wait(patience->ctx, err));
+    if (status == VOR_OK)
+        status = put(remote, key, &bytes, err);
+    if (status == VOR_OK && has_pieces)
+        status = put_pieces(remote, key_of(key, PIECES, id, name), &list, &writer->patience, err);
+    vor_text_free(&list);
     return status == VOR_OK ? name_copy(writer, id, name, err) : status;
 }
 
@@ -228,8 +336,8 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
     if (status != VOR_OK || *found)
         return status;
     if (fd == NULL)
-        return remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), -1, NULL,
-                                          size, found, err);
+        return remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), NULL, size,
+                                          found, err);
     status = fetch(remote, id, name, NULL, fd, found, err);
     if (status == VOR_OK && *found && fstat(*fd, &info) != 0) {
         status = vor_fail_errno(err, errno, "a temporary file");
@@ -294,8 +402,12 @@ static vor_status link_to(struct vor_blobs *blobs, const struct vor_uuid *id, co
 static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                        struct vor_error *err)
 {
-    char key[VOR_OBJECT_KEY_MAX + 1];
-    vor_status status = vor_drop(((struct remote *)blobs)->drops, key_of(key, KEEP, id, name), err);
+    char key[VOR_OBJECT_KEY_MAX + 1], before[VOR_OBJECT_KEY_MAX + 1] = "";
+    vor_status status;
+
+    if (vor_pieces_are_for(name))
+        (void)key_of(before, PIECES, id, name);
+    status = vor_drop(((struct remote *)blobs)->drops, key_of(key, KEEP, id, name), before, err);
 
     return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
 }
@@ -303,10 +415,13 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
 static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                             struct vor_error *err)
 {
+    const struct vor_objects_kind *kind = objects_of(blobs)->kind;
     char from[VOR_OBJECT_KEY_MAX + 1], to[VOR_OBJECT_KEY_MAX + 1];
-    vor_status status = objects_of(blobs)->kind->move(
-        objects_of(blobs), key_of(from, KEEP, id, name), key_of(to, LOST, id, name), err);
+    vor_status status = kind->remove(objects_of(blobs), key_of(from, PIECES, id, name), err);
 
+    if (status == VOR_OK)
+        status = kind->move(objects_of(blobs), key_of(from, KEEP, id, name),
+                            key_of(to, LOST, id, name), err);
     return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
 }
 

@@ -8,6 +8,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -241,19 +242,26 @@ static vor_status move(struct vor_objects *objects, const char *from, const char
     return status == VOR_OK ? remove_one(objects, from, err) : status;
 }
 
-static vor_status get(struct vor_objects *objects, const char *key, int fd,
-                      const struct vor_blob_watch *watch, uint64_t *size, int *found,
+static vor_status get(struct vor_objects *objects, const char *key,
+                      const struct vor_object_reader *reader, uint64_t *size, int *found,
                       struct vor_error *err)
 {
     struct vor_s3_call call = {.s3 = of(objects),
-                               .verb = fd >= 0 ? "get" : "head",
-                               .method = fd >= 0 ? "GET" : "HEAD",
-                               .fd = fd,
-                               .watch = watch,
+                               .verb = reader != NULL ? "get" : "head",
+                               .method = reader != NULL ? "GET" : "HEAD",
+                               .fd = -1,
+                               .reader = reader,
                                .header = {UNSIGNED}};
+    char range[64];
     int is_there = 0;
-    vor_status status = ask(&call, key, &is_there, err);
+    vor_status status;
 
+    if (reader != NULL && reader->to != UINT64_MAX) {
+        (void)snprintf(range, sizeof range, "Range: bytes=%" PRIu64 "-%" PRIu64, reader->from,
+                       reader->to - 1);
+        call.header[1] = range;
+    }
+    status = ask(&call, key, &is_there, err);
     *found = is_there;
     *size = status == VOR_OK && is_there ? (uint64_t)call.length : 0;
     return status;

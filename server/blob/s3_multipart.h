@@ -9,12 +9,10 @@
 #define VOR_S3_PART ((uint64_t)64 << 20)
 
 /** Puts the first size bytes of a file as an object, part by part. Each part is sent with its
- *  SHA-256, which S3 compares; all are read once, and the object is made of them only if sha256 is
- *  that of what was read. The parts of one that fails are removed.
+ *  SHA-256, which S3 compares. The parts of one that fails are removed.
  *
  *  @param[in] url  of the object
  *
- *  @retval VOR_E_DAMAGED the bytes are not those
  *  @retval VOR_E_IO, VOR_E_NOMEM  as the functions of s3_client.h */
 VOR_NODISCARD vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url,
                                           const struct vor_object_bytes *bytes,

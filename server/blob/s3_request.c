@@ -72,25 +72,14 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     long http = 0;
 
     (void)call->s3->curl->easy_getinfo(call->handle, CURLINFO_RESPONSE_CODE, &http);
-    if (http != 200 || call->fd < 0 || call->is_put) {
+    if ((http != 200 && http != 206) || call->reader == NULL) {
         vor_text_add(&call->text, bytes, size);
         return call->text.failed ? CURL_WRITEFUNC_ERROR : size;
     }
-    for (size_t done = 0; done < size;) {
-        ssize_t wrote = write(call->fd, bytes + done, size - done);
-
-        if (wrote < 0 && errno == EINTR)
-            continue;
-        if (wrote < 0) {
-            call->number = errno;
-            return CURL_WRITEFUNC_ERROR;
-        }
-        done += (size_t)wrote;
-    }
+    call->is_stopped = !call->reader->take(
+        call->reader->ctx, call->at + (http == 206 ? call->reader->from : 0), bytes, size);
     call->at += size;
-    if (call->watch != NULL)
-        call->watch->came(call->watch->ctx, call->fd, call->at);
-    return size;
+    return call->is_stopped ? CURL_WRITEFUNC_ERROR : size;
 }
 
 static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
@@ -192,13 +181,13 @@ static CURLcode perform_once(struct vor_s3_call *call)
  * length, and a document ends; one that was begun with 200 may turn out to be an error. */
 static int is_cut(const struct vor_s3_call *call)
 {
-    if (call->http != 200)
+    if (call->http != 200 && call->http != 206)
         return 0;
     if (call->ends != NULL)
         return call->text.data == NULL || strstr(call->text.data, call->ends) == NULL;
     if (call->is_put)
         return 0;
-    if (call->fd >= 0)
+    if (call->reader != NULL)
         return call->length < 0 || call->at != (uint64_t)call->length;
     return strcmp(call->method, "HEAD") == 0 && call->length < 0;
 }
@@ -248,8 +237,6 @@ static vor_status fail(const struct vor_s3_call *call, CURLcode code, struct vor
 
     if (code == CURLE_OUT_OF_MEMORY)
         return vor_fail(err, VOR_E_NOMEM, "a request to S3");
-    if (call->number != 0)
-        return vor_fail_errno(err, call->number, "a temporary file");
     if (code != CURLE_OK) {
         (void)vor_fail(err, VOR_E_IO, "S3 at %.200s: %.200s", s3->bucket,
                        call->why[0] != '\0' ? call->why : s3->curl->easy_strerror(code));
@@ -279,12 +266,6 @@ static CURLcode try_all(struct vor_s3_call *call)
     double began = vor_clock_seconds();
 
     for (int i = 0;; i++) {
-        /* What an attempt has written is not part of the next one. */
-        if (i > 0 && call->fd >= 0 && !call->is_put &&
-            (ftruncate(call->fd, 0) != 0 || lseek(call->fd, 0, SEEK_SET) != 0))
-            call->number = errno;
-        if (call->number != 0)
-            break;
         call->began = vor_clock_seconds();
         code = perform_once(call);
         vor_metric_observe(VOR_METRIC_BLOB_SECONDS, vor_clock_seconds() - call->began,
@@ -310,10 +291,10 @@ vor_status vor_s3_perform(struct vor_s3_call *call, struct vor_error *err)
     give_handle(s3, call->handle);
     if (call->text.data != NULL && call->http == 404)
         vor_s3_element(call->text.data, "Code", reason, sizeof reason);
-    if (code != CURLE_OK || call->number != 0 || is_cut(call) ||
-        (call->http / 100 != 2 && call->http != 404) || strcmp(reason, "NoSuchBucket") == 0)
+    if (code != CURLE_OK || is_cut(call) || (call->http / 100 != 2 && call->http != 404) ||
+        strcmp(reason, "NoSuchBucket") == 0)
         (void)fail(call, code, &failure);
-    if (failure.status != VOR_E_NOMEM && call->number == 0 && code != CURLE_ABORTED_BY_CALLBACK)
+    if (failure.status != VOR_E_NOMEM && !call->is_stopped && code != CURLE_ABORTED_BY_CALLBACK)
         vor_objects_note(&s3->base, &failure, call->is_probe);
     if (failure.status != VOR_OK && err != NULL)
         *err = failure;

@@ -37,16 +37,16 @@ struct vor_s3_call {
     const char *ends; /**< an answer with 200 has this, or it is none; NULL: any is */
     const char *url;
     const char *header[3];   /**< NULL: none */
-    int fd;                  /**< of the bytes that are sent or received; -1 for none */
+    int fd;                  /**< of the bytes that are sent; -1 for none */
     uint64_t from, size, at; /**< of those that are sent: where they stand, where the next one */
     int is_put;              /**< else bytes are received */
     int is_once;             /**< and soon over */
     int is_probe;            /**< says whether S3 answers at all */
     struct vor_text text;    /**< an answer that is no object */
-    const struct vor_blob_watch *watch; /**< of what is received; may be NULL */
+    const struct vor_object_reader *reader; /**< of what is received; NULL: that is a text */
     const struct vor_blob_patience *patience;
-    double began; /**< when it was sent */
-    int number;   /**< errno of a write that failed */
+    double began;   /**< when it was sent */
+    int is_stopped; /**< the reader wants no more */
     long http;
     curl_off_t length; /**< of the answer, as it was declared */
     char etag[80];     /**< of the answer, with its quotes; cut where it is longer */

@@ -1,10 +1,7 @@
 /* Are bytes still what was written? Seals, and digests of files. */
 #include "server/blob/blob.h"
 
-#include <errno.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* What stands behind sealed bytes. */
 struct seal {
@@ -57,38 +54,6 @@ vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
     return VOR_OK;
 }
 
-/* Reads `size` bytes of a file through a block into a digest. */
-static int digest_blocks(struct vor_digest *digest, int fd, uint64_t size, char *block,
-                         size_t block_size)
-{
-    for (uint64_t at = 0; at < size;) {
-        size_t want = size - at < block_size ? (size_t)(size - at) : block_size;
-        ssize_t got = pread(fd, block, want, (off_t)at);
-
-        if (got == 0 || (got < 0 && errno != EINTR))
-            return 0;
-        if (got < 0)
-            continue;
-        vor_digest_update(digest, block, (size_t)got);
-        at += (uint64_t)got;
-    }
-    return 1;
-}
-
-int vor_blob_digest(int fd, uint64_t size, char out[VOR_DIGEST_SIZE])
-{
-    enum { BLOCK = 1 << 18 }; /* bytes */
-    struct vor_digest *digest = vor_digest_create();
-    char *block = malloc(BLOCK);
-    int done = digest != NULL && block != NULL && digest_blocks(digest, fd, size, block, BLOCK);
-
-    if (done)
-        vor_digest_hex(digest, out);
-    vor_digest_destroy(digest);
-    free(block);
-    return done;
-}
-
 vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256, const char *name,
                             struct vor_error *err)
 {
@@ -96,7 +61,7 @@ vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256, const cha
 
     if (!vor_digest_is_one(sha256))
         return VOR_OK;
-    if (!vor_blob_digest(fd, size, found) || strcmp(found, sha256) != 0)
+    if (!vor_digest_file(fd, 0, size, found) || strcmp(found, sha256) != 0)
         return damaged(name, err);
     return VOR_OK;
 }

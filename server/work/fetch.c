@@ -9,18 +9,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum {
-    THREADS = 4,
-    WAITING_MAX = 256,
-    WAKE_BYTES = 1 << 18 /* who reads a flow is woken so often */
-};
+enum { THREADS = 4, WAITING_MAX = 256 };
 static const double outcome_seconds = 5;
 
 struct vor_flow {
     pthread_mutex_t mutex;
     unsigned holds;
     int fd;                   /* -1 before the first bytes */
-    uint64_t have, told;      /* bytes; those of which the readers were told */
+    uint64_t from, have;      /* of the blob: bytes between them are in fd */
     enum vor_fetched outcome; /* VOR_FETCH_WAIT while they come, VOR_FETCH_NEAR of all */
     struct vor_waiting *waiting;
 };
@@ -31,6 +27,7 @@ struct fetch {
     struct vor_fetcher *fetcher;
     struct vor_uuid id;
     char name[VOR_BLOB_NAME_MAX + 1];
+    struct vor_blob_part part;
     struct vor_task task;
     struct vor_waiting *waiting; /* for the end */
     struct vor_flow *flow;
@@ -68,17 +65,14 @@ void vor_flow_drop(struct vor_flow *flow)
 static void on_came(void *ctx, int fd, uint64_t have)
 {
     struct vor_flow *flow = ctx;
-    struct vor_waiting *woken = NULL;
+    struct vor_waiting *woken;
 
     pthread_mutex_lock(&flow->mutex);
     if (flow->fd < 0)
         flow->fd = fcntl(fd, F_DUPFD_CLOEXEC, 0);
     if (flow->fd >= 0)
         flow->have = have;
-    if (have < flow->told || flow->told == 0 || have - flow->told >= WAKE_BYTES) {
-        flow->told = have;
-        woken = vor_waiting_take(&flow->waiting);
-    }
+    woken = vor_waiting_take(&flow->waiting);
     pthread_mutex_unlock(&flow->mutex);
     vor_waiting_wake(woken);
 }
@@ -87,14 +81,15 @@ long vor_flow_read(struct vor_flow *flow, uint64_t at, void *out, size_t size,
                    const struct vor_asker *asker, int *whole)
 {
     uint64_t left;
-    long got = -1;
+    long got;
 
     pthread_mutex_lock(&flow->mutex);
     left = flow->have > at ? flow->have - at : 0;
     *whole = flow->outcome == VOR_FETCH_NEAR;
-    if (flow->outcome == VOR_FETCH_WAIT || *whole)
-        got =
-            flow->fd >= 0 ? pread(flow->fd, out, size < left ? size : (size_t)left, (off_t)at) : 0;
+    if (left > 0)
+        got = pread(flow->fd, out, size < left ? size : (size_t)left, (off_t)(at - flow->from));
+    else
+        got = flow->outcome == VOR_FETCH_FAILED ? -1 : 0;
     if (got == 0 && !*whole && !vor_waiting_add(&flow->waiting, asker))
         got = -1;
     pthread_mutex_unlock(&flow->mutex);
@@ -140,46 +135,70 @@ void vor_fetcher_destroy(struct vor_fetcher *fetcher)
     free(fetcher);
 }
 
+/* Takes one off the list; the mutex is held. */
+static void end_fetch(struct fetch *fetch)
+{
+    struct fetch **at = &fetch->fetcher->list;
+
+    while (*at != fetch)
+        at = &(*at)->next;
+    *at = fetch->next;
+    free_fetch(fetch);
+}
+
 static void run(void *ctx)
 {
     struct fetch *fetch = ctx;
     struct vor_fetcher *fetcher = fetch->fetcher;
-    const struct vor_blob_watch watch = {on_came, fetch->flow};
+    const struct vor_blob_watch watch = {on_came, fetch->flow, fetch->part};
     struct vor_waiting *waiting;
     struct vor_error error;
-    int found = 0, is_near;
+    int found = 0, has_come, is_near;
     vor_status status =
         vor_crew_closing(fetcher->crew)
             ? vor_fail(&error, VOR_E_IO, "the daemon is stopping")
             : vor_blob_bring(fetcher->blobs, &fetch->id, fetch->name, &watch, &found, &error);
 
-    is_near = status == VOR_OK && found;
+    has_come = status == VOR_OK && found;
     pthread_mutex_lock(&fetch->flow->mutex);
-    fetch->flow->outcome = is_near ? VOR_FETCH_NEAR : VOR_FETCH_FAILED;
+    is_near = has_come && (fetch->part.to == UINT64_MAX || fetch->flow->fd < 0);
+    fetch->flow->outcome = has_come ? VOR_FETCH_NEAR : VOR_FETCH_FAILED;
     waiting = vor_waiting_take(&fetch->flow->waiting);
     pthread_mutex_unlock(&fetch->flow->mutex);
     vor_waiting_wake(waiting);
     pthread_mutex_lock(&fetcher->mutex);
-    fetch->outcome = status != VOR_OK ? VOR_FETCH_FAILED : VOR_FETCH_NONE;
+    fetch->outcome = status != VOR_OK ? VOR_FETCH_FAILED
+                     : has_come       ? VOR_FETCH_FLOWS
+                                      : VOR_FETCH_NONE;
     if (status != VOR_OK)
         fetch->error = error;
     fetch->since = vor_clock_seconds();
     waiting = vor_waiting_take(&fetch->waiting);
-    if (is_near) {
-        struct fetch **at = &fetcher->list;
-
-        while (*at != fetch)
-            at = &(*at)->next;
-        *at = fetch->next;
-    }
-    pthread_mutex_unlock(&fetcher->mutex);
     if (is_near)
-        free_fetch(fetch);
+        end_fetch(fetch);
+    pthread_mutex_unlock(&fetcher->mutex);
     vor_waiting_wake(waiting);
 }
 
-/* The fetch of a blob, NULL for none; removes those whose outcome is old. The mutex is held. */
-static struct fetch *find(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name)
+/* Those bytes, up to the borders of pieces. */
+static struct vor_blob_part whole_pieces(const struct vor_blob_part *part)
+{
+    struct vor_blob_part out = {.to = UINT64_MAX};
+
+    if (part == NULL)
+        return out;
+    out = *part;
+    out.from -= out.from % VOR_BLOB_PIECE;
+    out.to += (VOR_BLOB_PIECE - out.to % VOR_BLOB_PIECE) % VOR_BLOB_PIECE;
+    if (out.from == 0 && out.to >= out.size)
+        out.to = UINT64_MAX;
+    return out;
+}
+
+/* The fetch of bytes of a blob, NULL for none; removes those whose outcome is old. The mutex is
+ * held. */
+static struct fetch *find(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
+                          const struct vor_blob_part *part)
 {
     double now = vor_clock_seconds();
     struct fetch *found = NULL;
@@ -192,7 +211,8 @@ static struct fetch *find(struct vor_fetcher *fetcher, const struct vor_uuid *id
             free_fetch(fetch);
             continue;
         }
-        if (strcmp(fetch->id.text, id->text) == 0 && strcmp(fetch->name, name) == 0)
+        if (strcmp(fetch->id.text, id->text) == 0 && strcmp(fetch->name, name) == 0 &&
+            fetch->part.from == part->from && fetch->part.to == part->to)
             found = fetch;
         at = &fetch->next;
     }
@@ -201,7 +221,8 @@ static struct fetch *find(struct vor_fetcher *fetcher, const struct vor_uuid *id
 
 /* Begins a fetch; the mutex is held. NULL when it cannot be begun, as err says. */
 static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
-                           const struct vor_asker *asker, struct vor_error *err)
+                           const struct vor_blob_part *part, const struct vor_asker *asker,
+                           struct vor_error *err)
 {
     struct fetch *fetch = calloc(1, sizeof *fetch);
 
@@ -213,8 +234,10 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     pthread_mutex_init(&fetch->flow->mutex, NULL);
     fetch->flow->holds = 1;
     fetch->flow->fd = -1;
+    fetch->flow->from = part->from;
     fetch->flow->outcome = VOR_FETCH_WAIT;
     fetch->fetcher = fetcher;
+    fetch->part = *part;
     fetch->id = *id;
     memcpy(fetch->name, name, strlen(name) + 1);
     fetch->outcome = VOR_FETCH_WAIT;
@@ -236,7 +259,7 @@ static enum vor_fetched take_flow(struct vor_flow **out, struct vor_flow *flow,
     enum vor_fetched outcome = VOR_FETCH_FLOWS;
 
     pthread_mutex_lock(&flow->mutex);
-    if (flow->have > 0 || flow->outcome != VOR_FETCH_WAIT) {
+    if (flow->fd >= 0 || flow->outcome != VOR_FETCH_WAIT) {
         flow->holds++;
         *out = flow;
     } else {
@@ -247,27 +270,30 @@ static enum vor_fetched take_flow(struct vor_flow **out, struct vor_flow *flow,
 }
 
 enum vor_fetched vor_fetch(struct vor_fetcher *fetcher, const struct vor_uuid *id, const char *name,
-                           const struct vor_asker *asker, struct vor_flow **flow,
-                           struct vor_error *err)
+                           const struct vor_blob_part *part, const struct vor_asker *asker,
+                           struct vor_flow **flow, struct vor_error *err)
 {
+    const struct vor_blob_part pieces = whole_pieces(part);
     enum vor_fetched outcome = VOR_FETCH_FAILED;
     struct fetch *fetch;
 
     if (vor_blob_is_near(fetcher->blobs, id, name))
         return VOR_FETCH_NEAR;
     pthread_mutex_lock(&fetcher->mutex);
-    fetch = find(fetcher, id, name);
+    fetch = find(fetcher, id, name, &pieces);
     if (fetch == NULL)
-        fetch = begin(fetcher, id, name, asker, err);
-    if (fetch != NULL && fetch->outcome != VOR_FETCH_WAIT) {
+        fetch = begin(fetcher, id, name, &pieces, asker, err);
+    if (fetch != NULL && fetch->outcome != VOR_FETCH_WAIT && fetch->outcome != VOR_FETCH_FLOWS) {
         outcome = fetch->outcome;
         *err = fetch->error;
     } else if (fetch != NULL) {
         (void)vor_fail(err, VOR_E_NOMEM, "fetching a stored file");
-        if (flow != NULL)
+        if (part != NULL)
             outcome = take_flow(flow, fetch->flow, asker);
         else if (vor_waiting_add(&fetch->waiting, asker))
             outcome = VOR_FETCH_WAIT;
+        if (fetch->outcome == VOR_FETCH_FLOWS) /* its file goes with the flow */
+            end_fetch(fetch);
     }
     pthread_mutex_unlock(&fetcher->mutex);
     return outcome;

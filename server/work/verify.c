@@ -94,9 +94,10 @@ static void run_pass(void *ctx)
     struct vor_waiting *waiting;
 
     if (!vor_crew_closing(verify->crew))
-        verdict = vor_blob_digest(pass->fd, known->size, found) && strcmp(found, known->sha256) == 0
-                      ? VOR_VERDICT_SOUND
-                      : VOR_VERDICT_DAMAGED;
+        verdict =
+            vor_digest_file(pass->fd, 0, known->size, found) && strcmp(found, known->sha256) == 0
+                ? VOR_VERDICT_SOUND
+                : VOR_VERDICT_DAMAGED;
     close(pass->fd);
     if (verdict == VOR_VERDICT_DAMAGED)
         vor_log(VOR_LOG_ERROR, "stored bytes are damaged", VOR_TEXT("sha256", known->sha256),

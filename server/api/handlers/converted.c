@@ -16,7 +16,7 @@ enum vor_next vor_converted_get(struct vor_request *request, const struct vor_jo
 {
     const char *name = view->spec.process->outputs[index].name;
     char blob[VOR_BLOB_NAME_MAX + 1];
-    struct vor_here here = {.may_flow = false};
+    struct vor_here here = {.exists = false};
     enum vor_job_outcome outcome;
     struct vor_asker asker;
     enum vor_next next;

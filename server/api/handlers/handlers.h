@@ -3,6 +3,7 @@
 #define VOR_SERVER_API_HANDLERS_H
 
 #include "server/api/route_table.h"
+#include "server/blob/driver.h"
 #include "server/work/asker.h"
 #include "server/work/conversion.h"
 
@@ -67,17 +68,12 @@ struct vor_asker vor_asker_of(struct vor_request *request);
  *  again. */
 struct vor_flow;
 struct vor_here {
-    bool may_flow; /**< set by the caller: it may still be on its way */
+    struct vor_blob_part part; /**< set by the caller: bytes that may be on their way; to 0: none */
     bool exists;
-    struct vor_flow *flow; /**< then; the caller ends it with vor_flow_drop or vor_reply_flow */
+    struct vor_flow *flow; /**< then; the caller ends it with vor_flow_drop */
 };
 bool vor_blob_is_here(struct vor_request *request, const struct vor_uuid *id, const char *name,
                       struct vor_here *here, enum vor_next *next);
-
-/** Replies 200 with `size` bytes as they come. The last of them are sent once all have the SHA-256
- *  that they must have; else the reply is cut. */
-enum vor_next vor_reply_flow(struct vor_request *request, struct vor_flow *flow,
-                             const char *media_type, uint64_t size, const char *sha256);
 
 /** Replies 200 with the whole main output of a successful job (a synchronous call).
  *

@@ -17,8 +17,6 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { FLOWS = 1 << 20 }; /* bytes of a file from which on it is sent while it comes */
-
 /* One output, ready to be sent whole or in part: bytes in memory, or a file. */
 struct output {
     const char *media_type;
@@ -165,6 +163,51 @@ static void add_headers(struct vor_request *request, const struct output *out)
         vor_reply_header(request, "Voronoid-Origin", out->origin);
 }
 
+/* A reply under way with bytes that may still come: the state of its request. */
+struct flowing {
+    struct vor_flow *flow;
+    uint64_t at, end;
+};
+
+static void release_flow(void *ctx)
+{
+    struct flowing *flowing = ctx;
+
+    vor_flow_drop(flowing->flow);
+    free(flowing);
+}
+
+static long read_flow(struct vor_request *request, char *out, size_t size)
+{
+    struct flowing *flowing = request->state;
+    struct vor_asker asker = vor_asker_of(request);
+    uint64_t left = flowing->end - flowing->at;
+    int whole = 0;
+    long got = vor_flow_read(flowing->flow, flowing->at, out, size < left ? size : (size_t)left,
+                             &asker, &whole);
+
+    if (got != 0 || whole)
+        vor_waker_drop(asker.ctx);
+    if (got > 0)
+        flowing->at += (uint64_t)got;
+    return got == 0 && whole ? -1 : got;
+}
+
+static void send_flow(struct vor_request *request, int http, struct output *out, uint64_t offset,
+                      uint64_t length)
+{
+    struct flowing *flowing = calloc(1, sizeof *flowing);
+
+    if (flowing == NULL) {
+        (void)vor_problem_no_memory(request);
+        return;
+    }
+    *flowing = (struct flowing){out->flow, offset, offset + length};
+    out->flow = NULL;
+    vor_request_set_state(request, flowing, release_flow);
+    vor_reply_stream(request, http, out->media_type, length, read_flow);
+}
+
 static void send_part(struct vor_request *request, int http, struct output *out, uint64_t offset,
                       uint64_t length)
 {
@@ -173,25 +216,34 @@ static void send_part(struct vor_request *request, int http, struct output *out,
         return;
     }
     if (out->flow != NULL) {
-        (void)vor_reply_flow(request, out->flow, out->media_type, out->size, out->etag + 1);
-        out->flow = NULL;
+        send_flow(request, http, out, offset, length);
         return;
     }
     vor_reply_file(request, http, out->media_type, out->fd, offset, length);
     out->fd = -1;
 }
 
-static enum vor_next reply_output(struct vor_request *request, struct output *out)
+/* The bytes of a file that are asked for. */
+static enum vor_range range_of(struct vor_request *request, const char *etag, uint64_t size,
+                               uint64_t *offset, uint64_t *length)
 {
     const char *range = vor_request_header(request, "Range");
     const char *if_range = vor_request_header(request, "If-Range");
-    uint64_t offset = 0, length = out->size;
+
+    *offset = 0;
+    *length = size;
+    if (request->method != VOR_GET || vor_request_condition(request, etag) != 200 ||
+        (if_range != NULL && strcmp(if_range, etag) != 0))
+        range = NULL;
+    return vor_range_parse(range, size, offset, length);
+}
+
+static enum vor_next reply_output(struct vor_request *request, struct output *out)
+{
+    uint64_t offset, length;
     char span[96];
 
-    if (request->method != VOR_GET || vor_request_condition(request, out->etag) != 200 ||
-        (if_range != NULL && strcmp(if_range, out->etag) != 0))
-        range = NULL;
-    switch (vor_range_parse(range, out->size, &offset, &length)) {
+    switch (range_of(request, out->etag, out->size, &offset, &length)) {
     case VOR_RANGE_OUTSIDE:
         (void)snprintf(span, sizeof span, "bytes */%" PRIu64, out->size);
         vor_reply_header(request, "Content-Range", span);
@@ -222,16 +274,20 @@ static void output_close(struct output *out)
     vor_flow_drop(out->flow);
 }
 
-/* A file may flow where all of its bytes are to be sent, and are so many that waiting for the last
- * ones is felt. */
-static bool may_flow(struct vor_request *request, const char *sha256, uint64_t size)
+/* The bytes of a file of more than a piece are sent while they come, if any are to be sent. */
+static struct vor_blob_part part_of(struct vor_request *request, const char *sha256, uint64_t size)
 {
+    struct vor_blob_part part = {.size = size};
     char etag[VOR_ETAG_SIZE];
+    uint64_t length;
 
+    memcpy(part.sha256, sha256, sizeof part.sha256);
     (void)snprintf(etag, sizeof etag, "\"%s\"", sha256);
-    return size >= FLOWS && request->method == VOR_GET &&
-           vor_request_header(request, "Range") == NULL &&
-           vor_request_condition(request, etag) == 200;
+    if (size > VOR_BLOB_PIECE && request->method == VOR_GET &&
+        vor_request_condition(request, etag) == 200 &&
+        range_of(request, etag, size, &part.from, &length) != VOR_RANGE_OUTSIDE)
+        part.to = part.from + length;
+    return part;
 }
 
 /* True when the bytes of a file are those that were written, or none are to be sent. Else *next is
@@ -399,8 +455,8 @@ enum vor_next vor_handle_result(struct vor_request *request, enum vor_step step)
     if (!vor_output_in_row(output) && may_be_sent_there(request, &ask) &&
         reply_link(request, &view, (unsigned)(output - outputs)))
         return VOR_NEXT_REPLY;
-    here.may_flow = may_flow(request, view.output[output - outputs].sha256,
-                             view.output[output - outputs].bytes);
+    here.part =
+        part_of(request, view.output[output - outputs].sha256, view.output[output - outputs].bytes);
     (void)vor_blob_of_output(output->name, view.attempt, blob);
     if (!vor_output_in_row(output) && !vor_blob_is_here(request, &view.id, blob, &here, &next))
         return next;
@@ -464,7 +520,7 @@ enum vor_next vor_handle_input(struct vor_request *request, enum vor_step step)
     if (view.expired)
         return vor_result_missing(request, &view);
     (void)vor_blob_of_upload(view.spec.process->inputs[0].name, blob);
-    here.may_flow = may_flow(request, view.input[0].sha256, view.input[0].bytes);
+    here.part = part_of(request, view.input[0].sha256, view.input[0].bytes);
     if (!vor_blob_is_here(request, &view.id, blob, &here, &next))
         return next;
     if (!here.exists)

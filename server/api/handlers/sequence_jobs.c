@@ -81,7 +81,8 @@ bool vor_sequence_fetch(struct vor_sequence *sequence, const struct vor_uuid *id
     char blob[VOR_BLOB_NAME_MAX + 1];
 
     (void)vor_blob_of_output(sequence->head.spec.process->outputs[0].name, attempt, blob);
-    *fetched = vor_fetch(vor_verify_fetcher(sequence->app->verify), id, blob, &asker, NULL, err);
+    *fetched =
+        vor_fetch(vor_verify_fetcher(sequence->app->verify), id, blob, NULL, &asker, NULL, err);
     if (*fetched == VOR_FETCH_WAIT)
         return false;
     vor_waker_drop(asker.ctx);

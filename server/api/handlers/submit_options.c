@@ -134,7 +134,7 @@ bool vor_submit_options_open(struct vor_request *request, const struct vor_submi
     struct other others[] = {
         {.option = "input", .id = &options->input, .upload = {.name = process->inputs[0].name}},
         {.option = "previous", .id = &options->previous, .upload = {.name = "previous"}}};
-    struct vor_here here = {.may_flow = false};
+    struct vor_here here = {.exists = false};
     struct vor_error err;
     int found;
 
