@@ -6,7 +6,6 @@
 #include "proto/draco/draco.h"
 
 #include <assert.h>
-#include <string.h>
 
 static int swallow(void *ctx, const void *bytes, size_t size)
 {

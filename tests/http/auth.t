@@ -9,7 +9,6 @@ use FindBin;
 use IO::Compress::Gzip ();
 use lib "$FindBin::Bin/../support";
 use Test::More;
-use Time::HiRes qw(time);
 use Vt;
 
 my $dir = tempdir(CLEANUP => 1);

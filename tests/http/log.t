@@ -3,7 +3,6 @@
 use strict;
 use warnings;
 use File::Temp qw(tempdir);
-use Fcntl ();
 use FindBin;
 use lib "$FindBin::Bin/../support";
 use POSIX ();

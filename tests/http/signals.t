@@ -4,7 +4,6 @@ use strict;
 use warnings;
 use FindBin;
 use lib "$FindBin::Bin/../support";
-use IO::Select;
 use Test::More;
 use Time::HiRes qw(time);
 use Vt;

@@ -2,13 +2,11 @@
  * normals, and on spheres with fitted ones. */
 #include "core/base/linalg.h"
 #include "core/geom/surface.h"
-#include "core/knn/knn.h"
 #include "core/metrics/distortion.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_knn.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SEEDS = 24, MOST = 500 };

@@ -6,7 +6,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SHAPES = 6, THREADS = 4, MANY = 120000 };
 

@@ -6,7 +6,6 @@
 #include "tests/support/vt_mesh.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { IN = 12000, OUT = 1500, PLACES = 1500 };
 

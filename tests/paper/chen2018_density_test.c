@@ -8,7 +8,6 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { IN = 24000, OUT = 2400, BINS = 20 };
 

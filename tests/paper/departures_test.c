@@ -5,8 +5,6 @@
 #include "tests/support/vt_shape.h"
 #include "tests/support/vt_trace.h"
 
-#include <math.h>
-
 enum { SEEDS = 2, FROM = 12000, TO = 3000, PLAIN = 50, SOON = 25, CONVERGED = 100, DENSE = 60000 };
 
 /* A window of NULL is momentum; `trace` may be NULL. */

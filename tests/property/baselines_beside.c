@@ -66,7 +66,6 @@ VT_TEST_FIGURES(each_is_as_even_as_its_method_is_known_to_be, 2)
     vt_free_last(&out, &in);
 }
 
-/* The one that is a method is what the method makes. */
 VT_TEST_FIGURES(kmeans_is_the_method_of_that_name, 0)
 {
     struct vor_report beside, own;

@@ -3,7 +3,6 @@
  * another request is not used. */
 #include "tests/support/vt_methods.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { MOST = 64, SIZE = 1 << 18 };

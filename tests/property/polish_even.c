@@ -5,7 +5,6 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SEEDS = 3, DENSE = 25000 };
 

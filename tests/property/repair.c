@@ -1,7 +1,6 @@
 /* repair=auto: faults that are made by hand in a lattice are mended, and of a mesh the triangles
  * become better, the same for any number of threads. */
 #include "core/mesh/repair.h"
-#include "core/base/linalg.h"
 #include "tests/support/vt_engine.h"
 #include "tests/support/vt_shape.h"
 

@@ -357,7 +357,6 @@ static void step(struct model *model, const char *dir)
         do_crash(model, dir);
 }
 
-/* On the driver of VT_STORE. */
 VT_TEST_LOOP(the_store_agrees_with_its_model, SEEDS)
 {
     const char *dir = vt_dir_make();

@@ -5,7 +5,6 @@
 use strict;
 use warnings;
 use Cwd qw(getcwd);
-use File::Path qw(make_path);
 use File::Temp qw(tempdir);
 use FindBin;
 use lib "$FindBin::Bin/../support";

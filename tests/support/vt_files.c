@@ -1,7 +1,5 @@
 #include "tests/support/vt_files.h"
 
-#include "core/spec.h"
-
 #include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -4,7 +4,6 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Adds a column of float32 of which value gives the scalars. */

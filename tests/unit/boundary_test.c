@@ -1,6 +1,5 @@
 /* Where the cloud ends: a lattice, one apart, whose right half (x > 0) is missing, and one with a
  * hole. The points nearest to a place come in the order the engine would find them. */
-#include "core/base/linalg.h"
 #include "core/geom/boundary.h"
 #include "tests/support/vt.h"
 
@@ -84,7 +83,6 @@ VT_TEST(beyond_the_edge_of_a_half_plane_places_are_outside)
         }
 }
 
-/* In the middle of a hole the neighbours are all around: the whole of the spacings is allowed. */
 VT_TEST(the_middle_of_a_hole_is_outside_only_beyond_all_the_spacings)
 {
     /* the nearest points of the holes are 2, 3 and 4 away */

@@ -78,7 +78,6 @@ static void assert_refused(const uint8_t *bytes, size_t size, vor_status want, c
     free(copy);
 }
 
-/* Refusal. */
 VT_TEST(a_dump_of_another_length_is_refused)
 {
     struct vor_cloud cloud;

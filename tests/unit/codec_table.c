@@ -3,7 +3,6 @@
 #include "proto/codec.h"
 #include "tests/support/vt.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define ASCII_POINT                                                                                \

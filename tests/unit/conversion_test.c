@@ -7,7 +7,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <time.h>
 #include <unistd.h>
 
 /* A daemon with a finished job or two, and a crew of two threads that tasks hold. */

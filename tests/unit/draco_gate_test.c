@@ -5,8 +5,6 @@
 #include "tests/support/vt_files.h"
 #include "tests/unit/draco_files.h"
 
-#include <stdio.h>
-
 static struct vt_file *files;
 static int file_count;
 
@@ -122,7 +120,6 @@ static vor_status write_once(void *ctx)
     return status;
 }
 
-/* Property: any allocation of the writer's fails. */
 VT_TEST_LOOP(any_allocation_of_the_writer_may_fail, 2)
 {
     struct vor_cloud cloud;

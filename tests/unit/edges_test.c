@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { SEEDS = 4, N = 6000, WHOLE = 30000, LARGER = 7000 };
 

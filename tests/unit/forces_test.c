@@ -1,5 +1,4 @@
 /* Forces of four points at once against the same sums point by point, bit by bit. */
-#include "core/base/linalg.h"
 #include "core/seeds/forces.h"
 #include "tests/support/vt.h"
 

@@ -5,7 +5,6 @@
 #include "tests/support/vt_data.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { CLUSTERS = 4, STRAYS = 43, SCAN = 4000, SEEDS = 3 };
 

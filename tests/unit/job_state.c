@@ -1,5 +1,4 @@
 /* A live job: progress only grows, states only move forward, the last word is the last. */
-#include "server/base/clock.h"
 #include "server/base/machine.h"
 #include "server/jobs/job.h"
 #include "server/jobs/pace.h"
@@ -7,7 +6,6 @@
 #include "tests/support/vt_dir.h"
 
 #include <pthread.h>
-#include <stdio.h>
 #include <string.h>
 
 /* A record of the iterations and one of the polish, of a run that allows so many of each. */

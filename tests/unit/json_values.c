@@ -3,7 +3,6 @@
 #include "tests/support/vt.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct vor_text text;

@@ -3,7 +3,6 @@
 #include "tests/support/vt.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static struct vor_text text;
@@ -98,7 +97,6 @@ VT_TEST(what_is_no_number_is_null)
     expect("null,null,null");
 }
 
-/* Property: every double comes back bit for bit through our own reader. */
 VT_TEST_LOOP(every_double_comes_back_bit_for_bit, 20)
 {
     for (uint64_t i = 0; i < 500; i++) {
@@ -123,7 +121,6 @@ VT_TEST_LOOP(every_double_comes_back_bit_for_bit, 20)
     }
 }
 
-/* Property: any bytes make a valid string, and valid UTF-8 without NUL comes back as it was. */
 VT_TEST_LOOP(any_bytes_make_a_valid_string, 20)
 {
     for (uint64_t i = 0; i < 300; i++) {

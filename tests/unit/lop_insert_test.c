@@ -152,7 +152,6 @@ static void clustered(uint64_t seed, size_t i, float xyz[3], float normal[3])
         normal[c] = (float)(n[c] / sqrt(length));
 }
 
-/* Oracle: the tree finds what looking at every point finds. */
 VT_TEST_LOOP(the_tree_finds_what_looking_at_every_point_finds, VT_SOAK_LOOPS(2, 20))
 {
     enum { MANY = 3000 };

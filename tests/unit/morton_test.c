@@ -2,8 +2,6 @@
 #include "core/base/morton.h"
 #include "tests/support/vt_engine.h"
 
-#include <string.h>
-
 enum { SEEDS = 20, N = 1000 };
 
 static void order_of(uint32_t *order, const struct vor_cloud *cloud)
@@ -15,7 +13,6 @@ static void order_of(uint32_t *order, const struct vor_cloud *cloud)
     vt_engine_close(&engine);
 }
 
-/* Vector: the corners of a cube, x running fastest. */
 VT_TEST(the_corners_of_a_cube_come_with_x_fastest)
 {
     struct vor_cloud cloud;

@@ -270,7 +270,6 @@ static void add_part(int seed, char *body, char *want)
     strcat(want, "|");
 }
 
-/* Property: parts of random bytes come back, in pieces of random sizes. */
 VT_TEST_LOOP(random_parts_come_back_in_random_pieces, 200)
 {
     static char body[8192], want[8192];

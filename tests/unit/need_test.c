@@ -1,6 +1,5 @@
 /* The memory that a job is let in with beside what its run takes, and what becomes of jobs that do
  * not fit. */
-#include "server/base/clock.h"
 #include "server/jobs/need.h"
 #include "server/work/worker.h"
 #include "tests/support/vt.h"

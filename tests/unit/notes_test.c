@@ -74,7 +74,6 @@ VT_TEST(coordinates_that_are_still_doubles_close_up_in_their_place)
     vor_cloud_free(&cloud);
 }
 
-/* Refusal. */
 VT_TEST(a_refusal_counts_the_points_and_names_the_way_out)
 {
     struct vor_cloud cloud;

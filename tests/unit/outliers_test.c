@@ -2,11 +2,9 @@
 #include "core/input/outliers.h"
 
 #include "tests/support/vt_engine.h"
-#include "tests/support/vt_knn.h"
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SEEDS = 4, N = 12000, STRAYS = 120, K = 20 };

@@ -27,7 +27,6 @@
 #include <sys/ptrace.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 /* --- children that misbehave ------------------------------------------------------------------ */

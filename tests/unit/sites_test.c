@@ -3,7 +3,6 @@
 #include "tests/support/vt_shape.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SEEDS = 2, N = 8000, TO = 800 };
 

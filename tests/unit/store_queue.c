@@ -127,7 +127,6 @@ VT_TEST_LOOP(positions_come_true_and_nobody_has_three_turns_between_two_of_anoth
     vor_store_close(store);
 }
 
-/* Places far behind are counted by rounds. */
 VT_TEST(a_place_in_a_long_queue_is_counted_right)
 {
     enum { JOBS = 600 };

@@ -8,9 +8,7 @@
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
 
-#include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
