@@ -6,7 +6,6 @@
 #include "proto/ply/ply_notes.h"
 
 #include <stdio.h>
-#include <string.h>
 
 /* An attribute of several properties. */
 struct group {

@@ -5,7 +5,6 @@
 #include "server/base/option.h"
 
 #include <ctype.h>
-#include <math.h>
 #include <string.h>
 #include <strings.h>
 

@@ -4,7 +4,6 @@
 #include "server/base/config.h"
 #include "server/base/metrics.h"
 
-#include <assert.h>
 #include <string.h>
 
 const char *vor_reference_option(char out[VOR_REFERENCE_NAME_SIZE], enum vor_parameter parameter)

@@ -1,8 +1,6 @@
 #include "server/blob/s3_multipart.h"
 
-#include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
 
 enum {
     ID_SIZE = 1024, /* of an upload, with its escapes */

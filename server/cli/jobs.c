@@ -6,7 +6,6 @@
 #include "server/cli/follow.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {

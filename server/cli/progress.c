@@ -5,7 +5,6 @@
 #include "server/cli/cli_log.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
 #include <unistd.h>

@@ -9,7 +9,6 @@
 #include "server/cli/sequence.h"
 #include "server/cli/work.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* One run: whatever is at fault when it fails is named by `subject`. */

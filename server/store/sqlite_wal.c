@@ -1,11 +1,8 @@
 #include "server/store/sqlite_wal.h"
 
-#include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { HEAD_SIZE = 32, FRAME_HEAD_SIZE = 24, PAGE_MAX = 65536, PATH_MAX_BYTES = 4096 };
 

@@ -5,7 +5,6 @@
 #include "server/work/live.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The view of a live job; false when there is none of that id, or its place in the queue is asked

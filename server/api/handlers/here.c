@@ -4,8 +4,6 @@
 #include "server/work/fetch.h"
 #include "server/work/verify.h"
 
-#include <stdlib.h>
-
 static void wake(void *ctx)
 {
     vor_waker_wake(ctx);

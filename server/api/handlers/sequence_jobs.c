@@ -6,7 +6,6 @@
 #include "server/base/rates.h"
 #include "server/work/verify.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static void on_event(void *ctx, enum vor_event_kind kind)

@@ -22,7 +22,6 @@
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct submission {
     struct vor_deferred deferred; /* first; done once the upload is admitted or refused */

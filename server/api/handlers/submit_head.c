@@ -7,7 +7,6 @@
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
