@@ -94,6 +94,11 @@ int vor_error_storage_refused(const struct vor_error *err)
     return err->status == VOR_E_IO && err->got == EKEYREJECTED;
 }
 
+int vor_error_may_be_done(const struct vor_error *err)
+{
+    return err->status == VOR_E_IO && err->got == EINPROGRESS;
+}
+
 int vor_error_storage_absent(const struct vor_error *err)
 {
     return vor_error_storage_away(err) || vor_error_storage_refused(err);

@@ -21,6 +21,10 @@ int vor_error_storage_away(const struct vor_error *err);
 int vor_error_storage_refused(const struct vor_error *err);
 int vor_error_storage_absent(const struct vor_error *err);
 
+/** True when err is the VOR_E_IO of a change whose answer was lost (EINPROGRESS): it may have been
+ *  made, or may yet be. */
+int vor_error_may_be_done(const struct vor_error *err);
+
 /** What follows "SCHEME:" in `where`, as in "sqlite:PATH"; NULL when `where` has another scheme or
  *  nothing follows. Borrowed from `where`. */
 const char *vor_storage_place(const char *where, const char *scheme);

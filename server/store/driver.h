@@ -256,6 +256,10 @@ VOR_NODISCARD vor_status vor_store_show(struct vor_store *store, const struct vo
                                         const struct vor_lease *lease,
                                         const struct vor_event_piece *piece, struct vor_error *err);
 
+/** True once the answer to a change was lost (vor_error_may_be_done): what waits and runs in the
+ *  store need not be what its callers have counted. */
+int vor_store_is_unsure(struct vor_store *store);
+
 /** A job of this principal (NULL: of any).
  *
  *  @param[out] found  0 when there is no such job; *out is then untouched

@@ -315,12 +315,26 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
     return VOR_OK;
 }
 
+/* Where the answer does not come, the server may have done it, or may yet: it does not notice that
+ * nobody waits any more. */
+static vor_status commit(struct vor_postgres *db, struct vor_error *err)
+{
+    vor_status status = run(db, &db->writer, "COMMIT", err);
+
+    if (status == VOR_OK || db->pg->status(db->writer.handle) == VOR_PG_OK)
+        return status;
+    atomic_store(&db->base.is_unsure, 1);
+    if (err != NULL)
+        err->got = EINPROGRESS;
+    return status;
+}
+
 static vor_status end(struct vor_sql *sql_db, vor_status status, struct vor_error *err)
 {
     struct vor_postgres *db = of_sql(sql_db);
 
     if (status == VOR_OK)
-        status = run(db, &db->writer, "COMMIT", err);
+        status = commit(db, err);
     else
         (void)run(db, &db->writer, "ROLLBACK", NULL);
     if (status == VOR_OK && db->is_news && db->hints != NULL)

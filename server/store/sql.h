@@ -23,6 +23,7 @@ struct vor_sql {
     const struct vor_sql_engine *engine;
     pthread_mutex_t reader[VOR_SQL_READERS]; /**< who reads by which */
     atomic_uint next_reader;                 /**< to wait for where none is free */
+    atomic_int is_unsure; /**< the engine's: of some change nobody knows whether it was made */
 };
 
 /** A row that a statement returns: its columns, one after the other. Texts and bytes last until the

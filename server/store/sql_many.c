@@ -5,6 +5,10 @@
 #include "server/store/row_text.h"
 #include "server/store/store.h"
 
+/* Jobs that a statement changes at most, where there may be any number: a server is given 30 s for
+ * one, and others wait meanwhile. */
+enum { PORTION = 500 };
+
 static int take_evicted(void *ctx, struct vor_sql_row *row)
 {
     struct vor_evictions *evictions = ctx;
@@ -50,7 +54,7 @@ static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t lim
     struct vor_sql *db = vor_sql_of(store);
     int64_t total = INT64_MAX;
     vor_status status = VOR_OK;
-    int forgotten;
+    int forgotten = why == VOR_EVICT_EXPIRED ? PORTION : 0;
 
     evictions->count = 0;
     if (evictions_by[why].total != NULL)
@@ -59,13 +63,15 @@ static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t lim
         return status;
     status = vor_sql_change_each(db, take_evicted, evictions, err, evictions_by[why].sql, "ii",
                                  limit, (int64_t)evictions->max);
-    if (status == VOR_OK && why == VOR_EVICT_EXPIRED)
-        status = vor_sql_change(db, &forgotten, err,
-                                "DELETE FROM job WHERE expires > 0 AND expires <= " TIME
-                                " AND expired = 1 AND expires + (expires - finished) <= " TIME,
-                                "i", limit);
     if (status != VOR_OK)
         evictions->count = 0;
+    while (status == VOR_OK && forgotten == PORTION)
+        status = vor_sql_change(db, &forgotten, err,
+                                "DELETE FROM job WHERE seq IN (SELECT seq FROM job WHERE"
+                                " expires > 0 AND expires <= " TIME " AND expired = 1"
+                                " AND expires + (expires - finished) <= " TIME
+                                " ORDER BY expires LIMIT ?2)",
+                                "ii", limit, (int64_t)PORTION);
     return status;
 }
 
@@ -89,15 +95,31 @@ vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uu
                           "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0", "t", id->text);
 }
 
+static vor_status shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
+{
+    struct vor_sql *db = vor_sql_of(store);
+    int64_t last = 0;
+    int changed;
+    vor_status status = vor_sql_begin(db, VOR_SQL_DURABLE, err);
+
+    if (status != VOR_OK)
+        return status;
+    status = vor_sql_change_each(db, vor_sql_take_number, &last, err,
+                                 "SELECT coalesce(max(seq), 0) FROM job", "");
+    for (int64_t from = 0; status == VOR_OK && from < last; from += PORTION)
+        status = vor_sql_change(db, &changed, err,
+                                "UPDATE job SET expires = max(1, expires + ?1)"
+                                " WHERE seq > ?2 AND seq <= ?3 AND expires > 0",
+                                "iii", by_ms, from, from + PORTION);
+    return vor_sql_end(db, status, err);
+}
+
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
     vor_status status;
-    int changed;
 
     do
-        status = vor_sql_change(vor_sql_of(store), &changed, err,
-                                "UPDATE job SET expires = max(1, expires + ?) WHERE expires > 0",
-                                "i", by_ms);
+        status = shift(store, by_ms, err);
     while (vor_reserve_made_room(store->reserve, status, err));
     return status;
 }
@@ -115,6 +137,11 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
         " UNION SELECT seq FROM job WHERE status = 'running' AND expired = 0)"
         " UNION ALL SELECT updated FROM job_run) AS times",
         "");
+}
+
+int vor_store_is_unsure(struct vor_store *store)
+{
+    return atomic_load(&vor_sql_of(store)->is_unsure);
 }
 
 static int take_piece(void *ctx, struct vor_sql_row *row)

@@ -131,16 +131,6 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
     return VOR_DONE;
 }
 
-/* A change whose answer was lost may have been made: then the inputs stay for the job, or for the
- * start that finds that there is none. */
-static int is_absent(struct vor_worker *worker, const struct vor_uuid *id)
-{
-    struct vor_job_brief row;
-    int found = 0;
-
-    return vor_store_brief(worker->config.store, id, &row, &found, NULL) == VOR_OK && !found;
-}
-
 enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
                                        const struct vor_admitted *admitted,
                                        const struct vor_spec *spec,
@@ -169,7 +159,8 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
     if (outcome != VOR_DONE) {
         if (booked)
             vor_worker_unbook(worker);
-        if (outcome != VOR_FAILED || is_absent(worker, &row.id))
+        /* Inputs of one that may be there stay for it, or are found to be strays (recover.c). */
+        if (outcome != VOR_FAILED || !vor_error_may_be_done(err))
             vor_admit_drop(worker->config.blobs, admitted);
         return outcome;
     }

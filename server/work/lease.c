@@ -98,18 +98,19 @@ void vor_worker_renew(struct vor_worker *worker)
     enum { LEASED_MAX = 2 * VOR_WORKER_JOBS_MAX };
     struct vor_leased jobs[LEASED_MAX], *unheard = jobs;
     struct vor_renewal renewal = {.owner = worker->owner.text,
-                                  .build = vor_build_own(),
                                   .lease_ms = (int64_t)(1000 * lease_seconds),
                                   .job = jobs,
                                   .max = LEASED_MAX};
     struct vor_error err;
     vor_status status;
-    int is_wanted; /* others look which engines there are */
+    int is_wanted; /* others look which daemons there are, and which engines run jobs */
 
     pthread_mutex_lock(&worker->mutex);
     is_wanted = worker->capacity.running > 0 || vor_store_is_shared(worker->config.store);
     pthread_mutex_unlock(&worker->mutex);
-    if ((!is_wanted && !atomic_load(&worker->may_be_unheard)) || worker->config.jobs == 0 ||
+    if (worker->config.jobs > 0)
+        renewal.build = vor_build_own();
+    if ((!is_wanted && !atomic_load(&worker->may_be_unheard)) ||
         vor_clock_seconds() - worker->renewed < renew_seconds)
         return;
     worker->renewed = vor_clock_seconds();

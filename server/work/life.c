@@ -15,6 +15,7 @@
  * removes files. */
 enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
 
+static const double tidy_seconds = 6 * 3600; /* between two looks for files that no job needs */
 static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
 
 /* Between two times that a job's progress is stored, for daemons that poll and for those that are
@@ -191,11 +192,13 @@ static int pause_and_hear(struct vor_worker *worker)
 static void *sweeper_main(void *arg)
 {
     struct vor_worker *worker = arg;
-    double swept = vor_clock_seconds() - SWEEP_SECONDS;
+    double swept = vor_clock_seconds() - SWEEP_SECONDS, tidied = vor_clock_seconds();
+    double tidy = worker->config.tidy_seconds > 0 ? worker->config.tidy_seconds : tidy_seconds;
     struct vor_error err;
 
     worker->busy = worker->unreached = vor_clock_seconds();
     vor_worker_drop_strays(worker);
+    vor_worker_forget_missing(worker);
     do {
         double now = vor_clock_seconds();
 
@@ -205,8 +208,14 @@ static void *sweeper_main(void *arg)
         vor_worker_recover_late(worker);
         vor_worker_look(worker);
         look_idle(worker);
+        vor_worker_drop_strays(worker);
         if (!vor_calendar_look(worker))
             continue;
+        if (now - tidied >= tidy && worker->found.count == 0) {
+            tidied = now;
+            if (vor_worker_find_blobs(worker, &err) != VOR_OK)
+                vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
+        }
         if (now - swept < SWEEP_SECONDS)
             continue;
         swept = now;

@@ -28,6 +28,10 @@ struct vor_found_blob {
 struct vor_found {
     struct vor_found_blob *blobs; /**< owned */
     size_t count, capacity;
+    int is_first;           /**< before this daemon wrote any, and there is no other */
+    size_t counted, looked; /**< so many were looked at: for orphans; whether to drop them */
+    size_t orphans, files;  /**< results without a row; what was put away, and its bytes */
+    uint64_t bytes;
 };
 
 void vor_found_free(struct vor_found *found);
@@ -265,13 +269,21 @@ VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vo
 /** Does that if there is room by now. The sweeper's, each time it looks. */
 void vor_worker_recover_late(struct vor_worker *worker);
 
-/** Drops the blobs that were there at the start and that no row needs; or sets them aside, with a
+/** Looks which blobs there are now, as vor_worker_recover does. The sweeper's. */
+VOR_NODISCARD vor_status vor_worker_find_blobs(struct vor_worker *worker, struct vor_error *err);
+
+/** Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
+ *  second: the next call goes on, while found.count is not 0. Or sets them aside, with a
  *  warning, when the store has lost rows: it says so itself, or there are more results without any
- *  row than a crash leaves. Rows of uploads that are missing, or not whole, keep none from then on.
- *  Ends early when the daemon goes down; the next start does the rest.
+ *  row than a crash leaves. Ends early when the daemon goes down; the next start does the rest.
  *
- *  Cost: a read of the store for each blob, and of the rows that keep uploads. */
+ *  Cost: a read of the store for each blob. */
 void vor_worker_drop_strays(struct vor_worker *worker);
+
+/** Rows of uploads that are missing, or not whole, keep none from then on.
+ *
+ *  Cost: a read of the rows that keep uploads. */
+void vor_worker_forget_missing(struct vor_worker *worker);
 
 /* Where other daemons share the store: what they do to jobs is seen here. */
 
@@ -281,7 +293,7 @@ VOR_NODISCARD vor_status vor_worker_mirror(struct vor_worker *worker, struct vor
                                            struct vor_error *err);
 
 /** The same with all live jobs; makes jobs wait again whose leases have ended, and counts what
- *  waits. For the sweeper; nothing where nobody shares the store. */
+ *  waits. For the sweeper; where nobody shares the store it only counts, if that may be wrong. */
 void vor_worker_follow_others(struct vor_worker *worker);
 
 /* One run of one job: from its claim to its last row. */

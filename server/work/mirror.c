@@ -135,8 +135,11 @@ void vor_worker_follow_others(struct vor_worker *worker)
     struct vor_job **jobs;
     size_t count;
 
-    if (!vor_store_is_shared(worker->config.store))
+    if (!vor_store_is_shared(worker->config.store)) {
+        if (vor_store_is_unsure(worker->config.store))
+            count_waiting(worker);
         return;
+    }
     reap(worker);
     count_waiting(worker);
     jobs = vor_worker_live(worker, &count);

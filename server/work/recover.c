@@ -15,6 +15,9 @@
  * of the machine brings back beyond that is set aside as well. More is a damaged table. */
 enum { ORPHANS_OF_CRASH = 8 };
 
+static const double portion_seconds =
+    0.25; /* a part of the time between two looks of the sweeper */
+
 /* --- the blobs -------------------------------------------------------------------------------- */
 
 static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
@@ -33,6 +36,11 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->blobs[found->count].id = *id;
     (void)snprintf(found->blobs[found->count].name, sizeof found->blobs[0].name, "%s", name);
     found->count++;
+}
+
+vor_status vor_worker_find_blobs(struct vor_worker *worker, struct vor_error *err)
+{
+    return vor_blobs_list(worker->config.blobs, note_blob, worker, err);
 }
 
 /* The output of an attempt that a blob is of, be it converted; NULL for none. */
@@ -75,36 +83,32 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
-/* Where others share the store: a file may come before its row, at the most as long before it as an
- * upload takes. The first twelve digits of an identifier are its milliseconds since 1970. */
+/* A file may come before its row, at the most as long before it as an upload takes. The first
+ * twelve digits of an identifier are its milliseconds since 1970. */
 static int is_young(const struct vor_worker *worker, const struct vor_uuid *id)
 {
     static const int64_t upload_ms = 3600 * 1000;
     char digits[13];
 
-    if (!vor_store_is_shared(worker->config.store))
+    if (worker->found.is_first)
         return 0;
     (void)snprintf(digits, sizeof digits, "%.8s%.4s", id->text, id->text + 9);
     return (int64_t)strtoll(digits, NULL, 16) > vor_clock_wall_ms() - upload_ms;
 }
 
-/* Results whose jobs have no row at all. */
-static size_t count_orphans(struct vor_worker *worker)
+/* A result whose job has no row at all; who removes a job removes its row first. */
+static int is_orphan(struct vor_worker *worker, const struct vor_found_blob *blob)
 {
-    const struct vor_found *found = &worker->found;
     struct vor_job_brief row;
-    size_t orphans = 0;
+    uint64_t size;
+    int found;
 
-    for (size_t i = 0; i < found->count; i++) {
-        int is_input = strncmp(found->blobs[i].name, "input", 5) == 0 ||
-                       vor_blob_is_upload(found->blobs[i].name);
-        int has_row = 1;
-
-        if (!is_input && vor_store_brief(worker->config.store, &found->blobs[i].id, &row, &has_row,
-                                         NULL) == VOR_OK)
-            orphans += !has_row;
-    }
-    return orphans;
+    if (strncmp(blob->name, "input", 5) == 0 || vor_blob_is_upload(blob->name) ||
+        vor_store_brief(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK || found)
+        return 0;
+    return vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) ==
+               VOR_OK &&
+           found;
 }
 
 /* Dropped, or set aside when the table of jobs has lost rows. */
@@ -162,7 +166,7 @@ static int note_missing(void *ctx, const struct vor_job_view *row)
 
 /* A kept upload waits for no disk, so that of the last ones before a crash of the machine there may
  * be the row alone, or a part of the bytes: then there is nothing to promise. */
-static void forget_missing(struct vor_worker *worker)
+void vor_worker_forget_missing(struct vor_worker *worker)
 {
     struct vor_job_filter filter = {.is_kept = 1, .limit = 1000};
     struct missing missing = {.worker = worker};
@@ -185,39 +189,51 @@ static void forget_missing(struct vor_worker *worker)
     } while (missing.seen > 0 && !vor_worker_pause(worker, 0));
 }
 
+static void drop_if_stray(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
+{
+    struct vor_found *found = &worker->found;
+    uint64_t size = 0;
+    int is_there;
+
+    if (is_young(worker, &blob->id) || is_needed(worker, blob))
+        return;
+    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there, NULL) !=
+        VOR_OK)
+        size = 0;
+    if (!put_away(worker, blob, is_lost))
+        return;
+    found->bytes += size;
+    found->files++;
+}
+
+static int may_go_on(struct vor_worker *worker, double until)
+{
+    return vor_clock_seconds() < until && !vor_worker_pause(worker, 0);
+}
+
 void vor_worker_drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
-    int is_lost =
-        vor_store_is_damaged(worker->config.store) || count_orphans(worker) > ORPHANS_OF_CRASH;
-    uint64_t bytes = 0;
-    size_t files = 0;
+    double until = vor_clock_seconds() + portion_seconds;
+    int is_lost;
 
-    for (size_t i = 0; i < found->count && !vor_worker_pause(worker, 0); i++) {
-        const struct vor_found_blob *blob = &found->blobs[i];
-        uint64_t size = 0;
-        int is_there;
-
-        vor_worker_renew(worker);
-        if (is_young(worker, &blob->id) || is_needed(worker, blob))
-            continue;
-        if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there,
-                         NULL) != VOR_OK)
-            size = 0;
-        if (!put_away(worker, blob, is_lost))
-            continue;
-        bytes += size;
-        files++;
-    }
-    vor_found_free(found);
-    if (files > 0 && is_lost)
+    for (; found->counted < found->count && may_go_on(worker, until); found->counted++)
+        found->orphans += (size_t)is_orphan(worker, &found->blobs[found->counted]);
+    if (found->counted < found->count)
+        return;
+    is_lost = vor_store_is_damaged(worker->config.store) || found->orphans > ORPHANS_OF_CRASH;
+    for (; found->looked < found->count && may_go_on(worker, until); found->looked++)
+        drop_if_stray(worker, &found->blobs[found->looked], is_lost);
+    if (found->looked < found->count)
+        return;
+    if (found->files > 0 && is_lost)
         vor_log(VOR_LOG_WARN,
                 "JOBS ARE MISSING FROM THE DATABASE: their files are moved to the folder lost in "
                 "--blobs, for --lost-ttl and up to --lost-bytes",
-                VOR_COUNT("files", files), VOR_COUNT("bytes", bytes));
-    else if (files > 0)
-        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", files));
-    forget_missing(worker);
+                VOR_COUNT("files", found->files), VOR_COUNT("bytes", found->bytes));
+    else if (found->files > 0)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", found->files));
+    vor_found_free(found);
 }
 
 vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
@@ -268,7 +284,8 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
         atomic_store(&worker->is_late, 1);
         status = VOR_OK;
     }
-    return status == VOR_OK ? vor_blobs_list(worker->config.blobs, note_blob, worker, err) : status;
+    worker->found.is_first = !vor_store_is_shared(worker->config.store);
+    return status == VOR_OK ? vor_worker_find_blobs(worker, err) : status;
 }
 
 void vor_worker_recover_late(struct vor_worker *worker)

@@ -35,6 +35,7 @@ struct vor_worker_config {
     uint64_t budget;          /**< bytes all running jobs may have, as estimated; 0 for any */
     uint64_t checkpoint_work; /**< as vor_run.every, and vor_keeper_open: 0 but for tests */
     double checkpoint_seconds;
+    double tidy_seconds; /**< between two looks for files that no job needs; 0: 6 hours */
     unsigned faults_max; /**< a job fails that ran alone in so many crashes of its process */
     /** Called once, on a thread of the worker, when a disk has failed: what is on it is not known
      *  any more, and only a restart helps. May be NULL. */

@@ -64,6 +64,26 @@ for my $way (['dies', sub { !stop_postgres('immediate') }, \&start_postgres], ['
     is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
 }
 
+# The answer to the COMMIT of a job is lost, and it is made later: nobody knows of it, but it runs, with its input.
+ask('postgres', 'CREATE DATABASE later');
+my $relay = start_cutter(sub { 1 << 40 }, undef, $port);
+my $unsure = Vt->start(store => $uri =~ s{:$port/.*}{:$relay/later}r, jobs => 1);
+ask('later', 'CREATE FUNCTION wait() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN PERFORM pg_advisory_xact_lock(7); RETURN NULL; END $$;'
+    . ' CREATE CONSTRAINT TRIGGER wait AFTER INSERT ON job DEFERRABLE INITIALLY DEFERRED FOR EACH ROW EXECUTE FUNCTION wait()');
+open my $holder, '|-', 'psql', '-Xq', "host=127.0.0.1 port=$port user=voronoid dbname=later" or die "psql: $!";
+$holder->autoflush;
+print $holder "SELECT pg_advisory_lock(7) \\g /dev/null\n";
+my $locks = "SELECT count(*) FROM pg_locks WHERE locktype = 'advisory' AND objid = 7 AND granted =";
+ok wait_until(sub { ask('later', "$locks true") }), 'a COMMIT will have to wait';
+Scale::child('submit', sub { print $unsure->{http}->post("$unsure->{url}/v1/resample?points=100", { content => $cloud, headers => { Prefer => 'respond-async' } })->{status}; exec 'true' });
+ok wait_until(sub { ask('later', "$locks false") }), 'it does';
+Scale::end_child('cutter');
+ok wait_until(sub { Vt::slurp("$Scale::dir/submit.out") eq '503' }), 'who waits for the answer learns that there is none';
+close $holder;
+start_cutter(sub { 1 << 40 }, $relay, $port);
+ok wait_until(sub { ask('later', 'SELECT status FROM job') eq 'successful' }), 'the job runs when it is there';
+$unsure->stop;
+
 # Files as well, through the pooler, of daemons that share them.
 my $files = $uri =~ s/:$port/:$Scale::pooler/r;
 my $wanted = $next->post('/v1/resample?points=800', $cloud)->{content};
@@ -100,6 +120,9 @@ Scale::write_file("$Scale::dir/shared/tmp/left", 'over');
 push @two, Vt->start(%both, role => 'api');
 ok !-e "$Scale::dir/shared/tmp/left", 'what is left over goes';
 is scalar(grep { my $id = $_; 3 == grep { $_->finish($id)->{status} eq 'successful' && length result($_, $id)->{content} } @two } @more), 6, 'all have all';
+$_->stop for splice @two, 0, 2;
+ask('shared', 'DELETE FROM daemon');
+ok wait_until(sub { ask('shared', 'SELECT count(*) FROM daemon') }), 'the one that is left, and only answers, is known to be there';
 for my $case ([%both, blobs => "dir:$Scale::dir/elsewhere", qr/must be the folder that they all share/], [%both, store => $uri, qr/belong to another database of jobs/]) {
     my ($why, %with) = (pop @$case, @$case);
     ($status, $text) = Vt::run('--listen', '127.0.0.1:0', '--data', "$Scale::dir/other", map { ("--$_", $with{$_}) } keys %with);

@@ -53,6 +53,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     config.keep = options->keep;
     config.checkpoint_work = options->checkpoint_work;
     config.checkpoint_seconds = options->checkpoint_work > 0 ? 1e-9 : 0;
+    config.tidy_seconds = options->tidies ? 1e-9 : 0;
     config.job_seconds = options->job_seconds;
     config.budget = options->budget;
     vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));

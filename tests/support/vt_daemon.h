@@ -36,6 +36,7 @@ struct vt_daemon_options {
     uint64_t checkpoint_work;        /**< 0 for that of a daemon; else they are kept at once */
     void (*failed)(void *ctx, const struct vor_error *why); /**< as of the worker; NULL for none */
     void *failed_ctx;
+    int tidies; /**< strays are looked for at each look of the sweeper */
     void (*prepare)(
         struct vt_daemon *daemon); /**< once store and blobs are open; NULL for nothing */
 };

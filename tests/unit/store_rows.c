@@ -356,6 +356,36 @@ VT_TEST(results_expire_then_are_forgotten)
     vor_store_close(store);
 }
 
+/* More of them than a statement changes at once. */
+VT_TEST(many_results_expire_later_and_are_forgotten)
+{
+    enum { JOBS = 502 };
+    struct vor_store *store = vt_dir_store(vt_dir_make());
+    static struct vor_evicted expired[JOBS + 1];
+    struct vor_evictions evictions = {.job = expired, .max = JOBS + 1};
+    struct vor_job_view row, back;
+    int changed, found;
+
+    for (int i = 0; i < JOBS; i++) {
+        row = insert(store, 10);
+        row.status = VOR_JOB_FAILED;
+        row.finished = 1000;
+        row.expires = 2000;
+        vt_assert_ok(vor_store_finish(store, &row, NULL, NULL, &changed, &vt_err));
+    }
+    vt_assert_ok(vor_store_shift(store, 500, &vt_err));
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 2499, &evictions, &vt_err));
+    ck_assert_uint_eq(evictions.count, 0);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 2500, &evictions, &vt_err));
+    ck_assert_uint_eq(evictions.count, JOBS);
+    vt_assert_ok(vor_store_evict(store, VOR_EVICT_EXPIRED, 4000, &evictions, &vt_err));
+    vt_assert_ok(vor_store_get(store, &expired[0].id, NULL, &back, &found, &vt_err));
+    ck_assert(!found);
+    vt_assert_ok(vor_store_get(store, &row.id, NULL, &back, &found, &vt_err));
+    ck_assert(!found);
+    vor_store_close(store);
+}
+
 /* The process of one run, and not the daemon. */
 VT_TEST(a_run_that_crashed_is_put_back_to_run_alone_and_counted_if_it_was)
 {
