@@ -74,8 +74,8 @@ enum vor_oriented {
       "Noise hides parts of the surface, and no value of the parameter `neighbors` can show "      \
       "them. In these parts, the result may be farther from the surface than the input")           \
     X(NOT_RESTORED, "lattice",                                                                     \
-      "No point was moved: either no grid was found, or the grid cells are smaller than a tenth "  \
-      "of the spacing")
+      "Points were moved only where a grid was found and its cells are not smaller than a tenth "  \
+      "of the spacing. The value counts these places, the threshold all places")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,
