@@ -21,12 +21,11 @@ struct vor_pool {
     struct loop *head, *tail; /* loops with blocks left, in the order of their turn */
     int closing;
     unsigned threads, started;
-    pthread_t thread[];
-};
-
-struct worker {
-    struct vor_pool *pool;
-    unsigned index;
+    unsigned seats; /* free ones */
+    struct place {
+        pthread_t thread;
+        unsigned seat; /* the first `seats` places have the numbers of the free ones */
+    } place[];
 };
 
 static void push(struct vor_pool *pool, struct loop *loop)
@@ -57,10 +56,12 @@ static void abandon(struct vor_pool *pool, struct loop *loop)
     loop->next = loop->n;
 }
 
-/* Works on one block of the loop whose turn it is; the mutex is held on entry and on return. */
-static void work_once(struct vor_pool *pool, unsigned index)
+/* Works on one block of the loop whose turn it is, on a free seat; the mutex is held on entry and
+ * on return. */
+static void work_once(struct vor_pool *pool)
 {
     struct loop *loop = pool->head;
+    unsigned seat = pool->place[--pool->seats].seat;
     size_t begin = loop->next;
     size_t end = loop->n - begin > loop->block ? begin + loop->block : loop->n;
     enum vor_answer answer;
@@ -77,7 +78,7 @@ static void work_once(struct vor_pool *pool, unsigned index)
     answer = loop->watch != NULL && loop->watch->poll != NULL ? loop->watch->poll(loop->watch->ctx)
                                                               : VOR_CONTINUE;
     if (answer == VOR_CONTINUE)
-        loop->task(loop->ctx, begin, end, index);
+        loop->task(loop->ctx, begin, end, seat);
 
     pthread_mutex_lock(&pool->mutex);
     if (answer > loop->answer)
@@ -87,39 +88,29 @@ static void work_once(struct vor_pool *pool, unsigned index)
     loop->busy--;
     if (loop->busy == 0 && (loop->next == loop->n))
         pthread_cond_broadcast(&pool->done);
+    pool->place[pool->seats++].seat = seat;
+}
+
+/* Wakes a worker that may have found no seat, if there is one now. */
+static void leave_seats(struct vor_pool *pool)
+{
+    if (pool->head != NULL && pool->seats > 0)
+        pthread_cond_signal(&pool->work);
 }
 
 static void *worker_main(void *arg)
 {
-    struct worker worker = *(struct worker *)arg;
-    struct vor_pool *pool = worker.pool;
+    struct vor_pool *pool = arg;
 
-    free(arg);
     pthread_mutex_lock(&pool->mutex);
     while (!pool->closing) {
-        if (pool->head == NULL)
+        if (pool->head == NULL || pool->seats == 0)
             pthread_cond_wait(&pool->work, &pool->mutex);
         else
-            work_once(pool, worker.index);
+            work_once(pool);
     }
     pthread_mutex_unlock(&pool->mutex);
     return NULL;
-}
-
-static int start_worker(struct vor_pool *pool)
-{
-    struct worker *worker = malloc(sizeof *worker);
-
-    if (worker == NULL)
-        return 0;
-    worker->pool = pool;
-    worker->index = pool->started;
-    if (pthread_create(&pool->thread[pool->started], NULL, worker_main, worker) != 0) {
-        free(worker);
-        return 0;
-    }
-    pool->started++;
-    return 1;
 }
 
 vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_error *err)
@@ -129,22 +120,23 @@ vor_status vor_pool_create(struct vor_pool **out, unsigned threads, struct vor_e
     if (threads < 1 || threads > VOR_THREADS_MAX)
         return vor_fail_param(err, VOR_E_PARAM, "threads", "threads is %u, want 1 to %d", threads,
                               VOR_THREADS_MAX);
-    pool = calloc(1, sizeof *pool + threads * sizeof pool->thread[0]);
+    pool = calloc(1, sizeof *pool + threads * sizeof pool->place[0]);
     if (pool == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%u threads", threads);
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->work, NULL);
     pthread_cond_init(&pool->done, NULL);
-    pool->threads = threads;
-    while (pool->started < threads) {
-        if (start_worker(pool))
-            continue;
-        vor_pool_destroy(pool);
-        return vor_fail(
-            err, VOR_E_NOMEM,
-            "cannot start %u threads: too little memory, or a limit on the number of processes",
-            threads);
-    }
+    pool->threads = pool->seats = threads;
+    for (unsigned i = 0; i < threads; i++)
+        pool->place[i].seat = i;
+    for (; pool->started < threads; pool->started++)
+        if (pthread_create(&pool->place[pool->started].thread, NULL, worker_main, pool) != 0) {
+            vor_pool_destroy(pool);
+            return vor_fail(err, VOR_E_NOMEM,
+                            "cannot start %u threads: too little memory, or a limit on the number "
+                            "of processes",
+                            threads);
+        }
     *out = pool;
     return VOR_OK;
 }
@@ -159,7 +151,7 @@ void vor_pool_destroy(struct vor_pool *pool)
     pthread_cond_broadcast(&pool->work);
     pthread_mutex_unlock(&pool->mutex);
     for (unsigned i = 0; i < pool->started; i++)
-        pthread_join(pool->thread[i], NULL);
+        pthread_join(pool->place[i].thread, NULL);
     pthread_cond_destroy(&pool->done);
     pthread_cond_destroy(&pool->work);
     pthread_mutex_destroy(&pool->mutex);
@@ -181,10 +173,17 @@ enum vor_answer vor_parallel_for(struct vor_pool *pool, const struct vor_watch *
         return VOR_CONTINUE;
     pthread_mutex_lock(&pool->mutex);
     push(pool, &loop);
-    for (size_t i = 0; i < vor_blocks_of(n, block) && i < pool->threads; i++)
+    for (size_t i = pool->seats > 0; i < vor_blocks_of(n, block) && i < pool->threads; i++)
         pthread_cond_signal(&pool->work);
-    while (loop.next < n || loop.busy > 0)
+    while (loop.next < n || loop.busy > 0) {
+        if (loop.next < n && pool->seats > 0) {
+            work_once(pool);
+            continue;
+        }
+        leave_seats(pool);
         pthread_cond_wait(&pool->done, &pool->mutex);
+    }
+    leave_seats(pool);
     pthread_mutex_unlock(&pool->mutex);
     return loop.answer;
 }

@@ -33,8 +33,8 @@ typedef void (*vor_task)(void *ctx, size_t begin, size_t end, unsigned worker);
 
 /** Runs task over rows 0 .. n - 1 in blocks of `block` rows on the pool, and waits. Blocks start at
  *  multiples of `block`, so what a block computes does not depend on the number of threads. Loops
- *  that run at the same time take turns, a block each. The calling thread only waits: as many
- *  blocks are in work as the pool has threads.
+ *  that run at the same time take turns, a block each. The calling thread works, too, where a
+ *  thread of the pool would have to be woken: as many blocks are in work as the pool has threads.
  *
  *  @param[in] watch  may be NULL; its poll is called before every block, and an answer other than
  *                    VOR_CONTINUE ends the loop before the next block

@@ -78,8 +78,9 @@ VT_TEST_LOOP(every_row_runs_exactly_once_in_whole_blocks, COUNTS)
     vor_pool_destroy(pool);
 }
 
-/* Scratch space by worker: no two blocks of one worker at a time. */
+/* Scratch space by worker: no two blocks of one worker at a time, whoever calls. */
 struct scratch {
+    struct vor_pool *pool;
     atomic_int busy[VOR_THREADS_MAX];
     atomic_uint clashes;
 };
@@ -95,15 +96,30 @@ static void use_scratch(void *ctx, size_t begin, size_t end, unsigned worker)
     atomic_fetch_sub(&scratch->busy[worker], 1);
 }
 
+static void *use_all(void *ctx)
+{
+    struct scratch *scratch = ctx;
+
+    for (size_t n = 1; n < 3000; n *= 3)
+        if (vor_parallel_for(scratch->pool, NULL, n, 3, use_scratch, scratch) != VOR_CONTINUE)
+            atomic_fetch_add(&scratch->clashes, 1);
+    return NULL;
+}
+
 VT_TEST_LOOP(a_worker_s_scratch_space_is_its_own, COUNTS)
 {
-    struct vor_pool *pool = pool_of(threads_of[_i]);
     struct scratch scratch;
+    pthread_t other[2];
 
     memset(&scratch, 0, sizeof scratch);
-    ck_assert_int_eq(vor_parallel_for(pool, NULL, 3000, 3, use_scratch, &scratch), VOR_CONTINUE);
+    scratch.pool = pool_of(threads_of[_i]);
+    for (int i = 0; i < 2; i++)
+        ck_assert_int_eq(pthread_create(&other[i], NULL, use_all, &scratch), 0);
+    use_all(&scratch);
+    for (int i = 0; i < 2; i++)
+        pthread_join(other[i], NULL);
     ck_assert_uint_eq(atomic_load(&scratch.clashes), 0);
-    vor_pool_destroy(pool);
+    vor_pool_destroy(scratch.pool);
 }
 
 enum { CALLERS = 6, LOOPS = 25 };
