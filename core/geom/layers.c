@@ -15,10 +15,9 @@ enum {
     /* Most rounds of splitting and fitting; few splits change after the third. 6 and 24 change
      * nothing. */
     ROUNDS = 12,
-    /* Points that each layer has at least. At 2 / 4 / 8 shell stays within the spread. Two of as
-     * many have one point more than two parallel quadrics have coefficients. */
-    LEAST_IN_LAYER = 4,
-    TERMS = 5 /* of the shared quadric: u, v, uu, uv, vv */
+    /* Of the shared quadric: u, v, uu, uv, vv; and points that each layer has at least. At 2 / 4 /
+     * 8 shell stays within the spread. */
+    TERMS = 5
 };
 
 /* Times the rms distance of points from their own layer: a gap between layers is at least that
@@ -230,7 +229,7 @@ static int clear_between(const struct vor_layers *layers, const struct stack *st
     }
     sum = sqrt(sum / (stack->k - TERMS - layers->count));
     for (unsigned l = 0; l < layers->count; l++)
-        if (count[l] < LEAST_IN_LAYER)
+        if (count[l] < TERMS)
             return 0;
     for (unsigned l = 1; l < layers->count; l++)
         if (low[l] - high[l - 1] < CLEAR * sum ||
@@ -320,7 +319,7 @@ void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
     static const unsigned first[] = {VOR_NEIGHBORS_MAX, 8, 14, 26, 5};
     struct vor_surface all;
 
-    if (k >= 2 * LEAST_IN_LAYER) {
+    if (k >= 2 * TERMS) {
         vor_surface_fit(&all, near, k);
         for (size_t i = 0; i < sizeof first / sizeof *first; i++)
             if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i], &all))
@@ -335,7 +334,7 @@ int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, 
     struct vor_surface all;
     struct stack stack;
 
-    if (k < 2 * LEAST_IN_LAYER)
+    if (k < 2 * TERMS)
         return 0;
     vor_surface_fit(&all, near, k);
     out->count = 1;
