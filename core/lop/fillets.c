@@ -55,6 +55,7 @@ struct fillets {
 /* The two sides around a point. */
 struct sides {
     double place[2][3], normal[2][3]; /* outwards */
+    double along[3];                  /* the edge, unit length */
     double sign;                      /* of their normals: -1 where the edge is hollow */
 };
 
@@ -114,7 +115,7 @@ static int mean_side(double place[3], double normal[3], const struct fillets *fi
 static int find_sides(struct sides *out, const struct fillets *fillets, const float *like[2],
                       const uint32_t *index, unsigned k)
 {
-    double apart[3];
+    double apart[3], length;
 
     memset(out, 0, sizeof *out);
     for (int l = 0; l < 2; l++)
@@ -129,17 +130,24 @@ static int find_sides(struct sides *out, const struct fillets *fillets, const fl
         out->normal[0][c] *= out->sign;
         out->normal[1][c] *= out->sign;
     }
+    vor_cross(out->along, out->normal[0], out->normal[1]);
+    length = sqrt(vor_dot(out->along, out->along));
+    for (int c = 0; c < 3; c++)
+        out->along[c] /= length;
     return 1;
 }
 
-/* Whether a normal is that of a point between both sides, or of one. */
+/* Whether a normal is that of a point between both sides, or of one, and not turned out of their
+ * plane by as much as makes an edge: then it is that of a third side. */
 static int belongs(const struct sides *sides, const float n[3])
 {
-    double up = 0;
+    double along = 0, up = 0;
 
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
+        along += (double)n[c] * sides->along[c];
         up += (double)n[c] * (sides->normal[0][c] + sides->normal[1][c]);
-    return up * sides->sign > 0;
+    }
+    return along * along <= 1 - VOR_LOP_EDGE_COSINE * VOR_LOP_EDGE_COSINE && up * sides->sign > 0;
 }
 
 /* Heights of x over both sides. */
