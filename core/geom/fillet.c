@@ -17,7 +17,6 @@ enum {
 #define WIDEST 3.0
 /* Share that is added to the diagonal: parameters that the points say nothing of stay. */
 #define DAMP 1e-4
-#define LEAST 1e-30
 /* Share of the sum of squares that a step must take, and cosine of sides that do not meet. */
 #define ENOUGH 1e-3
 #define PARALLEL 0.999
@@ -128,7 +127,7 @@ static double improve(struct vor_fillet *fillet, const struct points *points, do
 
         now = sum_up(a, b, fillet, points);
         for (int x = 0; x < PARAMETERS; x++)
-            a[PARAMETERS * x + x] += DAMP * a[PARAMETERS * x + x] + LEAST;
+            a[PARAMETERS * x + x] += DAMP * a[PARAMETERS * x + x] + VOR_ROUNDED2;
         if (vor_solve_spd(a, b, PARAMETERS, VOR_ROUNDED2) == 0)
             break;
         add(&tried, b, WIDEST * reach);
