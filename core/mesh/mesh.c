@@ -110,13 +110,13 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
         if (status == VOR_OK)
             status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
     }
-    for (int round = 0; round < 2 * ROUNDS_BETTER && repairs && status == VOR_OK; round++)
-        status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
-                                   making->how->fixed, &recall, err);
     if (status == VOR_OK)
         status = vor_attach_last(making->seeds, err);
     if (status == VOR_OK)
         status = vor_attach_hanging(making->seeds, err);
+    for (int round = 0; round < 2 * ROUNDS_BETTER && repairs && status == VOR_OK; round++)
+        status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
+                                   making->how->fixed, &recall, err);
     return status == VOR_OK ? vor_exact_put(&making->sheet, making->seeds, making->how->fixed, err)
                             : status;
 }

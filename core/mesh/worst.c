@@ -176,10 +176,19 @@ static void keep(struct worst *worst, uint32_t i, int puts_back)
         memcpy(puts_back ? of[k] : kept, puts_back ? kept : of[k], (k < 2 ? 3 : 1) * sizeof *kept);
 }
 
-/* Takes point i back if it has moved and the triangles around it are worse than before. */
+/* Whether point i is as far from the input as points that hang (vor_attach_hanging). */
+static int hangs(const struct worst *worst, uint32_t i)
+{
+    const struct vor_seeds *seeds = worst->seeds;
+    double most = fmax(sqrt(seeds->area / (double)seeds->n), seeds->last_fit[i].surface.spacing);
+
+    return (double)worst->sheet->near[i] > VOR_HOLE_INSIDE * most;
+}
+
+/* Takes point i back if it has moved, and hangs or has worse triangles around it than before. */
 static size_t take_back(struct worst *worst, uint32_t i, size_t count)
 {
-    if (!worst->moved[i] || badness_around(worst, i) <= worst->was[i])
+    if (!worst->moved[i] || (badness_around(worst, i) <= worst->was[i] && !hangs(worst, i)))
         return count;
     worst->moved[i] = 0;
     keep(worst, i, 1);

@@ -3,15 +3,13 @@
  *  makes triangles better in the mean, and leaves points on creases where they are, which is where
  *  the worst triangles lie; there they move along the crease here, or where one is poor
  *  (vor_relax_is_free) anywhere. In the end a point is where it was if the triangles around it
- *  would be worse.
+ *  would be worse, or it would hang in the air (vor_attach_hanging).
  *
  *  Source: Freitag and Ollivier-Gooch 1997, "Tetrahedral mesh improvement using swapping and
  *  smoothing": smoothing by optimization is for the worst elements only. Departure: the place is
  *  found by a compass search, as the worst triangle's strain has kinks. Squares in the place of the
  *  largest strain: lowest quality and smallest angle of igea to 20,000, fandisk to 10,000 and the
- *  armadillo to 30,000 .826, 43.8, .761, 42.8, .799, 44.3 / .830, 43.9, .760, 42.8, .768, 44.8;
- *  quality that one in 1,000 has not of bunny to 50,000 and 2,000, autzen to 5,000 .332, .701, .173
- *  / .385, .618, .170, and .400, .590, .227 if no corner moves. */
+ *  armadillo to 30,000 .826, 43.8, .761, 42.8, .799, 44.3 / .830, 43.9, .760, 42.8, .768, 44.8. */
 #ifndef VOR_MESH_WORST_H
 #define VOR_MESH_WORST_H
 

@@ -350,10 +350,9 @@ enum vor_method_choice {
       "Repair of the triangulation. none: no repair; auto: around points that have more or fewer " \
       "than six triangles, edges are flipped, and a point is removed in one place and added in "   \
       "another, where that makes the triangles better, and then corners of the worst triangles "   \
-      "move. The worst triangles become better if the input is denser than the result, but may "   \
-      "become worse in scans. Distances become less even, and the run takes about 10 percent "     \
-      "longer. Used only with a polish, density=uniform and metric=isotropic, and not with a "     \
-      "previous result, method=ear, or an input of several layers")                                \
+      "move. The worst triangles become better. Distances become less even, and the run takes "    \
+      "about 10 percent longer. Used only with a polish, density=uniform and metric=isotropic, "   \
+      "and not with a previous result, method=ear, or an input of several layers")                 \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
       "Also run four simple methods on the same input and add their figures to the report: "       \
       "k-means, random sampling, voxel grid and farthest-point sampling")                          \
