@@ -45,12 +45,6 @@ sub form {
         %{ $more{headers} // {} });
 }
 
-sub refused {
-    my ($answer, $status, $slug, $detail, $name) = @_;
-    is_problem($answer, $status, $slug, $name) or return;
-    like json($answer)->{detail}, $detail, "$name: it says why";
-}
-
 my $ply = file('x.ply', $cloud);
 my $raw = $daemon->post("/v1/resample?points=100&$brief", $cloud);
 is $raw->{status}, 200, 'a raw body is served' or diag $raw->{content};

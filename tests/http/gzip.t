@@ -28,12 +28,6 @@ sub sent {
     return $daemon->post($path, $bytes, 'Content-Encoding' => 'gzip', %headers);
 }
 
-sub refused {
-    my ($answer, $status, $slug, $detail, $name) = @_;
-    is_problem($answer, $status, $slug, $name) or return;
-    like json($answer)->{detail}, $detail, "$name: it says why";
-}
-
 my $raw = $daemon->post("/v1/resample?$query", $cloud);
 is $raw->{status}, 200, 'a body as it is is served' or diag $raw->{content};
 for my $path ('/v1/resample', '/v1/processes/resample/execution') {

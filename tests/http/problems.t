@@ -11,12 +11,6 @@ my $daemon = Vt->start('body-limit' => '200K', 'points-limit' => 5000);
 my $cloud = sphere_ply(500);
 my $none = '0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11';
 
-sub refused {
-    my ($answer, $status, $slug, $detail, $name) = @_;
-    is_problem($answer, $status, $slug, $name) or return;
-    like json($answer)->{detail}, $detail, "$name: it names value and range";
-}
-
 # Parameters, decided before the body is read.
 for my $case (
     ['points=0', qr/points is 0, want a whole number from 1 to 10000000/, 'points'],

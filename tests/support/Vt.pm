@@ -13,7 +13,7 @@ use JSON::PP ();
 use POSIX ();
 use Time::HiRes qw(time sleep);
 
-our @EXPORT = qw(sphere_ply json is_problem wait_until head_of body_of data_file);
+our @EXPORT = qw(sphere_ply json is_problem refused wait_until head_of body_of data_file);
 
 # Seconds that anything is waited for. It bounds a test that goes wrong, and decides nothing.
 our $PATIENCE = 120;
@@ -337,6 +337,13 @@ sub is_problem {
     $test->ok(!@wrong, $name // "$status $slug");
     $test->diag(join '; ', @wrong, substr $answer->{content}, 0, 400) if @wrong;
     return !@wrong;
+}
+
+# That, and what it says.
+sub refused {
+    my ($answer, $status, $slug, $detail, $name) = @_;
+    local $Test::Builder::Level = $Test::Builder::Level + 1;
+    return is_problem($answer, $status, $slug, $name) && Test::More::like(json($answer)->{detail}, $detail, "$name: it says why");
 }
 
 package Vt::Stream;
