@@ -19,9 +19,6 @@ enum {
 /* and times the fourth power of the support. Faces of a wedge and a tetrahedron that all edges hold
  * on the wrong side gain 0.53 and more; small patches that are right, among noise, up to 0.4. */
 #define GAIN_SURE 0.45
-/* Standard errors of what turning it gains at the places, above which that is enough. Without, of
- * 3,373 results on a star of seven points 661 face inward, with it 19. Half: not measured. */
-#define CLEAR 2.0
 
 /* Points of one piece that lie together. */
 struct block {
@@ -201,44 +198,6 @@ static struct vor_winding_found found_with(const struct winding *winding, uint64
     return (struct vor_winding_found){mean, square - mean * mean + miss * miss};
 }
 
-/* Whether turning the pieces of a set brings the numbers clearly nearer to a half: at enough
- * places, as it does for a whole face of a prism, which sees little of the others. */
-static int clearly_gains(const struct winding *winding, uint64_t turned, uint64_t pieces,
-                         double mean)
-{
-    double half = copysign(fmax(.5, fabs(mean)), mean), sum = 0, square = 0;
-
-    for (unsigned p = 0; p < PIECES; p++) {
-        size_t first = winding->first[p], last = winding->first[p + 1];
-
-        for (size_t k = first; k < last; k++) {
-            double weight = winding->area[p] / (double)(last - first), number = 0, own = 0, gain;
-
-            for (unsigned q = 0; q < PIECES; q++) {
-                double one = (double)winding->number[k][q];
-
-                one = turned >> q & 1 ? -one : one;
-                number += one;
-                own += pieces >> q & 1 ? one : 0;
-            }
-            gain = weight * own * (number - half - own);
-            sum += gain;
-            square += gain * gain;
-        }
-    }
-    return sum > CLEAR * sqrt(square);
-}
-
-/* What turning the pieces of join m, or of one of them, has to gain against the edges. */
-static double least_gain(const struct winding *winding, unsigned m, uint64_t pieces)
-{
-    double support = m < winding->span->joins ? winding->span->join[m].support : 1, share = 0;
-
-    for (unsigned p = 0; p < PIECES; p++)
-        share += pieces >> p & 1 ? winding->area[p] : 0;
-    return share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
-}
-
 /* Adds to the pieces that are turned those whose turning gains most. Returns whether there are any.
  */
 static int turn_best(uint64_t *turned, struct vor_winding_found *found,
@@ -248,12 +207,19 @@ static int turn_best(uint64_t *turned, struct vor_winding_found *found,
     uint64_t with = *turned;
 
     for (unsigned m = 0; m < winding->span->joins + PIECES; m++) {
-        uint64_t pieces =
-            m < winding->span->joins ? winding->inside[m] : 1ULL << (m - winding->span->joins);
-        struct vor_winding_found now = found_with(winding, *turned ^ pieces);
+        int patch = m < winding->span->joins; /* or a single piece */
+        uint64_t pieces = patch ? winding->inside[m] : 1ULL << (m - winding->span->joins);
+        double support = patch ? winding->span->join[m].support : 1, share = 0, least;
+        struct vor_winding_found now;
 
-        if (now.apart < best.apart && (found->apart - now.apart > least_gain(winding, m, pieces) ||
-                                       clearly_gains(winding, *turned, pieces, found->mean))) {
+        for (unsigned p = 0; p < PIECES; p++)
+            share += pieces >> p & 1 ? winding->area[p] : 0;
+        /* What turning them has to gain, for it to be done against the edges. */
+        least = share * (1 - share) * fmax(GAIN, GAIN_SURE * vor_power(support, 4));
+        if (pieces == 0 || least <= 0)
+            continue;
+        now = found_with(winding, *turned ^ pieces);
+        if (found->apart - now.apart > least && now.apart < best.apart) {
             best = now;
             with = *turned ^ pieces;
         }

@@ -23,6 +23,9 @@ enum {
     SMALL = 2 * VOR_ADJACENT
 };
 
+/* Weight of an edge along a normal, over that of one between normals at right angles. At 0 / 1 /
+ * 2: armadillo 75, 14, 15 / 30, 16, 15 / 31, 16, 15; fandisk 6569 / 0 / 0. */
+#define STEEP 1.0
 /* Weight below which an edge is sure, of the largest one. Edges that are sure and yet join
  * different sides, over the root of the number of points, at 0.03 / 0.05 / 0.1: two Moebius bands
  * 17 and 6.5 at each; armadillo 0 / 0.04 / 0.19, two armadillos that intersect 0.65 / 2.3 / 4.5. */
@@ -148,7 +151,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 /* The byte of vor_span_make for the edge from i to j. */
 static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
 {
-    double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, apart, steep, rough, weight;
+    double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, steep, rough, weight;
 
     vor_to_doubles(x, &orient->on->xyz[3 * i]);
     vor_to_doubles(y, &orient->on->xyz[3 * j]);
@@ -161,13 +164,11 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
     b = vor_dot(n, along);
     /* m - 2 (m along) along / length2 is m, mirrored at the plane midway. */
     mirrored = vor_dot(m, n) - 2 * a * b / length2;
-    /* Alike, but on planes this far apart: two sheets. 0 on an arc, and across an edge. */
-    apart = (mirrored < 0 ? a - b : a + b) / 2;
-    steep = (fmax(a * a, b * b) + apart * apart) / length2;
-    weight = fmax(0, 1 - fabs(mirrored) + steep);
+    steep = fmax(a * a, b * b) / length2;
+    weight = fmax(0, 1 - fabs(mirrored) + STEEP * steep);
     rough =
         orient->shun_rough ? fmin(1, fmax((double)orient->rough[i], (double)orient->rough[j])) : 0;
-    weight = (weight + rough) / (2 + orient->shun_rough);
+    weight = (weight + rough) / (1 + STEEP + orient->shun_rough);
     return (unsigned char)(fmin(weight * VOR_SPAN_LEVELS, VOR_SPAN_LEVELS - 1) +
                            (mirrored < 0 ? VOR_SPAN_TURNS : 0));
 }

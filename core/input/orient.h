@@ -7,32 +7,32 @@
  *  Departure: what an edge carries over is the normal mirrored at the plane midway between both
  *  ends (Koenig and Gumhold 2009, "Consistent propagation of normal orientations in point clouds"),
  *  not the normal itself: on a circular arc the two mirror each other, so that creases of 90
- *  degrees and thin parts keep their sides. An edge along a normal costs most, and one
- *  between parallel planes that lie apart, so that noise and nearby sheets are crossed last.
- * Without the mirror 15,212 of 30,000 points of a plate 1 x 1 x 0.02 are on the wrong side, with it
- * 3 or fewer (three draws). Departure: where the surface is closed, all edges between two patches
- * vote, winding numbers turn patches that edges cannot tell (geom/span.h, geom/winding.h),
- * neighbours outvote single points, and a few points that were cut off join what is beside them. On
- * open scans this did harm, and so it did where noise makes fits take more points than lists have
- * (igea655k_noisy 7 of 10,000 results instead of 0): both keep the first signs. Where the numbers
- * say that the surface is not closed, signs are spread anew, across the points last that lie off
- * their own fit, as beside an edge sharper than 90 degrees; these are kept if they close it.
- * Without, of prisms with an edge of 70 and of 50 degrees 29 and 38 % of the points face inward,
- * with it fewer than 0.5 %. Departure: with noise, and where a surface is open, regions are turned
- * that three quarters of the edges around them contradict (geom/flip.h). Points on the wrong side,
- * of clouds with noise of 0.3 spacings, without and with it: a bore through a block 157 and 10 of
- * 5,921 (294 and 0 of 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other 97 and
- * 3 of 7,282, 408 and 2 of 6,219. Measured, of 30,000 points of white noise those whose normal
- * leads into the face they were drawn from, and in brackets those of which all faces within a
- * spacing agree on it; the others lie on blades and creases, where the fit is that of another face.
- * Armadillo, ten draws: 12 to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all); igea and
- * fandisk 1 (0); torus and knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its
- * body, 400 to 1,200, before 1,200 to 1,400. Departure: each connected component then faces away
- * from its own inside. A closed surface has more of its normals, by area, leading away from its
- * middle than towards it: the flux of x minus the middle through it is three times its volume. The
- * same goes for a dome. Where that flux is small against the sum of the normals, as on a terrain,
- * the component faces upward: the largest coordinate of the sum of its normals is made positive.
- * Departure: a surface with one side only, such as a Moebius band, is counted. */
+ *  degrees and thin parts keep their sides. An edge along a normal costs most, so that noise and
+ *  nearby sheets are crossed last. Without the mirror 15,212 of 30,000 points of a plate 1 x 1 x
+ *  0.02 are on the wrong side, with it 3 or fewer (three draws).
+ *  Departure: where the surface is closed, all edges between two patches vote, winding numbers turn
+ *  patches that edges cannot tell (geom/span.h, geom/winding.h), neighbours outvote single points,
+ *  and a few points that were cut off join what is beside them. On open scans this did harm, and so
+ *  it did where noise makes fits take more points than lists have (igea655k_noisy 7 of 10,000
+ *  results instead of 0): both keep the first signs. Where the numbers say that the surface is not
+ *  closed, signs are spread anew, across the points last that lie off their own fit, as beside an
+ *  edge sharper than 90 degrees; these are kept if they close it. Without, of prisms with an edge
+ *  of 70 and of 50 degrees 29 and 38 % of the points face inward, with it fewer than 0.5 %.
+ *  Departure: with noise, and where a surface is open, regions are turned that three quarters of
+ * the edges around them contradict (geom/flip.h). Points on the wrong side, of clouds with noise of
+ * 0.3 spacings, without and with it: a bore through a block 157 and 10 of 5,921 (294 and 0 of
+ * 12,695), a gear's tooth 53 and 8 of 3,230, of sheets above each other 97 and 3 of 7,282, 408 and
+ * 2 of 6,219. Measured, of 30,000 points of white noise those whose normal leads into the face they
+ * were drawn from, and in brackets those of which all faces within a spacing agree on it; the
+ * others lie on blades and creases, where the fit is that of another face. Armadillo, ten draws: 12
+ * to 57 (0 in five, 1 to 35 on fingers in the others, 75 in all); igea and fandisk 1 (0); torus and
+ * knots of tube 0.4, 0.2 and 0.12: 0. The cow, whose tail lies along its body, 400 to 1,200, before
+ * 1,200 to 1,400. Departure: each connected component then faces away from its own inside. A closed
+ * surface has more of its normals, by area, leading away from its middle than towards it: the flux
+ * of x minus the middle through it is three times its volume. The same goes for a dome. Where that
+ * flux is small against the sum of the normals, as on a terrain, the component faces upward: the
+ * largest coordinate of the sum of its normals is made positive. Departure: a surface with one side
+ * only, such as a Moebius band, is counted. */
 #ifndef VOR_INPUT_ORIENT_H
 #define VOR_INPUT_ORIENT_H
 
