@@ -205,7 +205,7 @@ void vor_fillet_fit(struct vor_fillet *out, const float *near, unsigned k, doubl
                     double normal[2][3], double reach)
 {
     struct points points = {.k = k};
-    double gain, left;
+    double gain;
 
     memset(out, 0, sizeof *out);
     begin(out, place, normal);
@@ -221,8 +221,8 @@ void vor_fillet_fit(struct vor_fillet *out, const float *near, unsigned k, doubl
     gain = look(out, &points, reach);
     if (!(gain > 0))
         return;
-    left = improve(out, &points, reach);
-    out->gain = left > 0 ? gain / left * k : 0;
+    out->off2 = improve(out, &points, reach) / k;
+    out->gain = out->off2 > 0 ? gain / out->off2 : 0;
 }
 
 int vor_fillet_at(const struct vor_fillet *fillet, const double x[3], double *height,

@@ -18,9 +18,10 @@ struct vor_fillet {
     double height[2][3];          /**< of the origin over each side: h0 + h1 v + h2 v^2, v along */
     double cosine;                /**< between the normals of the sides */
     double radius;                /**< >= 0 */
-    double gain; /**< by how much the sum of squares of the points' heights is less with the best
-                      radius than with none, on the sides as given, over the mean of those that are
-                      left; 0: the best is none, and the sides are those */
+    double off2;                  /**< mean square of the points' heights over it */
+    double gain; /**< by how much the sum of these squares is less with the best radius than with
+                      none, on the sides as given, in off2; 0: the best is none, and the sides are
+                      those */
 };
 
 /** Fits one.

@@ -11,7 +11,8 @@
 /* Figures below: fandisk30k_noisy to 40,000 by 10,000 samples, rms elsewhere than near edges over
  * the input's, and the same of a box with one sharp edge and three fillets of 2, 4 and 8 % of its
  * diagonal, 30,000 points with noise of 0.5 %. Without fillets .383, .801; at GAIN 1 and all
- * neighbours in planes (lop/normals.c) .224, .280, with fewer radii tried (geom/fillet.c). */
+ * neighbours in planes (lop/normals.c) .224, .280, with fewer radii tried (geom/fillet.c) and no
+ * bound on points of third sides. */
 enum {
     BLOCK = 64, /* points of a task */
     FEWEST = 4  /* points of a side */
@@ -26,9 +27,17 @@ enum {
  * more than a standard error. At 0 / 1 / 2 standard errors .236, .277 / .236, .278 / .227, .298. */
 #define CENTRAL 0.5
 /* Gain of a fillet over an edge, in variances of the noise, in the mean of the points at the edge
- * around. At true edges 99 in 100 points have a gain below 1, at fillets as wide as the fits half
- * of them 10 to 60. At 0.5 / 1 / 2: .229, .261 / .236, .278 / .283, .275. */
+ * around; most that one of them counts for. At true edges 99 in 100 points have a gain below 1, at
+ * fillets as wide as the fits half of them 10 to 60. At 0.5 / 1 / 2: .229, .261 / .236, .278 /
+ * .283, .275. */
 #define GAIN 0.5
+#define GAIN_MOST 20.0
+/* Part of a unit normal that may lie along the edge: else the point is of a third side. At 0.25 /
+ * 0.5 / 0.8: .236, .278 in all cases, .238 at 0.8. */
+#define ALONG 0.5
+/* Roots of the variance over a fillet that a point of it is off, at most. At 2 / 4 / 8: .230, .298
+ * / .236, .278 / .236, .278. */
+#define OFF 4.0
 
 /* Slots of points that have none: those far from edges, and those where the surface is no rounder
  * than an edge. */
@@ -55,8 +64,8 @@ struct fillets {
 /* The two sides around a point. */
 struct sides {
     double place[2][3], normal[2][3]; /* outwards */
-    double along[3];                  /* the edge, unit length */
-    double sign;                      /* of their normals: -1 where the edge is hollow */
+    double along[3];
+    double sign; /* of their normals: -1 where the edge is hollow */
 };
 
 static double dotf(const float a[3], const float b[3])
@@ -137,8 +146,7 @@ static int find_sides(struct sides *out, const struct fillets *fillets, const fl
     return 1;
 }
 
-/* Whether a normal is that of a point between both sides, or of one, and not turned out of their
- * plane by as much as makes an edge: then it is that of a third side. */
+/* Whether a normal is that of a point between both sides, or of one. */
 static int belongs(const struct sides *sides, const float n[3])
 {
     double along = 0, up = 0;
@@ -147,7 +155,7 @@ static int belongs(const struct sides *sides, const float n[3])
         along += (double)n[c] * sides->along[c];
         up += (double)n[c] * (sides->normal[0][c] + sides->normal[1][c]);
     }
-    return along * along <= 1 - VOR_LOP_EDGE_COSINE * VOR_LOP_EDGE_COSINE && up * sides->sign > 0;
+    return fabs(along) <= ALONG && up * sides->sign > 0;
 }
 
 /* Heights of x over both sides. */
@@ -259,10 +267,11 @@ static void fit_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned w
         fit(&fillets->fillet[f], fillets, fillets->point[f]);
 }
 
-/* What the fillets around a point say: sums of weights, of those times gains, and of these where
- * the point is near the round part; and of weights times gains times places and normals. */
+/* What the fillets around a point say: sums of weights, of those times gains, of these where the
+ * point is near the surface, and where it is near its round part; and of these weights times places
+ * and normals. */
 struct said {
-    double weight, gain, round;
+    double weight, gain, fitted, round;
     double xyz[3], normal[3];
 };
 
@@ -275,6 +284,7 @@ static void listen(struct said *said, const struct fillets *fillets, size_t i, s
     const float *x = &fillets->domain->xyz[3 * i];
     const double at[3] = {(double)x[0], (double)x[1], (double)x[2]};
     double height, normal[3];
+    int round;
 
     said->weight += weight;
     if (fillets->slot[j] == NO_FILLET)
@@ -283,9 +293,13 @@ static void listen(struct said *said, const struct fillets *fillets, size_t i, s
     sign = fillets->fillet[fillets->slot[j]].sign;
     if (!(fillet->gain > 0))
         return;
-    weight *= fillet->gain;
-    said->gain += weight;
-    said->round += weight * vor_fillet_at(fillet, at, &height, normal);
+    said->gain += weight * fmin(fillet->gain, GAIN_MOST);
+    round = vor_fillet_at(fillet, at, &height, normal);
+    if (height * height > OFF * OFF * fillet->off2)
+        return;
+    weight *= fmin(fillet->gain, GAIN_MOST);
+    said->fitted += weight;
+    said->round += weight * round;
     for (int c = 0; c < 3; c++) {
         said->xyz[c] += weight * (at[c] - height * normal[c]);
         said->normal[c] += weight * sign * normal[c];
@@ -322,11 +336,11 @@ static void put_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned w
         memcpy(n, normal_of(fillets, i), 3 * sizeof *n);
         ask(&said, fillets, i);
         length = sqrt(vor_dot(said.normal, said.normal));
-        if (!(said.gain > GAIN * said.weight) || !(said.round > said.gain / 2) ||
-            !(length > said.gain / 2))
+        if (!(said.gain > GAIN * said.weight) || !(said.round > said.fitted / 2) ||
+            !(length > said.fitted / 2))
             continue;
         for (int c = 0; c < 3; c++) {
-            y[c] = (float)(said.xyz[c] / said.gain);
+            y[c] = (float)(said.xyz[c] / said.fitted);
             n[c] = (float)(said.normal[c] / length);
         }
     }

@@ -30,6 +30,9 @@ enum { LISTED = 32 };
  */
 #define FAR 0.3
 
+/* Shortest distance to another point that counts, in reaches: keeps beta finite. */
+#define SHORTEST 0.01
+
 /* Shortest distance to a datum that counts, squared, in its area as density_block has it: that is
  * the spacing there, of which an even disc to the twelfth neighbour has a radius of 1.8. Else
  * points stick to single data where these are not many times as many. */
@@ -188,7 +191,8 @@ static void repel(double push[3], struct project *project, size_t i)
         const float *y = &project->samples->xyz[3 * (size_t)crowd.index[j]];
         double d2 = (double)crowd.distance2[j];
         double beta = (double)project->crowding[crowd.index[j]] *
-                      vor_lop_near(d2, 1 / (reach * reach)) / fmax(d2, VOR_ROUNDED * reach * reach);
+                      vor_lop_near(d2, 1 / (reach * reach)) /
+                      fmax(d2, SHORTEST * SHORTEST * reach * reach);
 
         sum += beta;
         for (unsigned c = 0; c < 3; c++)

@@ -8,6 +8,15 @@
 
 #include <string.h>
 
+/* Edges of a loop whose cells disagreed on three triangles: what they lie on does not matter
+ * as long as it is one sheet of the input. */
+enum { SMALL = 5 };
+
+/* Quality that a triangle without area counts as, and how much more one costs that stands upright
+ * on the tangent planes of its corners. */
+#define LEAST 0.02
+#define UPRIGHT 3.0
+
 /* The best ways to cut parts of a loop into triangles: cost[a][b] of the part from point a to b,
  * which begins with the triangle (a, by[a][b], b). */
 struct closing {
@@ -32,8 +41,26 @@ static int may_join(const struct closing *closing, unsigned a, unsigned b)
     if (b == a + 1 || (a == 0 && b == closing->count - 1))
         return 1;
     return i != j && vor_complex_edge(closing->complex, i, j, third) == 0 &&
-           vor_sheet_is_beside(closing->sheet, i, j) &&
+           (closing->count <= SMALL || vor_sheet_is_beside(closing->sheet, i, j)) &&
            (!closing->balls->parts || vor_sheet_leads(closing->sheet, i, j));
+}
+
+/* What a triangle costs: the worse and the more upright, the more. */
+static double cost_of(const struct closing *closing, const uint32_t corner[3])
+{
+    const float *xyz = closing->sheet->seeds->xyz;
+    double normal[3], length, agrees = 0;
+
+    vor_triangle_normal(normal, xyz, corner);
+    length = sqrt(vor_dot(normal, normal));
+    for (int c = 0; c < 3 && length > 0; c++) {
+        const float *m = &closing->sheet->normal[3 * (size_t)corner[c]];
+
+        agrees +=
+            fabs(normal[0] * (double)m[0] + normal[1] * (double)m[1] + normal[2] * (double)m[2]) /
+            (3 * length);
+    }
+    return (1 + UPRIGHT * (1 - agrees)) / fmax(vor_triangle_quality(xyz, corner), LEAST);
 }
 
 /* Finds the best way to cut the part from a to b. */
@@ -51,8 +78,7 @@ static void cut_part(struct closing *closing, unsigned a, unsigned b)
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[0] == corner[2] ||
             !(cost < closing->cost[a][b]))
             continue;
-        /* the worse, the more */
-        cost += 1 / fmax(vor_triangle_quality(closing->sheet->seeds->xyz, corner), VOR_ROUNDED);
+        cost += cost_of(closing, corner);
         if (cost < closing->cost[a][b] &&
             !vor_crossing_near(closing->complex, closing->balls, corner)) {
             closing->cost[a][b] = cost;
