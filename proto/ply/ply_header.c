@@ -136,7 +136,8 @@ static vor_status next_line(struct scan *scan, struct line *line, struct vor_err
         else
             vor_fail(err, VOR_E_FORMAT, "the file ends after %zu bytes, before end_header",
                      scan->size);
-        return vor_fail_at(err, VOR_E_FORMAT, scan->size);
+        (void)vor_fail_at(err, VOR_E_FORMAT, scan->size);
+        return VOR_E_FORMAT;
     }
     line->at = (const char *)begin;
     line->offset = scan->at;

@@ -212,7 +212,9 @@ static int wait_for_room(struct run *run, double seconds)
 static vor_status write_files(struct run *run, const struct vor_artefacts *out,
                               struct vor_error *err)
 {
-    for (double pause = retry_seconds;; pause *= pause < retry_seconds_max ? 2 : 1) {
+    double pause = retry_seconds;
+
+    for (;;) {
         vor_status status = try_files(run, out, err);
 
         if (status != VOR_E_IO || !vor_error_storage_full(err))
@@ -220,6 +222,7 @@ static vor_status write_files(struct run *run, const struct vor_artefacts *out,
         say(run, VOR_SAID_WAITS, err);
         if (!wait_for_room(run, pause))
             return vor_fail(err, VOR_E_CANCELLED, "cancelled while the disk was full");
+        pause *= pause < retry_seconds_max ? 2 : 1;
     }
 }
 

@@ -300,7 +300,9 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
  * where its files do not grow, and keeps what it has made; here they cannot be read or made. */
 static enum vor_run_end execute(struct run *run, struct vor_error *err)
 {
-    for (double pause = retry_seconds;; pause = fmin(2 * pause, retry_seconds_max)) {
+    double pause = retry_seconds;
+
+    for (;;) {
         enum vor_run_end end = try_order(run, err);
 
         if (end != VOR_RUN_FAILED ||
@@ -313,6 +315,7 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
                            "cancelled while the daemon could not store the files of the job");
             return VOR_RUN_FAILED;
         }
+        pause = fmin(2 * pause, retry_seconds_max);
     }
 }
 
