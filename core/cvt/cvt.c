@@ -83,7 +83,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
         status = vor_spec_descends(spec) ? vor_descend_run(&seeds, told, &shorter, run, err)
                                          : vor_lloyd_run(&seeds, told, &shorter, run, err);
     if (status == VOR_OK && !inserts)
-        status = vor_polish(&seeds, told, 0, &shorter, run, err);
+        status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

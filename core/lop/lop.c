@@ -293,7 +293,7 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = hand_over(&seeds, &lop, err);
     if (status == VOR_OK)
-        status = vor_polish(&seeds, told, 0, spec, run, err);
+        status = vor_polish(&seeds, told, spec, run, err);
     vor_lop_samples_free(&lop.samples);
     vor_domain_free(&lop.thin);
     if (status != VOR_OK) {
@@ -356,7 +356,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
 static vor_status even_out_smooth(struct vor_seeds *seeds, struct lop *lop, struct vor_error *err)
 {
     struct fitting fitting = {lop, seeds};
-    vor_status status = vor_polish(seeds, lop->told, 0, lop->spec, lop->run, err);
+    vor_status status = vor_polish(seeds, lop->told, lop->spec, lop->run, err);
 
     if (status != VOR_OK || lop->told->stopped == VOR_STOPPED_CALLER)
         return status;

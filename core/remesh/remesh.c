@@ -435,7 +435,7 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && !is_spread && !(seeds.coherence > 0 && seeds.track == NULL))
         status = spread(&seeds, told, &shorter, run, err);
     if (status == VOR_OK)
-        status = vor_polish(&seeds, told, 0, &shorter, run, err);
+        status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

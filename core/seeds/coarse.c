@@ -33,7 +33,7 @@ static vor_status even_out(struct vor_seeds *seeds, const struct vor_domain *thi
     vor_status status = is_first ? how->spread(seeds, &told, how->spec, how->run, err) : VOR_OK;
 
     if (status == VOR_OK)
-        status = vor_polish(seeds, &told, 1, how->spec, how->run, err);
+        status = vor_polish(seeds, &told, how->spec, how->run, err);
     if (thin != NULL)
         vor_seeds_onto(seeds, thin);
     return status;

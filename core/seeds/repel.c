@@ -114,7 +114,6 @@ struct polish {
     struct vor_forces forces; /* of the step, if lists hold the points around a seed */
     int cells;                /* holes are looked for in this step */
     int covers;               /* this step leads to the centroids of cells */
-    int coarse;               /* finer seeds come from these */
     double hole;              /* pitches from the middle of a hole to the points around it */
 };
 
@@ -480,10 +479,9 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         polish->cells = stage->keep_last = 1;
         memset(polish->quiet, 0, seeds->n);
     }
-    polish->recall.slack = polish->coarse || done + FRESH < steps ? VOR_SEEDS_SLACK : SLACK_FRESH;
+    polish->recall.slack = done + FRESH < steps ? VOR_SEEDS_SLACK : SLACK_FRESH;
     polish->recall.lazy = aim == &even_distances && done % CELLS_EVEN > 0;
-    polish->recall.refine =
-        !polish->coarse && 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
+    polish->recall.refine = 2 * done >= steps && vor_domain_is_exact(polish->seeds->whole);
     polish->forces = (struct vor_forces){
         .h2 = (float)(polish->h * polish->h),
         .reach2 = (float)(force_reach(polish) * force_reach(polish)),
@@ -504,13 +502,11 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
     return VOR_OK;
 }
 
-/* Evens the seeds out. polish->recall.keep_holes is as vor_attach found it, here or before a
- * checkpoint. */
-static vor_status repel(struct polish *polish, struct vor_outcome *told,
+/* Evens the seeds out. keep_holes is as vor_attach found it, here or before a checkpoint. */
+static vor_status repel(struct vor_seeds *seeds, struct vor_outcome *told, int *keep_holes,
                         const struct vor_spec *spec, const struct vor_run *run,
                         struct vor_error *err)
 {
-    struct vor_seeds *seeds = polish->seeds;
     int for_triangles = vor_process_takes(spec->process, VOR_PARAM_SOUP) &&
                         spec->value[VOR_PARAM_METRIC] == VOR_METRIC_ISOTROPIC &&
                         !seeds->whole->known.sheets;
@@ -518,67 +514,72 @@ static vor_status repel(struct polish *polish, struct vor_outcome *told,
     double area = told->steps[VOR_RUN_STAGE_ITERATE] > 0 ? told->area_even : seeds->area;
     double cells = (double)seeds->n - (double)seeds->half / 2;
     size_t row = 3 * sizeof(float);
+    struct polish polish = {.seeds = seeds,
+                            .aim = for_triangles ? &six_around
+                                   : by_short    ? &short_steps
+                                                 : &even_distances,
+                            .recall = {.keep_holes = *keep_holes},
+                            .pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells))};
     struct vor_memory *memory = seeds->run.memory;
     vor_status status;
 
     if (vor_spec_polish(spec) == 0 || told->stopped == VOR_STOPPED_CALLER)
         return VOR_OK;
-    polish->aim = for_triangles ? &six_around : by_short ? &short_steps : &even_distances;
-    polish->pitch = sqrt(area / (VOR_HEXAGON_HEIGHT * cells));
-    polish->stage = (struct vor_stage){.spec = spec,
-                                       .run = run,
-                                       .told = told,
-                                       .record = told->last,
-                                       .of = polish,
-                                       .step = step_once,
-                                       .measure = measure,
-                                       .measure_every = EVEN_EVERY,
-                                       .measure_last = FRESH,
-                                       .tell_every = RECORD_EVERY,
-                                       .share = 1,
-                                       .follows = 1,
-                                       .unfinished = !vor_seeds_on_whole(seeds),
-                                       .saves = 1};
-    polish->stage.record.stage = VOR_RUN_STAGE_POLISH;
-    polish->stage.record.of = vor_spec_polish(spec);
-    polish->stage.record.step = polish->stage.record.ahead = 0;
-    polish->at = vor_malloc(memory, seeds->n, 4 * sizeof *polish->at);
-    polish->next = vor_malloc(memory, seeds->n, row);
-    polish->step = vor_calloc(memory, seeds->n, row);
-    polish->pull = vor_calloc(memory, seeds->n, row);
-    polish->quiet = vor_calloc(memory, seeds->n, 1);
-    if (polish->at == NULL || polish->next == NULL || polish->step == NULL ||
-        polish->pull == NULL || polish->quiet == NULL)
+    polish.stage = (struct vor_stage){.spec = spec,
+                                      .run = run,
+                                      .told = told,
+                                      .record = told->last,
+                                      .of = &polish,
+                                      .step = step_once,
+                                      .measure = measure,
+                                      .measure_every = EVEN_EVERY,
+                                      .measure_last = FRESH,
+                                      .tell_every = RECORD_EVERY,
+                                      .share = 1,
+                                      .follows = 1,
+                                      .unfinished = !vor_seeds_on_whole(seeds),
+                                      .saves = 1};
+    polish.stage.record.stage = VOR_RUN_STAGE_POLISH;
+    polish.stage.record.of = vor_spec_polish(spec);
+    polish.stage.record.step = polish.stage.record.ahead = 0;
+    polish.at = vor_malloc(memory, seeds->n, 4 * sizeof *polish.at);
+    polish.next = vor_malloc(memory, seeds->n, row);
+    polish.step = vor_calloc(memory, seeds->n, row);
+    polish.pull = vor_calloc(memory, seeds->n, row);
+    polish.quiet = vor_calloc(memory, seeds->n, 1);
+    if (polish.at == NULL || polish.next == NULL || polish.step == NULL || polish.pull == NULL ||
+        polish.quiet == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
-        status = vor_stage_of_seeds(&polish->stage, seeds, err);
-    polish->stage.part[0] = (struct vor_part){polish->step, seeds->n * row};
-    polish->stage.part[1] = (struct vor_part){polish->pull, seeds->n * row};
-    polish->stage.part[2] = (struct vor_part){polish->quiet, seeds->n};
-    polish->stage.part[3] = (struct vor_part){&polish->recall, sizeof polish->recall};
+        status = vor_stage_of_seeds(&polish.stage, seeds, err);
+    polish.stage.part[0] = (struct vor_part){polish.step, seeds->n * row};
+    polish.stage.part[1] = (struct vor_part){polish.pull, seeds->n * row};
+    polish.stage.part[2] = (struct vor_part){polish.quiet, seeds->n};
+    polish.stage.part[3] = (struct vor_part){&polish.recall, sizeof polish.recall};
     if (status == VOR_OK)
-        status = vor_stage_run(&polish->stage, err);
-    told->refined = polish->recall.refine;
-    VOR_FREE_ALL(memory, polish->quiet, polish->pull, polish->step, polish->next, polish->at);
-    vor_stage_free(&polish->stage);
+        status = vor_stage_run(&polish.stage, err);
+    told->refined = polish.recall.refine;
+    *keep_holes = polish.recall.keep_holes;
+    VOR_FREE_ALL(memory, polish.quiet, polish.pull, polish.step, polish.next, polish.at);
+    vor_stage_free(&polish.stage);
     return status;
 }
 
-vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told, int coarse,
+vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
                       const struct vor_spec *spec, const struct vor_run *run, struct vor_error *err)
 {
-    struct polish polish = {.seeds = seeds, .coarse = coarse};
     double before = vor_run_clock(run);
+    int keep_holes = 0;
     vor_status status = VOR_OK;
 
     if (vor_stage_was_late(told, spec, run))
         status = vor_attach_fast(seeds, err);
     else if (!vor_checkpoint_is(run)) /* of seeds that are attached */
-        status = vor_attach(seeds, &polish.recall.keep_holes, err);
+        status = vor_attach(seeds, &keep_holes, err);
     if (status == VOR_OK)
-        status = repel(&polish, told, spec, run, err);
+        status = repel(seeds, told, &keep_holes, spec, run, err);
     if (status == VOR_OK)
-        status = vor_attach_to_whole(seeds, polish.recall.keep_holes, err);
+        status = vor_attach_to_whole(seeds, keep_holes, err);
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
     if (status == VOR_OK)

@@ -102,8 +102,6 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
  * so. None is made where the request allows none or the caller stopped the run.
  *
  *  @param[in,out] told  what the method did so far; this stage is added, stopped may change
- *  @param[in]     coarse  finer seeds come from these: surfaces are neither refined nor fitted
- *                         sooner in the end
  *  @param[in]     spec  read: polish, evenness, delta, seconds
  *  @param[in]     run   may be stopped
  *
@@ -111,7 +109,7 @@ static inline struct vor_repel_pace vor_repel_pace_at(unsigned hard, unsigned do
  *  @retval VOR_E_NOMEM  68 n bytes do not fit
  *
  *  O(steps n), on the run's pool. The same positions for any number of threads. */
-VOR_NODISCARD vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told, int coarse,
+VOR_NODISCARD vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
                                     const struct vor_spec *spec, const struct vor_run *run,
                                     struct vor_error *err);
 

@@ -154,8 +154,8 @@ VT_TEST_FIGURES(coarse_points_come_first_where_they_show_the_surface,
     vor_cloud_free(&in);
 }
 
-/* Of eight seeds of each surface: eta 0.69 to 0.76 of that by spacing, and 0 to 19 wide places of
- * 267 to 337; of 64 draws of two tori gap 0.64 to 0.67, of one 0.681 (a square hole has 0.707). */
+/* Of eight seeds of each surface: eta 0.69 to 0.76 of that by spacing, gap 0.64 to 0.66, and 0 to
+ * 19 wide places of 267 to 337. */
 VT_TEST_FIGURES(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point,
                 VT_FEWER(VT_SOAK_LOOPS(1, SEEDS) * VT_SMOOTH))
 {
@@ -167,7 +167,7 @@ VT_TEST_FIGURES(eta_ends_a_run_and_cover_leaves_no_place_far_from_a_point,
     vt_resample(&out, &even, &in, "points=2000 seed=%d", _i);
     vor_cloud_free(&out);
     vt_resample(&out, &cover, &in, "points=2000 evenness=cover seed=%d", _i);
-    ck_assert_msg(cover.eta <= 0.85 * even.eta && cover.gap <= 0.69 && cover.wide <= even.wide / 8,
+    ck_assert_msg(cover.eta <= 0.85 * even.eta && cover.gap <= 0.68 && cover.wide <= even.wide / 8,
                   "%s: eta %g after %g, gap %g, %g wide places after %g", shape->name, cover.eta,
                   even.eta, cover.gap, (double)cover.wide, (double)even.wide);
     ck_assert_uint_eq(out.n, 2000);
