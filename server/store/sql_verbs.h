@@ -21,9 +21,9 @@ static inline struct vor_sql *vor_sql_of(struct vor_store *store)
  *  job changes with the state of its job, and has what queues and lists go by; what else is known
  * of a job stands beside it, written once: when it is accepted (job_text), and when it is over
  *  (job_end). job_run has the progress of jobs that are not over. Wide rows that change leave wide
- *  dead versions behind. */
-#define VOR_SQL_TABLES(key_of_job, key)                                                            \
-    "CREATE TABLE job (seq " key_of_job ", created bigint NOT NULL,"                               \
+ *  dead versions behind. Of job, unique is said of its id, and rest ends the statement. */
+#define VOR_SQL_TABLE_OF_JOB(key, unique, rest)                                                    \
+    "CREATE TABLE job (seq " key ", created bigint NOT NULL,"                                      \
     " started bigint NOT NULL DEFAULT 0, updated bigint NOT NULL,"                                 \
     " finished bigint NOT NULL DEFAULT 0, expires bigint NOT NULL DEFAULT 0,"                      \
     " kept bigint NOT NULL DEFAULT 0," /* bytes of inputs */                                       \
@@ -31,11 +31,12 @@ static inline struct vor_sql *vor_sql_of(struct vor_store *store)
     " turn bigint NOT NULL DEFAULT 0, decoded bigint NOT NULL DEFAULT 0,"                          \
     " attempt integer NOT NULL DEFAULT 0, crashes integer NOT NULL DEFAULT 0,"                     \
     " expired integer NOT NULL DEFAULT 0, alone integer NOT NULL DEFAULT 0,"                       \
-    " stop integer NOT NULL DEFAULT 0, id text NOT NULL UNIQUE, process_id text NOT NULL,"         \
+    " stop integer NOT NULL DEFAULT 0, id text NOT NULL" unique ", process_id text NOT NULL,"      \
     " status text NOT NULL"                                                                        \
     "  CHECK (status IN ('accepted','running','successful','failed','dismissed')),"                \
     " name text NOT NULL DEFAULT '', principal text NOT NULL DEFAULT '', idem_key text,"           \
-    " owner text NOT NULL DEFAULT '');"                                                            \
+    " owner text NOT NULL DEFAULT ''" rest ";"
+#define VOR_SQL_TABLES_BESIDE(key)                                                                 \
     "CREATE TABLE job_text (seq " key ", input_format bigint NOT NULL,"                            \
     " input_points bigint NOT NULL, input_bytes bigint NOT NULL, memory bigint NOT NULL,"          \
     " release bigint NOT NULL, input_seconds double precision NOT NULL, input_sha256 text NOT "    \
@@ -77,7 +78,6 @@ static inline struct vor_sql *vor_sql_of(struct vor_store *store)
     "CREATE INDEX job_turn ON job (principal, turn) WHERE status = 'accepted';"                    \
     "CREATE INDEX job_status ON job (status, seq) WHERE expired = 0;"                              \
     "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
-    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
     "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
     "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
 

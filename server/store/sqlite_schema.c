@@ -5,9 +5,9 @@
 /* A store of version 6 or 13 is brought up to this one; no others were released. */
 enum { SCHEMA_VERSION = 14 };
 
-/* What stands beside the tables of jobs (VOR_SQL_TABLES). ledger is what each principal has, and
- * the turn of its job that was claimed last; round is how much waits, by which a place in the queue
- * is counted: in turn t in row t, and in the 256 turns of which t is one in row -1 - t / 256.
+/* What stands beside the tables of jobs (VOR_SQL_TABLE_OF_JOB). ledger is what each principal has,
+ * and the turn of its job that was claimed last; round is how much waits, by which a place in the
+ * queue is counted: in turn t in row t, and in the 256 turns of which t is one in row -1 - t / 256.
  * Triggers keep both, so that they change in the transaction of whatever changes a job. Leases are
  * a row of each daemon. Events stand in the pieces that were appended, each with the number of its
  * last one. The view, and the ledger's version, are words that statements have for PostgreSQL's
@@ -73,6 +73,7 @@ static const char from_6[] =
 /* Each index of a list holds all columns that lists are about. */
 #define INDEXES                                                                                    \
     VOR_SQL_INDEXES                                                                                \
+    "CREATE UNIQUE INDEX job_key ON job (principal, idem_key) WHERE idem_key IS NOT NULL;"         \
     "CREATE INDEX job_listed ON job"                                                               \
     " (seq, status, process_id, created, started, finished, name, principal) WHERE expired = 0;"   \
     "CREATE INDEX job_named ON job"                                                                \
@@ -104,7 +105,9 @@ static const char from_6[] =
     " DELETE FROM job_text WHERE seq = old.seq; DELETE FROM job_run WHERE seq = old.seq;"          \
     " DELETE FROM job_end WHERE seq = old.seq; DELETE FROM event WHERE seq = old.seq; END;"
 
-#define JOBS VOR_SQL_TABLES("INTEGER PRIMARY KEY AUTOINCREMENT", "INTEGER PRIMARY KEY")
+#define JOBS                                                                                       \
+    VOR_SQL_TABLE_OF_JOB("INTEGER PRIMARY KEY AUTOINCREMENT", " UNIQUE", ")")                      \
+    VOR_SQL_TABLES_BESIDE("INTEGER PRIMARY KEY")
 
 static const char first[] =
     "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=14; COMMIT;";

@@ -25,7 +25,7 @@ if ($want{churn}) {
     my @watch = map { Vt->start(store => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn", 'store-listen' => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn",
         blobs => "postgresql://voronoid\@127.0.0.1:$Scale::postgres/churn", role => 'api') } $ENV{VT_TOLD} ? 1 : ();
     my @tables = qw(job job_text job_end job_run round ledger);
-    my $sizes = 'SELECT ' . join ', ', map { "'$_ ' || pg_table_size('$_') || ' of ' || (SELECT coalesce(sum(pg_column_size($_.*)), 0) FROM $_)" } @tables;
+    my $sizes = 'SELECT ' . join ', ', map { "'$_ ' || coalesce((SELECT sum(pg_table_size(relid)) FROM pg_partition_tree('$_')), pg_table_size('$_')) || ' of ' || (SELECT coalesce(sum(pg_column_size($_.*)), 0) FROM $_)" } @tables;
     open my $idle, '|-', 'psql', '-Xq', "host=127.0.0.1 port=$Scale::postgres user=voronoid dbname=churn" or die "psql: $!";
     $idle->autoflush;
     print $idle "BEGIN ISOLATION LEVEL REPEATABLE READ; SELECT count(*) AS before FROM job;\n";
@@ -36,7 +36,7 @@ if ($want{churn}) {
     close $idle;
     ask('churn', 'VACUUM');
     print '  after that transaction and a vacuum: ', ask('churn', $sizes), "\n";
-    print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job\')'), "\n";
+    print '  of job, free for what comes: ', ask('churn', 'CREATE EXTENSION IF NOT EXISTS pg_freespacemap; SELECT sum(avail) FROM pg_freespace(\'job_over\')'), "\n";
     `build/release/tests/by_hand/scale/churn`;
     print "  after $count more: ", ask('churn', $sizes), "\n";
 }
