@@ -86,24 +86,17 @@ VT_TEST_LOOP(the_grammar_is_the_standards, (int)(sizeof examples / sizeof exampl
     }
 }
 
-VT_TEST(an_id_with_a_nul_is_ignored)
-{
-    static const char stream[] = "id: a\ndata: 1\n\nid: b\0c\ndata: 2\n\n";
-    char *log = heard(stream, sizeof stream - 1, 0, 0);
-
-    ck_assert_str_eq(log, "a|message|1\x1e"
-                          "a|message|2\x1e");
-    free(log);
-}
-
 /* Regression: a name of a lone NUL was neither a name nor "message". */
-VT_TEST(a_name_is_cut_at_a_nul)
+VT_TEST_LOOP(an_id_with_a_nul_is_ignored_and_a_name_is_cut_at_it, 2)
 {
-    static const char stream[] = "event: \0x\ndata: 1\n\nevent: a\0b\ndata: 2\n\n";
-    char *log = heard(stream, sizeof stream - 1, 0, 0);
+    static const char id[] = "id: a\ndata: 1\n\nid: b\0c\ndata: 2\n\n";
+    static const char name[] = "event: \0x\ndata: 1\n\nevent: a\0b\ndata: 2\n\n";
+    char *log = _i == 0 ? heard(id, sizeof id - 1, 0, 0) : heard(name, sizeof name - 1, 0, 0);
 
-    ck_assert_str_eq(log, "|message|1\x1e"
-                          "|a|2\x1e");
+    ck_assert_str_eq(log, _i == 0 ? "a|message|1\x1e"
+                                    "a|message|2\x1e"
+                                  : "|message|1\x1e"
+                                    "|a|2\x1e");
     free(log);
 }
 
