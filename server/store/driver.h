@@ -165,7 +165,7 @@ struct vor_store_driver {
                        struct vor_error *err);
     void (*close)(struct vor_store *store);
     vor_status (*check)(struct vor_store *store, int *is_lost, struct vor_error *err);
-    /** NULL where nobody shares it. */
+    /** NULL for a store that daemons cannot share. */
     vor_status (*listen)(struct vor_store *store, const char *where, void (*heard)(void *ctx),
                          void *ctx, struct vor_error *err);
 };

@@ -79,7 +79,7 @@ static vor_status connect_and_listen(struct vor_postgres_hints *hints, struct vo
     return status;
 }
 
-/* Waits until somebody has told something, or wants to, or so long. */
+/* Waits until a hint arrives or is to be sent, at most so long. */
 static void await(struct vor_postgres_hints *hints, double seconds)
 {
     struct pollfd fds[] = {
@@ -91,7 +91,8 @@ static void await(struct vor_postgres_hints *hints, double seconds)
         (void)!read(hints->wake, &count, sizeof count);
 }
 
-/* Tells and listens once; VOR_E_IO where the connection has broken. */
+/* Sends a hint if one is due, reads what has arrived, and waits; VOR_E_IO if the connection has
+ * broken. */
 static vor_status exchange(struct vor_postgres_hints *hints, struct vor_error *err)
 {
     const struct vor_pg *pg = hints->pg;
@@ -145,8 +146,8 @@ static void *main_of(void *arg)
             continue;
         }
         pause = first_pause;
-        vor_log(VOR_LOG_INFO, "changes of other daemons are heard of again");
-        hints->heard(hints->ctx); /* what was told meanwhile */
+        vor_log(VOR_LOG_INFO, "hints of other daemons arrive again");
+        hints->heard(hints->ctx); /* hints may have been missed meanwhile */
     }
     return NULL;
 }

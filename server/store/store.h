@@ -70,12 +70,13 @@ VOR_NODISCARD static inline vor_status vor_store_check(struct vor_store *store, 
     return store->driver->check(store, is_lost, err);
 }
 
-/** Where the store is shared: has other daemons told at once, as a hint, that this one has changed
- *  jobs, and calls heard, on another thread, when they have. Hints may be lost or late.
+/** Where the store is shared: from now on sends the other daemons a hint at once when this one has
+ *  changed jobs, and calls `heard`, on another thread, when they send one. Hints can be lost or
+ *  late.
  *
- *  @param[in] where  the database, by a connection that no pooler shares out
+ *  @param[in] where  the database, reached directly or through a pooler in session mode
  *
- *  @retval VOR_E_IO there is no such connection now; later ones are made anew */
+ *  @retval VOR_E_IO it cannot connect; a connection that breaks later is made again */
 VOR_NODISCARD static inline vor_status vor_store_listen(struct vor_store *store, const char *where,
                                                         void (*heard)(void *ctx), void *ctx,
                                                         struct vor_error *err)

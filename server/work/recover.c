@@ -15,8 +15,8 @@
  * of the machine brings back beyond that is set aside as well. More is a damaged table. */
 enum { ORPHANS_OF_CRASH = 8 };
 
-static const double portion_seconds =
-    0.25; /* a part of the time between two looks of the sweeper */
+/* A look at strays may take so long: a part of the time between two looks of the sweeper. */
+static const double portion_seconds = 0.25;
 
 /* --- the blobs -------------------------------------------------------------------------------- */
 

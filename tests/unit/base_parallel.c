@@ -78,7 +78,7 @@ VT_TEST_LOOP(every_row_runs_exactly_once_in_whole_blocks, COUNTS)
     vor_pool_destroy(pool);
 }
 
-/* Scratch space by worker: no two blocks of one worker at a time, whoever calls. */
+/* Scratch space for each worker number, which only one block uses at a time, on any thread. */
 struct scratch {
     struct vor_pool *pool;
     atomic_int busy[VOR_THREADS_MAX];
