@@ -387,7 +387,7 @@ SCALE_TESTS := unit/blob_any unit/store_rows unit/store_queue unit/store_tenants
 scale: ## install what is missing, build, and run the tests of jobs in PostgreSQL and of files in S3, with servers that are started here
 	@docker/install.sh build test scale
 	@$(MAKE) --no-print-directory all $(addprefix $(B)/tests/,$(SCALE_TESTS))
-	@VORONOID=$(BIN) prove tests/scale/postgres.t tests/scale/s3.t tests/scale/replicas.t
+	@VORONOID=$(BIN) prove -j3 tests/scale/postgres.t tests/scale/s3.t tests/scale/replicas.t
 
 cross: ## install what is missing, and compile core and proto for arm64; a warning fails
 	@docker/install.sh build cross

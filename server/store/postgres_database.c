@@ -39,6 +39,7 @@ struct vor_postgres {
     int in_transaction; /* of the writer */
     int is_shared;
     int is_locked;                    /* the lock was got on the connection that it has */
+    char holder[NUMBER_SIZE * 2];     /* or on one before it: that one's process at the server */
     struct vor_postgres_hints *hints; /* NULL for none; under `writing`, as the next */
     int is_news;                      /* the transaction has changed what others look at */
     int is_apart;                     /* it changes nothing of that kind */
@@ -448,18 +449,45 @@ vor_status vor_postgres_run(struct vor_postgres *db, const char *sql, struct vor
 
 /* The first number is ours, the second stands for the schema: several may share a database. */
 #define OURS "(1987015279, hashtext(current_schema()))"
-#define TRY_LOCK "SELECT CASE WHEN pg_try_advisory_lock" OURS " THEN 1 ELSE 0 END"
-#define TRY_LOCK_SHARED "SELECT CASE WHEN pg_try_advisory_lock_shared" OURS " THEN 1 ELSE 0 END"
+#define LOCKED                                                                                     \
+    " THEN (SELECT pid || ' ' || backend_start " OF_PROCESS " pid = pg_backend_pid()) END"
+#define OF_PROCESS "FROM pg_stat_activity WHERE"
+#define TRY_LOCK "SELECT CASE WHEN pg_try_advisory_lock" OURS LOCKED
+#define TRY_LOCK_SHARED "SELECT CASE WHEN pg_try_advisory_lock_shared" OURS LOCKED
+#define END_FORMER "SELECT pg_terminate_backend(pid) " OF_PROCESS " pid || ' ' || backend_start = ?"
 
 void vor_postgres_share(struct vor_postgres *db)
 {
     db->is_shared = 1;
 }
 
-vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_error *err)
+/* Asks for the lock. Where another has it, that may be the process of a former connection, which
+ * the server has not seen end: once it has, the lock is free. */
+static vor_status take_lock(struct vor_postgres *db, struct vor_error *err)
 {
     static const struct vor_sql_values none;
-    struct answer answer = {.db = db};
+    const struct vor_sql_values former = {
+        1, {{.type = 't', .bytes = db->holder, .size = strlen(db->holder)}}};
+    struct answer answer;
+    vor_status status =
+        ask(&answer, db, &db->lock, db->is_shared ? TRY_LOCK_SHARED : TRY_LOCK, &none, err);
+    const char *holder = status == VOR_OK ? text_of(&answer, 0) : NULL;
+
+    db->is_locked = holder != NULL;
+    if (db->is_locked)
+        (void)snprintf(db->holder, sizeof db->holder, "%s", holder);
+    end_answer(&answer);
+    if (status != VOR_OK || db->is_locked || db->is_shared)
+        return status;
+    status = ask(&answer, db, &db->lock, END_FORMER, &former, err);
+    if (status == VOR_OK && db->pg->ntuples(answer.result) > 0)
+        status = vor_fail_errno(err, ETIMEDOUT, what);
+    end_answer(&answer);
+    return status;
+}
+
+vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_error *err)
+{
     vor_status status = VOR_OK;
 
     *held = 0;
@@ -469,17 +497,13 @@ vor_status vor_postgres_hold(struct vor_postgres *db, int *held, struct vor_erro
         return vor_fail_errno(err, ETIMEDOUT, what);
     if (db->is_locked) /* a question shows whether the connection is there */
         status = run(db, &db->lock, "SELECT 1", err);
-    *held = db->is_locked && status == VOR_OK;
-    if (!*held) {
+    if (!db->is_locked || status != VOR_OK) {
         db->is_locked = 0;
         status = connect_to(db, &db->lock, err);
         if (status == VOR_OK)
-            status =
-                ask(&answer, db, &db->lock, db->is_shared ? TRY_LOCK_SHARED : TRY_LOCK, &none, err);
-        if (status == VOR_OK)
-            *held = db->is_locked = (int)number_of(&answer, 0);
-        end_answer(&answer);
+            status = take_lock(db, err);
     }
+    *held = db->is_locked;
     pthread_mutex_unlock(&db->locking);
     return status;
 }

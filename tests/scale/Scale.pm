@@ -19,7 +19,12 @@ my $me = getpwuid $>;
 my $http = HTTP::Tiny->new(timeout => $Vt::PATIENCE);
 END { my $status = $?; end_child($_) for keys %pid; stop_postgres('immediate') if -e "$dir/data/postmaster.pid"; $? = $status }
 
-sub free_port { return IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 0, Listen => 1)->sockport }
+# A port below those that connections get, and of this process alone, so that tests beside each other do not meet.
+my $next_port = $$ * 16;
+sub free_port {
+    1 until IO::Socket::INET->new(LocalAddr => '127.0.0.1', LocalPort => 10000 + ++$next_port % 22000, Listen => 1);
+    return 10000 + $next_port % 22000;
+}
 
 sub write_file {
     my ($path, $text) = @_;

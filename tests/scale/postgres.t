@@ -12,17 +12,18 @@ use Vt;
 ok start_postgres(), 'PostgreSQL serves' or BAIL_OUT Vt::slurp("$Scale::dir/postgres.out");
 my $port = $Scale::postgres;
 
-# The verbs.
+# The verbs, both ways at once, beside a test that needs a lock which a pooler loses.
 my ($build) = ($ENV{VORONOID} // 'build/release/voronoid') =~ m{^(.*)/};
-my @programs = qw(unit/blob_any unit/store_rows unit/store_queue unit/store_tenants property/store_model);
-for my $way ([directly => $port], ['through pgbouncer' => $Scale::pooler]) {
-    local %ENV = (%ENV, VT_STORE => 'postgres', VT_BLOBS => 'postgres', VT_POSTGRES => "host=127.0.0.1 port=$way->[1] user=voronoid",
-        $way->[1] == $port ? () : (VT_LISTEN => "host=127.0.0.1 port=$port user=voronoid"));
-    for my $program (@programs, $way->[1] == $port ? 'unit/worker_crash' : ()) { # which needs a lock that a pooler loses
-        my $printed = `@{[$program =~ /crash/ ? 'VT_BLOBS=dir' : '']} $build/tests/$program 2>&1`;
-        is $?, 0, "$program holds $way->[0]" or diag $printed;
-    }
+my $server = "host=127.0.0.1 port=$port user=voronoid";
+my @ways = ([directly => "VT_POSTGRES='$server'"], ['through pgbouncer' => "VT_LISTEN='$server' VT_POSTGRES='" . $server =~ s/$port/$Scale::pooler/r . "'"]);
+sub program { open my $out, '-|', "VT_STORE=postgres @_ 2>&1" or die "sh: $!"; return $out }
+sub holds { my ($out, $what) = @_; my $printed = join '', <$out>; close $out; is $?, 0, $what or diag $printed; return }
+my $crash = program('VT_BLOBS=dir', $ways[0][1], "$build/tests/unit/worker_crash");
+for my $program (qw(unit/blob_any unit/store_rows unit/store_queue unit/store_tenants property/store_model)) {
+    my @out = map { program('VT_BLOBS=postgres', $_->[1], "$build/tests/$program") } @ways;
+    holds($out[$_], "$program holds $ways[$_][0]") for 0, 1;
 }
+holds($crash, 'a worker that dies has lost nothing');
 
 # Daemons. The password is one that the server does not ask for.
 my $uri = "postgresql://voronoid:secret-word\@127.0.0.1:$port/daemons";
@@ -68,6 +69,13 @@ for my $way (['dies', sub { !stop_postgres('immediate') }, \&start_postgres], ['
     ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and the daemon is ready again';
     is $next->finish($next->submit('points=100', $cloud))->{status}, 'successful', 'another job runs';
 }
+
+# The process of the server that has the daemon's lock hangs: the daemon waits for its own lock, and does not take itself for another.
+my ($hung) = ask('daemons', "SELECT pid FROM pg_locks WHERE locktype = 'advisory' AND classid = 1987015279") =~ /^(\d+)$/;
+kill STOP => $hung;
+ok wait_until(sub { json($next->get('/readyz'))->{detail} =~ /^--store: / }), 'the daemon is not ready while its lock hangs' for 1 .. 2;
+kill CONT => $hung;
+ok wait_until(sub { $next->get('/readyz')->{status} == 200 }), 'and is when it is free';
 
 # The answer to the COMMIT of a job is lost, and it is made later: nobody knows of it, but it runs, with its input.
 ask('postgres', 'CREATE DATABASE later');

@@ -8,8 +8,8 @@
 #include "tests/support/vt_dir.h"
 
 #include <fcntl.h>
-#include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -42,16 +42,9 @@ enum { ROWS = 12 };
 
 struct life {
     const char *dir;
+    char database[512], log[512], middle[512];
     struct vor_job_view row[ROWS];
 };
-
-static const char *path_in(const struct life *life, const char *name)
-{
-    static char path[512];
-
-    (void)snprintf(path, sizeof path, "%s/%s", life->dir, name);
-    return path;
-}
 
 /* Successful jobs with a result each; then a kill, so that the log stays. The file "middle" is as
  * long as the log was behind half of them. */
@@ -63,10 +56,10 @@ static void live_and_die(void *ctx)
 
     for (int i = 0; i < ROWS; i++) {
         struct vor_job_view *row = &life->row[i];
-        int changed, middle = i == ROWS / 2 ? creat(path_in(life, "middle"), 0600) : -1;
+        int changed, middle = i == ROWS / 2 ? creat(life->middle, 0600) : -1;
 
         if (middle >= 0)
-            ck_assert_int_eq(ftruncate(middle, size_of(path_in(life, "jobs.sqlite-wal"))), 0);
+            ck_assert_int_eq(ftruncate(middle, size_of(life->log)), 0);
         vt_blob_put(blobs, &row->id, "cloud", "result");
         vt_assert_ok(vor_store_insert(store, row, NULL, &vt_err));
         row->status = VOR_JOB_SUCCESSFUL;
@@ -81,6 +74,9 @@ static struct life dead_life(void)
 {
     struct life life = {.dir = vt_dir_make()};
 
+    (void)snprintf(life.database, sizeof life.database, "%s/jobs.sqlite", life.dir);
+    (void)snprintf(life.log, sizeof life.log, "%s/jobs.sqlite-wal", life.dir);
+    (void)snprintf(life.middle, sizeof life.middle, "%s/middle", life.dir);
     for (int i = 0; i < ROWS; i++)
         life.row[i] = vt_row(10);
     vt_killed(live_and_die, &life);
@@ -90,22 +86,18 @@ static struct life dead_life(void)
 VT_TEST(a_log_is_damaged_by_any_flipped_bit_and_by_nothing_else)
 {
     struct life life = dead_life();
-    char database[512], log[512];
-    off_t size;
+    off_t size = size_of(life.log);
 
-    strcpy(database, path_in(&life, "jobs.sqlite"));
-    strcpy(log, path_in(&life, "jobs.sqlite-wal"));
-    size = size_of(log);
     ck_assert_int_gt(size, 20000);
-    ck_assert(!vor_sqlite_wal_is_damaged(database));
+    ck_assert(!vor_sqlite_wal_is_damaged(life.database));
     for (off_t at = 0; at < size; at += 97) {
-        flip_at(log, at);
-        ck_assert_msg(vor_sqlite_wal_is_damaged(database), "byte %ld", (long)at);
-        flip_at(log, at);
+        flip_at(life.log, at);
+        ck_assert_msg(vor_sqlite_wal_is_damaged(life.database), "byte %ld", (long)at);
+        flip_at(life.log, at);
     }
-    ck_assert(!vor_sqlite_wal_is_damaged(database));
+    ck_assert(!vor_sqlite_wal_is_damaged(life.database));
     vor_store_close(vt_dir_store(life.dir)); /* which empties the log */
-    ck_assert(!vor_sqlite_wal_is_damaged(database));
+    ck_assert(!vor_sqlite_wal_is_damaged(life.database));
 }
 
 /* Appends a frame of this round, or of an earlier one, whose page is not what its head says. */
@@ -135,17 +127,14 @@ VT_TEST(a_change_that_a_kill_cut_short_is_no_damage)
         int is_of_round[2], ends_a_change, is_damaged;
     } cases[] = {{{1, 0}, 0, 0}, {{1, 0}, 1, 1}, {{1, 1}, 0, 1}, {{0, 1}, 0, 1}, {{0, 0}, 1, 0}};
     struct life life = dead_life();
-    char database[512], log[512];
-    off_t size;
+    off_t size = size_of(life.log);
 
-    strcpy(database, path_in(&life, "jobs.sqlite"));
-    strcpy(log, path_in(&life, "jobs.sqlite-wal"));
-    size = size_of(log);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        tear(log, cases[i].is_of_round[0], cases[i].ends_a_change);
-        tear(log, cases[i].is_of_round[1], 0);
-        ck_assert_msg(vor_sqlite_wal_is_damaged(database) == cases[i].is_damaged, "case %zu", i);
-        ck_assert_int_eq(truncate(log, size), 0);
+        tear(life.log, cases[i].is_of_round[0], cases[i].ends_a_change);
+        tear(life.log, cases[i].is_of_round[1], 0);
+        ck_assert_msg(vor_sqlite_wal_is_damaged(life.database) == cases[i].is_damaged, "case %zu",
+                      i);
+        ck_assert_int_eq(truncate(life.log, size), 0);
     }
 }
 
@@ -167,10 +156,10 @@ VT_TEST(results_whose_rows_are_lost_are_set_aside)
 {
     struct life life = dead_life();
     struct vt_daemon daemon;
-    off_t middle = size_of(path_in(&life, "middle"));
+    off_t middle = size_of(life.middle);
     size_t left;
 
-    flip_at(path_in(&life, "jobs.sqlite-wal"), middle + 40);
+    flip_at(life.log, middle + 40);
     vt_daemon_start(&daemon, life.dir, NULL);
     left = rows_left(&daemon, &life);
     ck_assert_uint_lt(left, ROWS);
@@ -186,8 +175,8 @@ VT_TEST(more_results_without_rows_than_a_crash_leaves_are_set_aside_as_well)
     struct life life = dead_life();
     struct vt_daemon daemon;
 
-    ck_assert_int_eq(unlink(path_in(&life, "jobs.sqlite")), 0);
-    ck_assert_int_eq(unlink(path_in(&life, "jobs.sqlite-wal")), 0);
+    ck_assert_int_eq(unlink(life.database), 0);
+    ck_assert_int_eq(unlink(life.log), 0);
     vt_daemon_start(&daemon, life.dir, NULL);
     while (vt_dir_count(life.dir, "blobs/lost") != ROWS)
         vt_nap();
@@ -283,25 +272,12 @@ VT_TEST(a_job_whose_input_is_damaged_fails_for_that)
 }
 
 /* Counts how often it is woken. */
-static pthread_mutex_t counting = PTHREAD_MUTEX_INITIALIZER;
-static int woken;
+static atomic_int woken;
 
 static void wake(void *ctx)
 {
     (void)ctx;
-    pthread_mutex_lock(&counting);
-    woken++;
-    pthread_mutex_unlock(&counting);
-}
-
-static int wakes(void)
-{
-    int now;
-
-    pthread_mutex_lock(&counting);
-    now = woken;
-    pthread_mutex_unlock(&counting);
-    return now;
+    atomic_fetch_add(&woken, 1);
 }
 
 /* Asks until there is a verdict. */
@@ -309,11 +285,11 @@ static enum vor_verdict verdict_of(struct vor_verify *verify, const char *path, 
                                    const char *sha256)
 {
     const struct vor_asker asker = {.wake = wake};
-    int fd = open(path, O_RDONLY), before = wakes();
+    int fd = open(path, O_RDONLY), before = atomic_load(&woken);
     enum vor_verdict verdict = vor_verify_ask(verify, fd, size, sha256, &asker);
 
     if (verdict == VOR_VERDICT_WAIT) {
-        while (wakes() == before)
+        while (atomic_load(&woken) == before)
             vt_nap();
         verdict = vor_verify_ask(verify, fd, size, sha256, &asker);
     }
@@ -335,9 +311,9 @@ VT_TEST(a_file_is_read_once_and_again_when_it_changed)
     fputs("the cloud and a trailer", file);
     fclose(file);
     ck_assert_int_eq(verdict_of(verify, path, 9, sha256), VOR_VERDICT_SOUND);
-    ck_assert_int_eq(wakes(), 1);
+    ck_assert_int_eq(atomic_load(&woken), 1);
     ck_assert_int_eq(verdict_of(verify, path, 9, sha256), VOR_VERDICT_SOUND);
-    ck_assert_int_eq(wakes(), 1);
+    ck_assert_int_eq(atomic_load(&woken), 1);
     ck_assert_int_eq(verdict_of(verify, path, 8, sha256), VOR_VERDICT_DAMAGED);
     ck_assert_int_eq(verdict_of(verify, path, 99, sha256), VOR_VERDICT_DAMAGED); /* too short */
     ck_assert_int_eq(verdict_of(verify, path, 8, "ab"), VOR_VERDICT_SOUND);      /* no digest */
