@@ -404,6 +404,18 @@ void vor_child_kill(struct vor_child *child)
     (void)shutdown(child->watch, SHUT_WR);
 }
 
+enum vor_child_reaped vor_child_reap(struct vor_child *child, struct vor_child_end *end,
+                                     double seconds)
+{
+    static const double gone_seconds = 10;
+
+    *end = (struct vor_child_end){0};
+    if (vor_child_wait(child, end, seconds))
+        return VOR_CHILD_ENDED;
+    vor_child_kill(child);
+    return vor_child_wait(child, end, gone_seconds) ? VOR_CHILD_KILLED : VOR_CHILD_STUCK;
+}
+
 void vor_child_free(struct vor_child *child)
 {
     (void)close(child->channel);

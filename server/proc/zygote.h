@@ -98,6 +98,12 @@ VOR_NODISCARD vor_status vor_zygote_spawn(struct vor_child *out, struct vor_zygo
  *  @retval false  it still runs */
 int vor_child_wait(struct vor_child *child, struct vor_child_end *end, double seconds);
 
+/** Gives a child so many seconds to end (as vor_child_wait), then kills it, and waits until it has
+ *  gone, which takes a moment; of one that does not even then *end is all zero. */
+enum vor_child_reaped { VOR_CHILD_ENDED, VOR_CHILD_KILLED, VOR_CHILD_STUCK };
+enum vor_child_reaped vor_child_reap(struct vor_child *child, struct vor_child_end *end,
+                                     double seconds);
+
 /** Kills a child (SIGKILL), unless it has ended; vor_child_wait then tells so, soon. */
 void vor_child_kill(struct vor_child *child);
 

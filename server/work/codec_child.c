@@ -1,5 +1,7 @@
 #include "server/work/codec_child.h"
 
+#include "server/work/wire.h"
+
 #include <limits.h>
 #include <malloc.h>
 #include <stddef.h>
@@ -24,14 +26,13 @@ struct ring {
 /* Hands over what is in the slot, and waits until the next one is free. */
 static int flush(struct ring *ring)
 {
-    struct vor_codec_reply reply = {.says = VOR_CODEC_PART, .size = (uint32_t)ring->used};
+    uint32_t part = (uint32_t)ring->used;
     char told[16];
     struct vor_message message = {.bytes = told, .capacity = sizeof told};
 
-    if (ring->used == 0)
+    if (part == 0)
         return 0;
-    if (vor_channel_send(ring->channel, &reply, offsetof(struct vor_codec_reply, status), NULL, 0,
-                         NULL) != VOR_OK)
+    if (vor_say(ring->channel, VOR_SAID_PART, &part, sizeof part) != VOR_OK)
         return -1;
     ring->used = 0;
     ring->slot = (ring->slot + 1) % VOR_RING_SLOTS;
@@ -111,8 +112,9 @@ static void warm_heap(size_t size)
     free(heap);
 }
 
-static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *ring,
-                                 const struct vor_codec_start *start, const int *fds)
+static vor_status shut_in_and_do(struct vor_codec_facts *facts, struct ring *ring,
+                                 const struct vor_codec_start *start, const int *fds,
+                                 struct vor_error *err)
 {
     const struct vor_sink sink = {.ctx = ring, .write = put};
     size_t size = (size_t)start->order.size;
@@ -124,7 +126,7 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
 
     if (start->order.size > LARGE && start->order.op != VOR_CODEC_ENCODE)
         (void)setpriority(PRIO_PROCESS, 0, NICENESS);
-    status = vor_sandbox_enter(&start->sandbox, start->kind, &reply->error);
+    status = vor_sandbox_enter(&start->sandbox, start->kind, err);
     if (status != VOR_OK)
         return status;
     ring_bytes = mmap(NULL, VOR_RING_SIZE, PROT_READ | PROT_WRITE,
@@ -132,25 +134,29 @@ static vor_status shut_in_and_do(struct vor_codec_reply *reply, struct ring *rin
     if (size > 0)
         input = mmap(NULL, size, PROT_READ, MAP_PRIVATE | vor_ring_flags(size), fds[FD_INPUT], 0);
     if (ring_bytes == MAP_FAILED || input == MAP_FAILED)
-        return vor_fail(&reply->error, VOR_E_NOMEM, "reading %zu bytes", size);
+        return vor_fail(err, VOR_E_NOMEM, "reading %zu bytes", size);
     ring->bytes = ring_bytes;
     warm_heap(size);
-    status = vor_codec_do(&reply->facts, &sink, &start->order, input, &reply->error);
+    status = vor_codec_do(facts, &sink, &start->order, input, err);
     if (status == VOR_OK && flush(ring) != 0)
-        status = vor_fail(&reply->error, VOR_E_IO, "the bytes were not received");
+        status = vor_fail(err, VOR_E_IO, "the bytes were not received");
     return status;
 }
 
 int vor_codec_child(int channel, const int *fds, unsigned fd_count)
 {
     static struct vor_codec_start start;
-    static struct vor_codec_reply reply = {.says = VOR_CODEC_END};
+    static struct vor_codec_facts facts;
+    static struct vor_error error;
     struct vor_message message = {.bytes = &start, .capacity = sizeof start};
     struct ring ring = {.channel = channel};
+    vor_status status;
 
     if (fd_count != FD_COUNT || vor_channel_receive(channel, &message, -1) != VOR_CHANNEL_MESSAGE ||
         message.size != sizeof start || message.fd_count != 0)
         return 1;
-    reply.status = shut_in_and_do(&reply, &ring, &start, fds);
-    return vor_channel_send(channel, &reply, sizeof reply, NULL, 0, NULL) == VOR_OK ? 0 : 1;
+    status = shut_in_and_do(&facts, &ring, &start, fds, &error);
+    status = status == VOR_OK ? vor_say(channel, VOR_SAID_FOUND, &facts, sizeof facts)
+                              : vor_say(channel, VOR_SAID_FAILED, &error, sizeof error);
+    return status == VOR_OK ? 0 : 1;
 }

@@ -3,10 +3,9 @@
  *
  *  Its first message from the front is struct vor_codec_start; its descriptors are the ring, then
  * the input. What comes of the work goes into the ring, VOR_RING_SLOTS parts of VOR_RING_PART bytes
- * each that are filled one behind the other; after each, it says so (VOR_CODEC_PART). It reuses a
- * slot only after the front has acknowledged it, by any message. Its last message is VOR_CODEC_END.
- * The front believes nothing of all this before it has checked it.
- */
+ * each that are filled one behind the other; after each, it says so (VOR_SAID_PART). It reuses a
+ * slot only after the front has acknowledged it, by any message. Its last message is VOR_SAID_FOUND
+ * or VOR_SAID_FAILED. The front believes nothing of all this before it has checked it. */
 #ifndef VOR_SERVER_WORK_CODEC_CHILD_H
 #define VOR_SERVER_WORK_CODEC_CHILD_H
 
@@ -36,20 +35,7 @@ struct vor_codec_start {
     struct vor_codec_order order;
 };
 
-enum vor_codec_says { VOR_CODEC_PART, VOR_CODEC_END };
-
-/** What it sends; of VOR_CODEC_PART only the first two members. */
-struct vor_codec_reply {
-    enum vor_codec_says says;
-    uint32_t size; /**< PART: bytes in it, 1 .. VOR_RING_PART */
-    vor_status status;
-    struct vor_error error;
-    struct vor_codec_facts facts;
-};
-
-_Static_assert(sizeof(struct vor_codec_start) <= VOR_CHANNEL_BYTES &&
-                   sizeof(struct vor_codec_reply) <= VOR_CHANNEL_BYTES,
-               "each goes in one message");
+_Static_assert(sizeof(struct vor_codec_start) <= VOR_CHANNEL_BYTES, "it goes in one message");
 
 /** The function of its kind. */
 int vor_codec_child(int channel, const int *fds, unsigned fd_count);

@@ -1,10 +1,10 @@
-#define _GNU_SOURCE /* memfd_create */
 #include "server/work/codec_run.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/work/codec_child.h"
+#include "server/work/wire.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -59,7 +59,6 @@ struct run {
     unsigned slot; /* that comes next */
     uint64_t came; /* bytes */
     double until;
-    struct vor_codec_reply reply;
 };
 
 /* The status of a child that did not live to tell one. */
@@ -121,12 +120,8 @@ static vor_status take_end(struct run *run, struct vor_error *err)
 {
     static const double MOMENT = 1; /* s: for a core that is slow to die */
     struct vor_child_end end;
-    int has_ended = vor_child_wait(&run->child, &end, MOMENT);
+    int has_ended = vor_child_reap(&run->child, &end, MOMENT) == VOR_CHILD_ENDED;
 
-    if (!has_ended) {
-        vor_child_kill(&run->child);
-        (void)vor_child_wait(&run->child, &end, -1);
-    }
     return explain(run, &end, !has_ended, err);
 }
 
@@ -139,20 +134,17 @@ static vor_status nonsense(struct run *run, struct vor_error *err)
 }
 
 /* Passes on what the child has put into a slot. */
-static vor_status take_part(struct run *run, size_t size, struct vor_error *err)
+static vor_status take_part(struct run *run, uint32_t size, struct vor_error *err)
 {
     const uint8_t *from = run->ring + (size_t)run->slot * VOR_RING_PART;
 
-    if (size != offsetof(struct vor_codec_reply, status) || run->reply.size < 1 ||
-        run->reply.size > VOR_RING_PART)
+    run->came += size;
+    if (size < 1 || size > VOR_RING_PART || run->came > run->order->most)
         return nonsense(run, err);
-    run->came += run->reply.size;
-    if (run->came > run->order->most)
-        return nonsense(run, err);
-    if (run->sink->write(run->sink->ctx, from, run->reply.size) < 0)
-        return vor_fail(err, VOR_E_IO, "%u bytes could not be written", (unsigned)run->reply.size);
+    if (run->sink->write(run->sink->ctx, from, size) < 0)
+        return vor_fail(err, VOR_E_IO, "%u bytes could not be written", (unsigned)size);
     run->slot = (run->slot + 1) % VOR_RING_SLOTS;
-    if (vor_channel_send(run->child.channel, "", 1, NULL, 0, err) != VOR_OK)
+    if (vor_channel_send(run->child.channel, "", 1, NULL, 0, NULL) != VOR_OK)
         return VOR_OK; /* that it has ended meanwhile is told by the next message */
     return VOR_OK;
 }
@@ -180,27 +172,18 @@ static int are_sane(const struct vor_codec_facts *facts, const struct vor_codec_
            (isfinite(facts->origin[0]) && isfinite(facts->origin[1]) && isfinite(facts->origin[2]));
 }
 
-static int is_text(const char *text, size_t size)
-{
-    const char *end = memchr(text, '\0', size);
-
-    for (; end != NULL && text < end; text++)
-        if ((unsigned char)*text < ' ' || *text == 0x7f)
-            return 0;
-    return end != NULL;
-}
-
 /* Takes messages until the last one. */
 static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct vor_error *err)
 {
-    struct vor_message message = {.bytes = &run->reply, .capacity = sizeof run->reply};
+    struct vor_message_said said;
+    vor_status status = VOR_OK;
+    size_t size;
 
-    for (;;) {
+    while (status == VOR_OK) {
         enum vor_channel_event event =
-            vor_channel_receive(run->child.channel, &message, ASK_SECONDS);
-        vor_status status = VOR_OK;
+            vor_hear(&said, &size, NULL, run->child.channel, ASK_SECONDS);
 
-        if (event == VOR_CHANNEL_GONE)
+        if (event == VOR_CHANNEL_GONE && said.what != VOR_SAID_KINDS)
             return take_end(run, err);
         if (run->place->has_left != NULL && run->place->has_left(run->place->ctx))
             return vor_fail(err, VOR_E_CANCELLED, "the client disconnected");
@@ -208,31 +191,24 @@ static vor_status listen(struct run *run, struct vor_codec_facts *facts, struct 
             return too_long(run, err);
         if (event == VOR_CHANNEL_LATE)
             continue;
-        vor_message_close(&message);
-        if (message.size < offsetof(struct vor_codec_reply, status))
-            return nonsense(run, err);
-        if (run->reply.says == VOR_CODEC_END) {
-            const struct vor_codec_reply *reply = &run->reply;
-
-            if (message.size != sizeof *reply || (unsigned)reply->status >= VOR_STATUS_COUNT)
-                return nonsense(run, err);
-            if (reply->status == VOR_OK) {
-                if (!are_sane(&reply->facts, run->order))
-                    return nonsense(run, err);
-                *facts = reply->facts;
+        switch (said.what) {
+        case VOR_SAID_PART:
+            status = take_part(run, said.of.part, err);
+            break;
+        case VOR_SAID_FAILED:
+            *err = said.of.error;
+            return err->status;
+        case VOR_SAID_FOUND:
+            if (are_sane(&said.of.facts, run->order)) {
+                *facts = said.of.facts;
                 return VOR_OK;
             }
-            if (reply->error.status != reply->status ||
-                !is_text(reply->error.message, sizeof reply->error.message) ||
-                !is_text(reply->error.parameter, sizeof reply->error.parameter))
-                return nonsense(run, err);
-            *err = reply->error;
-            return reply->status;
+            return nonsense(run, err);
+        default:
+            return nonsense(run, err);
         }
-        status = take_part(run, message.size, err);
-        if (status != VOR_OK)
-            return status;
     }
+    return status;
 }
 
 /* Sends the order to a child that was forked, and hears it out. */
@@ -255,37 +231,15 @@ static vor_status converse(struct run *run, struct vor_codec_facts *facts, struc
     return status;
 }
 
-/* The memory that both sides see. It cannot be made shorter, which would kill the one that reads.
- */
-static int make_ring(const uint8_t **bytes, uint64_t size)
-{
-    int fd = memfd_create("ring", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    void *map = MAP_FAILED;
-
-    if (fd >= 0 && ftruncate(fd, VOR_RING_SIZE) == 0 &&
-        fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
-        map = mmap(NULL, VOR_RING_SIZE, PROT_READ, MAP_SHARED | vor_ring_flags(size), fd, 0);
-    if (map == MAP_FAILED) {
-        int failed = errno;
-
-        if (fd >= 0)
-            (void)close(fd);
-        errno = failed;
-        return -1;
-    }
-    *bytes = map;
-    return fd;
-}
-
 static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, int input,
                                struct vor_error *err)
 {
     char path[32];
-    const uint8_t *ring = NULL;
-    int fds[2] = {make_ring(&ring, run->order->size), -1};
+    int fds[2];
+    void *ring = vor_share(&fds[0], VOR_RING_SIZE, PROT_READ, vor_ring_flags(run->order->size));
     vor_status status;
 
-    if (fds[0] < 0)
+    if (ring == NULL)
         return vor_fail_errno(err, errno, "memory to share with a child process");
     /* The same file, for reading only; itself where /proc is not there to open it by. */
     (void)snprintf(path, sizeof path, "/proc/self/fd/%d", input);
@@ -302,7 +256,7 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     run->ring = ring;
     if (status == VOR_OK)
         status = converse(run, facts, err);
-    (void)munmap((void *)(uintptr_t)ring, VOR_RING_SIZE);
+    (void)munmap(ring, VOR_RING_SIZE);
     return status;
 }
 

@@ -75,7 +75,7 @@ static void take_points(void *ctx, const struct vor_moving *points, const struct
         return;
     run->shown = now;
     memcpy(shown.origin, run->origin, sizeof shown.origin);
-    listener->points(listener->ctx, &shown);
+    say(run, VOR_SAID_POINTS, &shown);
 }
 
 /* --- checkpoints ------------------------------------------------------------------------------ */

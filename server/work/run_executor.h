@@ -44,7 +44,7 @@ struct vor_run_result {
     char message[128]; /**< a sentence for people: "300 points after 12 iterations, ..." */
 };
 
-/** What a run says, and the value that comes with it. */
+/** What a run says, and the value that comes with it, which is borrowed. */
 enum vor_said {
     VOR_SAID_STAGE,      /**< enum vor_stage: the next one begins */
     VOR_SAID_RECORD,     /**< struct vor_record */
@@ -52,8 +52,12 @@ enum vor_said {
     VOR_SAID_CHECKPOINT, /**< struct vor_job_output: the listener's file is written; bytes 0: it
                               is not to be used */
     VOR_SAID_WAITS,      /**< struct vor_error, a VOR_E_IO: the outputs wait for room on the disk */
+    VOR_SAID_POINTS,     /**< struct vor_shown: as they move, while somebody looks at them, at most
+                              once in VOR_PREVIEW_SECONDS */
     VOR_SAID_KEPT,       /**< from here between processes alone (wire.h) */
     VOR_SAID_DONE,
+    VOR_SAID_PART,
+    VOR_SAID_FOUND,
     VOR_SAID_FAILED,
     VOR_SAID_KINDS
 };
@@ -69,8 +73,6 @@ struct vor_listener {
     int (*file)(void *ctx);
     /** Whether somebody looks at the points as they move; as asked. May be NULL: nobody does. */
     int (*is_looked_at)(void *ctx);
-    /** The points, while somebody does, at most once in VOR_PREVIEW_SECONDS; borrowed. */
-    void (*points)(void *ctx, const struct vor_shown *shown);
 };
 
 /** How a run ended. */

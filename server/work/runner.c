@@ -90,31 +90,6 @@ static void take_record(struct run *run, const struct vor_record *record)
     }
 }
 
-static void take(void *ctx, enum vor_said what, const void *of)
-{
-    struct run *run = ctx;
-
-    switch (what) {
-    case VOR_SAID_STAGE:
-        vor_job_stage(run->job, *(const enum vor_stage *)of, vor_clock_wall_ms());
-        break;
-    case VOR_SAID_RECORD:
-        take_record(run, of);
-        break;
-    case VOR_SAID_RESUMED:
-        run->is_resumed = 1;
-        break;
-    case VOR_SAID_CHECKPOINT:
-        vor_keeper_take(&run->keeper, of);
-        break;
-    case VOR_SAID_WAITS:
-        tell_wait(run, of);
-        break;
-    default:
-        break;
-    }
-}
-
 static int is_looked_at(void *ctx)
 {
     return vor_preview_is_looked_at(vor_job_preview(((struct run *)ctx)->job));
@@ -140,14 +115,41 @@ static void show_elsewhere(struct run *run, int is_running)
     free(bytes);
 }
 
-static void take_points(void *ctx, const struct vor_shown *shown)
+static void take_points(struct run *run, const struct vor_shown *shown)
 {
-    struct run *run = ctx;
     const struct vor_preview *preview = vor_job_preview(run->job);
 
     vor_job_show(run->job, shown);
     if (vor_preview_is_looked_at_elsewhere(preview, 0))
         show_elsewhere(run, 1);
+}
+
+static void take(void *ctx, enum vor_said what, const void *of)
+{
+    struct run *run = ctx;
+
+    switch (what) {
+    case VOR_SAID_STAGE:
+        vor_job_stage(run->job, *(const enum vor_stage *)of, vor_clock_wall_ms());
+        break;
+    case VOR_SAID_RECORD:
+        take_record(run, of);
+        break;
+    case VOR_SAID_RESUMED:
+        run->is_resumed = 1;
+        break;
+    case VOR_SAID_CHECKPOINT:
+        vor_keeper_take(&run->keeper, of);
+        break;
+    case VOR_SAID_WAITS:
+        tell_wait(run, of);
+        break;
+    case VOR_SAID_POINTS:
+        take_points(run, of);
+        break;
+    default:
+        break;
+    }
 }
 
 static int is_not_cancelled(void *ctx)
@@ -268,12 +270,8 @@ static int is_aborting(struct vor_worker *worker)
 /* Has the order run, once. */
 static enum vor_run_end try_order(struct run *run, struct vor_error *err)
 {
-    const struct vor_listener listener = {.ctx = run,
-                                          .asked = asked,
-                                          .said = take,
-                                          .is_looked_at = is_looked_at,
-                                          .points = take_points,
-                                          .file = file_of};
+    const struct vor_listener listener = {
+        .ctx = run, .asked = asked, .said = take, .is_looked_at = is_looked_at, .file = file_of};
     struct vor_run_executor *executor = run->worker->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 

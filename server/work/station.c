@@ -88,15 +88,8 @@ static int is_looked_at(void *ctx)
 {
     const struct sitting *sitting = ctx;
 
-    return atomic_load_explicit(&sitting->station->board->showing[sitting->seat].is_looked_at,
+    return atomic_load_explicit(&sitting->station->board->is_looked_at[sitting->seat],
                                 memory_order_relaxed);
-}
-
-static void take_points(void *ctx, const struct vor_shown *shown)
-{
-    const struct sitting *sitting = ctx;
-
-    vor_board_show(sitting->station->board, sitting->seat, shown);
 }
 
 static int file_of(void *ctx)
@@ -115,7 +108,6 @@ static vor_status run_order(struct sitting *sitting, const struct vor_order *ord
                                           .asked = asked,
                                           .said = take,
                                           .is_looked_at = is_looked_at,
-                                          .points = take_points,
                                           .file = file_of};
     struct vor_run_result result;
     struct vor_text kept;

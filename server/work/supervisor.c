@@ -7,13 +7,19 @@
 #include "server/work/supervisor.h"
 
 #include "server/base/clock.h"
+#include "server/base/disk.h"
+#include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/base/metrics.h"
-#include "server/work/workplace.h"
+#include "server/work/station.h"
+#include "server/work/wire.h"
 
 #include <errno.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 static const double look_seconds = 0.02; /* between two questions to a listener */
@@ -27,91 +33,212 @@ static const double let_go_seconds = 0.3, cancel_seconds = 5, cancel_alone_share
  * may hold a process up for seconds. */
 static const double stall_seconds = 10;
 
+static const double start_seconds = 30; /* for a process, to be ready */
+
 enum { STARTS = 3 }; /* tries to start a worker for a run */
+
+enum { NOBODY = -1 };
+
+/* A seat belongs to one life of its worker. When that ends, its runs find their channels closed,
+ * and here how it ended. */
+struct seat {
+    int taken;
+    uint64_t life;
+    int is_innocent; /* it was ended because of another run */
+    int is_only;     /* no other ran at its end */
+    char how[64];    /* "signal 11" */
+};
+
+/* A worker process, and a seat for each run there. It has lives: from its start until it ends, by
+ * itself or by us. */
+struct worker {
+    struct vor_board *board;
+    int board_fd;
+    int is_up;
+    int is_changing;        /* it is being started or ended */
+    struct vor_child child; /* while it is up */
+    uint64_t life;          /* number of the last one, from 1 */
+    unsigned beats;         /* when they were last looked at */
+    double beat;            /* when they had changed */
+    struct seat seat[VOR_SEATS];
+};
 
 struct vor_supervisor {
     struct vor_run_executor base;
     struct vor_supervisor_config config;
     pthread_mutex_t mutex;  /* everything below */
     pthread_cond_t changed; /* left_over, and a worker's is_changing */
-    struct vor_supervisor_counts counts;
-    unsigned suspects;  /* that have a worker of their own */
-    unsigned left_over; /* cancelled runs whose callers do not wait for them */
-    struct vor_workplace shared;
+    unsigned suspects;      /* that have a worker of their own */
+    unsigned left_over;     /* cancelled runs whose callers do not wait for them */
+    struct worker shared;
 };
 
 /* --- workers ---------------------------------------------------------------------------------- */
 
-static vor_status init_worker(const struct vor_supervisor *supervisor, struct vor_workplace *worker,
+static vor_status init_worker(const struct vor_supervisor *supervisor, struct worker *worker,
                               unsigned threads, struct vor_error *err)
 {
     const struct vor_supervisor_config *config = &supervisor->config;
-    vor_status status = vor_workplace_init(worker, threads, config->memory, err);
 
-    if (status != VOR_OK)
-        return status;
+    worker->board = vor_share(&worker->board_fd, sizeof *worker->board, PROT_READ | PROT_WRITE, 0);
+    if (worker->board == NULL)
+        return vor_fail_errno(err, errno, "creating memory that two processes share");
+    worker->board->threads = threads;
+    worker->board->memory = config->memory;
     worker->board->has_codec = config->codec.zygote != NULL;
     worker->board->codec_kind = config->codec.kind;
     worker->board->sandbox = config->codec.sandbox;
     return VOR_OK;
 }
 
+/* Ends its process, if there is one. worker may be NULL, or all zero. */
+static void free_worker(struct worker *worker)
+{
+    if (worker == NULL || worker->board == NULL)
+        return;
+    if (worker->is_up)
+        vor_child_free(&worker->child);
+    (void)munmap(worker->board, sizeof *worker->board);
+    (void)close(worker->board_fd);
+}
+
+/* Runs of the life at hand. */
+static unsigned runs_of(const struct worker *worker)
+{
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < VOR_SEATS; i++)
+        count += worker->seat[i].taken && worker->seat[i].life == worker->life;
+    return count;
+}
+
+static void describe_end(char out[64], const struct vor_child_end *end)
+{
+    if (end->signal != 0)
+        (void)snprintf(out, 64, "signal %d", end->signal);
+    else if (end->status == VOR_STATION_NO_MEMORY)
+        (void)snprintf(out, 64, "memory ran out");
+    else
+        (void)snprintf(out, 64, "exit status %d", end->status);
+}
+
+/* Waits until a worker says that it is ready. */
+static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
+{
+    struct vor_child_end end;
+    struct vor_error why;
+    char how[64];
+    struct vor_message message = {.bytes = &why, .capacity = sizeof why};
+
+    if (vor_channel_receive(child->channel, &message, start_seconds) == VOR_CHANNEL_MESSAGE) {
+        vor_message_close(&message);
+        if (message.size != sizeof why)
+            return VOR_OK;
+    }
+    (void)vor_child_reap(child, &end, 0);
+    if (message.size > 0)
+        return vor_fail(err, VOR_E_INTERNAL, "the engine fails its self-test: %.*s",
+                        (int)sizeof why.message, why.message);
+    if (end.status == VOR_STATION_NO_POOL)
+        return vor_fail(err, VOR_E_NOMEM,
+                        "cannot start the threads of the worker: too little memory, or a limit on "
+                        "the number of processes");
+    describe_end(how, &end);
+    return vor_fail(err, VOR_E_IO, "the worker process cannot be started: %s", how);
+}
+
 /* Starts a worker, or ends one. The mutex is held, but not while the process is waited for: that
  * may take half a minute, and other runs are looked after meanwhile. Who needs this worker waits
  * for the change (settle). */
-static void begin_change(struct vor_supervisor *supervisor, struct vor_workplace *worker)
+static void begin_change(struct vor_supervisor *supervisor, struct worker *worker)
 {
     worker->is_changing = 1;
     pthread_mutex_unlock(&supervisor->mutex);
 }
 
-static void end_change(struct vor_supervisor *supervisor, struct vor_workplace *worker)
+static void end_change(struct vor_supervisor *supervisor, struct worker *worker)
 {
     worker->is_changing = 0;
     pthread_cond_broadcast(&supervisor->changed);
 }
 
-static void settle(struct vor_supervisor *supervisor, const struct vor_workplace *worker)
+static void settle(struct vor_supervisor *supervisor, const struct worker *worker)
 {
     while (worker->is_changing)
         pthread_cond_wait(&supervisor->changed, &supervisor->mutex);
 }
 
-static vor_status begin_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
+static vor_status begin_worker(struct vor_supervisor *supervisor, struct worker *worker,
                                struct vor_error *err)
 {
+    struct vor_zygote *zygote = supervisor->config.zygote;
+    const int fds[] = {worker->board_fd, zygote->socket};
     struct vor_child child;
     vor_status status;
 
     begin_change(supervisor, worker);
-    status = vor_workplace_spawn(&child, worker, supervisor->config.zygote, supervisor->config.kind,
-                                 err);
+    status = vor_zygote_spawn(&child, zygote, supervisor->config.kind, fds,
+                              worker->board->has_codec ? 2 : 1, err);
+    if (status == VOR_OK) {
+        status = wait_ready(&child, err);
+        if (status != VOR_OK)
+            vor_child_free(&child);
+    }
     pthread_mutex_lock(&supervisor->mutex);
-    if (status == VOR_OK)
-        vor_workplace_begin(worker, &child);
-    supervisor->counts.started += status == VOR_OK;
+    if (status == VOR_OK) {
+        worker->child = child;
+        worker->is_up = 1;
+        worker->life++;
+        worker->beats = atomic_load(&worker->board->beats);
+        worker->beat = vor_clock_seconds();
+        vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
+    }
     end_change(supervisor, worker);
     return status;
 }
 
-static void end_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker,
-                       const char *why, int blamed)
+/* why: we end it; NULL where it has ended by itself, or nearly so. blamed: the seat because of
+ * which we do, or NOBODY. */
+static void end_worker(struct vor_supervisor *supervisor, struct worker *worker, const char *why,
+                       int blamed)
 {
-    struct vor_workplace_end end;
+    struct vor_child_end end;
+    char how[64] = "it does not end";
+    unsigned runs;
 
     if (!worker->is_up || worker->is_changing)
         return;
     begin_change(supervisor, worker);
-    vor_workplace_reap(&end, &worker->child, why);
+    if (vor_child_reap(&worker->child, &end, 0) != VOR_CHILD_STUCK)
+        describe_end(how, &end);
+    if (why != NULL)
+        (void)snprintf(how, sizeof how, "%s", why);
     pthread_mutex_lock(&supervisor->mutex);
-    supervisor->counts.crashed++;
     vor_metric_add(VOR_METRIC_WORKER_RESTARTS, 1, NULL);
-    vor_workplace_end(worker, &end, blamed);
+    vor_child_free(&worker->child);
+    worker->is_up = 0;
+    runs = runs_of(worker);
+    for (unsigned i = 0; i < VOR_SEATS; i++) {
+        struct seat *seat = &worker->seat[i];
+
+        if (!seat->taken || seat->life != worker->life)
+            continue;
+        seat->is_only = runs == 1;
+        seat->is_innocent = blamed != NOBODY && blamed != (int)i;
+        memcpy(seat->how, how, sizeof seat->how);
+    }
+    vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
+            VOR_COUNT("pid", worker->child.pid), VOR_COUNT("jobs", runs),
+            VOR_REAL("cpu_s", end.cpu_seconds), VOR_COUNT("peak", end.peak));
     end_change(supervisor, worker);
 }
 
-static void end_suspect(struct vor_supervisor *supervisor)
+static void leave_worker(struct vor_supervisor *supervisor, struct worker *worker)
 {
+    if (worker == &supervisor->shared)
+        return;
+    free_worker(worker);
+    free(worker);
     pthread_mutex_lock(&supervisor->mutex);
     supervisor->suspects--;
     pthread_mutex_unlock(&supervisor->mutex);
@@ -120,10 +247,10 @@ static void end_suspect(struct vor_supervisor *supervisor)
 /* The worker for an order: the shared one, or for a suspect one of its own. Of many suspects, as
  * after a crash beside many runs, each has fewer threads: else they would have the cores many times
  * over. NULL when there is none to be had. */
-static struct vor_workplace *worker_for(struct vor_supervisor *supervisor,
-                                        const struct vor_order *order, struct vor_error *err)
+static struct worker *worker_for(struct vor_supervisor *supervisor, const struct vor_order *order,
+                                 struct vor_error *err)
 {
-    struct vor_workplace *own;
+    struct worker *own;
     unsigned threads;
 
     if (!order->is_suspect)
@@ -132,43 +259,33 @@ static struct vor_workplace *worker_for(struct vor_supervisor *supervisor,
     threads = supervisor->config.threads / (++supervisor->suspects + 1);
     pthread_mutex_unlock(&supervisor->mutex);
     own = calloc(1, sizeof *own);
+    if (own != NULL && init_worker(supervisor, own, threads > 0 ? threads : 1, err) == VOR_OK)
+        return own;
     if (own == NULL)
         (void)vor_fail(err, VOR_E_NOMEM, "a worker");
-    else if (init_worker(supervisor, own, threads > 0 ? threads : 1, err) == VOR_OK)
-        return own;
-    end_suspect(supervisor);
-    free(own);
+    leave_worker(supervisor, own);
     return NULL;
-}
-
-static void leave_worker(struct vor_supervisor *supervisor, struct vor_workplace *worker)
-{
-    if (worker == &supervisor->shared)
-        return;
-    vor_workplace_free(worker);
-    free(worker);
-    end_suspect(supervisor);
 }
 
 /* --- a run ------------------------------------------------------------------------------------ */
 
 struct sitting {
     struct vor_supervisor *supervisor;
-    struct vor_workplace *worker;
+    struct worker *worker;
     const struct vor_listener *listener;
     int seat, channel;
     uint64_t life;
-    unsigned shown;   /* sequence of the points last shown */
-    float *xyz;       /* room for them; NULL as long as nobody has looked */
-    double cancelled; /* when the listener was first seen to cancel; 0 for not yet */
-    int is_left_over; /* nobody waits for it */
+    float *xyz;                    /* room for them; NULL as long as nobody has looked */
+    double cancelled;              /* when the listener was first seen to cancel; 0 for not yet */
+    int is_left_over;              /* nobody waits for it */
+    struct vor_run_result *result; /* what the run hands out, as the next two */
+    struct vor_text *kept;
+    struct vor_error *err;
 };
 
 static void leave_seat(struct sitting *sitting)
 {
     (void)close(sitting->channel);
-    if (sitting->xyz != NULL)
-        vor_board_look_away(sitting->worker->board, (unsigned)sitting->seat);
     free(sitting->xyz);
     pthread_mutex_lock(&sitting->supervisor->mutex);
     sitting->worker->seat[sitting->seat].taken = 0;
@@ -185,7 +302,7 @@ static int is_gone(const struct vor_error *err)
  * worker a channel for it. The mutex is held. */
 static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
 {
-    struct vor_workplace *worker = sitting->worker;
+    struct worker *worker = sitting->worker;
     struct vor_summons summons = {.seat = 0};
     vor_status status = VOR_OK;
     int ends[2];
@@ -202,10 +319,8 @@ static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
         status = vor_channel_pair(ends, err);
     if (status != VOR_OK)
         return status;
-    worker->seat[summons.seat] = (struct vor_seat){.taken = 1, .life = worker->life};
+    worker->seat[summons.seat] = (struct seat){.taken = 1, .life = worker->life};
     atomic_store(&worker->board->asked[summons.seat], VOR_CONTINUE);
-    /* The process that wrote last may have been killed. */
-    atomic_store(&worker->board->showing[summons.seat].sequence, 0);
     sitting->seat = (int)summons.seat;
     sitting->life = worker->life;
     sitting->channel = ends[0];
@@ -216,7 +331,7 @@ static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
     (void)close(ends[0]);
     worker->seat[sitting->seat].taken = 0;
     if (is_gone(err))
-        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+        end_worker(sitting->supervisor, worker, NULL, NOBODY);
     return status;
 }
 
@@ -235,137 +350,119 @@ static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
     return status;
 }
 
-/* Tells the run whether somebody looks at its points, and the listener where they are. */
-static void look_at_points(struct sitting *sitting)
-{
-    const struct vor_listener *listener = sitting->listener;
-    struct vor_board *board = sitting->worker->board;
-    unsigned seat = (unsigned)sitting->seat;
-    struct vor_shown shown;
-    int is_looked_at = listener->is_looked_at != NULL && listener->is_looked_at(listener->ctx);
-
-    if (is_looked_at && sitting->xyz == NULL)
-        sitting->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *sitting->xyz);
-    is_looked_at = is_looked_at && sitting->xyz != NULL;
-    atomic_store(&board->showing[seat].is_looked_at, is_looked_at);
-    if (is_looked_at && vor_board_look(board, seat, &sitting->shown, &shown, sitting->xyz))
-        listener->points(listener->ctx, &shown);
-}
-
 /* Tells the run what is asked of it, and looks whether it and its worker are in order. */
 static void look_after(struct sitting *sitting)
 {
     const struct vor_supervisor_config *config = &sitting->supervisor->config;
-    enum vor_answer answer = sitting->listener->asked(sitting->listener->ctx);
-    struct vor_workplace *worker = sitting->worker;
+    const struct vor_listener *listener = sitting->listener;
+    enum vor_answer answer = listener->asked(listener->ctx);
+    int is_looked_at = listener->is_looked_at != NULL && listener->is_looked_at(listener->ctx);
+    struct worker *worker = sitting->worker;
     unsigned beats = atomic_load(&worker->board->beats);
     double now = vor_clock_seconds(), share;
 
-    atomic_store(&sitting->worker->board->asked[sitting->seat], (int)answer);
+    if (is_looked_at && sitting->xyz == NULL)
+        sitting->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *sitting->xyz);
+    atomic_store(&worker->board->is_looked_at[sitting->seat], is_looked_at && sitting->xyz != NULL);
+    atomic_store(&worker->board->asked[sitting->seat], (int)answer);
     if (answer == VOR_CANCEL && sitting->cancelled == 0)
         sitting->cancelled = now;
     pthread_mutex_lock(&sitting->supervisor->mutex);
     if (worker->life == sitting->life) {
-        share = vor_workplace_runs(worker) == 1 ? cancel_alone_share : 1;
+        share = runs_of(worker) == 1 ? cancel_alone_share : 1;
         if (sitting->cancelled > 0 && now - sitting->cancelled > share * config->cancel_seconds)
             end_worker(sitting->supervisor, worker, "a cancelled run did not end", sitting->seat);
         if (beats != worker->beats) {
             worker->beats = beats;
             worker->beat = now;
         } else if (now - worker->beat > config->stall_seconds) {
-            end_worker(sitting->supervisor, worker, "it does not respond", VOR_NOBODY);
+            end_worker(sitting->supervisor, worker, "it does not respond", NOBODY);
         }
     }
     pthread_mutex_unlock(&sitting->supervisor->mutex);
 }
 
 /* The run's worker has ended, or does not speak sense. */
-static enum vor_run_end lose(struct sitting *sitting, struct vor_error *err)
+static enum vor_run_end lose(struct sitting *sitting)
 {
-    struct vor_workplace *worker = sitting->worker;
-    const struct vor_seat *seat = &worker->seat[sitting->seat];
+    struct worker *worker = sitting->worker;
+    const struct seat *seat = &worker->seat[sitting->seat];
     enum vor_run_end end;
 
     pthread_mutex_lock(&sitting->supervisor->mutex);
     if (worker->life == sitting->life)
-        end_worker(sitting->supervisor, worker, NULL, VOR_NOBODY);
+        end_worker(sitting->supervisor, worker, NULL, NOBODY);
     settle(sitting->supervisor, worker);
     end = seat->is_innocent ? VOR_RUN_DISTURBED
           : seat->is_only   ? VOR_RUN_CRASHED_ALONE
                             : VOR_RUN_CRASHED;
-    (void)vor_fail(err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
+    (void)vor_fail(sitting->err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
     pthread_mutex_unlock(&sitting->supervisor->mutex);
     if (sitting->listener->asked(sitting->listener->ctx) != VOR_CANCEL)
         return end;
-    (void)vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
+    (void)vor_fail(sitting->err, VOR_E_CANCELLED, "cancelled by the caller");
     return VOR_RUN_FAILED;
 }
 
 static int leave_over(struct sitting *sitting);
 
-/* What the run hands out. */
-struct handed {
-    struct vor_run_result *result;
-    struct vor_text *kept;
-    struct vor_error *err;
-};
-
 /* Takes in what the run says; true when it was its last word, and *end then says which. */
 static int take_in(const struct sitting *sitting, const struct vor_message_said *said, size_t size,
-                   struct handed *handed, enum vor_run_end *end)
+                   enum vor_run_end *end)
 {
-    const struct vor_listener *listener = sitting->listener;
-
     switch (said->what) {
     case VOR_SAID_KEPT:
-        vor_text_append(handed->kept, said->of.kept, size);
+        vor_text_append(sitting->kept, said->of.kept, size);
         return 0;
     case VOR_SAID_DONE:
-        *handed->result = said->of.result;
-        *end = vor_text_status(handed->kept, handed->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
+        *sitting->result = said->of.result;
+        *end =
+            vor_text_status(sitting->kept, sitting->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
         return 1;
     case VOR_SAID_FAILED:
-        *handed->err = said->of.error;
+        *sitting->err = said->of.error;
         *end = VOR_RUN_FAILED;
         return 1;
     default:
-        listener->said(listener->ctx, said->what, &said->of);
+        if (!sitting->is_left_over)
+            sitting->listener->said(sitting->listener->ctx, said->what, &said->of);
         return 0;
     }
 }
 
 /* Listens to a run until its end, or until it is overdue and was left over. */
-static enum vor_run_end listen_to(struct sitting *sitting, struct handed *handed)
+static enum vor_run_end listen_to(struct sitting *sitting)
 {
     struct vor_message_said said;
+    enum vor_channel_event event;
     enum vor_run_end end;
     size_t size = 0;
 
     for (;;) {
         vor_offer_send(sitting->channel, sitting->listener);
-        switch (vor_hear(&said, &size, sitting->channel, look_seconds)) {
-        case VOR_CHANNEL_MESSAGE:
-            if (take_in(sitting, &said, size, handed, &end)) {
-                look_at_points(sitting); /* those of a short run */
-                return end;
-            }
-            break;
-        case VOR_CHANNEL_GONE:
-            return lose(sitting, handed->err);
-        case VOR_CHANNEL_LATE:
-            break;
-        }
+        event = vor_hear(&said, &size, sitting->xyz, sitting->channel, look_seconds);
+        if (event == VOR_CHANNEL_GONE)
+            return lose(sitting);
+        if (event == VOR_CHANNEL_MESSAGE && take_in(sitting, &said, size, &end))
+            return end;
         look_after(sitting);
-        look_at_points(sitting);
         if (!sitting->is_left_over && sitting->cancelled > 0 &&
             vor_clock_seconds() - sitting->cancelled > let_go_seconds && leave_over(sitting)) {
-            (void)vor_fail(handed->err, VOR_E_CANCELLED, "cancelled by the caller");
+            (void)vor_fail(sitting->err, VOR_E_CANCELLED, "cancelled by the caller");
             return VOR_RUN_FAILED;
         }
     }
 }
 
-/* --- runs that do not listen ------------------------------------------------------------------ */
+/* --- runs that are left over ------------------------------------------------------------------ */
+
+static enum vor_answer answer_cancel(void *ctx)
+{
+    (void)ctx;
+    return VOR_CANCEL;
+}
+
+static const struct vor_listener nobody = {.asked = answer_cancel};
 
 /* Waits for the end of a run in nobody's name. */
 static void *see_out(void *arg)
@@ -375,10 +472,12 @@ static void *see_out(void *arg)
     struct vor_run_result result;
     struct vor_error err;
     struct vor_text kept;
-    struct handed handed = {&result, &kept, &err};
 
     vor_text_init(&kept, 0);
-    (void)listen_to(sitting, &handed);
+    sitting->result = &result;
+    sitting->kept = &kept;
+    sitting->err = &err;
+    (void)listen_to(sitting);
     vor_text_free(&kept);
     leave_seat(sitting);
     leave_worker(supervisor, sitting->worker);
@@ -401,7 +500,7 @@ static int leave_over(struct sitting *sitting)
         return 0;
     sitting->is_left_over = 1;
     *left = *sitting;
-    left->listener = &vor_nobody;
+    left->listener = &nobody;
     pthread_mutex_lock(&supervisor->mutex);
     if (vor_machine_thread(&thread, "vor-see-out", see_out, left) == 0) {
         (void)pthread_detach(thread);
@@ -420,8 +519,8 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
                                   struct vor_error *err)
 {
     struct vor_supervisor *supervisor = (struct vor_supervisor *)executor;
-    struct sitting sitting = {.supervisor = supervisor, .listener = listener};
-    struct handed handed = {result, kept, err};
+    struct sitting sitting = {
+        .supervisor = supervisor, .listener = listener, .result = result, .kept = kept, .err = err};
     enum vor_run_end end;
 
     sitting.worker = worker_for(supervisor, order, err);
@@ -431,11 +530,11 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
         leave_worker(supervisor, sitting.worker);
         return VOR_RUN_DISTURBED;
     }
-    look_at_points(&sitting);
+    look_after(&sitting); /* a short run may end before the next time */
     if (vor_order_send(sitting.channel, order, err) == VOR_OK)
-        end = listen_to(&sitting, &handed);
+        end = listen_to(&sitting);
     else
-        end = is_gone(err) ? lose(&sitting, err) : VOR_RUN_DISTURBED;
+        end = is_gone(err) ? lose(&sitting) : VOR_RUN_DISTURBED;
     if (!sitting.is_left_over) {
         leave_seat(&sitting);
         leave_worker(supervisor, sitting.worker);
@@ -484,7 +583,7 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor)
     while (supervisor->left_over > 0) /* for cancel_seconds at most */
         pthread_cond_wait(&supervisor->changed, &supervisor->mutex);
     pthread_mutex_unlock(&supervisor->mutex);
-    vor_workplace_free(&supervisor->shared);
+    free_worker(&supervisor->shared);
     pthread_cond_destroy(&supervisor->changed);
     pthread_mutex_destroy(&supervisor->mutex);
     free(supervisor);
@@ -493,11 +592,4 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor)
 struct vor_run_executor *vor_supervisor_executor(struct vor_supervisor *supervisor)
 {
     return &supervisor->base;
-}
-
-void vor_supervisor_counts(struct vor_supervisor *supervisor, struct vor_supervisor_counts *out)
-{
-    pthread_mutex_lock(&supervisor->mutex);
-    *out = supervisor->counts;
-    pthread_mutex_unlock(&supervisor->mutex);
 }

@@ -41,10 +41,4 @@ void vor_supervisor_destroy(struct vor_supervisor *supervisor);
  * for stall_seconds, is VOR_RUN_CRASHED for all that runs there. */
 struct vor_run_executor *vor_supervisor_executor(struct vor_supervisor *supervisor);
 
-/** The worker processes so far: how many were started, and how many ended unasked. */
-struct vor_supervisor_counts {
-    unsigned started, crashed;
-};
-void vor_supervisor_counts(struct vor_supervisor *supervisor, struct vor_supervisor_counts *out);
-
 #endif

@@ -6,13 +6,15 @@
 
 #include <assert.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* --- the board -------------------------------------------------------------------------------- */
+/* --- shared memory
+ * -------------------------------------------------------------------------------- */
 
 struct vor_board *vor_board_map(int fd)
 {
@@ -21,96 +23,23 @@ struct vor_board *vor_board_map(int fd)
     return at != MAP_FAILED ? at : NULL;
 }
 
-void vor_board_unmap(struct vor_board *board)
+void *vor_share(int *fd, size_t size, int protection, int flags)
 {
-    if (board != NULL)
-        (void)munmap(board, sizeof *board);
-}
+    void *at = MAP_FAILED;
+    int failed;
 
-void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_shown *shown)
-{
-    struct vor_showing *showing = &board->showing[seat];
-    unsigned sequence = atomic_load_explicit(&showing->sequence, memory_order_relaxed);
-    size_t count = vor_shown_count(shown->moving.n, VOR_PREVIEW_POINTS_MAX);
-
-    /* An exchange: what follows stays behind it. */
-    (void)atomic_exchange_explicit(&showing->sequence, sequence + 1, memory_order_acq_rel);
-    for (size_t i = 0; i < count; i++) {
-        float x[3];
-        uint32_t bits[3];
-
-        vor_shown_point(&shown->moving, i, count, x);
-        memcpy(bits, x, sizeof bits);
-        for (size_t c = 0; c < 3; c++)
-            atomic_store_explicit(&board->shown[seat][3 * i + c], bits[c], memory_order_relaxed);
-    }
-    for (int c = 0; c < 3; c++) {
-        uint64_t bits;
-
-        memcpy(&bits, &shown->origin[c], sizeof bits);
-        atomic_store_explicit(&showing->origin[c], bits, memory_order_relaxed);
-    }
-    atomic_store_explicit(&showing->count, (unsigned)count, memory_order_relaxed);
-    atomic_store_explicit(&showing->iteration, shown->iteration, memory_order_relaxed);
-    atomic_store_explicit(&showing->polish, shown->polish, memory_order_relaxed);
-    atomic_store_explicit(&showing->sequence, sequence + 2, memory_order_release);
-}
-
-int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
-                   struct vor_shown *out, float *xyz)
-{
-    struct vor_showing *showing = &board->showing[seat];
-    unsigned before = atomic_load_explicit(&showing->sequence, memory_order_acquire);
-    size_t count;
-
-    if (before == *sequence || (before & 1) != 0)
-        return 0;
-    count = vor_shown_count(atomic_load_explicit(&showing->count, memory_order_relaxed),
-                            VOR_PREVIEW_POINTS_MAX); /* the worker may have gone mad */
-    *out = (struct vor_shown){.moving = {.xyz = xyz, .n = count, .unit = 1}};
-    out->iteration = atomic_load_explicit(&showing->iteration, memory_order_relaxed);
-    out->polish = atomic_load_explicit(&showing->polish, memory_order_relaxed);
-    for (int c = 0; c < 3; c++) {
-        uint64_t bits = atomic_load_explicit(&showing->origin[c], memory_order_relaxed);
-
-        memcpy(&out->origin[c], &bits, sizeof bits);
-    }
-    for (size_t i = 0; i < 3 * count; i++) {
-        uint32_t bits = atomic_load_explicit(&board->shown[seat][i], memory_order_relaxed);
-
-        memcpy(&xyz[i], &bits, sizeof bits);
-    }
-    /* An addition of nothing: what precedes stays before it. */
-    if (atomic_fetch_add_explicit(&showing->sequence, 0, memory_order_acq_rel) != before)
-        return 0;
-    *sequence = before;
-    return count > 0;
-}
-
-void vor_board_look_away(struct vor_board *board, unsigned seat)
-{
-    atomic_store(&board->showing[seat].is_looked_at, 0);
-    /* Where pages are larger the kernel refuses, and the memory waits for the next run. */
-    (void)madvise(board->shown[seat], sizeof board->shown[seat], MADV_REMOVE);
-}
-
-vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *err)
-{
-    struct vor_board *board;
-    int file = memfd_create("voronoid-board", MFD_CLOEXEC);
-
-    if (file < 0)
-        return vor_fail_errno(err, errno, "creating memory that two processes share");
-    board = ftruncate(file, sizeof *board) == 0 ? vor_board_map(file) : NULL;
-    if (board == NULL) {
-        vor_status status = vor_fail_errno(err, errno, "creating memory that two processes share");
-
-        (void)close(file);
-        return status;
-    }
-    *out = board;
-    *fd = file;
-    return VOR_OK;
+    *fd = memfd_create("shared", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    if (*fd >= 0 && ftruncate(*fd, (off_t)size) == 0 &&
+        fcntl(*fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0)
+        at = mmap(NULL, size, protection, MAP_SHARED | flags, *fd, 0);
+    if (at != MAP_FAILED)
+        return at;
+    failed = errno;
+    if (*fd >= 0)
+        (void)close(*fd);
+    *fd = -1;
+    errno = failed;
+    return NULL;
 }
 
 /* --- orders ----------------------------------------------------------------------------------- */
@@ -214,20 +143,50 @@ size_t vor_said_size(enum vor_said what)
                                                  [VOR_SAID_CHECKPOINT] =
                                                      sizeof(struct vor_job_output),
                                                  [VOR_SAID_WAITS] = sizeof(struct vor_error),
+                                                 [VOR_SAID_POINTS] = sizeof(struct vor_shown),
                                                  [VOR_SAID_DONE] = sizeof(struct vor_run_result),
-                                                 [VOR_SAID_FAILED] = sizeof(struct vor_error)};
+                                                 [VOR_SAID_FAILED] = sizeof(struct vor_error),
+                                                 [VOR_SAID_PART] = sizeof(uint32_t),
+                                                 [VOR_SAID_FOUND] = sizeof(struct vor_codec_facts)};
 
     return sizes[what];
+}
+
+/* Puts points into a file, as one message does not hold them; -1: they are not shown. */
+static int file_of(struct vor_shown *shown)
+{
+    const struct vor_moving moving = shown->moving;
+    size_t count = vor_shown_count(moving.n, VOR_PREVIEW_POINTS_MAX);
+    size_t size = 3 * count * sizeof(float);
+    int fd = -1;
+    float *xyz = count > 0 ? vor_share(&fd, size, PROT_READ | PROT_WRITE, 0) : NULL;
+
+    if (xyz == NULL)
+        return -1;
+    for (size_t i = 0; i < count; i++)
+        vor_shown_point(&moving, i, count, &xyz[3 * i]);
+    (void)munmap(xyz, size);
+    shown->moving = (struct vor_moving){.n = count, .unit = 1};
+    return fd;
 }
 
 vor_status vor_say(int channel, enum vor_said what, const void *of, size_t size)
 {
     struct vor_message_said said;
+    vor_status status;
+    int fd;
 
     assert(size <= sizeof said.of);
     said.what = what;
     memcpy(&said.of, of, size);
-    return vor_channel_send(channel, &said, HEAD + size, NULL, 0, NULL);
+    if (what != VOR_SAID_POINTS)
+        return vor_channel_send(channel, &said, HEAD + size, NULL, 0, NULL);
+    fd = file_of(&said.of.shown);
+    if (fd < 0)
+        return VOR_OK;
+    status = vor_channel_send(channel, &said, HEAD + size, &fd, 1, NULL);
+    (void)close(fd);
+    return status;
 }
 
 static int check_result(struct vor_run_result *result)
@@ -249,16 +208,21 @@ static int check_result(struct vor_run_result *result)
     return report->stopped < VOR_STOPPED_COUNT;
 }
 
-static int check_error(struct vor_error *error)
+static int is_text(const char *text, size_t size)
 {
-    error->parameter[sizeof error->parameter - 1] = '\0';
-    error->message[sizeof error->message - 1] = '\0';
-    return error->status > VOR_OK && error->status < VOR_STATUS_COUNT;
+    const char *end = memchr(text, '\0', size);
+
+    for (; end != NULL && text < end; text++)
+        if ((unsigned char)*text < ' ' || *text == 0x7f)
+            return 0;
+    return end != NULL;
 }
 
 /* Whether what was said makes sense, `size` bytes of it. */
 static int check_said(struct vor_message_said *said, size_t size)
 {
+    const struct vor_error *error = &said->of.error;
+
     if ((unsigned)said->what >= VOR_SAID_KINDS ||
         (said->what == VOR_SAID_KEPT ? size > sizeof said->of.kept
                                      : size != vor_said_size(said->what)))
@@ -271,27 +235,42 @@ static int check_said(struct vor_message_said *said, size_t size)
     case VOR_SAID_CHECKPOINT:
         said->of.file.sha256[VOR_DIGEST_SIZE - 1] = '\0';
         return 1;
+    case VOR_SAID_POINTS:
+        return said->of.shown.moving.n - 1 < VOR_PREVIEW_POINTS_MAX;
     case VOR_SAID_DONE:
         return check_result(&said->of.result);
     case VOR_SAID_WAITS:
     case VOR_SAID_FAILED:
-        return check_error(&said->of.error);
+        return error->status > VOR_OK && error->status < VOR_STATUS_COUNT &&
+               is_text(error->message, sizeof error->message) &&
+               is_text(error->parameter, sizeof error->parameter);
     default:
         return 1;
     }
 }
 
-enum vor_channel_event vor_hear(struct vor_message_said *out, size_t *size, int channel,
+enum vor_channel_event vor_hear(struct vor_message_said *out, size_t *size, float *xyz, int channel,
                                 double seconds)
 {
     struct vor_message message = {.bytes = out, .capacity = sizeof *out};
     enum vor_channel_event event = vor_channel_receive(channel, &message, seconds);
+    struct vor_moving *moving = &out->of.shown.moving;
 
-    if (event != VOR_CHANNEL_MESSAGE)
+    if (event != VOR_CHANNEL_MESSAGE) {
+        out->what = VOR_SAID_STAGE;
         return event;
-    vor_message_close(&message);
-    if (message.size < HEAD)
-        return VOR_CHANNEL_GONE;
+    }
     *size = message.size - HEAD;
-    return check_said(out, *size) ? VOR_CHANNEL_MESSAGE : VOR_CHANNEL_GONE;
+    if (message.size < HEAD || !check_said(out, *size)) {
+        out->what = VOR_SAID_KINDS;
+        event = VOR_CHANNEL_GONE;
+    } else if (out->what == VOR_SAID_POINTS) {
+        ssize_t want = (ssize_t)(3 * moving->n * sizeof *xyz);
+
+        if (xyz == NULL || message.fd_count == 0 || pread(message.fds[0], xyz, want, 0) != want)
+            event = VOR_CHANNEL_LATE; /* they are not shown */
+        *moving = (struct vor_moving){.xyz = xyz, .n = moving->n, .unit = 1};
+    }
+    vor_message_close(&message);
+    return event;
 }

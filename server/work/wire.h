@@ -1,14 +1,16 @@
-/** What the front and the worker process say to each other. The worker process is forked from this
- *  very program and never executes another, so structs travel as they are.
+/** What the front and its children say to each other: the worker process (station.h), and those
+ * that do one piece of work with bytes (codec_child.h). All are forked from this very program and
+ * never execute another, so structs travel as they are.
  *
  *  On the worker's channel the front sends a channel for each run (struct vor_summons, with its
- *  descriptor). On that one it sends the order, and hears stages, records and the end. What changes
- *  all the time and must not wait lies on a board in memory that both have mapped. */
+ *  descriptor). On that one it sends the order, and hears what the run says up to its end. What
+ *  changes all the time and must not wait lies on a board in memory that both have mapped. */
 #ifndef VOR_SERVER_WORK_WIRE_H
 #define VOR_SERVER_WORK_WIRE_H
 
 #include "server/proc/channel.h"
 #include "server/proc/sandbox.h"
+#include "server/work/codec_work.h"
 #include "server/work/run_executor.h"
 
 #include <stdatomic.h>
@@ -16,61 +18,30 @@
 /** Most runs at a time. */
 enum { VOR_SEATS = 64 };
 
-/** Words of the points of one seat: whole pages of 4 KiB, so that they can be given back. */
-enum { VOR_SHOWN_WORDS = (3 * VOR_PREVIEW_POINTS_MAX + 1023) / 1024 * 1024 };
-
-/** Where the points of a run are, for who looks: written by the worker, read by the front, neither
- *  of which ever waits for the other. The sequence is odd while it is written; a reader that finds
- * it changed has read nothing. */
-struct vor_showing {
-    atomic_int is_looked_at; /**< the front's */
-    atomic_uint sequence;    /**< the worker's, as the rest */
-    atomic_uint count, iteration, polish;
-    _Atomic uint64_t origin[3]; /**< bits of doubles */
-};
-
-/** Shared memory. What comes first is written by the front before the worker starts. Pages of
- * points that nobody has looked at take no memory. */
+/** Shared memory. What comes first is written by the front before the worker starts. */
 struct vor_board {
     unsigned threads;    /**< of the pool */
     size_t memory;       /**< bytes that the worker process may take; 0 for any */
     int has_codec;       /**< the worker has children encode results: */
     unsigned codec_kind; /**< as in struct vor_codec_place, as the next */
     enum vor_sandbox_kind sandbox;
-    atomic_uint beats;           /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
-    atomic_int asked[VOR_SEATS]; /**< enum vor_answer of the listener of each run */
-    struct vor_showing showing[VOR_SEATS];
-    _Alignas(4096) _Atomic uint32_t shown[VOR_SEATS][VOR_SHOWN_WORDS]; /**< bits of floats */
+    atomic_uint beats;                  /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
+    atomic_int asked[VOR_SEATS];        /**< enum vor_answer of the listener of each run */
+    atomic_int is_looked_at[VOR_SEATS]; /**< somebody looks at the points of the run */
 };
 
 #define VOR_BEAT_SECONDS 0.1
 
-/** Makes a board, all zero, and a descriptor through which another process maps it.
+/** Makes memory that two processes share, all zero, which cannot be made shorter, as that would
+ * kill the one that reads, and maps it.
  *
- *  @param[out] out  vor_board_unmap; *fd: close
- *  @retval VOR_E_IO */
-VOR_NODISCARD vor_status vor_board_create(struct vor_board **out, int *fd, struct vor_error *err);
+ *  @param[in]  protection, flags  as of mmap, besides MAP_SHARED
+ *  @param[out] fd  through which another process maps it; close
+ *  @return munmap; NULL, and errno says why */
+void *vor_share(int *fd, size_t size, int protection, int flags);
 
 /** NULL when it cannot be mapped. */
 struct vor_board *vor_board_map(int fd);
-
-/** board may be NULL. */
-void vor_board_unmap(struct vor_board *board);
-
-/** The worker's: writes at most VOR_PREVIEW_POINTS_MAX points of a run. */
-void vor_board_show(struct vor_board *board, unsigned seat, const struct vor_shown *shown);
-
-/** The front's: the points last written, if they are others than those of *sequence, which becomes
- *  theirs.
- *
- *  @param[out] out  its moving.xyz is xyz
- *  @param[out] xyz  VOR_PREVIEW_POINTS_MAX x 3
- *  @return false when there are none, or they are just being written */
-int vor_board_look(struct vor_board *board, unsigned seat, unsigned *sequence,
-                   struct vor_shown *out, float *xyz);
-
-/** The front's: nobody looks at a seat, and what it showed is given back. */
-void vor_board_look_away(struct vor_board *board, unsigned seat);
 
 /** Sent to the worker with one descriptor, the channel of a run. */
 struct vor_summons {
@@ -103,17 +74,21 @@ int vor_offer_receive(int channel);
 /** Bytes of a part of what is kept in the row, and of all its parts: a report has 10 to 100 KB. */
 enum { VOR_KEPT_PART = 32768, VOR_KEPT_MAX = 1 << 24 };
 
-/** A message of a run: what a listener hears, then the next bytes of what is kept in the row
- *  (KEPT), and one of the last two. */
+/** A message of a child: what a listener hears, then the next bytes of what is kept in the row
+ *  (KEPT), and one of DONE and FAILED; or of one that works on bytes PART, and one of FOUND and
+ *  FAILED. */
 struct vor_message_said {
     enum vor_said what;
     union {
         enum vor_stage stage;
         struct vor_record record;
         struct vor_job_output file; /**< CHECKPOINT */
+        struct vor_shown shown;     /**< POINTS */
         char kept[VOR_KEPT_PART];
         struct vor_run_result result;
         struct vor_error error; /**< WAITS, FAILED */
+        uint32_t part;          /**< PART: bytes in the next slot of the ring */
+        struct vor_codec_facts facts;
     } of;
 };
 
@@ -125,13 +100,15 @@ size_t vor_said_size(enum vor_said what);
  *  @retval VOR_E_IO  nobody is there any more */
 VOR_NODISCARD vor_status vor_say(int channel, enum vor_said what, const void *of, size_t size);
 
-/** Hears the next thing. What came is checked, as the run may have gone mad: strings end, numbers
- *  that index a table do.
+/** Hears the next thing. What came is checked, as the child may have gone mad: texts end and can be
+ *  shown, numbers that index a table do. PART and FOUND are the caller's to check.
  *
  *  @param[out] size  bytes of `of`
+ *  @param[out] xyz   POINTS: VOR_PREVIEW_POINTS_MAX x 3; NULL where they are not wanted
  *
- *  @return as vor_channel_receive; VOR_CHANNEL_GONE also when what came makes no sense */
-enum vor_channel_event vor_hear(struct vor_message_said *out, size_t *size, int channel,
+ *  @return as vor_channel_receive; VOR_CHANNEL_GONE also when what came makes no sense, and then
+ *          out->what is VOR_SAID_KINDS */
+enum vor_channel_event vor_hear(struct vor_message_said *out, size_t *size, float *xyz, int channel,
                                 double seconds);
 
 #endif

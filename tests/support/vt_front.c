@@ -1,8 +1,10 @@
 #include "tests/support/vt_front.h"
 
+#include "server/base/metrics.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct vt_front vt_front_start(const struct vor_child_kind *kinds, unsigned count,
                                struct vor_supervisor_config config)
@@ -26,12 +28,19 @@ void vt_front_stop(struct vt_front *front)
     free(front->zygote);
 }
 
-struct vor_supervisor_counts vt_front_counts(const struct vt_front *front)
+unsigned vt_front_crashes(void)
 {
-    struct vor_supervisor_counts counts;
+    struct vor_text numbers;
+    const char *at;
+    unsigned count = 0;
 
-    vor_supervisor_counts(front->supervisor, &counts);
-    return counts;
+    vor_text_init(&numbers, 0);
+    vor_metrics_write(&numbers);
+    at = numbers.size == 0 ? NULL : strstr(numbers.data, "\nvoronoid_worker_restarts_total ");
+    if (at != NULL)
+        (void)sscanf(at, "%*s %u", &count);
+    vor_text_free(&numbers);
+    return count;
 }
 
 static enum vor_answer answer(void *ctx)

@@ -18,7 +18,9 @@ struct vt_front {
 struct vt_front vt_front_start(const struct vor_child_kind *kinds, unsigned count,
                                struct vor_supervisor_config config);
 void vt_front_stop(struct vt_front *front);
-struct vor_supervisor_counts vt_front_counts(const struct vt_front *front);
+
+/** Workers of this process that have ended unasked so far. */
+unsigned vt_front_crashes(void);
 
 /** A run and what it told. */
 struct vt_heard {

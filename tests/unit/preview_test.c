@@ -1,25 +1,13 @@
-/* Points as they move: picked, put into shared memory, shown. */
+/* Points as they move: picked, told by another process, shown. */
 #include "server/jobs/preview.h"
 #include "server/work/wire.h"
 #include "tests/support/vt.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
+#include <stddef.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
-enum { MOST = VOR_PREVIEW_POINTS_MAX, SEAT = 3 };
-
-static struct vor_board *new_board(void)
-{
-    struct vor_board *board = NULL;
-    int fd = -1;
-
-    vt_assert_ok(vor_board_create(&board, &fd, &vt_err));
-    (void)close(fd);
-    return board;
-}
+enum { MOST = VOR_PREVIEW_POINTS_MAX };
 
 static float *room(size_t points)
 {
@@ -56,109 +44,41 @@ VT_TEST(points_are_picked_evenly_and_put_into_their_frame)
     ck_assert_uint_eq(vor_shown_count(10000000, MOST), MOST);
 }
 
-VT_TEST(a_board_shows_what_was_written_last_and_once)
+VT_TEST(points_travel_in_a_file_picked_or_not_at_all)
 {
-    struct vor_board *board = new_board();
     float *in = room(2 * MOST), *out = room(MOST);
-    struct vor_shown shown = frame(in, 2 * MOST, 1.5F, 7), seen;
-    unsigned sequence = 0;
+    struct vor_shown shown = frame(in, 2 * MOST, 1.5F, 7), none = {.moving.n = MOST + 1};
+    struct vor_message_said said;
+    size_t size;
+    int ends[2];
 
-    ck_assert(!vor_board_look(board, SEAT, &sequence, &seen, out));
-    shown.polish = 9;
+    vt_assert_ok(vor_channel_pair(ends, &vt_err));
     shown.origin[1] = 4849000.5;
     in[3 * 2] = 8; /* the third point is the second of those picked */
-    vor_board_show(board, SEAT, &shown);
-    ck_assert(!vor_board_look(board, SEAT + 1, &(unsigned){0}, &seen, out));
-    ck_assert(vor_board_look(board, SEAT, &sequence, &seen, out));
-    ck_assert_ptr_eq(seen.moving.xyz, out);
-    ck_assert_uint_eq(seen.moving.n, MOST);
-    ck_assert_uint_eq(seen.iteration, 7);
-    ck_assert_uint_eq(seen.polish, 9);
-    ck_assert_double_eq(seen.origin[1], 4849000.5);
+    vt_assert_ok(vor_say(ends[0], VOR_SAID_POINTS, &shown, sizeof shown));
+    ck_assert_int_eq(vor_hear(&said, &size, out, ends[1], 1), VOR_CHANNEL_MESSAGE);
+    ck_assert_ptr_eq(said.of.shown.moving.xyz, out);
+    ck_assert_uint_eq(said.of.shown.moving.n, MOST);
+    ck_assert_uint_eq(said.of.shown.iteration, 7);
+    ck_assert_double_eq(said.of.shown.origin[1], 4849000.5);
     ck_assert_float_eq(out[0], 1.5F);
     ck_assert_float_eq(out[3], 8);
     ck_assert_float_eq(out[3 * MOST - 1], 1.5F);
-    ck_assert(!vor_board_look(board, SEAT, &sequence, &seen, out));
+    vt_assert_ok(vor_say(ends[0], VOR_SAID_POINTS, &shown, sizeof shown));
+    ck_assert_int_eq(vor_hear(&said, &size, NULL, ends[1], 1), VOR_CHANNEL_LATE);
+    said = (struct vor_message_said){.what = VOR_SAID_POINTS, .of.shown = none};
+    size = offsetof(struct vor_message_said, of) + sizeof none;
+    vt_assert_ok(vor_channel_send(ends[0], &said, size, NULL, 0, &vt_err));
+    ck_assert_int_eq(vor_hear(&said, &size, out, ends[1], 1), VOR_CHANNEL_GONE);
+    said = (struct vor_message_said){.what = VOR_SAID_POINTS, .of.shown = none};
+    said.of.shown.moving.n = 1; /* and no file */
+    size = offsetof(struct vor_message_said, of) + sizeof none;
+    vt_assert_ok(vor_channel_send(ends[0], &said, size, NULL, 0, &vt_err));
+    ck_assert_int_eq(vor_hear(&said, &size, out, ends[1], 1), VOR_CHANNEL_LATE);
+    close(ends[0]);
+    close(ends[1]);
     free(out);
     free(in);
-    vor_board_unmap(board);
-}
-
-VT_TEST(a_count_that_makes_no_sense_reads_nothing_beyond)
-{
-    struct vor_board *board = new_board();
-    float *out = room(MOST);
-    struct vor_shown seen;
-    unsigned sequence = 0;
-
-    atomic_store(&board->showing[SEAT].count, 4000000000U);
-    atomic_store(&board->showing[SEAT].sequence, 2);
-    ck_assert(vor_board_look(board, SEAT, &sequence, &seen, out));
-    ck_assert_uint_eq(seen.moving.n, MOST);
-    atomic_store(&board->showing[SEAT].sequence, 3); /* the process that writes is killed */
-    ck_assert(!vor_board_look(board, SEAT, &sequence, &seen, out));
-    free(out);
-    vor_board_unmap(board);
-}
-
-VT_TEST(what_nobody_looks_at_any_more_takes_no_memory)
-{
-    struct vor_board *board = new_board();
-    float *in = room(MOST);
-    struct vor_shown shown = frame(in, MOST, 1, 1);
-
-    vor_board_show(board, SEAT, &shown);
-    atomic_store(&board->showing[SEAT].is_looked_at, 1);
-    vor_board_look_away(board, SEAT);
-    ck_assert_int_eq(atomic_load(&board->showing[SEAT].is_looked_at), 0);
-    if (sysconf(_SC_PAGESIZE) == 4096) /* pages given back read as zero */
-        ck_assert_uint_eq(atomic_load(&board->shown[SEAT][3 * MOST - 1]), 0);
-    free(in);
-    vor_board_unmap(board);
-}
-
-struct writer {
-    struct vor_board *board;
-    atomic_int is_over;
-};
-
-static void *write_frames(void *arg)
-{
-    struct writer *writer = arg;
-    const struct timespec pause = {0, 100000};
-    float *in = room(5000);
-
-    for (uint32_t i = 1; !atomic_load(&writer->is_over); i++) {
-        struct vor_shown shown = frame(in, 5000, (float)i, i);
-
-        vor_board_show(writer->board, SEAT, &shown);
-        (void)nanosleep(&pause, NULL);
-    }
-    free(in);
-    return NULL;
-}
-
-VT_TEST(a_frame_that_is_read_is_whole)
-{
-    struct writer writer = {.board = new_board()};
-    float *out = room(MOST);
-    struct vor_shown seen;
-    unsigned sequence = 0, whole = 0;
-    pthread_t thread;
-
-    atomic_init(&writer.is_over, 0);
-    ck_assert_int_eq(pthread_create(&thread, NULL, write_frames, &writer), 0);
-    while (whole < 400) {
-        if (!vor_board_look(writer.board, SEAT, &sequence, &seen, out))
-            continue;
-        whole++;
-        for (size_t i = 0; i < 3 * seen.moving.n; i++)
-            ck_assert_msg(out[i] == (float)seen.iteration, "point %zu is of another frame", i / 3);
-    }
-    atomic_store(&writer.is_over, 1);
-    ck_assert_int_eq(pthread_join(thread, NULL), 0);
-    free(out);
-    vor_board_unmap(writer.board);
 }
 
 /* The cloud of a preview. */

@@ -8,6 +8,7 @@
 #include "server/serve.h"
 #include "server/work/codec_child.h"
 #include "server/work/codec_run.h"
+#include "server/work/wire.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 #include "tests/support/vt_serve.h"
@@ -53,6 +54,7 @@ enum deed {
     LIE_STATUS,
     LIE_WORDS,
     LIE_SIZE,
+    LIE_KIND,
     FLOOD,
     DEEDS
 };
@@ -64,9 +66,9 @@ static void *no_thread(void *ctx)
     return ctx;
 }
 
-static void say(const struct vor_codec_reply *reply, size_t size)
+static void say(enum vor_said what, const void *of, size_t size)
 {
-    if (vor_channel_send(CHANNEL, reply, size, NULL, 0, NULL) != VOR_OK)
+    if (vor_say(CHANNEL, what, of, size) != VOR_OK)
         _exit(1);
 }
 
@@ -74,7 +76,7 @@ static void say(const struct vor_codec_reply *reply, size_t size)
 static void allocate_all(void)
 {
     enum { PIECE = 1 << 20, PIECES = 4096 };
-    struct vor_codec_reply reply = {.says = VOR_CODEC_END};
+    struct vor_error error = {0};
     int count = 0;
     char *piece;
 
@@ -82,18 +84,18 @@ static void allocate_all(void)
         memset(piece, count, PIECE);
         count++;
     }
-    reply.status = vor_fail(&reply.error, VOR_E_NOMEM, "%s", count < PIECES ? "stopped" : "never");
-    say(&reply, sizeof reply);
+    (void)vor_fail(&error, VOR_E_NOMEM, "%s", count < PIECES ? "stopped" : "never");
+    say(VOR_SAID_FAILED, &error, sizeof error);
 }
 
 static void flood(void)
 {
-    struct vor_codec_reply reply = {.says = VOR_CODEC_PART, .size = VOR_RING_PART};
+    const uint32_t part = VOR_RING_PART;
     char told;
     struct vor_message message = {.bytes = &told, .capacity = 1};
 
     for (;;) {
-        say(&reply, offsetof(struct vor_codec_reply, status));
+        say(VOR_SAID_PART, &part, sizeof part);
         if (vor_channel_receive(CHANNEL, &message, -1) != VOR_CHANNEL_MESSAGE)
             _exit(1);
     }
@@ -101,24 +103,24 @@ static void flood(void)
 
 static void lie(enum deed deed)
 {
-    struct vor_codec_reply reply = {
-        .says = VOR_CODEC_END,
-        .status = VOR_OK,
-        .facts = {.points = 1, .extent = {.n = 1, .low = {0, 0, 0}, .high = {1, 1, 1}}}};
+    struct vor_codec_facts facts = {.points = 1,
+                                    .extent = {.n = 1, .low = {0, 0, 0}, .high = {1, 1, 1}}};
+    struct vor_error error = {.status = (vor_status)12345};
+    const uint32_t part = VOR_RING_PART + 1;
 
     if (deed == LIE_POINTS)
-        reply.facts.points = reply.facts.extent.n = 100000000;
+        facts.points = facts.extent.n = 100000000;
     if (deed == LIE_BOX)
-        reply.facts.extent.high[1] = -1;
-    if (deed == LIE_STATUS)
-        reply.status = (vor_status)12345;
+        facts.extent.high[1] = -1;
     if (deed == LIE_WORDS)
-        reply.status = vor_fail(&reply.error, VOR_E_FORMAT, "two\nlines");
-    if (deed == LIE_SIZE) {
-        reply.says = VOR_CODEC_PART;
-        reply.size = VOR_RING_PART + 1;
-    }
-    say(&reply, deed == LIE_SIZE ? offsetof(struct vor_codec_reply, status) : sizeof reply);
+        (void)vor_fail(&error, VOR_E_FORMAT, "two\nlines");
+    if (deed == LIE_SIZE)
+        say(VOR_SAID_PART, &part, sizeof part);
+    else if (deed == LIE_STATUS || deed == LIE_WORDS)
+        say(VOR_SAID_FAILED, &error, sizeof error);
+    else
+        say(deed == LIE_KIND ? VOR_SAID_STAGE : VOR_SAID_FOUND, &facts,
+            deed == LIE_KIND ? sizeof(enum vor_stage) : sizeof facts);
     (void)poll(NULL, 0, -1);
 }
 
