@@ -76,7 +76,7 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && !inserts)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
-        vor_seeds_onto(&seeds, &thin);
+        status = vor_seeds_onto(&seeds, &thin, err);
     told->seconds_start = vor_run_clock(run) - before;
     shorter = vor_coarse_shorten(spec, &seeds);
     if (status == VOR_OK && !vor_checkpoint_is_in(run, VOR_RUN_STAGE_POLISH))

@@ -429,7 +429,7 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK)
         status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
-        vor_seeds_onto(&seeds, &thin);
+        status = vor_seeds_onto(&seeds, &thin, err);
     told->seconds_start = vor_run_clock(run) - before;
     shorter = vor_coarse_shorten(spec, &seeds);
     if (status == VOR_OK && !is_spread && !(seeds.coherence > 0 && seeds.track == NULL))

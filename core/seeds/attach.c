@@ -414,10 +414,13 @@ vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err)
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)
 {
     struct attach attach = {.seeds = seeds, .onto_whole = 1, .keep_holes = keep_holes};
+    vor_status status;
 
     if (vor_seeds_on_whole(seeds))
         return VOR_OK;
-    vor_seeds_onto(seeds, seeds->whole);
+    status = vor_seeds_onto(seeds, seeds->whole, err);
+    if (status != VOR_OK)
+        return status;
     return vor_run_rows(&seeds->run, vor_seeds_moving(seeds), vor_seeds_block(seeds->domain),
                         attach_row, &attach, err);
 }

@@ -145,7 +145,7 @@ static vor_status fill(const struct vor_part *part, unsigned count, const struct
 /* Forgets all that seeds know besides where they are. */
 static void forget(struct vor_seeds *seeds)
 {
-    vor_seeds_onto(seeds, seeds->domain);
+    vor_seeds_forget_input(seeds);
     vor_point_lists_forget(&seeds->point_lists);
     if (seeds->wanted.near != NULL)
         memset(seeds->wanted.near, 0, seeds->n * sizeof *seeds->wanted.near);
@@ -222,8 +222,8 @@ vor_status vor_checkpoint_take(const struct vor_checkpoint_of *of, int *taken,
     status = fill(part, PARTS, &saved, of->run, err);
     checkpoints->saved.size = 0;
     checkpoints->done = saved.counts.queries + saved.counts.cells;
-    if (saved.on_whole)
-        vor_seeds_onto(of->seeds, of->seeds->whole);
+    if (status == VOR_OK && saved.on_whole)
+        status = vor_seeds_onto(of->seeds, of->seeds->whole, err);
     forget(of->seeds);
     count_from(of->seeds, &saved);
     *of->told = saved.told;

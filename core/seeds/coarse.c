@@ -34,9 +34,7 @@ static vor_status even_out(struct vor_seeds *seeds, const struct vor_domain *thi
 
     if (status == VOR_OK)
         status = vor_polish(seeds, &told, how->spec, how->run, err);
-    if (thin != NULL)
-        vor_seeds_onto(seeds, thin);
-    return status;
+    return status == VOR_OK && thin != NULL ? vor_seeds_onto(seeds, thin, err) : status;
 }
 
 /* Adds what was counted while the coarse seeds moved. */
@@ -110,7 +108,7 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
         status = vor_domain_thin_for(&thin, domain, coarse.n, coarse.area, &coarse.run, err);
     if (status == VOR_OK && thin.n >= coarse.input_lists.wide) {
         onto = &thin;
-        vor_seeds_onto(&coarse, onto);
+        status = vor_seeds_onto(&coarse, onto, err);
     }
     if (status == VOR_OK)
         status = look(&shows, &coarse, err);
@@ -124,7 +122,7 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
         vor_seeds_free(&coarse);
         coarse = finer;
         if (onto != NULL)
-            vor_seeds_onto(&coarse, onto);
+            status = vor_seeds_onto(&coarse, onto, err);
     }
     if (status == VOR_OK && shows)
         status = even_out(&coarse, onto, &with_less, finer.n == 0, err);

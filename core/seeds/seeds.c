@@ -97,14 +97,27 @@ void vor_seeds_free(struct vor_seeds *seeds)
     memset(seeds, 0, sizeof *seeds);
 }
 
-void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain)
+void vor_seeds_forget_input(struct vor_seeds *seeds)
 {
+    const struct vor_domain *domain = seeds->domain;
+
     vor_input_lists_onto(&seeds->input_lists, domain->knn, domain->xyz, domain->n);
+    memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
+}
+
+vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain,
+                          struct vor_error *err)
+{
+    if (seeds->foot != NULL && domain != seeds->domain) {
+        vor_free(seeds->run.memory, seeds->foot);
+        seeds->foot = vor_calloc(seeds->run.memory, domain->n, sizeof *seeds->foot);
+        if (seeds->foot == NULL)
+            return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    }
     seeds->domain = domain;
     seeds->sheets |= domain->known.sheets;
-    memset(seeds->last_fit, 0, seeds->n * sizeof *seeds->last_fit);
-    for (size_t i = 0; seeds->foot != NULL && i < domain->n; i++)
-        atomic_init(&seeds->foot[i], 0);
+    vor_seeds_forget_input(seeds);
+    return VOR_OK;
 }
 
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,

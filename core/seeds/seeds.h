@@ -106,9 +106,9 @@ struct vor_seeds {
                            coarse to fine (seeds/coarse.h); 0 else */
     struct vor_input_lists input_lists; /**< candidates among the input, for each seed */
     struct vor_last_fit *last_fit;      /**< n */
-    _Atomic double *foot; /**< of each point of the domain, room for those of the whole: spacing of
-                             the surface there, negative where its points are irregular; 0: not
-                             known yet. NULL if points may leave the input */
+    _Atomic double *foot; /**< of each point of the domain: spacing of the surface there, negative
+                             where its points are irregular; 0: not known yet. NULL if points may
+                             leave the input */
     struct vor_point_lists point_lists; /**< neighbours among the seeds */
     struct vor_point_lists_view view;   /**< of xyz, as of the last index */
     struct vor_wanted wanted;           /**< spacing of each seed, where there is a density */
@@ -145,11 +145,17 @@ static inline struct vor_seeds_policy vor_seeds_policy_of(const struct vor_spec 
 /** seeds may be all zero. */
 void vor_seeds_free(struct vor_seeds *seeds);
 
+/** Forgets the lists of input points and the last fits. O(n). */
+void vor_seeds_forget_input(struct vor_seeds *seeds);
+
 /** Fits surfaces to another domain from now on: the whole one, or a thinned one of at least
- *  seeds->input_lists.wide points. Forgets the lists of input points and the last fits; the seeds'
- *  lists of each other stay. Where a thinned domain has sheets, fits to the whole look for layers
- *  too, because at the border their neighbours extend farther. O(n). */
-void vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain);
+ *  seeds->input_lists.wide points. Forgets what vor_seeds_forget_input does; the seeds' lists of
+ *  each other stay. Where a thinned domain has sheets, fits to the whole look for layers
+ *  too, because at the border their neighbours extend farther. O(n + the domain's points).
+ *
+ *  @retval VOR_E_NOMEM  free the seeds */
+VOR_NODISCARD vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *domain,
+                                        struct vor_error *err);
 
 /** Takes the seeds' present positions as those that the following calls ask about, makes their
  *  lists of each other anew if too many have moved too far for the old ones, and takes the spacings

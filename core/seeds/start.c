@@ -423,13 +423,19 @@ static vor_status start_in_cells(struct areas *areas, struct vor_error *err)
 {
     struct vor_seeds *from = areas->from, *to = areas->to;
     const struct vor_domain *domain = to->domain;
-    vor_status status = vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n,
-                                       to->policy, &to->run, err);
+    struct vor_seeds_policy policy = to->policy;
+    vor_status status;
 
+    policy.keep_border = 0;
+    status =
+        vor_seeds_init(from, domain, to->n < domain->n ? to->n : domain->n, policy, &to->run, err);
     if (status != VOR_OK)
         return status;
+    from->policy = to->policy;
+    from->foot = to->foot; /* lent: the domain is the same */
     vor_area_draw(from, areas->seed);
     status = sample_cells(areas, err);
+    from->foot = NULL;
     vor_seeds_free(from);
     return status;
 }
