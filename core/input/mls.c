@@ -43,13 +43,10 @@ struct hood {
     struct vor_surface surface;
 };
 
-/* The nearest points of x; if they may lie on several sheets, those on its own. */
-static void gather_nearest(struct hood *out, const struct vor_domain *domain, const float *x)
+/* The nearest points of x, as listed; if they may lie on several sheets, those on its own. */
+static void gather_nearest(struct hood *out, const struct vor_domain *domain, const float *x,
+                           const uint32_t *index)
 {
-    float distance2[VOR_NEIGHBORS_MAX];
-    uint32_t index[VOR_NEIGHBORS_MAX];
-
-    vor_knn_search(domain->knn, x, 1, out->k, index, distance2);
     vor_gather(out->near, domain->xyz, index, out->k);
     if (!domain->known.sheets)
         return;
@@ -59,20 +56,28 @@ static void gather_nearest(struct hood *out, const struct vor_domain *domain, co
             out->near, domain, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, out->k, NULL);
 }
 
-static void gather(struct hood *out, const struct pass *pass, size_t i)
+/* How many neighbours of a point are asked for. */
+static unsigned wanted(const struct vor_domain *domain, size_t i)
 {
-    const struct vor_domain *domain = pass->domain;
-    const float *x = &pass->domain->xyz[3 * i];
-    unsigned k = VOR_NEIGHBORS_WEIGHTED * vor_neighbors_at(&domain->known.neighbors, x);
-    uint32_t index[VOR_NEIGHBORS_MAX];
+    unsigned k =
+        VOR_NEIGHBORS_WEIGHTED * vor_neighbors_at(&domain->known.neighbors, &domain->xyz[3 * i]);
 
     k = k < VOR_NEIGHBORS_MAX ? k : VOR_NEIGHBORS_MAX;
-    out->k = k < domain->n ? k : (unsigned)domain->n;
+    return k < domain->n ? k : (unsigned)domain->n;
+}
+
+/* out->k is what is wanted, and as many are listed where there is no graph. */
+static void gather(struct hood *out, const struct vor_domain *domain, size_t i,
+                   const uint32_t *listed)
+{
+    const float *x = &domain->xyz[3 * i];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+
     if (vor_graph_is(&domain->graph)) {
         out->k = vor_graph_around(&domain->graph, (uint32_t)i, index, out->k);
         vor_gather(out->near, domain->xyz, index, out->k);
     } else
-        gather_nearest(out, domain, x);
+        gather_nearest(out, domain, x, listed);
     for (unsigned j = 0; j < out->k; j++)
         out->distance2[j] = vor_distance2f(&out->near[3 * j], x);
 }
@@ -114,21 +119,46 @@ static void fit_best(struct hood *hood)
     hood->surface = best;
 }
 
-static void project_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+static void project_point(const struct pass *pass, size_t i, unsigned k, const uint32_t *listed)
 {
-    const struct pass *pass = ctx;
+    const float *from = &pass->domain->xyz[3 * i];
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
     struct hood hood;
 
     memset(&hood, 0, sizeof hood); /* analyzers cannot see that k >= 1 */
-    const float *from = &pass->domain->xyz[3 * i];
-    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
-
-    gather(&hood, pass, i);
+    hood.k = k;
+    gather(&hood, pass->domain, i, listed);
     fit_best(&hood);
     if (hood.surface.kind != VOR_SURFACE_NONE)
         vor_surface_put(&hood.surface, x);
     for (size_t c = 0; c < 3; c++)
         pass->xyz[3 * i + c] = (float)fmax(-1, fmin(1, x[c]));
+}
+
+/* Points in Morton order are near each other: a search for several finds the most that any wants.
+ */
+static void project_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
+{
+    const struct pass *pass = ctx;
+    const struct vor_domain *domain = pass->domain;
+    uint32_t index[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
+    float distance2[VOR_KNN_NEAR_MAX * VOR_NEIGHBORS_MAX];
+
+    for (size_t i = begin, count; i < end; i += count) {
+        unsigned k[VOR_KNN_NEAR_MAX], most = 0;
+
+        count = end - i < VOR_KNN_NEAR_MAX ? end - i : VOR_KNN_NEAR_MAX;
+        for (size_t j = 0; j < count; j++) {
+            k[j] = wanted(domain, i + j);
+            most = k[j] > most ? k[j] : most;
+        }
+        if (!vor_graph_is(&domain->graph))
+            vor_knn_search_near(domain->knn,
+                                &(struct vor_knn_near){&domain->xyz[3 * i], count, most, NULL},
+                                index, distance2);
+        for (size_t j = 0; j < count; j++)
+            project_point(pass, i + j, k[j], &index[j * most]);
+    }
 }
 
 static vor_status project(struct vor_domain *domain, const struct vor_run *run,
@@ -139,7 +169,7 @@ static vor_status project(struct vor_domain *domain, const struct vor_run *run,
 
     if (pass.xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    status = vor_run_rows(run, domain->n, BLOCK, project_row, &pass, err);
+    status = vor_run_for(run, domain->n, BLOCK, project_block, &pass, err);
     if (status != VOR_OK) {
         vor_free(run->memory, pass.xyz);
         return status;

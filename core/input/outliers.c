@@ -24,9 +24,9 @@ enum {
     POINTED = 6,
     /* Most searches. Here the first finds all; two outliers side by side need another. */
     LOOKS = 3,
-    BLOCK = 4096,       /* points of one task */
-    CLOSER_BLOCK = 256, /* the same of a closer look */
-    BATCH = 64          /* points of one call of the index */
+    BLOCK = 4096,         /* points of one task */
+    CLOSER_BLOCK = 256,   /* the same of what fits to each */
+    WIDTH = NEIGHBORS + 1 /* of a list of the nearest, the point itself the first of them */
 };
 
 /* Times the residual of a fit: a point farther off the surface of the points around it lies on none
@@ -66,11 +66,10 @@ static void find_sparse(struct look *look)
 
     for (size_t i = 0; i < n; i++) {
         size_t at = (size_t)((uint64_t)i * look->domain->n / n);
-        uint32_t index[NEIGHBORS + 1];
-        float distance2[NEIGHBORS + 1];
+        uint32_t index[WIDTH];
+        float distance2[WIDTH];
 
-        vor_knn_search(look->domain->knn, &look->domain->xyz[3 * at], 1, NEIGHBORS + 1, index,
-                       distance2);
+        vor_knn_search(look->domain->knn, &look->domain->xyz[3 * at], 1, WIDTH, index, distance2);
         reach2[i] = distance2[NEIGHBORS];
     }
     vor_sort_floats(reach2, n);
@@ -84,32 +83,41 @@ static int is_scattered(const struct look *look, const uint32_t *index, double r
 
     if (!(reach2 > look->sparse2))
         return 0;
-    (void)vor_surface_fit_to(&surface, look->domain->xyz, index, NEIGHBORS + 1);
+    (void)vor_surface_fit_to(&surface, look->domain->xyz, index, WIDTH);
     return surface.kind != VOR_SURFACE_NONE && surface.off2 > THICK * THICK * reach2;
 }
 
-static void point_batch(const struct look *look, size_t begin, size_t count)
+/* Lists of the points from `begin` on, which lie near each other. Returns of how many, up to `end`.
+ */
+static size_t list(const struct vor_domain *domain, size_t begin, size_t end, uint32_t *index,
+                   float *distance2)
 {
-    uint32_t index[BATCH * (NEIGHBORS + 1)];
-    float distance2[BATCH * (NEIGHBORS + 1)];
+    size_t count = end - begin < VOR_KNN_NEAR_MAX ? end - begin : VOR_KNN_NEAR_MAX;
 
-    vor_knn_search(look->domain->knn, &look->domain->xyz[3 * begin], count, NEIGHBORS + 1, index,
-                   distance2);
-    for (size_t i = 0; i < count; i++) {
-        const uint32_t *nearest = &index[i * (NEIGHBORS + 1)];
-
-        for (size_t j = 0; j <= NEIGHBORS; j++)
-            if (nearest[j] != begin + i)
-                atomic_fetch_add_explicit(&look->pointed[nearest[j]], 1, memory_order_relaxed);
-        look->is_out[begin + i] = (unsigned char)is_scattered(
-            look, nearest, (double)distance2[i * (NEIGHBORS + 1) + NEIGHBORS]);
-    }
+    vor_knn_search_near(domain->knn,
+                        &(struct vor_knn_near){&domain->xyz[3 * begin], count, WIDTH, NULL}, index,
+                        distance2);
+    return count;
 }
 
 static void point_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
-    for (size_t i = begin; i < end; i += BATCH)
-        point_batch(ctx, i, end - i < BATCH ? end - i : BATCH);
+    const struct look *look = ctx;
+    uint32_t index[VOR_KNN_NEAR_MAX * WIDTH];
+    float distance2[VOR_KNN_NEAR_MAX * WIDTH];
+
+    for (size_t count; begin < end; begin += count) {
+        count = list(look->domain, begin, end, index, distance2);
+        for (size_t i = 0; i < count; i++) {
+            const uint32_t *nearest = &index[i * WIDTH];
+
+            for (size_t j = 0; j < WIDTH; j++)
+                if (nearest[j] != begin + i)
+                    atomic_fetch_add_explicit(&look->pointed[nearest[j]], 1, memory_order_relaxed);
+            look->is_out[begin + i] = (unsigned char)is_scattered(
+                look, nearest, (double)distance2[i * WIDTH + NEIGHBORS]);
+        }
+    }
 }
 
 static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
@@ -119,22 +127,19 @@ static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
 }
 
-/* Whether point i lies off the surface of the nearest points around point `root`, without itself.
+/* Whether point i lies off the surface of the nearest points around another or itself, without it.
  */
-static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32_t *nearest)
+static int is_off(const struct vor_domain *domain, size_t i, const uint32_t index[WIDTH])
 {
-    float near[3 * (NEIGHBORS + 1)], distance2[NEIGHBORS + 1];
-    uint32_t index[NEIGHBORS + 1];
+    float near[3 * WIDTH];
     const float *from = &domain->xyz[3 * i];
     double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, local[3], foot[3], off2 = 0;
     struct vor_surface surface;
     unsigned k = 0;
 
-    vor_knn_search(domain->knn, &domain->xyz[3 * root], 1, NEIGHBORS + 1, index, distance2);
-    for (unsigned j = 0; j <= NEIGHBORS && k < NEIGHBORS; j++)
+    for (unsigned j = 0; j < WIDTH && k < NEIGHBORS; j++)
         if (index[j] != i)
             memcpy(&near[3 * k++], &domain->xyz[3 * (size_t)index[j]], 3 * sizeof *near);
-    *nearest = index[0] != i ? index[0] : index[1];
     vor_surface_fit(&surface, near, k);
     if (surface.kind != VOR_SURFACE_QUADRIC)
         return 0;
@@ -147,14 +152,31 @@ static int is_off(const struct vor_domain *domain, size_t i, size_t root, uint32
            off2 > APART * APART * surface.spacing * surface.spacing;
 }
 
-static void look_closer_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+/* Off the surface around itself, or around the point nearest to it. */
+static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct look *look = ctx;
-    uint32_t nearest, other;
+    const struct vor_domain *domain = look->domain;
+    uint32_t all[CLOSER_BLOCK * WIDTH], other[WIDTH];
+    float distance2[VOR_KNN_NEAR_MAX * WIDTH];
 
-    if (!look->is_out[i])
-        look->is_out[i] =
-            is_off(look->domain, i, i, &nearest) || is_off(look->domain, i, nearest, &other);
+    for (size_t i = begin; i < end;)
+        i += list(domain, i, end, &all[(i - begin) * WIDTH], distance2);
+    for (size_t i = begin; i < end; i++) {
+        const uint32_t *own = &all[(i - begin) * WIDTH], *around = other;
+        size_t nearest = own[0] != i ? own[0] : own[1];
+
+        if (look->is_out[i])
+            continue;
+        look->is_out[i] = (unsigned char)is_off(domain, i, own);
+        if (look->is_out[i])
+            continue;
+        if (nearest >= begin && nearest < end)
+            around = &all[(nearest - begin) * WIDTH];
+        else
+            vor_knn_search(domain->knn, &domain->xyz[3 * nearest], 1, WIDTH, other, distance2);
+        look->is_out[i] = (unsigned char)is_off(domain, i, around);
+    }
 }
 
 /* Adds `count` points of the domain to those aside. */
@@ -202,7 +224,7 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
     if (status == VOR_OK)
         status = vor_run_rows(run, n, BLOCK, judge_row, look, err);
     if (status == VOR_OK && closer)
-        status = vor_run_rows(run, n, CLOSER_BLOCK, look_closer_row, look, err);
+        status = vor_run_for(run, n, CLOSER_BLOCK, look_closer_block, look, err);
     return status;
 }
 
@@ -452,7 +474,7 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
     if (pull.foot == NULL || pull.goes == NULL) {
         status = vor_fail(err, VOR_E_NOMEM, "%zu outliers", outliers->n);
     } else {
-        status = vor_run_rows(run, outliers->n, BATCH, pull_point, &pull, err);
+        status = vor_run_rows(run, outliers->n, CLOSER_BLOCK, pull_point, &pull, err);
         if (status == VOR_OK)
             status = insert(domain, &pull, run, err);
     }

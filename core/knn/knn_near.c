@@ -14,7 +14,7 @@
 enum {
     LANES = VOR_BOXES_LANES,
     WIDTH = 16,        /* of the longest vectors, in floats */
-    ROOM = 512,        /* points around the queries; where there are more, each searches alone */
+    ROOM = 1024,       /* points around the queries; where there are more, each searches alone */
     STACK = 96 * LANES /* as in knn_boxes.c */
 };
 
