@@ -133,7 +133,7 @@ if ($want{workers}) {
         my @groups = ([map { $_->{pid} } @workers], [map { $_->{pid} } @api], [(Vt::slurp("$Scale::dir/data/postmaster.pid") =~ /^(\d+)/)], [values %Scale::pid]);
         my @before = map { cpu(@$_) } @groups;
         my $last = ask('daemons', 'SELECT coalesce(max(seq), 0) FROM job');
-        my @ids = map { $api[$_ % 2]->submit('points=2000&iterations=300&delta=0', $cloud) } 1 .. ($ENV{VT_JOBS} // 12);
+        my @ids = map { $api[$_ % 2]->submit($ENV{VT_LOAD} // 'points=2000&iterations=300&delta=0', $cloud) } 1 .. ($ENV{VT_JOBS} // 12);
         sleep 1 until ask('daemons', "SELECT count(*) FROM job WHERE status IN ('accepted', 'running')") eq '0'; # each costs a process there
         my ($ms, $beside, $between) = split /\|/, ask('daemons', "SELECT max(finished) - min(started), avg(finished - started - 1000 * seconds),"
             . ' avg(started - before) FROM (SELECT started, finished, lag(finished) OVER (PARTITION BY owner ORDER BY started) AS before,'
@@ -227,7 +227,7 @@ if ($want{eventsource}) {
     my @replicas = map { Vt->start(%place, role => 'api') } 1 .. 2;
     my $worker = Vt->start(%place, role => 'worker', jobs => 1);
     my $balancer = start_cutter(sub { 1 << 40 }, undef, map { $_->{port} } @replicas);
-    my $id = $replicas[1]->submit('points=2000&iterations=4000&delta=0', $cloud);
+    my $id = $replicas[1]->submit('points=2000&iterations=10000&delta=0', $cloud);
     Scale::write_file("$npm/follow.mjs", <<'JS');
 import { EventSource } from 'eventsource'
 const source = new EventSource(process.argv[2])
