@@ -127,8 +127,7 @@ static void judge_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     look->is_out[i] |= atomic_load_explicit(&look->pointed[i], memory_order_relaxed) < POINTED;
 }
 
-/* Whether point i lies off the surface of the nearest points around another or itself, without it.
- */
+/* Whether point i lies off the surface of the listed points, without itself. */
 static int is_off(const struct vor_domain *domain, size_t i, const uint32_t index[WIDTH])
 {
     float near[3 * WIDTH];
@@ -166,9 +165,8 @@ static void look_closer_block(void *ctx, size_t begin, size_t end, VOR_UNUSED un
         const uint32_t *own = &all[(i - begin) * WIDTH], *around = other;
         size_t nearest = own[0] != i ? own[0] : own[1];
 
-        if (look->is_out[i])
-            continue;
-        look->is_out[i] = (unsigned char)is_off(domain, i, own);
+        if (!look->is_out[i])
+            look->is_out[i] = (unsigned char)is_off(domain, i, own);
         if (look->is_out[i])
             continue;
         if (nearest >= begin && nearest < end)

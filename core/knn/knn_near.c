@@ -14,7 +14,8 @@
 enum {
     LANES = VOR_BOXES_LANES,
     WIDTH = 16,        /* of the longest vectors, in floats */
-    ROOM = 1024,       /* points around the queries; where there are more, each searches alone */
+    ROOM = 1024,       /* points around the queries; where there are more, each searches alone. At
+                        * 512 / 1,024: denoise of 655,000 points 45.5 / 42.5 CPU s */
     STACK = 96 * LANES /* as in knn_boxes.c */
 };
 

@@ -449,9 +449,9 @@ vor_status vor_postgres_run(struct vor_postgres *db, const char *sql, struct vor
 
 /* The first number is ours, the second stands for the schema: several may share a database. */
 #define OURS "(1987015279, hashtext(current_schema()))"
+#define OF_PROCESS "FROM pg_stat_activity WHERE"
 #define LOCKED                                                                                     \
     " THEN (SELECT pid || ' ' || backend_start " OF_PROCESS " pid = pg_backend_pid()) END"
-#define OF_PROCESS "FROM pg_stat_activity WHERE"
 #define TRY_LOCK "SELECT CASE WHEN pg_try_advisory_lock" OURS LOCKED
 #define TRY_LOCK_SHARED "SELECT CASE WHEN pg_try_advisory_lock_shared" OURS LOCKED
 #define END_FORMER "SELECT pg_terminate_backend(pid) " OF_PROCESS " pid || ' ' || backend_start = ?"

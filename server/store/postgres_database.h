@@ -42,7 +42,8 @@ void vor_postgres_share(struct vor_postgres *db);
  *
  *  @param[out] held  0: another daemon has it
  *
- *  @retval VOR_E_IO */
+ *  @retval VOR_E_IO  also while the process of a former connection of this one has it, which the
+ *                    server is told to end */
 VOR_NODISCARD vor_status vor_postgres_hold(struct vor_postgres *db, int *held,
                                            struct vor_error *err);
 
