@@ -439,6 +439,19 @@ vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, cons
                : status;
 }
 
+int vor_blob_is_superseded(struct vor_blobs *blobs, const struct vor_uuid *id, const char *output,
+                           uint32_t attempt)
+{
+    char own[VOR_BLOB_NAME_MAX + 1];
+    uint64_t size;
+    int found = 0;
+
+    return attempt > 1 &&
+           blobs->driver->get(blobs, id, vor_blob_of_output(output, attempt, own), NULL, &size,
+                              &found, NULL) == VOR_OK &&
+           found;
+}
+
 vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                           const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {

@@ -239,6 +239,11 @@ VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_
                                       const char *name, int *fd, uint64_t *size, int *found,
                                       struct vor_error *err);
 
+/** Whether what the first attempt of a job wrote is not the output of this one: that has a blob of
+ *  its own. Former versions gave all attempts one name, under which vor_blob_get looks next. */
+int vor_blob_is_superseded(struct vor_blobs *blobs, const struct vor_uuid *id, const char *output,
+                           uint32_t attempt);
+
 /** False when vor_blob_get would wait for another machine, as it does for a blob that was not read
  *  here lately: then it is not for HTTP threads. */
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);

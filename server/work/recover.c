@@ -80,7 +80,9 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     if (vor_blob_is_upload(blob->name))
         return row.kept > 0;
     output = output_of(process, row.attempt, blob->name);
-    return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
+    return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output) &&
+           (strcmp(blob->name, output->name) != 0 ||
+            !vor_blob_is_superseded(worker->config.blobs, &blob->id, output->name, row.attempt));
 }
 
 /* A file may come before its row, at the most as long before it as an upload takes. The first

@@ -216,6 +216,45 @@ VT_TEST_LOOP(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2)
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
 }
 
+/* A crash between a row that says that the job is over and the removal of what former attempts
+ * left; the second job is of a version whose attempts shared a name. */
+VT_TEST(the_bytes_of_a_former_attempt_go_and_those_of_the_last_one_stay)
+{
+    const struct vt_daemon_options options = {.tidies = 1};
+    struct life life = begin_life();
+    struct vor_job_view row[2];
+    struct vt_daemon daemon;
+    uint64_t reaped;
+    int changed, found;
+    uint64_t size;
+
+    for (int i = 0; i < 2; i++) {
+        row[i] = vt_row(10);
+        vt_assert_ok(vor_store_insert(life.store, &row[i], NULL, &vt_err));
+        ck_assert_uint_eq(vt_claim(life.store, &row[i].id), 1);
+        keep(&life, &row[i].id, "cloud");
+        vt_assert_ok(
+            vor_store_reap(life.store, "another", 1, vor_clock_wall_ms(), &reaped, &vt_err));
+        ck_assert_uint_eq(vt_claim(life.store, &row[i].id), 2);
+        row[i].status = VOR_JOB_SUCCESSFUL;
+        row[i].attempt = 2;
+        row[i].finished = vor_clock_wall_ms();
+        row[i].expires = row[i].finished + 1000000;
+        vt_assert_ok(vor_store_finish(life.store, &row[i], NULL, NULL, &changed, &vt_err));
+    }
+    keep(&life, &row[0].id, "cloud-try-2");
+    end_life(&life);
+    vt_daemon_start(&daemon, life.dir, &options);
+    while (vt_dir_count(life.dir, "blobs/keep") > 2)
+        vt_nap();
+    for (int i = 0; i < 2; i++) {
+        vt_assert_ok(vor_blob_get(daemon.blobs, &row[i].id, i == 0 ? "cloud-try-2" : "cloud", NULL,
+                                  &size, &found, &vt_err));
+        ck_assert(found);
+    }
+    vt_daemon_stop(&daemon);
+}
+
 /* Stands for a store whose disk is full at the first recovery, and which breaks off behind the
  * second; once fail_first was called. */
 static atomic_int fails, recoveries, counts;
