@@ -10,6 +10,7 @@ enum { ALIGNMENT = 64 };
 /* Sits in the ALIGNMENT bytes before what the caller gets. */
 struct header {
     size_t bytes;
+    void *block; /* what was allocated: the header or, if zeroed, less than ALIGNMENT before it */
 };
 
 _Static_assert(sizeof(struct header) <= ALIGNMENT, "the header must fit before the block");
@@ -51,7 +52,7 @@ static int total_bytes(size_t count, size_t size, size_t *total)
 {
     size_t bytes;
 
-    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 2 * (size_t)ALIGNMENT)
+    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 3 * (size_t)ALIGNMENT)
         return 0;
     bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     *total = bytes + ALIGNMENT;
@@ -63,31 +64,36 @@ static struct header *header_of(void *p)
     return (struct header *)(void *)((char *)p - ALIGNMENT);
 }
 
-void *vor_malloc(struct vor_memory *memory, size_t count, size_t size)
+/* Allocates as vor_malloc, or zeroed. Large zeroed blocks take memory only where they are written
+ * to: they are not cleared here, as the system clears them. */
+static void *allocate(struct vor_memory *memory, size_t count, size_t size, int zeroed)
 {
     size_t call = atomic_fetch_add(&memory->calls, 1) + 1;
     size_t total;
+    struct header *header;
     char *block;
 
     if (call == memory->fail_at || !total_bytes(count, size, &total) ||
         !vor_memory_charge(memory, total))
         return NULL;
-    block = aligned_alloc(ALIGNMENT, total);
+    block = zeroed ? calloc(1, total + ALIGNMENT) : aligned_alloc(ALIGNMENT, total);
     if (block == NULL) {
         vor_memory_release(memory, total);
         return NULL;
     }
-    ((struct header *)(void *)block)->bytes = total;
-    return block + ALIGNMENT;
+    header = (struct header *)(void *)(block + (-(uintptr_t)block & (ALIGNMENT - 1)));
+    *header = (struct header){total, block};
+    return (char *)header + ALIGNMENT;
+}
+
+void *vor_malloc(struct vor_memory *memory, size_t count, size_t size)
+{
+    return allocate(memory, count, size, 0);
 }
 
 void *vor_calloc(struct vor_memory *memory, size_t count, size_t size)
 {
-    void *p = vor_malloc(memory, count, size);
-
-    if (p != NULL)
-        memset(p, 0, count * size);
-    return p;
+    return allocate(memory, count, size, 1);
 }
 
 void *vor_realloc(struct vor_memory *memory, void *p, size_t count, size_t size)
@@ -112,7 +118,7 @@ void vor_free(struct vor_memory *memory, void *p)
         return;
     header = header_of(p);
     vor_memory_release(memory, header->bytes);
-    free(header);
+    free(header->block);
 }
 
 void vor_free_each(struct vor_memory *memory, void *const *p, size_t count)
