@@ -1,5 +1,3 @@
-#include "server/store/postgres_database.h"
-
 #include "server/store/sql_verbs.h"
 
 /* The tables, indexes and triggers of sqlite_schema.c, which says what each is for. */
@@ -147,20 +145,19 @@ static const struct {
     const char *sql;
 } steps[] = {{4, from_4}, {5, from_5}};
 
-static vor_status read_version(struct vor_sql *sql, int64_t *version, struct vor_error *err)
+static vor_status read_version(struct vor_store *store, int64_t *version, struct vor_error *err)
 {
-    return vor_sql_query(sql, vor_sql_take_number, version, err,
+    return vor_sql_query(store, vor_sql_take_number, version, err,
                          "SELECT version FROM voronoid_schema", "");
 }
 
-vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error *err)
+vor_status vor_postgres_prepare_schema(struct vor_store *store, struct vor_error *err)
 {
-    struct vor_sql *sql = vor_postgres_sql(db);
     int64_t found = 0, version = 0;
     vor_status made = VOR_OK;
     struct vor_error failure = {.status = VOR_OK};
     vor_status status =
-        vor_sql_query(sql, vor_sql_take_number, &found, err,
+        vor_sql_query(store, vor_sql_take_number, &found, err,
                       "SELECT CASE WHEN to_regclass('voronoid_schema') IS NOT NULL THEN 1"
                       " WHEN to_regclass('job') IS NULL THEN 0 ELSE -1 END",
                       "");
@@ -171,14 +168,14 @@ vor_status vor_postgres_prepare_schema(struct vor_postgres *db, struct vor_error
             "the job store: the table \"job\" of this database belongs to another program; "
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
-        made = vor_postgres_run(db, first, &failure);
+        made = vor_sql_run(store, first, &failure);
     if (status == VOR_OK)
-        status = read_version(sql, &version, err);
+        status = read_version(store, &version, err);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
         if (version != steps[i].from)
             continue;
-        made = vor_postgres_run(db, steps[i].sql, &failure); /* or another daemon, meanwhile */
-        status = read_version(sql, &version, err);
+        made = vor_sql_run(store, steps[i].sql, &failure); /* or another daemon, meanwhile */
+        status = read_version(store, &version, err);
         if (status == VOR_OK && version == steps[i].from) {
             if (err != NULL)
                 *err = failure;

@@ -11,7 +11,13 @@
 
 void vor_sql_init(struct vor_sql *db, const struct vor_sql_engine *engine)
 {
+    pthread_mutexattr_t recursive;
+
     db->engine = engine;
+    pthread_mutexattr_init(&recursive);
+    pthread_mutexattr_settype(&recursive, PTHREAD_MUTEX_RECURSIVE);
+    pthread_mutex_init(&db->writing, &recursive);
+    pthread_mutexattr_destroy(&recursive);
     for (unsigned i = 0; i < VOR_SQL_READERS; i++)
         pthread_mutex_init(&db->reader[i], NULL);
 }
@@ -20,6 +26,7 @@ void vor_sql_destroy(struct vor_sql *db)
 {
     for (unsigned i = 0; i < VOR_SQL_READERS; i++)
         pthread_mutex_destroy(&db->reader[i]);
+    pthread_mutex_destroy(&db->writing);
 }
 
 int64_t vor_sql_number(struct vor_sql_row *row)
@@ -55,14 +62,24 @@ int vor_sql_take_number(void *ctx, struct vor_sql_row *row)
     return 1;
 }
 
-vor_status vor_sql_begin(struct vor_sql *db, enum vor_sql_how how, struct vor_error *err)
+static struct vor_sql *of(struct vor_store *store)
 {
-    return db->engine->begin(db, how, err);
+    return (struct vor_sql *)store;
 }
 
-vor_status vor_sql_end(struct vor_sql *db, vor_status status, struct vor_error *err)
+vor_status vor_sql_begin(struct vor_store *store, enum vor_sql_how how, struct vor_error *err)
 {
-    return db->engine->end(db, status, err);
+    return of(store)->engine->begin(of(store), how, err);
+}
+
+vor_status vor_sql_end(struct vor_store *store, vor_status status, struct vor_error *err)
+{
+    return of(store)->engine->end(of(store), status, err);
+}
+
+vor_status vor_sql_run(struct vor_store *store, const char *sql, struct vor_error *err)
+{
+    return of(store)->engine->run(of(store), sql, err);
 }
 
 /* The first word of a statement, as it is called in /metrics: "UPDATE job ..." is an update. */
@@ -108,8 +125,8 @@ static vor_status change(struct vor_sql *db, struct vor_sql_changing *changing,
     return status;
 }
 
-vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vor_error *err, const char *sql,
-                          const char *types, ...)
+vor_status vor_sql_change(struct vor_store *store, int *rows, struct vor_error *err,
+                          const char *sql, const char *types, ...)
 {
     struct vor_sql_changing plain = {.each = NULL};
     struct vor_sql_values values;
@@ -119,14 +136,14 @@ vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vor_error *err, 
     va_start(args, types);
     gather(&values, types, &args);
     va_end(args);
-    status = change(db, &plain, err, sql, &values);
+    status = change(of(store), &plain, err, sql, &values);
     *rows = plain.rows;
     return status;
 }
 
-vor_status vor_sql_change_each(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
-                               void *ctx, struct vor_error *err, const char *sql, const char *types,
-                               ...)
+vor_status vor_sql_change_each(struct vor_store *store,
+                               int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
+                               struct vor_error *err, const char *sql, const char *types, ...)
 {
     struct vor_sql_changing returning = {.each = each, .ctx = ctx};
     struct vor_sql_values values;
@@ -135,13 +152,14 @@ vor_status vor_sql_change_each(struct vor_sql *db, int (*each)(void *ctx, struct
     va_start(args, types);
     gather(&values, types, &args);
     va_end(args);
-    return change(db, &returning, err, sql, &values);
+    return change(of(store), &returning, err, sql, &values);
 }
 
-vor_status vor_sql_query(struct vor_sql *db, int (*each)(void *ctx, struct vor_sql_row *row),
+vor_status vor_sql_query(struct vor_store *store, int (*each)(void *ctx, struct vor_sql_row *row),
                          void *ctx, struct vor_error *err, const char *sql, const char *types, ...)
 {
     double began = vor_clock_seconds();
+    struct vor_sql *db = of(store);
     struct vor_sql_values values;
     vor_status status;
     unsigned reader;

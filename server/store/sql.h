@@ -1,13 +1,13 @@
-/** A database that speaks SQL: one connection that writes and some that read, so that no reader
- *  waits for a durable change, or for another reader. Each kind of database is a table of functions
- *  (struct vor_sql_engine) that its own files declare; statements are the same for all. Statements
- *  are literals, in the words of SQLite: ?1, max(a, b), INDEXED BY; clock_ms() is the time of the
- *  database in milliseconds since 1970. An engine that has others translates them. Only drivers of
- * stores include this. Thread-safe. */
+/** A store whose rows are in a database that speaks SQL: one connection that writes and some that
+ * read, so that no reader waits for a durable change, or for another reader. Each kind of database
+ * is a table of functions (struct vor_sql_engine) that its own files declare; statements are the
+ * same for all. Statements are literals, in the words of SQLite: ?1, max(a, b), INDEXED BY;
+ * clock_ms() is the time of the database in milliseconds since 1970. An engine that has others
+ * translates them. Only drivers of stores include this. Thread-safe. */
 #ifndef VOR_SERVER_STORE_SQL_H
 #define VOR_SERVER_STORE_SQL_H
 
-#include "core/base/status.h"
+#include "server/store/driver.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -18,9 +18,11 @@
  * one that is free. */
 enum { VOR_SQL_READERS = 4 };
 
-/** What a database begins with. */
+/** What the store of such a driver begins with. */
 struct vor_sql {
+    struct vor_store base;
     const struct vor_sql_engine *engine;
+    pthread_mutex_t writing; /**< the engine's; recursive: a transaction has several statements */
     pthread_mutex_t reader[VOR_SQL_READERS]; /**< who reads by which */
     atomic_uint next_reader;                 /**< to wait for where none is free */
     atomic_int is_unsure; /**< the engine's: of some change nobody knows whether it was made */
@@ -70,6 +72,7 @@ struct vor_sql_engine {
     vor_status (*change)(struct vor_sql *db, struct vor_sql_changing *changing,
                          struct vor_error *err, const char *sql,
                          const struct vor_sql_values *values);
+    vor_status (*run)(struct vor_sql *db, const char *sql, struct vor_error *err);
     /** By that reader, which no other thread uses meanwhile. */
     vor_status (*query)(struct vor_sql *db, unsigned reader,
                         int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
@@ -100,9 +103,10 @@ int vor_sql_take_number(void *ctx, struct vor_sql_row *row);
  *  @param[in] how     a lazy change is durable once a durable one has followed
  *
  *  @retval VOR_E_IO   of begin: nothing has begun, and no end may follow */
-VOR_NODISCARD vor_status vor_sql_begin(struct vor_sql *db, enum vor_sql_how how,
+VOR_NODISCARD vor_status vor_sql_begin(struct vor_store *store, enum vor_sql_how how,
                                        struct vor_error *err);
-VOR_NODISCARD vor_status vor_sql_end(struct vor_sql *db, vor_status status, struct vor_error *err);
+VOR_NODISCARD vor_status vor_sql_end(struct vor_store *store, vor_status status,
+                                     struct vor_error *err);
 
 /** One statement, one transaction unless one has begun: durable when VOR_OK is returned. `types`
  * says what follows, for the statement's parameters from the first on: t text (or NULL), i int64_t,
@@ -111,14 +115,14 @@ VOR_NODISCARD vor_status vor_sql_end(struct vor_sql *db, vor_status status, stru
  *  @param[out] rows  how many the statement changed
  *
  *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
-VOR_NODISCARD vor_status vor_sql_change(struct vor_sql *db, int *rows, struct vor_error *err,
+VOR_NODISCARD vor_status vor_sql_change(struct vor_store *store, int *rows, struct vor_error *err,
                                         const char *sql, const char *types, ...);
 
-/** The same for a statement with RETURNING, or a SELECT within a transaction: each gets every row
- * that it returns, whatever it answers, before the change is durable. What each got is void unless
- * VOR_OK is returned.
+/** The same for a statement with RETURNING, or a SELECT within a transaction: each gets the rows
+ * that it returns, at least until it answers 0, before the change is durable. What each got is void
+ * unless VOR_OK is returned.
  */
-VOR_NODISCARD vor_status vor_sql_change_each(struct vor_sql *db,
+VOR_NODISCARD vor_status vor_sql_change_each(struct vor_store *store,
                                              int (*each)(void *ctx, struct vor_sql_row *row),
                                              void *ctx, struct vor_error *err, const char *sql,
                                              const char *types, ...);
@@ -126,9 +130,13 @@ VOR_NODISCARD vor_status vor_sql_change_each(struct vor_sql *db,
 /** Calls each for every row while it answers not 0. each must not query the same database.
  *
  *  @retval VOR_E_IO */
-VOR_NODISCARD vor_status vor_sql_query(struct vor_sql *db,
+VOR_NODISCARD vor_status vor_sql_query(struct vor_store *store,
                                        int (*each)(void *ctx, struct vor_sql_row *row), void *ctx,
                                        struct vor_error *err, const char *sql, const char *types,
                                        ...);
+
+/** Runs statements without parameters, all or none: changes of the tables themselves. */
+VOR_NODISCARD vor_status vor_sql_run(struct vor_store *store, const char *sql,
+                                     struct vor_error *err);
 
 #endif

@@ -84,16 +84,16 @@ static int copy_turn(void *ctx, struct vor_sql_row *row)
     const char *principal = vor_sql_text(row);
     int rows;
 
-    copying->status = vor_sql_change(copying->into, &rows, copying->err,
+    copying->status = vor_sql_change(&copying->into->base, &rows, copying->err,
                                      "UPDATE ledger SET turn = max(turn, ?2) WHERE principal = ?1",
                                      "ti", principal, vor_sql_number(row));
     return copying->status == VOR_OK;
 }
 
 /* The next job, with what stands beside it: all of it, or nothing. */
-static vor_status copy_next(struct vor_sql *from, struct copying *copying, struct vor_error *err)
+static vor_status copy_next(struct vor_store *from, struct copying *copying, struct vor_error *err)
 {
-    vor_status status = vor_sql_begin(copying->into, VOR_SQL_DURABLE, err);
+    vor_status status = vor_sql_begin(&copying->into->base, VOR_SQL_DURABLE, err);
     int64_t after = copying->from_seq;
 
     if (status != VOR_OK)
@@ -109,7 +109,7 @@ static vor_status copy_next(struct vor_sql *from, struct copying *copying, struc
         status =
             vor_sql_query(from, copy_part, copying, err, parts[i].select, "i", copying->from_seq);
     }
-    return vor_sql_end(copying->into, status == VOR_OK ? copying->status : status, err);
+    return vor_sql_end(&copying->into->base, status == VOR_OK ? copying->status : status, err);
 }
 
 static int take_id(void *ctx, struct vor_sql_row *row)
@@ -118,13 +118,13 @@ static int take_id(void *ctx, struct vor_sql_row *row)
     return 0;
 }
 
-static vor_status count(struct vor_sql *db, int64_t *number, struct vor_error *err)
+static vor_status count(struct vor_store *store, int64_t *number, struct vor_error *err)
 {
-    return vor_sql_query(db, vor_sql_take_number, number, err, "SELECT count(*) FROM job", "");
+    return vor_sql_query(store, vor_sql_take_number, number, err, "SELECT count(*) FROM job", "");
 }
 
 /* Jobs are copied in the order of acceptance, so that those which are there are the first ones. */
-static vor_status find_rest(struct vor_sql *from, struct vor_sql *into, int64_t *after,
+static vor_status find_rest(struct vor_store *from, struct vor_store *into, int64_t *after,
                             int64_t *were_there, struct vor_error *err)
 {
     struct vor_uuid newest = {.text = ""};
@@ -150,11 +150,10 @@ static vor_status find_rest(struct vor_sql *from, struct vor_sql *into, int64_t 
     return status;
 }
 
-vor_status vor_store_copy(struct vor_store *into_store, struct vor_store *from_store,
+vor_status vor_store_copy(struct vor_store *into, struct vor_store *from,
                           struct vor_store_copied *out, struct vor_error *err)
 {
-    struct vor_sql *from = vor_sql_of(from_store), *into = vor_sql_of(into_store);
-    struct copying copying = {.into = into, .err = err};
+    struct copying copying = {.into = (struct vor_sql *)into, .err = err};
     int64_t there = 0, wanted = 0;
     vor_status status = find_rest(from, into, &copying.from_seq, &there, err);
 

@@ -51,22 +51,22 @@ static const struct {
 static vor_status evict(struct vor_store *store, enum vor_evict why, int64_t limit,
                         struct vor_evictions *evictions, struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int64_t total = INT64_MAX;
     vor_status status = VOR_OK;
     int forgotten = why == VOR_EVICT_EXPIRED ? PORTION : 0;
 
     evictions->count = 0;
     if (evictions_by[why].total != NULL)
-        status = vor_sql_query(db, vor_sql_take_number, &total, err, evictions_by[why].total, "");
+        status =
+            vor_sql_query(store, vor_sql_take_number, &total, err, evictions_by[why].total, "");
     if (status != VOR_OK || total <= limit)
         return status;
-    status = vor_sql_change_each(db, take_evicted, evictions, err, evictions_by[why].sql, "ii",
+    status = vor_sql_change_each(store, take_evicted, evictions, err, evictions_by[why].sql, "ii",
                                  limit, (int64_t)evictions->max);
     if (status != VOR_OK)
         evictions->count = 0;
     while (status == VOR_OK && forgotten == PORTION)
-        status = vor_sql_change(db, &forgotten, err,
+        status = vor_sql_change(store, &forgotten, err,
                                 "DELETE FROM job WHERE seq IN (SELECT seq FROM job WHERE"
                                 " expires > 0 AND expires <= " TIME " AND expired = 1"
                                 " AND expires + (expires - finished) <= " TIME
@@ -91,27 +91,26 @@ vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uu
 {
     int changed;
 
-    return vor_sql_change(vor_sql_of(store), &changed, err,
-                          "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0", "t", id->text);
+    return vor_sql_change(store, &changed, err, "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0",
+                          "t", id->text);
 }
 
 static vor_status shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int64_t last = 0;
     int changed;
-    vor_status status = vor_sql_begin(db, VOR_SQL_DURABLE, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
 
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change_each(db, vor_sql_take_number, &last, err,
+    status = vor_sql_change_each(store, vor_sql_take_number, &last, err,
                                  "SELECT coalesce(max(seq), 0) FROM job", "");
     for (int64_t from = 0; status == VOR_OK && from < last; from += PORTION)
-        status = vor_sql_change(db, &changed, err,
+        status = vor_sql_change(store, &changed, err,
                                 "UPDATE job SET expires = max(1, expires + ?1)"
                                 " WHERE seq > ?2 AND seq <= ?3 AND expires > 0",
                                 "iii", by_ms, from, from + PORTION);
-    return vor_sql_end(db, status, err);
+    return vor_sql_end(store, status, err);
 }
 
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
@@ -130,7 +129,7 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
 {
     *newest_ms = 0;
     return vor_sql_query(
-        vor_sql_of(store), vor_sql_take_number, newest_ms, err,
+        store, vor_sql_take_number, newest_ms, err,
         "SELECT max(updated) FROM (SELECT updated FROM job WHERE seq IN (SELECT max(seq) FROM job"
         " UNION SELECT * FROM (SELECT seq FROM job WHERE expires > 0 ORDER BY expires DESC LIMIT 1)"
         " AS last"
@@ -141,7 +140,7 @@ vor_status vor_store_newest(struct vor_store *store, int64_t *newest_ms, struct 
 
 int vor_store_is_unsure(struct vor_store *store)
 {
-    return atomic_load(&vor_sql_of(store)->is_unsure);
+    return atomic_load(&((struct vor_sql *)store)->is_unsure);
 }
 
 static int take_piece(void *ctx, struct vor_sql_row *row)
@@ -158,7 +157,7 @@ vor_status vor_store_events(struct vor_store *store, const struct vor_uuid *id,
 {
     struct vor_event_query asked = *query;
 
-    return vor_sql_query(vor_sql_of(store), take_piece, &asked, err,
+    return vor_sql_query(store, take_piece, &asked, err,
                          "SELECT last, data FROM event WHERE seq = (SELECT seq FROM job"
                          " WHERE id = ?) AND attempt = ? AND last > ? ORDER BY last",
                          "tii", id->text, (int64_t)query->attempt, (int64_t)query->after);
@@ -179,7 +178,7 @@ vor_status vor_store_waiting(struct vor_store *store, struct vor_waiting *out,
 {
     *out = (struct vor_waiting){.jobs = 0};
     return vor_sql_query(
-        vor_sql_of(store), take_waiting, out, err,
+        store, take_waiting, out, err,
         "SELECT coalesce(sum(jobs), 0), coalesce(sum(decoded), 0), coalesce((SELECT created FROM"
         " job INDEXED BY job_ready WHERE status = 'accepted' AND turn >= (SELECT head FROM queue)"
         " ORDER BY turn, seq LIMIT 1), 0)"
@@ -206,14 +205,13 @@ static int take_leased(void *ctx, struct vor_sql_row *row)
 vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
                            struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int rows;
-    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     renewal->count = 0;
     if (status == VOR_OK)
-        status = vor_sql_end(db,
-                             vor_sql_change(db, &rows, err,
+        status = vor_sql_end(store,
+                             vor_sql_change(store, &rows, err,
                                             "INSERT INTO daemon (owner, lease, engine)"
                                             " VALUES (?1, clock_ms() + ?2, ?3) ON CONFLICT (owner)"
                                             " DO UPDATE SET lease = excluded.lease",
@@ -222,7 +220,7 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
                              err);
     return status == VOR_OK
                ? vor_sql_query(
-                     db, take_leased, renewal, err,
+                     store, take_leased, renewal, err,
                      "SELECT id, attempt, stop = attempt, EXISTS (SELECT 1 FROM event WHERE"
                      " event.seq = job.seq AND event.attempt = 0 AND last > clock_ms())"
                      " FROM job WHERE status = 'running' AND expired = 0 AND owner = ?1",
@@ -238,44 +236,42 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
 
 vor_status vor_store_look(struct vor_store *store, const struct vor_uuid *id, struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int rows;
-    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change(db, &rows, err, PREVIEW(">"), "t", id->text);
+    status = vor_sql_change(store, &rows, err, PREVIEW(">"), "t", id->text);
     if (status == VOR_OK)
-        status = vor_sql_change(db, &rows, err,
+        status = vor_sql_change(store, &rows, err,
                                 "INSERT INTO event SELECT seq, 0, clock_ms() + 10000, ?2 FROM job"
                                 " WHERE id = ?1 AND status = 'running'",
                                 "tb", id->text, "", (size_t)0);
-    return vor_sql_end(db, status, err);
+    return vor_sql_end(store, status, err);
 }
 
 vor_status vor_store_show(struct vor_store *store, const struct vor_uuid *id,
                           const struct vor_lease *lease, const struct vor_event_piece *piece,
                           struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int rows;
-    vor_status status = vor_sql_begin(db, VOR_SQL_APART, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change(db, &rows, err, PREVIEW("<="), "t", id->text);
+    status = vor_sql_change(store, &rows, err, PREVIEW("<="), "t", id->text);
     if (status == VOR_OK && piece->size > 0)
-        status = vor_sql_change(db, &rows, err,
+        status = vor_sql_change(store, &rows, err,
                                 "INSERT INTO event SELECT seq, 0, ?4, ?5 FROM job WHERE id = ?1"
                                 " AND attempt = ?2 AND owner = ?3 AND status = 'running'",
                                 "titib", id->text, (int64_t)lease->attempt, lease->owner,
                                 (int64_t)piece->last, piece->data, piece->size);
-    return vor_sql_end(db, status, err);
+    return vor_sql_end(store, status, err);
 }
 
 vor_status vor_store_daemons(struct vor_store *store, int64_t *count, struct vor_error *err)
 {
-    return vor_sql_query(vor_sql_of(store), vor_sql_take_number, count, err,
+    return vor_sql_query(store, vor_sql_take_number, count, err,
                          "SELECT count(*) FROM daemon WHERE lease > clock_ms()", "");
 }
 
@@ -283,25 +279,24 @@ vor_status vor_store_daemons(struct vor_store *store, int64_t *count, struct vor
 static vor_status reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                        uint64_t *reaped, struct vor_error *err)
 {
-    struct vor_sql *db = vor_sql_of(store);
     int changed = 0, gone;
-    vor_status status = vor_sql_begin(db, VOR_SQL_DURABLE, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
 
     *reaped = 0;
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change(db, &changed, err,
+    status = vor_sql_change(store, &changed, err,
                             "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
                             " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
                             " AND (?3 <> 0 OR owner NOT IN"
                             " (SELECT owner FROM daemon WHERE lease > clock_ms()))",
                             "tii", owner, now_ms, (int64_t)is_alone);
     if (status == VOR_OK)
-        status = vor_sql_change(db, &gone, err,
+        status = vor_sql_change(store, &gone, err,
                                 "DELETE FROM daemon WHERE owner <> ?1"
                                 " AND (?2 <> 0 OR lease < clock_ms() - 3600000)",
                                 "ti", owner, (int64_t)is_alone);
-    status = vor_sql_end(db, status, err);
+    status = vor_sql_end(store, status, err);
     if (status == VOR_OK)
         *reaped = (uint64_t)changed;
     return status;

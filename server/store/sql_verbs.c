@@ -34,7 +34,7 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
     int64_t seq = 0;
     int rows;
     vor_status status = vor_sql_change_each(
-        vor_sql_of(store), vor_sql_take_number, &seq, err,
+        store, vor_sql_take_number, &seq, err,
         "INSERT INTO job (id, process_id, status, created, updated, name, principal, idem_key, "
         "kept,"
         " decoded, turn) VALUES (?1, ?2, 'accepted', ?3, ?3, ?4, ?5, ?6, ?7, ?8,"
@@ -47,7 +47,7 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         row->key.text[0] != '\0' ? row->key.text : NULL, (int64_t)row->kept, (int64_t)row->decoded);
 
     if (status == VOR_OK)
-        status = vor_sql_change(vor_sql_of(store), &rows, err,
+        status = vor_sql_change(store, &rows, err,
                                 "INSERT INTO job_text (" VOR_SQL_TEXT
                                 ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                 "iiiiirttttttti", (int64_t)input->format, (int64_t)input->points,
@@ -67,18 +67,18 @@ vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
+        status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
     if (status != VOR_OK)
         goto done;
     if (ledger != NULL) {
         ledger->jobs = ledger->bytes = 0;
-        status = vor_sql_change_each(vor_sql_of(store), take_ledger, ledger, err, SELECT_LEDGER,
-                                     "t", row->key.principal);
+        status = vor_sql_change_each(store, take_ledger, ledger, err, SELECT_LEDGER, "t",
+                                     row->key.principal);
         ledger->is_over = !vor_ledger_fits(ledger, row->kept);
     }
     if (status == VOR_OK && (ledger == NULL || !ledger->is_over))
         status = insert_row(store, row, &text, err);
-    status = vor_sql_end(vor_sql_of(store), status, err);
+    status = vor_sql_end(store, status, err);
 done:
     vor_row_text_free(&text);
     return status;
@@ -92,7 +92,7 @@ static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t atte
 
     if (piece->size == 0)
         return VOR_OK;
-    return vor_sql_change(vor_sql_of(store), &rows, err,
+    return vor_sql_change(store, &rows, err,
                           "INSERT INTO event VALUES (?, ?, ?, ?)"
                           " ON CONFLICT (seq, attempt, last) DO UPDATE SET data = excluded.data",
                           "iiib", seq, (int64_t)attempt, (int64_t)piece->last, piece->data,
@@ -110,10 +110,10 @@ vor_status vor_store_append_events(struct vor_store *store, const struct vor_job
 
     *changed = 0;
     if (status == VOR_OK)
-        status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
+        status = vor_sql_begin(store, VOR_SQL_LAZY, err);
     if (status == VOR_OK) {
         status = vor_sql_change_each(
-            vor_sql_of(store), vor_sql_take_number, &seq, err,
+            store, vor_sql_take_number, &seq, err,
             "INSERT INTO job_run (seq, progress, updated, metrics)"
             " SELECT seq, ?4, ?5, ?6 FROM job"
             " WHERE id = ?1 AND attempt = ?2 AND owner = ?3 AND status = 'running'"
@@ -123,7 +123,7 @@ vor_status vor_store_append_events(struct vor_store *store, const struct vor_job
             row->updated, text.metrics.data);
         if (status == VOR_OK && seq != 0)
             status = add_events(store, seq, lease->attempt, piece, err);
-        status = vor_sql_end(vor_sql_of(store), status, err);
+        status = vor_sql_end(store, status, err);
     }
     *changed = status == VOR_OK && seq != 0;
     vor_row_text_free(&text);
@@ -133,7 +133,7 @@ vor_status vor_store_append_events(struct vor_store *store, const struct vor_job
 vor_status vor_store_stop(struct vor_store *store, const struct vor_uuid *id, int *changed,
                           struct vor_error *err)
 {
-    return vor_sql_change(vor_sql_of(store), changed, err,
+    return vor_sql_change(store, changed, err,
                           "UPDATE job SET stop = attempt WHERE id = ? AND status = 'running'", "t",
                           id->text);
 }
@@ -157,7 +157,7 @@ vor_status vor_store_hand_back(struct vor_store *store, const struct vor_uuid *i
     run->crashes = 0;
     do
         status = vor_sql_change_each(
-            vor_sql_of(store), take_crashes, run, err,
+            store, take_crashes, run, err,
             "UPDATE job SET alone = max(alone, ?4), crashes = crashes + ?5, updated = ?3,"
             " status = CASE WHEN ?5 > 0 AND ?6 > 0 AND crashes + ?5 >= ?6 THEN 'running'"
             " ELSE 'accepted' END"
@@ -191,7 +191,7 @@ static vor_status add_end(struct vor_store *store, int64_t seq, const struct vor
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sql_change(vor_sql_of(store), &rows, err,
+        status = vor_sql_change(store, &rows, err,
                                 "INSERT INTO job_end (" VOR_SQL_END
                                 ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                 "iiiiitttttti", (int64_t)row->progress, (int64_t)output->format,
@@ -208,13 +208,13 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
                          int *changed, struct vor_error *err)
 {
     int64_t seq = 0;
-    vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_DURABLE, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
 
     *changed = 0;
     if (status != VOR_OK)
         return status;
     status = vor_sql_change_each(
-        vor_sql_of(store), vor_sql_take_number, &seq, err,
+        store, vor_sql_take_number, &seq, err,
         "UPDATE job SET status = ?3, updated = ?4, finished = ?4, expires = ?5, attempt = ?6,"
         " kept = min(kept, ?7), held = ?8"
         " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
@@ -226,7 +226,7 @@ static vor_status finish(struct vor_store *store, const struct vor_job_view *row
         status = add_events(store, seq, row->attempt, &ending->events, err);
     if (status == VOR_OK && seq != 0)
         status = add_end(store, seq, row, ending->report, err);
-    status = vor_sql_end(vor_sql_of(store), status, err);
+    status = vor_sql_end(store, status, err);
     *changed = status == VOR_OK && seq != 0;
     return status;
 }
@@ -256,7 +256,7 @@ vor_status vor_store_remove(struct vor_store *store, const struct vor_uuid *id, 
 
     do
         status =
-            vor_sql_change(vor_sql_of(store), changed, err,
+            vor_sql_change(store, changed, err,
                            "DELETE FROM job WHERE id = ? AND status NOT IN ('accepted', 'running')",
                            "t", id->text);
     while (vor_reserve_made_room(store->reserve, status, err));
@@ -383,7 +383,7 @@ vor_status vor_store_get(struct vor_store *store, const struct vor_uuid *id, con
                          struct vor_job_view *out, int *found, struct vor_error *err)
 {
     struct taken taken = {.row = out};
-    vor_status status = vor_sql_query(vor_sql_of(store), take_row, &taken, err,
+    vor_status status = vor_sql_query(store, take_row, &taken, err,
                                       "SELECT " ROW_COLUMNS POSITION ROWS " WHERE id = ?1"
                                       " AND (?2 IS NULL OR principal = ?2)",
                                       "tt", id->text, tenant);
@@ -415,7 +415,7 @@ vor_status vor_store_brief(struct vor_store *store, const struct vor_uuid *id,
 {
     struct brief brief = {.job = out};
     vor_status status = vor_sql_query(
-        vor_sql_of(store), take_brief, &brief, err,
+        store, take_brief, &brief, err,
         "SELECT status, process_id, kept, expired, attempt FROM job WHERE id = ?", "t", id->text);
 
     *found = brief.found;
@@ -427,7 +427,7 @@ vor_status vor_store_find_key(struct vor_store *store, const struct vor_job_key 
 {
     struct taken taken = {.row = out};
     vor_status status =
-        vor_sql_query(vor_sql_of(store), take_row, &taken, err,
+        vor_sql_query(store, take_row, &taken, err,
                       "SELECT " ROW_COLUMNS POSITION ROWS " WHERE principal = ? AND idem_key = ?",
                       "tt", key->principal, key->text);
 
@@ -455,7 +455,7 @@ vor_status vor_store_report(struct vor_store *store, const struct vor_uuid *id, 
                             struct vor_error *err)
 {
     struct report read = {.text = NULL};
-    vor_status status = vor_sql_query(vor_sql_of(store), take_report, &read, err,
+    vor_status status = vor_sql_query(store, take_report, &read, err,
                                       "SELECT report FROM job_end WHERE report IS NOT NULL"
                                       " AND seq = (SELECT seq FROM job WHERE id = ?)",
                                       "t", id->text);
@@ -504,7 +504,7 @@ vor_status vor_store_list(struct vor_store *store, const struct vor_job_filter *
         if (filter->statuses & (1u << i))
             at += (size_t)snprintf(statuses + at, sizeof statuses - at, "%s%s,", at == 0 ? "," : "",
                                    vor_job_status_word((enum vor_job_status)i));
-    return vor_sql_query(vor_sql_of(store), list_row, &listing, err,
+    return vor_sql_query(store, list_row, &listing, err,
                          filter->name != NULL     ? LIST("job_named", " AND name = ?10")
                          : filter->tenant != NULL ? LIST("job_owned", " AND principal = ?11")
                                                   : LIST("job_listed", ""),
@@ -524,13 +524,13 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
     struct taken taken = {.row = out};
     int64_t seq = 0;
     int rows;
-    vor_status status = vor_sql_begin(vor_sql_of(store), VOR_SQL_LAZY, err);
+    vor_status status = vor_sql_begin(store, VOR_SQL_LAZY, err);
 
     *found = 0;
     if (status != VOR_OK)
         return status;
     status = vor_sql_change_each(
-        vor_sql_of(store), vor_sql_take_number, &seq, err,
+        store, vor_sql_take_number, &seq, err,
         "UPDATE job SET status = 'running', attempt = attempt + 1, updated = max(updated, ?2),"
         " started = CASE started WHEN 0 THEN max(created, ?2) ELSE started END, owner = ?1"
         " WHERE seq = (SELECT seq FROM job INDEXED BY job_ready WHERE " WAITS
@@ -542,13 +542,13 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
         claim->build.engine, claim->build.release);
     if (status == VOR_OK && seq != 0)
         status =
-            vor_sql_change_each(vor_sql_of(store), take_row, &taken, err,
+            vor_sql_change_each(store, take_row, &taken, err,
                                 "SELECT " ROW_COLUMNS ", -1" ROWS " WHERE job.seq = ?", "i", seq);
     if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
-        status = vor_sql_change(vor_sql_of(store), &rows, err,
-                                "DELETE FROM event WHERE seq = ?1 AND attempt < ?2", "ii", seq,
-                                (int64_t)out->attempt);
-    status = vor_sql_end(vor_sql_of(store), status, err);
+        status =
+            vor_sql_change(store, &rows, err, "DELETE FROM event WHERE seq = ?1 AND attempt < ?2",
+                           "ii", seq, (int64_t)out->attempt);
+    status = vor_sql_end(store, status, err);
     *found = status == VOR_OK && taken.found;
     return status;
 }
@@ -557,5 +557,5 @@ vor_status vor_store_ledger(struct vor_store *store, const char *tenant, struct 
                             struct vor_error *err)
 {
     ledger->jobs = ledger->bytes = 0;
-    return vor_sql_query(vor_sql_of(store), take_ledger, ledger, err, SELECT_LEDGER, "t", tenant);
+    return vor_sql_query(store, take_ledger, ledger, err, SELECT_LEDGER, "t", tenant);
 }

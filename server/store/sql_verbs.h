@@ -3,19 +3,7 @@
 #ifndef VOR_SERVER_STORE_SQL_VERBS_H
 #define VOR_SERVER_STORE_SQL_VERBS_H
 
-#include "server/store/driver.h"
 #include "server/store/sql.h"
-
-/** What the store of such a driver begins with. */
-struct vor_sql_store {
-    struct vor_store base;
-    struct vor_sql *db;
-};
-
-static inline struct vor_sql *vor_sql_of(struct vor_store *store)
-{
-    return ((struct vor_sql_store *)store)->db;
-}
 
 /** The tables of jobs, for the schema of every engine, which says how the key is written. A row of
  *  job changes with the state of its job, and has what queues and lists go by; what else is known
@@ -80,5 +68,12 @@ static inline struct vor_sql *vor_sql_of(struct vor_store *store)
     "CREATE INDEX job_expires ON job (expires) WHERE expires > 0;"                                 \
     "CREATE INDEX job_kept ON job (finished, seq, kept) WHERE kept > 0;"                           \
     "CREATE INDEX job_held ON job (finished, seq, held) WHERE held > 0;"
+
+/** Give an empty database, or schema of one, its tables, in one transaction.
+ *
+ *  @retval VOR_E_IO it is of another version or program (message: which), or refuses */
+VOR_NODISCARD vor_status vor_sqlite_prepare_schema(struct vor_store *store, struct vor_error *err);
+VOR_NODISCARD vor_status vor_postgres_prepare_schema(struct vor_store *store,
+                                                     struct vor_error *err);
 
 #endif

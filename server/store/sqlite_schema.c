@@ -1,5 +1,3 @@
-#include "server/store/sqlite_database.h"
-
 #include "server/store/sql_verbs.h"
 
 /* A store of version 6 or 13 is brought up to this one; no others were released. */
@@ -126,16 +124,16 @@ static const struct {
     const char *sql;
 } steps[] = {{0, 14, first}, {6, 13, from_6}, {13, 14, from_13}};
 
-vor_status vor_sqlite_prepare_schema(struct vor_sqlite *db, struct vor_error *err)
+vor_status vor_sqlite_prepare_schema(struct vor_store *store, struct vor_error *err)
 {
     int64_t version = -1;
-    vor_status status = vor_sql_query(vor_sqlite_sql(db), vor_sql_take_number, &version, err,
-                                      "PRAGMA user_version", "");
+    vor_status status =
+        vor_sql_query(store, vor_sql_take_number, &version, err, "PRAGMA user_version", "");
 
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
         if (version != steps[i].from)
             continue;
-        status = vor_sqlite_run(db, steps[i].sql, err);
+        status = vor_sql_run(store, steps[i].sql, err);
         version = steps[i].to;
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
