@@ -88,10 +88,24 @@ static int make_file(struct vor_reserve *reserve, uint64_t free)
     return failed;
 }
 
+/* Gives the room up. True when there was any. */
+static int spend(struct vor_reserve *reserve)
+{
+    int had = 0;
+
+    if (reserve == NULL)
+        return 0;
+    pthread_mutex_lock(&reserve->mutex);
+    had = reserve->held > 0 && unlink(reserve->path) == 0;
+    reserve->held = 0;
+    pthread_mutex_unlock(&reserve->mutex);
+    return had;
+}
+
 void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes)
 {
     if (bytes == 0)
-        (void)vor_reserve_spend(reserve);
+        (void)spend(reserve);
     pthread_mutex_lock(&reserve->mutex);
     reserve->wanted = bytes;
     if (reserve->held != bytes)
@@ -123,19 +137,6 @@ vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err)
     return status;
 }
 
-int vor_reserve_spend(struct vor_reserve *reserve)
-{
-    int had = 0;
-
-    if (reserve == NULL)
-        return 0;
-    pthread_mutex_lock(&reserve->mutex);
-    had = reserve->held > 0 && unlink(reserve->path) == 0;
-    reserve->held = 0;
-    pthread_mutex_unlock(&reserve->mutex);
-    return had;
-}
-
 vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
 {
     if (reserve == NULL || atomic_load(&reserve->held) >= atomic_load(&reserve->wanted))
@@ -146,5 +147,5 @@ vor_status vor_reserve_check(struct vor_reserve *reserve, struct vor_error *err)
 int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
                           const struct vor_error *err)
 {
-    return status != VOR_OK && vor_error_storage_full(err) && vor_reserve_spend(reserve);
+    return status != VOR_OK && vor_error_storage_full(err) && spend(reserve);
 }

@@ -32,10 +32,8 @@ void vor_reserve_want(struct vor_reserve *reserve, uint64_t bytes);
  *  Cost: none when it is there; else that of allocating it: not for HTTP threads. */
 VOR_NODISCARD vor_status vor_reserve_make(struct vor_reserve *reserve, struct vor_error *err);
 
-/** Gives the room up. True when there was any. reserve may be NULL. */
-int vor_reserve_spend(struct vor_reserve *reserve);
-
-/** True when something failed because the disk is full, and there is room for another try now. */
+/** True when something failed because the disk is full, and there is room for another try now: the
+ * reserve was given up. It may be NULL. */
 int vor_reserve_made_room(struct vor_reserve *reserve, vor_status status,
                           const struct vor_error *err);
 

@@ -106,7 +106,9 @@ static void print_examples(void *ctx, const struct vor_markup_block *block)
     }
 }
 
-void vor_cli_examples(FILE *out, const char *command)
+/* The first lines of code in the topics that call a command, such as "submit resample"; those of
+ * its first word where there are none. */
+static void print_examples_of(FILE *out, const char *command)
 {
     size_t lengths[] = {strlen(command), strcspn(command, " ")};
     struct examples examples = {out, command, 0, 0};
@@ -117,14 +119,6 @@ void vor_cli_examples(FILE *out, const char *command)
         for (unsigned i = 0; examples.count < EXAMPLES_MAX && vor_topic_at(&topic, i); i++)
             (void)vor_topic_blocks(&topic, print_examples, &examples);
     }
-}
-
-void vor_cli_topics(FILE *out)
-{
-    struct vor_topic topic;
-
-    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
-        fprintf(out, "  %-12s %.*s\n", topic.name, topic.title_length, topic.title);
 }
 
 static void print_option(FILE *out, char letter, const char *name, const char *value,
@@ -261,7 +255,7 @@ void vor_help_command(FILE *out, const struct vor_command *command)
                                0);
     fputs("\nExit codes:\n", out);
     print_exit_codes(out, (command->does & VOR_COMMAND_SERVES) != 0);
-    vor_cli_examples(out, command->name);
+    print_examples_of(out, command->name);
 }
 
 void vor_help_brief(FILE *out)
@@ -288,8 +282,11 @@ void vor_help_line(FILE *out, const char *name, const char *title)
 
 void vor_help_end(FILE *out)
 {
+    struct vor_topic topic;
+
     fputs("\nTopics, shown by voronoid help TOPIC:\n", out);
-    vor_cli_topics(out);
+    for (unsigned i = 0; vor_topic_at(&topic, i); i++)
+        fprintf(out, "  %-12s %.*s\n", topic.name, topic.title_length, topic.title);
     fputs("\nvoronoid COMMAND --help lists the options of a command. voronoid --version prints the "
           "version,\n"
           "voronoid --man 1|8 a manual page, voronoid --completion bash|zsh|fish a completion "

@@ -167,14 +167,6 @@ static inline unsigned vor_has_inputs(const struct vor_job_view *row)
 void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
                          uint32_t attempts, unsigned what);
 
-/** How many attempts have left outputs that nobody needs: all, or all before the last one. */
-static inline uint32_t vor_attempts_gone(enum vor_job_status status, uint32_t attempt)
-{
-    int is_needed = !vor_job_status_over(status) || status == VOR_JOB_SUCCESSFUL;
-
-    return is_needed && attempt > 0 ? attempt - 1 : attempt;
-}
-
 /** Takes from jobs what they keep as far as the time or a quota of the configuration wants it
  *  (vor_store_evict), with its bytes.
  *

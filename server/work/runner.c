@@ -458,6 +458,14 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
     return 0;
 }
 
+/* How many attempts have left outputs that nobody needs: all, or all before the last one. */
+static uint32_t attempts_gone(enum vor_job_status status, uint32_t attempt)
+{
+    int is_needed = !vor_job_status_over(status) || status == VOR_JOB_SUCCESSFUL;
+
+    return is_needed && attempt > 0 ? attempt - 1 : attempt;
+}
+
 /* Removes what the ended job no longer needs, and says how it ended. */
 static void clean_up(struct run *run, double began)
 {
@@ -467,7 +475,7 @@ static void clean_up(struct run *run, double began)
     vor_job_view(run->job, &view);
     if (!vor_job_status_over(view.status))
         return;
-    gone = vor_attempts_gone(view.status, view.attempt);
+    gone = attempts_gone(view.status, view.attempt);
     vor_worker_drop_all(run->worker, &view.id, view.process, gone,
                         vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
                             (gone > 0 ? VOR_HAS_OUTPUTS : 0));
@@ -492,7 +500,7 @@ static void clean_up_lost(const struct run *run)
     if (vor_store_brief(config->store, &run->view.id, &row, &found, NULL) != VOR_OK)
         return;
     vor_worker_drop_all(
-        run->worker, &run->view.id, run->view.process, vor_attempts_gone(row.status, row.attempt),
+        run->worker, &run->view.id, run->view.process, attempts_gone(row.status, row.attempt),
         VOR_HAS_OUTPUTS |
             (run->has_kept && vor_job_status_over(row.status) ? VOR_HAS_CHECKPOINT : 0));
 }
