@@ -142,9 +142,8 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
     return status;
 }
 
-static int count(void *ctx, const void *bytes, size_t size)
+static int count(void *ctx, VOR_UNUSED const void *bytes, size_t size)
 {
-    (void)bytes;
     *(uint64_t *)ctx += size;
     return 0;
 }

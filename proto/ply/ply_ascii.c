@@ -87,29 +87,6 @@ static vor_status bad_number(const struct vor_ply_body *body, const struct vor_p
     return vor_fail_at(err, VOR_E_FORMAT, offset_of(body, token));
 }
 
-/* Stores a coordinate that is of another type than its column. */
-static void widen(uint8_t *to, enum vor_type to_type, const uint8_t value[8], enum vor_type type)
-{
-    double wide = 0;
-    float single;
-
-    switch (type) {
-#define WIDEN_CASE(name, ctype, ply, sized)                                                        \
-    case VOR_##name: {                                                                             \
-        ctype as;                                                                                  \
-        memcpy(&as, value, sizeof as);                                                             \
-        wide = (double)as;                                                                         \
-        break;                                                                                     \
-    }
-        VOR_TYPE_TABLE(WIDEN_CASE)
-#undef WIDEN_CASE
-    default:
-        break;
-    }
-    single = (float)wide;
-    memcpy(to, to_type == VOR_FLOAT32 ? (void *)&single : (void *)&wide, vor_type_size(to_type));
-}
-
 static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_column *column,
                               size_t row, struct vor_error *err)
 {
@@ -127,7 +104,7 @@ static vor_status read_scalar(struct vor_ply_body *body, const struct vor_ply_co
     if (read == VOR_PLY_NUMBER_NONFINITE && column->coordinate >= 0 && body->not_finite == 0)
         body->not_finite = offset_of(body, token);
     if (type != column->to_type)
-        widen(to, column->to_type, value, type);
+        vor_ply_store(to, column->to_type, vor_ply_load(value, type, 0));
     return VOR_OK;
 }
 
@@ -144,7 +121,7 @@ static vor_status read_count(uint64_t *out, struct vor_ply_body *body,
     if (token.length == 0)
         return too_few(body, property, row, err);
     read = vor_ply_number_read(token.at, token.length, property->count_type, value);
-    widen((uint8_t *)&count, VOR_FLOAT64, value, property->count_type);
+    count = vor_ply_load(value, property->count_type, 0);
     if (read == VOR_PLY_NUMBER_OK && (count < 0 || count != floor(count)))
         read = VOR_PLY_NUMBER_RANGE;
     if (read != VOR_PLY_NUMBER_OK)
@@ -177,15 +154,14 @@ static vor_status take_item(struct vor_ply_body *body, const struct vor_ply_colu
     uint8_t value[8] = {0};
     enum vor_ply_number read;
     vor_status status;
-    double number;
 
     if (token.length == 0)
         return too_few(body, column->property, row, err);
     read = vor_ply_number_read(token.at, token.length, column->property->type, value);
     if (read != VOR_PLY_NUMBER_OK)
         return bad_number(body, column, row, token, read, err);
-    widen((uint8_t *)&number, VOR_FLOAT64, value, column->property->type);
-    status = items->take(items->ctx, row, item, number, err);
+    status =
+        items->take(items->ctx, row, item, vor_ply_load(value, column->property->type, 0), err);
     return status == VOR_OK ? VOR_OK : vor_fail_at(err, status, offset_of(body, token));
 }
 

@@ -60,8 +60,7 @@ void vor_ply_copy(struct vor_ply_strided to, struct vor_ply_source from, size_t 
     }
 }
 
-/* A scalar of the file as a double, exactly but for 64-bit integers. */
-static double load(const uint8_t *from, enum vor_type type, int swap)
+double vor_ply_load(const uint8_t *from, enum vor_type type, int swap)
 {
     union {
         uint8_t bytes[8];
@@ -87,7 +86,7 @@ static double load(const uint8_t *from, enum vor_type type, int swap)
     }
 }
 
-static void store(uint8_t *to, enum vor_type type, double value)
+void vor_ply_store(uint8_t *to, enum vor_type type, double value)
 {
     float single = (float)value;
 
@@ -147,7 +146,8 @@ static vor_status skip_list(struct vor_ply_body *body, const struct vor_ply_prop
 
     if (left < count_size)
         return truncated(body, row, err);
-    count = load(body->bytes + body->at, property->count_type, vor_ply_swaps(body->encoding));
+    count =
+        vor_ply_load(body->bytes + body->at, property->count_type, vor_ply_swaps(body->encoding));
     if (!(count >= 0) || count != floor(count))
         return VOR_PLY_FAIL(err, body->at, "a list in row %llu has %g items, want a whole number",
                             (unsigned long long)row, count);
@@ -204,7 +204,8 @@ static vor_status take_list(struct vor_ply_body *body, const struct vor_ply_prop
     vor_status status = skip_list(body, list, row, err);
 
     for (uint64_t i = 0; status == VOR_OK && at < body->at; i++, at += size) {
-        status = items->take(items->ctx, row, i, load(body->bytes + at, list->type, swap), err);
+        status =
+            items->take(items->ctx, row, i, vor_ply_load(body->bytes + at, list->type, swap), err);
         if (status != VOR_OK)
             return vor_fail_at(err, status, at);
     }
@@ -248,8 +249,8 @@ static vor_status read_walked(struct vor_ply_body *body, const struct vor_ply_co
                      swap);
         return VOR_OK;
     }
-    value = load(body->bytes + begin, type, swap);
-    store(to, column->to_type, value);
+    value = vor_ply_load(body->bytes + begin, type, swap);
+    vor_ply_store(to, column->to_type, value);
     check_coordinate(body, value, begin);
     return VOR_OK;
 }
@@ -287,8 +288,8 @@ static void read_block(const struct vor_ply_rows *rows, size_t first, size_t n, 
         run = 1;
         if (column->property->type != column->to_type) {
             for (size_t i = 0; i < n; i++)
-                store(column->to + (first + i) * column->to_stride, column->to_type,
-                      load(from + i * row, column->property->type, swap));
+                vor_ply_store(column->to + (first + i) * column->to_stride, column->to_type,
+                              vor_ply_load(from + i * row, column->property->type, swap));
         } else {
             run = run_length(rows, k);
             vor_ply_copy(to, (struct vor_ply_source){from, row}, n, size, run, swap);
@@ -330,8 +331,8 @@ static void check_row(struct vor_ply_body *body, const struct vor_ply_rows *rows
         const struct vor_ply_column *column = &rows->columns[k];
 
         if (column->coordinate >= 0)
-            check_coordinate(body, load(column->to + i * column->to_stride, column->to_type, 0),
-                             offset);
+            check_coordinate(
+                body, vor_ply_load(column->to + i * column->to_stride, column->to_type, 0), offset);
         offset += vor_type_size(column->property->type);
     }
 }

@@ -97,6 +97,10 @@ struct vor_ply_source {
 void vor_ply_copy(struct vor_ply_strided to, struct vor_ply_source from, size_t n, size_t size,
                   size_t run, int swap);
 
+/** A scalar as a double, exactly but for 64-bit integers; and a double as FLOAT32 or FLOAT64. */
+double vor_ply_load(const uint8_t *from, enum vor_type type, int swap);
+void vor_ply_store(uint8_t *to, enum vor_type type, double value);
+
 /** True where the host's byte order is not the encoding's. */
 int vor_ply_swaps(enum vor_ply_encoding encoding);
 

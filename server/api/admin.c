@@ -2,7 +2,6 @@
 
 #include "core/base/vector.h"
 #include "server/api/handlers/handlers.h"
-#include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/build.h"
 #include "server/base/clock.h"
@@ -156,16 +155,14 @@ enum vor_next vor_admin_dispatch(struct vor_request *request, enum vor_step step
     static const char want[] = "want GET of /livez, /readyz or /metrics";
     enum vor_method method = request->method;
     const char *path = request->path;
-    struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
 
     if (is_foreign_host(request->app->config, request))
         return vor_problem_say(request, "forbidden",
                                "Host is %.100s, want localhost, 127.0.0.1 or [::1]",
                                vor_request_header(request, "Host"));
-    problem.allow = "GET, HEAD";
-    problem.detail = want;
     if (method != VOR_GET && method != VOR_HEAD)
-        return vor_problem_reply(request, &problem);
+        return vor_problem_reply(
+            request, &VOR_PROBLEM("method-not-allowed", .allow = "GET, HEAD", .detail = want));
     if (strcmp(path, "/livez") == 0) {
         double stuck = vor_http_stuck(request->app->http);
 

@@ -9,7 +9,6 @@
 #include "server/work/worker.h"
 
 #include <stdatomic.h>
-#include <stdbool.h>
 
 struct vor_admit;
 struct vor_conversions;

@@ -23,17 +23,13 @@ const char *vor_auth_tenant(const struct vor_request *request)
 
 static bool refuse(struct vor_request *request, const char *challenge, const char *detail)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("unauthorized");
-
-    problem.detail = detail;
-    problem.challenge = challenge;
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(
+        request, &VOR_PROBLEM("unauthorized", .detail = detail, .challenge = challenge));
 }
 
 static bool refuse_scope(struct vor_request *request, const struct vor_principal *caller,
                          enum vor_scope scope)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("forbidden");
     char challenge[128], detail[192], scopes[64];
     size_t at = 0;
 
@@ -49,9 +45,8 @@ static bool refuse_scope(struct vor_request *request, const struct vor_principal
                    "the key %s has the scopes %s, but this request also "
                    "needs the scope %s",
                    caller->name, scopes, vor_scope_word(scope));
-    problem.detail = detail;
-    problem.challenge = challenge;
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(request,
+                             &VOR_PROBLEM("forbidden", .detail = detail, .challenge = challenge));
 }
 
 /* True when the request is for a result and has a good ticket to it. */

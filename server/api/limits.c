@@ -1,6 +1,5 @@
 #include "server/api/limits.h"
 
-#include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
 #include "server/base/rates.h"
@@ -12,7 +11,6 @@
 bool vor_limits_rate(struct vor_request *request)
 {
     const struct vor_principal *caller = &request->principal;
-    struct vor_problem problem = VOR_PROBLEM_INIT("rate-limited");
     char detail[192];
     double wait, burst, left, now = vor_clock_seconds();
 
@@ -35,9 +33,8 @@ bool vor_limits_rate(struct vor_request *request)
                    "the key %s starts jobs too fast: it may start %.10g per second, and twice "
                    "as many at once",
                    caller->name, caller->quota.rate);
-    problem.detail = detail;
-    problem.retry_seconds = (unsigned)ceil(wait);
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(request, &VOR_PROBLEM("rate-limited", .detail = detail,
+                                                   .retry_seconds = (unsigned)ceil(wait)));
 }
 
 vor_status vor_limits_points(const struct vor_quota *quota, const struct vor_admitted *admitted,

@@ -78,9 +78,8 @@ void vor_problem_write(const struct vor_request *request, const struct vor_probl
         vor_json_put_i64(text, "byteOffset", problem->byte_offset);
     if (problem->queue_depth >= 0)
         vor_json_put_i64(text, "queueDepth", problem->queue_depth);
-    if (count > 0) {
+    if (count > 0)
         vor_json_put_array(text, "errors");
-    }
     for (size_t i = 0; i < count; i++) {
         vor_json_begin_object(text);
         vor_json_put_given(text, "pointer", errors[i].pointer);
@@ -124,21 +123,19 @@ enum vor_next vor_problem_reply(struct vor_request *request, const struct vor_pr
 enum vor_next vor_problem_say(struct vor_request *request, const char *slug, const char *format,
                               ...)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT(slug);
     char detail[512];
     va_list args;
 
     va_start(args, format);
     (void)vsnprintf(detail, sizeof detail, format, args);
     va_end(args);
-    problem.detail = detail;
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(request, &VOR_PROBLEM(slug, .detail = detail));
 }
 
 void vor_problem_of_error(const struct vor_error *err, const char *job_id,
                           struct vor_problem *problem)
 {
-    *problem = (struct vor_problem)VOR_PROBLEM_INIT(vor_status_slug(err->status));
+    *problem = VOR_PROBLEM(vor_status_slug(err->status));
     if (err->status == VOR_E_IO)
         problem->slug = vor_error_storage_full(err)      ? "storage-full"
                         : vor_error_storage_refused(err) ? "storage-refused"
@@ -198,20 +195,31 @@ enum vor_next vor_reply_json(struct vor_request *request, int http, struct vor_t
     return vor_app_reply(request, http, "application/json", text);
 }
 
+void vor_document_begin(struct vor_text *text)
+{
+    vor_text_init(text, 0);
+    vor_json_begin_object(text);
+}
+
+enum vor_next vor_document_reply(struct vor_request *request, struct vor_text *text)
+{
+    vor_json_end_object(text);
+    return vor_reply_json(request, 200, text);
+}
+
 void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem)
 {
     vor_problem_of_error(&row->problem, row->id.text, problem);
     problem->attempt = row->attempt;
 }
 
-enum vor_next vor_handle_problem(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_problem(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const char *slug;
     size_t length = vor_path_segment(request->path, 1, &slug);
     const struct problem_row *row = find_row(slug, length);
     struct vor_text text;
 
-    (void)step;
     if (row == NULL || row->http == 200)
         return vor_problem_say(request, "no-such-resource", "no problem has this name");
     vor_text_init(&text, 0);

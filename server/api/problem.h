@@ -52,7 +52,7 @@ struct vor_problem_error {
 };
 
 /** What to say; 0, NULL and (for byte_offset and queue_depth) -1 leave out. Strings are borrowed.
- *  Begin with VOR_PROBLEM_INIT(slug). */
+ *  Begin with VOR_PROBLEM(slug), or VOR_PROBLEM(slug, .detail = ...). */
 struct vor_problem {
     const char *slug;
     const char *detail;
@@ -70,10 +70,8 @@ struct vor_problem {
         retry_seconds; /**< for Retry-After of one that is retryable; 0 for as long as always */
 };
 
-#define VOR_PROBLEM_INIT(name)                                                                     \
-    {                                                                                              \
-        .slug = (name), .byte_offset = -1, .queue_depth = -1                                       \
-    }
+#define VOR_PROBLEM(...)                                                                           \
+    ((struct vor_problem){.byte_offset = -1, .queue_depth = -1, .slug = __VA_ARGS__})
 
 /** Replies with a problem. Returns VOR_NEXT_REPLY, so that a handler can return the call; it is 0,
  *  so that what is false after a problem has been replied can, too. */
@@ -112,6 +110,10 @@ enum vor_next vor_app_reply(struct vor_request *request, int http, const char *m
 
 /** The same with JSON, which ends with a line feed. */
 enum vor_next vor_reply_json(struct vor_request *request, int http, struct vor_text *text);
+
+/** Begins a document that is a JSON object; replies 200 with one, once its members are there. */
+void vor_document_begin(struct vor_text *text);
+enum vor_next vor_document_reply(struct vor_request *request, struct vor_text *text);
 
 /** The problem of a job that failed; row is borrowed. */
 void vor_problem_of_job(const struct vor_job_view *row, struct vor_problem *problem);

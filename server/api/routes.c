@@ -1,7 +1,6 @@
 #include "server/api/routes.h"
 
 #include "server/api/auth.h"
-#include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/base/clock.h"
@@ -10,7 +9,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <strings.h>
 
 static const struct vor_route routes[] = {
 #define ROUTE_ROW(method, path, scope, handler, codes)                                             \
@@ -155,7 +153,6 @@ static bool check_source(struct vor_request *request)
 
 static enum vor_next reply_no_route(struct vor_request *request)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("method-not-allowed");
     const char *path = request->path;
     char methods[64];
     size_t at = 0;
@@ -177,9 +174,9 @@ static enum vor_next reply_no_route(struct vor_request *request)
         vor_reply_bytes(request, 204, NULL, "", 0);
         return VOR_NEXT_REPLY;
     }
-    problem.allow = methods;
-    problem.detail = "the Allow header lists the methods of this resource";
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(
+        request, &VOR_PROBLEM("method-not-allowed", .allow = methods,
+                              .detail = "the Allow header lists the methods of this resource"));
 }
 
 enum vor_next vor_route_dispatch(struct vor_request *request, enum vor_step step)
@@ -211,12 +208,8 @@ enum vor_next vor_route_dispatch(struct vor_request *request, enum vor_step step
 
 void vor_route_refuse(struct vor_request *request, const struct vor_refusal *refusal)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT(refusal->slug);
-
-    problem.detail = refusal->detail;
-    problem.limit = refusal->limit;
-    problem.got = refusal->got;
-    vor_problem_reply(request, &problem);
+    vor_problem_reply(request, &VOR_PROBLEM(refusal->slug, .detail = refusal->detail,
+                                            .limit = refusal->limit, .got = refusal->got));
 }
 
 void vor_route_done(const struct vor_request *request)

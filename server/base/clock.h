@@ -3,7 +3,6 @@
 #define VOR_SERVER_BASE_CLOCK_H
 
 #include <pthread.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /** Milliseconds since 1970 UTC: for timestamps and expiry. */

@@ -4,9 +4,7 @@
 #include "server/base/config_file.h"
 #include "server/base/option.h"
 
-#include <ctype.h>
 #include <string.h>
-#include <strings.h>
 
 enum {
     OPERAND = 1,       /* what getopt_long returns for a word that is no option */

@@ -8,7 +8,6 @@
 #include "server/base/option.h"
 
 #include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
 /** The file of settings that is read unless CONFIG names another. */

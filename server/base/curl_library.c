@@ -32,3 +32,34 @@ vor_status vor_curl_load(const struct vor_curl **out, struct vor_error *err)
     *out = &functions;
     return VOR_OK;
 }
+
+void vor_curl_begin(CURL *handle, const char *url, char why[CURL_ERROR_SIZE])
+{
+    why[0] = '\0';
+    functions.easy_reset(handle);
+    functions.easy_setopt(handle, CURLOPT_URL, url);
+    functions.easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
+    functions.easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
+    functions.easy_setopt(handle, CURLOPT_ERRORBUFFER, why);
+    functions.easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
+    functions.easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, 10L);
+    functions.easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
+}
+
+int vor_curl_add(struct curl_slist **list, const char *header)
+{
+    struct curl_slist *longer = functions.slist_append(*list, header);
+
+    if (longer != NULL)
+        *list = longer;
+    return longer != NULL;
+}
+
+const char *vor_curl_header(CURL *handle, const char *name)
+{
+    struct curl_header *header;
+
+    return functions.easy_header(handle, name, 0, CURLH_HEADER, -1, &header) == CURLHE_OK
+               ? header->value
+               : "";
+}

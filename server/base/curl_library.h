@@ -45,4 +45,14 @@ struct vor_curl {
  *  @retval VOR_E_IO it is not installed, or lacks a function */
 VOR_NODISCARD vor_status vor_curl_load(const struct vor_curl **out, struct vor_error *err);
 
+/** Begins a request over HTTP on a handle that may have had others before; why is where the reason
+ *  of a failure goes. A connection is waited for up to 10 s. */
+void vor_curl_begin(CURL *handle, const char *url, char why[CURL_ERROR_SIZE]);
+
+/** Adds a header to a list; false when memory is out. */
+int vor_curl_add(struct curl_slist **list, const char *header);
+
+/** The header of that name of the answer, "" for none. */
+const char *vor_curl_header(CURL *handle, const char *name);
+
 #endif

@@ -15,7 +15,6 @@
 #include "server/base/principal.h"
 
 #include <stdbool.h>
-#include <stddef.h>
 
 enum {
     VOR_KEY_SIZE = 37,      /**< bytes of a key that is made here, with the NUL */

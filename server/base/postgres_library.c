@@ -67,10 +67,8 @@ static int is_sound(const char *where, const char *what, struct vor_error *err)
 }
 
 /* Notices and warnings, which libpq would print. */
-static void ignore(void *ctx, const char *message)
+static void ignore(VOR_UNUSED void *ctx, VOR_UNUSED const char *message)
 {
-    (void)ctx;
-    (void)message;
 }
 
 PGconn *vor_pg_connect(const char *where, const char *what, struct vor_error *err)

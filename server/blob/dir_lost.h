@@ -6,8 +6,6 @@
 #include "core/base/status.h"
 #include "server/blob/driver.h"
 
-#include <stdint.h>
-
 /** Moves a file out of `keep` into `lost` beside it (made if missing), dated now.
  *
  *  @param[in] parent  descriptor of the folder that both are in

@@ -13,7 +13,6 @@
 #include "server/base/uuid.h"
 
 #include <stdatomic.h>
-#include <stddef.h>
 #include <stdint.h>
 
 enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */

@@ -397,10 +397,8 @@ static vor_status list_all(struct vor_objects *objects, const char *begin,
     return list(&call, begin, each, ctx, err);
 }
 
-static void ignore(void *ctx, const struct vor_object *object)
+static void ignore(VOR_UNUSED void *ctx, VOR_UNUSED const struct vor_object *object)
 {
-    (void)ctx;
-    (void)object;
 }
 
 static vor_status probe(struct vor_objects *objects, struct vor_error *err)

@@ -1,17 +1,14 @@
 #include "server/blob/s3_request.h"
 
 #include "server/base/clock.h"
-#include "server/base/disk.h"
 #include "server/base/metrics.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 enum {
-    CONNECT_SECONDS = 10,
     STALL_SECONDS = 30,
     PROBE_SECONDS = 5 /* a probe takes at most so long */
 };
@@ -81,46 +78,24 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     return call->is_stopped ? CURL_WRITEFUNC_ERROR : size;
 }
 
-static size_t on_header(char *line, size_t unit, size_t count, void *ctx)
-{
-    static const char name[] = "etag:";
-    struct vor_s3_call *call = ctx;
-    size_t size = unit * count, at = sizeof name - 1;
-
-    if (size < at || strncasecmp(line, name, at) != 0)
-        return size;
-    while (at < size && line[at] == ' ')
-        at++;
-    (void)snprintf(call->etag, sizeof call->etag, "%.*s", (int)(size - at), line + at);
-    call->etag[strcspn(call->etag, "\r\n")] = '\0';
-    return size;
-}
-
 /* Called once a second or more often. */
-static int on_wait(void *ctx, curl_off_t to_come, curl_off_t have, curl_off_t to_send,
-                   curl_off_t sent)
+static int on_wait(void *ctx, VOR_UNUSED curl_off_t to_come, VOR_UNUSED curl_off_t have,
+                   VOR_UNUSED curl_off_t to_send, VOR_UNUSED curl_off_t sent)
 {
     struct vor_s3_call *call = ctx;
 
-    (void)to_come, (void)have, (void)to_send, (void)sent;
     return !vor_objects_are_wanted(&call->s3->base, call->patience, call->began);
 }
 
 static int set_headers(struct vor_s3_call *call, struct curl_slist **list)
 {
-    const struct vor_curl *curl = call->s3->curl;
-
     const char *all[] = {call->header[0], call->header[1], call->header[2],
                          call->s3->token[0] != '\0' ? call->s3->token : NULL};
 
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        struct curl_slist *longer = all[i] != NULL ? curl->slist_append(*list, all[i]) : *list;
-
-        if (longer == NULL && all[i] != NULL)
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        if (all[i] != NULL && !vor_curl_add(list, all[i]))
             return 0;
-        *list = longer;
-    }
-    return curl->easy_setopt(call->handle, CURLOPT_HTTPHEADER, *list) == CURLE_OK;
+    return call->s3->curl->easy_setopt(call->handle, CURLOPT_HTTPHEADER, *list) == CURLE_OK;
 }
 
 static CURLcode perform_once(struct vor_s3_call *call)
@@ -133,19 +108,11 @@ static CURLcode perform_once(struct vor_s3_call *call)
     call->at = 0;
     call->http = 0;
     vor_text_clear(&call->text);
-    call->why[0] = '\0';
-    curl->easy_reset(handle);
-    curl->easy_setopt(handle, CURLOPT_URL, call->url);
-    curl->easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl->easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
+    vor_curl_begin(handle, call->url, call->why);
     curl->easy_setopt(handle, CURLOPT_AWS_SIGV4, call->s3->sign);
     curl->easy_setopt(handle, CURLOPT_USERNAME, call->s3->key_id);
     curl->easy_setopt(handle, CURLOPT_PASSWORD, call->s3->secret);
-    curl->easy_setopt(handle, CURLOPT_ERRORBUFFER, call->why);
-    curl->easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
-    curl->easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, (long)CONNECT_SECONDS);
     curl->easy_setopt(handle, CURLOPT_TIMEOUT, call->is_once ? (long)PROBE_SECONDS : 0L);
-    curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
     curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_wait);
     curl->easy_setopt(handle, CURLOPT_XFERINFODATA, call);
     curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
@@ -159,8 +126,6 @@ static CURLcode perform_once(struct vor_s3_call *call)
         curl->easy_setopt(handle, CURLOPT_READDATA, call);
         curl->easy_setopt(handle, CURLOPT_SEEKFUNCTION, on_rewind);
         curl->easy_setopt(handle, CURLOPT_SEEKDATA, call);
-        curl->easy_setopt(handle, CURLOPT_HEADERFUNCTION, on_header);
-        curl->easy_setopt(handle, CURLOPT_HEADERDATA, call);
     } else if (call->body != NULL) {
         curl->easy_setopt(handle, CURLOPT_POSTFIELDS, call->body);
     } else if (strcmp(call->method, "HEAD") == 0) {
@@ -172,6 +137,7 @@ static CURLcode perform_once(struct vor_s3_call *call)
         code = curl->easy_perform(handle);
     (void)curl->easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &call->http);
     (void)curl->easy_getinfo(handle, CURLINFO_CONTENT_LENGTH_DOWNLOAD_T, &call->length);
+    (void)snprintf(call->etag, sizeof call->etag, "%s", vor_curl_header(handle, "ETag"));
     curl->slist_free_all(headers);
     return code;
 }

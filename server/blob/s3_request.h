@@ -22,8 +22,7 @@ struct vor_s3 {
     char key_id[VOR_S3_SECRET_SIZE], secret[VOR_S3_SECRET_SIZE];
     char token[VOR_S3_HEADER_SIZE]; /**< a header; "" for none */
     char region[65];
-    char sign[96];         /**< what CURLOPT_AWS_SIGV4 takes */
-    pthread_mutex_t mutex; /**< of everything below */
+    char sign[96]; /**< what CURLOPT_AWS_SIGV4 takes */
     CURL *idle[VOR_S3_IDLE_MAX];
     int idles;
 };

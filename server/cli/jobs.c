@@ -150,14 +150,13 @@ int vor_cli_jobs(const struct vor_cli *cli)
     return code;
 }
 
-static int wait_one(const struct vor_cli *cli, int index, void *ctx)
+static int wait_one(const struct vor_cli *cli, int index, VOR_UNUSED void *ctx)
 {
     const char *id = cli->operands[index];
     struct vor_cli one = *cli;
     struct vor_follow follow;
     int code = vor_follow_open(&follow, &one, id);
 
-    (void)ctx;
     follow.on_signal = "stopped waiting for the job; the job itself continues";
     if (code == VOR_EXIT_OK)
         code = vor_job_choose(&follow, id);

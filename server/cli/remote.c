@@ -10,8 +10,6 @@
 #include <string.h>
 #include <strings.h>
 
-#define CONNECT_SECONDS 10L
-
 static const struct vor_curl *curl;
 
 struct vor_remote {
@@ -140,16 +138,6 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     return call->text.failed ? CURL_WRITEFUNC_ERROR : size;
 }
 
-/* The header of that name of the answer, "" for none. */
-static const char *header_of(const struct vor_remote *remote, const char *name)
-{
-    struct curl_header *header;
-
-    return curl->easy_header(remote->handle, name, 0, CURLH_HEADER, -1, &header) == CURLHE_OK
-               ? header->value
-               : "";
-}
-
 /* Location may be relative to the URL of the call. */
 static void keep_location(struct vor_remote_call *call, const char *value)
 {
@@ -184,12 +172,11 @@ static int on_rewind(void *ctx, curl_off_t offset, int origin)
                                                            : CURL_SEEKFUNC_CANTSEEK;
 }
 
-static int on_tick(void *ctx, curl_off_t down, curl_off_t downloaded, curl_off_t up,
-                   curl_off_t uploaded)
+static int on_tick(void *ctx, VOR_UNUSED curl_off_t down, VOR_UNUSED curl_off_t downloaded,
+                   VOR_UNUSED curl_off_t up, VOR_UNUSED curl_off_t uploaded)
 {
     struct exchange *exchange = ctx;
 
-    (void)down, (void)downloaded, (void)up, (void)uploaded;
     return (!exchange->call->is_last_word && vor_interrupt_seen()) ||
            (exchange->call->ends_to_stop && vor_interrupt_stops());
 }
@@ -198,16 +185,10 @@ static void set_up(CURL *handle, struct exchange *exchange)
 {
     const struct vor_remote_call *call = exchange->call;
 
-    curl->easy_reset(handle);
-    curl->easy_setopt(handle, CURLOPT_URL, exchange->url);
+    vor_curl_begin(handle, exchange->url, exchange->remote->why);
     if (socket_path[0] != '\0' && exchange->digest == NULL)
         curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
-    curl->easy_setopt(handle, CURLOPT_PROTOCOLS_STR, "http,https");
-    curl->easy_setopt(handle, CURLOPT_USERAGENT, "voronoid/" VOR_VERSION);
-    curl->easy_setopt(handle, CURLOPT_ERRORBUFFER, exchange->remote->why);
-    curl->easy_setopt(handle, CURLOPT_NOSIGNAL, 1L);
     curl->easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
-    curl->easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, CONNECT_SECONDS);
     curl->easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
     if (call->stall_seconds > 0) {
         curl->easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, 1L);
@@ -215,7 +196,6 @@ static void set_up(CURL *handle, struct exchange *exchange)
     }
     curl->easy_setopt(handle, CURLOPT_WRITEFUNCTION, on_bytes);
     curl->easy_setopt(handle, CURLOPT_WRITEDATA, exchange);
-    curl->easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
     curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
     curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
     curl->easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
@@ -269,15 +249,6 @@ static vor_status outcome(const struct exchange *exchange, CURLcode code, struct
     return vor_fail(err, VOR_E_IO, "%s", why[0] != '\0' ? why : curl->easy_strerror(code));
 }
 
-static int add_header(struct curl_slist **list, const char *header)
-{
-    struct curl_slist *longer = curl->slist_append(*list, header);
-
-    if (longer != NULL)
-        *list = longer;
-    return longer != NULL;
-}
-
 static int send_headers(const struct exchange *exchange, struct curl_slist **out)
 {
     const struct vor_remote *remote = exchange->remote;
@@ -287,9 +258,9 @@ static int send_headers(const struct exchange *exchange, struct curl_slist **out
 
     *out = NULL;
     for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++)
-        if (!add_header(out, call->headers[i]))
+        if (!vor_curl_add(out, call->headers[i]))
             return 0;
-    if (authorization != NULL && !add_header(out, authorization))
+    if (authorization != NULL && !vor_curl_add(out, authorization))
         return 0;
     return curl->easy_setopt(remote->handle, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
@@ -306,7 +277,6 @@ static vor_status perform_once(struct exchange *exchange, struct vor_error *err)
     call->http = 0;
     call->was_stopped = 0;
     vor_text_init(&call->text, VOR_JSON_SIZE_MAX);
-    remote->why[0] = '\0';
     set_up(remote->handle, exchange);
     if (send_headers(exchange, &headers) && send_files(remote->handle, call, &form))
         code = curl->easy_perform(remote->handle);
@@ -346,13 +316,13 @@ vor_status vor_remote_perform(struct vor_remote *remote, struct vor_remote_call 
 {
     struct exchange exchange = {.remote = remote, .call = call, .url = call->url};
     vor_status status = perform_once(&exchange, err);
-    const char *etag = header_of(remote, "ETag");
+    const char *etag = vor_curl_header(remote->handle, "ETag");
 
     call->etag[0] = '\0';
     if (etag[0] == '"')
         (void)snprintf(call->etag, sizeof call->etag, "%.*s", (int)strcspn(etag + 1, "\""),
                        etag + 1);
-    keep_location(call, header_of(remote, "Location"));
+    keep_location(call, vor_curl_header(remote->handle, "Location"));
     return status == VOR_OK && call->goes_there && call->http == 307 && call->location[0] != '\0'
                ? go_there(&exchange, err)
                : status;

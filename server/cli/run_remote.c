@@ -235,7 +235,7 @@ int vor_cli_run_remote(const struct vor_cli *cli)
     return code;
 }
 
-static int submit_one(const struct vor_cli *cli, int index, void *ctx)
+static int submit_one(const struct vor_cli *cli, int index, VOR_UNUSED void *ctx)
 {
     const char *input = cli->operands[index];
     struct vor_cli one = *cli;
@@ -243,7 +243,6 @@ static int submit_one(const struct vor_cli *cli, int index, void *ctx)
     struct remote_run t;
     int code;
 
-    (void)ctx;
     memset(&t, 0, sizeof t);
     one.input[0] = input;
     code = vor_follow_open(&t.follow, &one, input);

@@ -6,9 +6,8 @@
 
 #include <string.h>
 
-static enum vor_answer on_poll(void *ctx)
+static enum vor_answer on_poll(VOR_UNUSED void *ctx)
 {
-    (void)ctx;
     if (vor_interrupt_seen())
         return VOR_CANCEL;
     return vor_interrupt_stops() ? VOR_STOP : VOR_CONTINUE;
@@ -21,9 +20,8 @@ static enum vor_answer on_progress(void *ctx, const struct vor_record *record)
     return on_poll(NULL);
 }
 
-static double on_clock(void *ctx)
+static double on_clock(VOR_UNUSED void *ctx)
 {
-    (void)ctx;
     return vor_clock_seconds();
 }
 

@@ -62,13 +62,12 @@ static ssize_t read_stream(struct vor_request *request, char *out, size_t size)
     }
 }
 
-static ssize_t on_read(void *cls, uint64_t position, char *out, size_t size)
+static ssize_t on_read(void *cls, VOR_UNUSED uint64_t position, char *out, size_t size)
 {
     struct vor_request *request = cls;
     struct vor_http *http = request->http;
     ssize_t got;
 
-    (void)position;
     vor_watchdog_enter(&http->watchdog);
     got = read_stream(request, out, size);
     vor_watchdog_leave(&http->watchdog);
@@ -231,12 +230,11 @@ static enum MHD_Result run(struct vor_request *request, enum vor_step step)
     }
 }
 
-static enum MHD_Result on_field(void *cls, enum MHD_ValueKind kind, const char *name,
+static enum MHD_Result on_field(void *cls, VOR_UNUSED enum MHD_ValueKind kind, const char *name,
                                 const char *value)
 {
     struct vor_head *head = cls;
 
-    (void)kind;
     if (head->field_count > VOR_FIELDS_MAX)
         return MHD_NO;
     if (head->field_count < VOR_FIELDS_MAX)
@@ -370,14 +368,13 @@ static void request_free(struct vor_request *request)
     free(request);
 }
 
-enum MHD_Result vor_mhd_step(void *cls, struct MHD_Connection *connection, const char *url,
-                             const char *method, const char *version, const char *data,
-                             size_t *size, void **con_cls)
+enum MHD_Result vor_mhd_step(void *cls, VOR_UNUSED struct MHD_Connection *connection,
+                             VOR_UNUSED const char *url, const char *method, const char *version,
+                             const char *data, size_t *size, void **con_cls)
 {
     struct vor_http *http = cls;
     enum MHD_Result result;
 
-    (void)connection, (void)url;
     if (*con_cls == NULL)
         return MHD_NO;
     vor_watchdog_enter(&http->watchdog);
@@ -422,13 +419,12 @@ void *vor_mhd_begin(void *cls, const char *target, struct MHD_Connection *connec
     return request;
 }
 
-void vor_mhd_end(void *cls, struct MHD_Connection *connection, void **con_cls,
-                 enum MHD_RequestTerminationCode code)
+void vor_mhd_end(void *cls, VOR_UNUSED struct MHD_Connection *connection, void **con_cls,
+                 VOR_UNUSED enum MHD_RequestTerminationCode code)
 {
     struct vor_http *http = cls;
     struct vor_request *request = *con_cls;
 
-    (void)connection, (void)code;
     if (request == NULL)
         return;
     *con_cls = NULL;

@@ -1,6 +1,5 @@
 #include "server/http/release_zero_pages.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 #include <sys/mman.h>

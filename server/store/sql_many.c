@@ -2,7 +2,6 @@
  */
 #include "server/store/sql_verbs.h"
 
-#include "server/store/row_text.h"
 #include "server/store/store.h"
 
 /* Jobs that a statement changes at most, where there may be any number: a server is given 30 s for

@@ -71,9 +71,9 @@ static vor_status run(struct sqlite *db, struct connection *connection, const ch
 }
 
 /* The function clock_ms() of statements. */
-static void clock_ms(sqlite3_context *context, int count, sqlite3_value **values)
+static void clock_ms(sqlite3_context *context, VOR_UNUSED int count,
+                     VOR_UNUSED sqlite3_value **values)
 {
-    (void)count, (void)values;
     sqlite3_result_int64(context, vor_clock_wall_ms());
 }
 

@@ -70,13 +70,11 @@ enum { TOUCHED_PER_BYTE = 1 };
 /* Has the kernel give the pages of a range at once, which takes it a third of what it does when
  * each is asked for as it is touched: of the 1,300 faults of a PLY of 960 KB 350 are left. Kernels
  * before 5.14 do not know how. */
-static void populate(char *range, size_t bytes)
+static void populate(VOR_UNUSED char *range, VOR_UNUSED size_t bytes)
 {
 #ifdef MADV_POPULATE_WRITE
     (void)madvise(range, bytes, MADV_POPULATE_WRITE);
 #else
-    (void)range;
-    (void)bytes;
 #endif
 }
 

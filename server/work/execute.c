@@ -43,9 +43,8 @@ static enum vor_answer asked(void *ctx)
     return listener->asked(listener->ctx);
 }
 
-static double read_clock(void *ctx)
+static double read_clock(VOR_UNUSED void *ctx)
 {
-    (void)ctx;
     return vor_clock_seconds();
 }
 

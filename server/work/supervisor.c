@@ -456,9 +456,8 @@ static enum vor_run_end listen_to(struct sitting *sitting)
 
 /* --- runs that are left over ------------------------------------------------------------------ */
 
-static enum vor_answer answer_cancel(void *ctx)
+static enum vor_answer answer_cancel(VOR_UNUSED void *ctx)
 {
-    (void)ctx;
     return VOR_CANCEL;
 }
 

@@ -2,7 +2,6 @@
 #include "server/work/wire.h"
 
 #include "proto/codec.h"
-#include "server/base/disk.h"
 
 #include <assert.h>
 #include <errno.h>

@@ -3,11 +3,9 @@
 #include "server/api/problem.h"
 
 /* There is no length to tell yet: a stream, whose reply to HEAD has none. */
-static long no_bytes(struct vor_request *request, char *out, size_t size)
+static long no_bytes(VOR_UNUSED struct vor_request *request, VOR_UNUSED char *out,
+                     VOR_UNUSED size_t size)
 {
-    (void)request;
-    (void)out;
-    (void)size;
     return -1;
 }
 

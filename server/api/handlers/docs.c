@@ -79,12 +79,11 @@ static void put_block(void *ctx, const struct vor_markup_block *block)
     }
 }
 
-enum vor_next vor_handle_docs(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_docs(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct vor_text text;
     struct vor_topic topic;
 
-    (void)step;
     vor_text_init(&text, 0);
     vor_text_puts(&text, "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n"
                          "<meta name=\"viewport\" content=\"width=device-width\">\n"

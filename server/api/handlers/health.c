@@ -13,14 +13,12 @@ static void put_link(struct vor_request *request, struct vor_text *text, const c
     vor_json_link(text, &link);
 }
 
-enum vor_next vor_handle_landing(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_landing(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     static const char json[] = "application/json";
     struct vor_text text;
 
-    (void)step;
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     vor_json_put_string(&text, "title", "voronoid");
     vor_json_put_string(&text, "description", "Resamples point clouds");
     vor_json_put_array(&text, "links");
@@ -35,53 +33,45 @@ enum vor_next vor_handle_landing(struct vor_request *request, enum vor_step step
     put_link(request, &text, "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "/v1/jobs");
     put_link(request, &text, "status", json, "/readyz");
     vor_json_end_array(&text);
-    vor_json_end_object(&text);
-    return vor_reply_json(request, 200, &text);
+    return vor_document_reply(request, &text);
 }
 
-enum vor_next vor_handle_livez(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_livez(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     static const char alive[] = "{\"status\":\"alive\"}\n";
 
-    (void)step;
     vor_reply_header(request, "Cache-Control", "no-store");
     vor_reply_bytes(request, 200, "application/json", alive, strlen(alive));
     return VOR_NEXT_REPLY;
 }
 
-enum vor_next vor_handle_readyz(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_readyz(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct vor_app *app = request->app;
     struct vor_worker_load load;
     struct vor_error err;
     struct vor_text text;
 
-    (void)step;
     if (atomic_load(&app->leaving) || atomic_load(&app->draining))
         return vor_problem_say(request, "draining", "the daemon is shutting down");
     if (vor_worker_ready(app->worker, &err) != VOR_OK) /* 503, also when the disk is full */
         return vor_problem_say(request, "store-unavailable", "%s", err.message);
     vor_worker_load(app->worker, &load);
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     vor_json_put_string(&text, "status", "ready");
     vor_json_put_u64(&text, "waiting", load.waiting);
     vor_json_put_u64(&text, "running", load.running);
     vor_json_put_string(&text, "sandbox", app->sandbox);
-    vor_json_end_object(&text);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_reply_json(request, 200, &text);
+    return vor_document_reply(request, &text);
 }
 
-enum vor_next vor_handle_version(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_version(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct vor_text text;
 
-    (void)step;
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     vor_json_put_string(&text, "name", "voronoid");
     vor_json_put_string(&text, "version", VOR_VERSION);
-    vor_json_end_object(&text);
-    return vor_reply_json(request, 200, &text);
+    return vor_document_reply(request, &text);
 }

@@ -103,13 +103,10 @@ enum vor_next vor_handle_stop(struct vor_request *request, enum vor_step step)
         outcome = asked->work.outcome;
         err = asked->work.error;
     }
-    if (outcome == VOR_CONFLICT) {
-        struct vor_problem problem = VOR_PROBLEM_INIT("not-running");
-
-        problem.detail = "only a running job can be stopped";
-        problem.job_id = view.id.text;
-        return vor_problem_reply(request, &problem);
-    }
+    if (outcome == VOR_CONFLICT)
+        return vor_problem_reply(
+            request, &VOR_PROBLEM("not-running", .detail = "only a running job can be stopped",
+                                  .job_id = view.id.text));
     if (outcome != VOR_DONE)
         return vor_outcome_reply(request, outcome, &err, &view.id);
     if (!vor_job_look_up(request, &view)) /* its message says now that it stops */

@@ -16,9 +16,8 @@ struct poll {
     struct vor_subscriber subscriber;
 };
 
-static void on_event(void *ctx, enum vor_event_kind kind)
+static void on_event(void *ctx, VOR_UNUSED enum vor_event_kind kind)
 {
-    (void)kind;
     vor_waker_wake(ctx);
 }
 

@@ -5,7 +5,6 @@
 #include "server/http/deferred.h"
 #include "server/work/crew.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +38,9 @@ bool vor_job_of_path(struct vor_request *request, struct vor_uuid *out)
 enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcome outcome,
                                 const struct vor_error *err, const struct vor_uuid *id)
 {
-    struct vor_problem full = VOR_PROBLEM_INIT("queue-full");
+    struct vor_problem full =
+        VOR_PROBLEM("queue-full", .detail = "too many jobs are waiting, or their inputs are too "
+                                            "large together; try again later");
     struct vor_worker_load load;
 
     switch (outcome) {
@@ -48,8 +49,6 @@ enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcom
                                id != NULL ? id->text : "");
     case VOR_FULL:
         vor_worker_load(request->app->worker, &load);
-        full.detail = "too many jobs are waiting, or their inputs are too large together; try "
-                      "again later";
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(request, &full);
     case VOR_CROWDED:

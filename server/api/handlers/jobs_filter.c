@@ -158,7 +158,6 @@ enum { PARAMETERS = sizeof parameters / sizeof parameters[0] };
 
 bool vor_job_filter_read(struct vor_request *request, struct vor_job_filter *out)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
     char detail[256];
 
     *out = (struct vor_job_filter){.limit = LIST_DEFAULT, .now = vor_clock_wall_ms()};
@@ -173,9 +172,8 @@ bool vor_job_filter_read(struct vor_request *request, struct vor_job_filter *out
         if (want == NULL)
             continue;
         (void)snprintf(detail, sizeof detail, "%.40s is \"%.60s\", want %s", name, value, want);
-        problem.parameter = name;
-        problem.detail = detail;
-        return vor_problem_reply(request, &problem);
+        return vor_problem_reply(request, &VOR_PROBLEM("invalid-query-parameter-value",
+                                                       .parameter = name, .detail = detail));
     }
     return true;
 }

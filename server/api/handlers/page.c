@@ -89,25 +89,23 @@ enum vor_next vor_handle_root(struct vor_request *request, enum vor_step step)
     return vor_handle_landing(request, step);
 }
 
-enum vor_next vor_handle_asset(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_asset(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const char *segment;
     size_t length = vor_path_segment(request->path, 1, &segment);
     struct vor_asset asset;
 
-    (void)step;
     if (vor_asset_find(&asset, segment, length))
         return reply_asset(request, &asset, "Accept-Encoding");
     return vor_problem_say(request, "no-such-resource", "the page has no file %s",
                            VOR_QUOTED(64, segment, length));
 }
 
-enum vor_next vor_handle_openapi(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_openapi(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const char *name = request->path + 1; /* openapi.json or openapi.yaml */
     struct vor_asset asset;
 
-    (void)step;
     if (vor_asset_find(&asset, name, strlen(name)))
         return reply_asset(request, &asset, "Accept-Encoding");
     return vor_problem_say(request, "no-such-resource", "there is no %s", name);

@@ -11,12 +11,12 @@ enum { CLOUD_BYTES = 1 << 20, FILE_BYTES = 2 << 20 }; /* of VOR_PREVIEW_POINTS_M
 
 static enum vor_next reply_none(struct vor_request *request, const struct vor_uuid *id)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("result-not-available");
-
-    problem.job_id = id->text;
-    problem.detail = "the job has no preview: it is not running, or no client follows its "
-                     "events with preview=N, or no point has moved since the last preview";
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(
+        request,
+        &VOR_PROBLEM("result-not-available", .job_id = id->text,
+                     .detail =
+                         "the job has no preview: it is not running, or no client follows its "
+                         "events with preview=N, or no point has moved since the last preview"));
 }
 
 static enum vor_next reply_cloud(struct vor_request *request, const struct vor_followed *followed,
@@ -58,7 +58,7 @@ static enum vor_next reply_cloud(struct vor_request *request, const struct vor_f
                                  : vor_problem_error(request, &err, followed->row.id.text);
 }
 
-enum vor_next vor_handle_preview(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_preview(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     size_t most = VOR_PREVIEW_POINTS_MAX;
     struct vor_followed followed;
@@ -67,7 +67,6 @@ enum vor_next vor_handle_preview(struct vor_request *request, enum vor_step step
     struct vor_error err;
     struct vor_uuid id;
 
-    (void)step;
     if (!vor_job_of_path(request, &id) || !vor_query_points(request, "points", &most))
         return VOR_NEXT_REPLY;
     outcome = vor_worker_follow(request->app->worker, &id, NULL, &followed, &err);

@@ -28,7 +28,7 @@ static void make_links(struct vor_request *request, const char *id, struct proce
                                           vor_app_url(request, paths[i], out->urls[i]), -1};
 }
 
-enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_processes(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     char url[VOR_URL_MAX];
     struct vor_link self = {"self", "application/json", NULL,
@@ -37,9 +37,7 @@ enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step st
     struct process_links links = {0};
     struct vor_text text;
 
-    (void)step;
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     vor_json_put_array(&text, "processes");
     for (unsigned i = 0; (process = vor_process_info(i)) != NULL; i++) {
         if (!process->on_http)
@@ -50,8 +48,7 @@ enum vor_next vor_handle_processes(struct vor_request *request, enum vor_step st
     vor_json_end_array(&text);
     vor_json_key(&text, "links");
     vor_json_links(&text, &self, 1);
-    vor_json_end_object(&text);
-    return vor_reply_json(request, 200, &text);
+    return vor_document_reply(request, &text);
 }
 
 /* The process that segment `index` of the path names; NULL after a problem has been replied. */
@@ -79,13 +76,12 @@ const struct vor_process_info *vor_process_of_submit(struct vor_request *request
     return find_process(request, is_long ? 2 : 1);
 }
 
-enum vor_next vor_handle_process(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_process(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const struct vor_process_info *process = find_process(request, 2);
     struct process_links links = {0};
     struct vor_text text;
 
-    (void)step;
     if (process == NULL)
         return VOR_NEXT_REPLY;
     make_links(request, process->id, &links);

@@ -35,36 +35,34 @@ static const char *read_format(struct vor_result_query *ask, const char *value, 
 bool vor_result_query_read(struct vor_request *request, bool takes_format,
                            struct vor_result_query *out)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-query-parameter-value");
     char detail[256];
-    const char *segment;
+    const char *segment, *why;
     bool is_for_one = vor_path_segment(request->path, 4, &segment) > 0;
 
     *out = (struct vor_result_query){.has_format = false};
     for (int i = 0; i < request->pair_count; i++) {
         const char *name = request->pairs[i].name, *value = request->pairs[i].value;
 
-        problem.detail = NULL;
+        why = NULL;
         if (is_for_one && strcmp(name, "ticket") == 0)
             continue; /* it says who sends the request, and is checked by then */
         if (takes_format && strcmp(name, "format") == 0) {
-            problem.detail = read_format(out, value, detail, sizeof detail);
+            why = read_format(out, value, detail, sizeof detail);
         } else if (is_for_one && strcmp(name, "link") == 0) {
             out->stays = strcmp(value, "false") == 0;
             if (!out->stays && strcmp(value, "true") != 0)
-                problem.detail = "link must be true or false";
+                why = "link must be true or false";
         } else {
             (void)snprintf(detail, sizeof detail, "unknown parameter \"%s\"; want %s",
                            VOR_QUOTED(SHOWN, name, strlen(name)),
                            takes_format ? "format or link"
                            : is_for_one ? "link"
                                         : "none");
-            problem.detail = detail;
+            why = detail;
         }
-        if (problem.detail == NULL)
-            continue;
-        problem.parameter = name;
-        return vor_problem_reply(request, &problem);
+        if (why != NULL)
+            return vor_problem_reply(request, &VOR_PROBLEM("invalid-query-parameter-value",
+                                                           .parameter = name, .detail = why));
     }
     return true;
 }

@@ -1,6 +1,5 @@
 #include "proto/codec.h"
 #include "proto/origin.h"
-#include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/handlers/range.h"
 #include "server/api/links.h"
@@ -32,11 +31,7 @@ struct output {
 static enum vor_next say_with_job(struct vor_request *request, const char *slug, const char *detail,
                                   const char *job_id)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT(slug);
-
-    problem.detail = detail;
-    problem.job_id = job_id;
-    return vor_problem_reply(request, &problem);
+    return vor_problem_reply(request, &VOR_PROBLEM(slug, .detail = detail, .job_id = job_id));
 }
 
 enum vor_next vor_result_missing(struct vor_request *request, const struct vor_job_view *view)
@@ -295,7 +290,6 @@ static struct vor_blob_part part_of(struct vor_request *request, const char *sha
 static bool is_sound(struct vor_request *request, const struct vor_job_view *view,
                      const struct output *out, enum vor_next *next)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("damaged-bytes");
     enum vor_verdict verdict;
     struct vor_asker asker;
     char sha256[VOR_DIGEST_SIZE], detail[VOR_RESULT_NAME_SIZE + 160];
@@ -315,9 +309,7 @@ static bool is_sound(struct vor_request *request, const struct vor_job_view *vie
                        "the stored bytes of %s differ from the bytes that were written "
                        "(SHA-256 %s)",
                        out->name, sha256);
-        problem.detail = detail;
-        problem.job_id = view->id.text;
-        *next = vor_problem_reply(request, &problem);
+        *next = say_with_job(request, "damaged-bytes", detail, view->id.text);
     } else if (verdict == VOR_VERDICT_FAILED) {
         *next = vor_problem_say(request, "store-unavailable",
                                 "the stored bytes cannot be checked now; try again later");
@@ -412,7 +404,7 @@ static bool reply_link(struct vor_request *request, const struct vor_job_view *v
     return done;
 }
 
-enum vor_next vor_handle_result(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_result(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const struct vor_artefact_info *outputs, *output;
     struct output out = {.fd = -1};
@@ -424,7 +416,6 @@ enum vor_next vor_handle_result(struct vor_request *request, enum vor_step step)
     char name[64], blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_here here = {.exists = true};
 
-    (void)step;
     if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     (void)snprintf(name, sizeof name, "%.*s", (int)(length < 60 ? length : 60), segment);
@@ -470,22 +461,20 @@ enum vor_next vor_handle_result(struct vor_request *request, enum vor_step step)
     return next;
 }
 
-enum vor_next vor_handle_results(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_results(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct vor_result_query ask;
     struct vor_job_view view;
     struct vor_text text;
     char url[VOR_URL_MAX];
 
-    (void)step;
     if (!vor_job_look_up(request, &view) || !vor_result_query_read(request, false, &ask))
         return VOR_NEXT_REPLY;
     if (view.status != VOR_JOB_SUCCESSFUL || view.expired)
         return vor_result_missing(request, &view);
     if (!vor_result_accepts(request, "application/json"))
         return VOR_NEXT_REPLY;
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     for (unsigned i = 0; view.spec.process->outputs[i].name != NULL; i++) {
         const char *name = view.spec.process->outputs[i].name;
 
@@ -494,9 +483,8 @@ enum vor_next vor_handle_results(struct vor_request *request, enum vor_step step
         vor_json_put_string(&text, "type", vor_output_media_type(&view, i));
         vor_json_end_object(&text);
     }
-    vor_json_end_object(&text);
     vor_reply_header(request, "Cache-Control", "no-store");
-    return vor_reply_json(request, 200, &text);
+    return vor_document_reply(request, &text);
 }
 
 static enum vor_next missing_input(struct vor_request *request, const struct vor_job_view *view)
@@ -505,7 +493,7 @@ static enum vor_next missing_input(struct vor_request *request, const struct vor
                         view->id.text);
 }
 
-enum vor_next vor_handle_input(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_input(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct output out = {.fd = -1};
     enum vor_next next = VOR_NEXT_REPLY;
@@ -514,7 +502,6 @@ enum vor_next vor_handle_input(struct vor_request *request, enum vor_step step)
     struct vor_job_view view;
     struct vor_here here = {.exists = false};
 
-    (void)step;
     if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     if (view.expired)

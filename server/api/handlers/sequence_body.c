@@ -86,22 +86,21 @@ static vor_status on_data(void *ctx, const void *bytes, size_t size, struct vor_
     return vor_blob_append(sequence->body.item[0].bytes, bytes, size, err);
 }
 
-static vor_status on_end(void *ctx, struct vor_error *err)
+static vor_status on_end(void *ctx, VOR_UNUSED struct vor_error *err)
 {
     struct vor_sequence *sequence = ctx;
 
-    (void)err;
     sequence->is_open = false;
     return VOR_OK;
 }
 
 /* Files that are no frames: what macOS puts beside each, and what we tell of one. */
-static vor_status on_file(void *ctx, const char *path, uint64_t size, struct vor_error *err)
+static vor_status on_file(void *ctx, const char *path, VOR_UNUSED uint64_t size,
+                          struct vor_error *err)
 {
     struct vor_sequence *sequence = ctx;
     const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
 
-    (void)size;
     sequence->is_passed = name[0] == '.' || has_suffix(name, VOR_TOLD_SUFFIX);
     return sequence->is_passed ? VOR_OK : begin_frame(sequence, name, err);
 }

@@ -59,14 +59,11 @@ void vor_sequence_tell_problem(struct vor_sequence *sequence, size_t index,
     struct vor_problem problem;
 
     vor_problem_of_error(err, NULL, &problem);
-    if (outcome == VOR_CROWDED || outcome == VOR_OVER_BYTES) {
-        problem = (struct vor_problem)VOR_PROBLEM_INIT(outcome == VOR_CROWDED ? "too-many-jobs"
-                                                                              : "too-much-stored");
-        problem.detail = err->message;
-    } else if (outcome != VOR_FAILED || err->status == VOR_E_CANCELLED) {
-        problem = (struct vor_problem)VOR_PROBLEM_INIT("draining");
-        problem.detail = "the daemon is shutting down";
-    }
+    if (outcome == VOR_CROWDED || outcome == VOR_OVER_BYTES)
+        problem = VOR_PROBLEM(outcome == VOR_CROWDED ? "too-many-jobs" : "too-much-stored",
+                              .detail = err->message);
+    else if (outcome != VOR_FAILED || err->status == VOR_E_CANCELLED)
+        problem = VOR_PROBLEM("draining", .detail = "the daemon is shutting down");
     vor_text_clear(&frame->told);
     vor_problem_write(sequence->request, &problem, &frame->told);
     frame->id.text[0] = '\0';

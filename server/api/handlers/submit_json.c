@@ -77,7 +77,6 @@ static void look_into(struct found *found, const struct vor_json *object, const 
 
 static void refuse(struct vor_request *request, struct found *found)
 {
-    struct vor_problem problem = VOR_PROBLEM_INIT("invalid-parameter");
     const char *id = found->process->id;
     char detail[1024];
 
@@ -94,10 +93,8 @@ static void refuse(struct vor_request *request, struct found *found)
         "POST /v1/%s?%s; or in fields of a form (multipart/form-data), with the cloud as its file",
         found->place[0].name, found->place[0].pointer, id,
         found->query.data != NULL ? found->query.data : "...");
-    problem.detail = detail;
-    problem.errors = found->errors;
-    problem.error_count = found->count;
-    vor_problem_reply(request, &problem);
+    vor_problem_reply(request, &VOR_PROBLEM("invalid-parameter", .detail = detail,
+                                            .errors = found->errors, .error_count = found->count));
 }
 
 void vor_submit_json_refuse(struct vor_request *request, const struct vor_process_info *process,

@@ -38,7 +38,7 @@ static const struct vor_artefact_info *read_output(struct vor_request *request,
     return output;
 }
 
-enum vor_next vor_handle_ticket(struct vor_request *request, enum vor_step step)
+enum vor_next vor_handle_ticket(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const struct vor_artefact_info *output;
     struct vor_job_view view;
@@ -46,7 +46,6 @@ enum vor_next vor_handle_ticket(struct vor_request *request, enum vor_step step)
     char expires[VOR_CLOCK_TEXT_SIZE];
     struct vor_text text;
 
-    (void)step;
     if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     output = read_output(request, &view);
@@ -59,8 +58,7 @@ enum vor_next vor_handle_ticket(struct vor_request *request, enum vor_step step)
                      vor_tickets_now(request->app->tickets), ticket);
     (void)snprintf(whole, sizeof whole, "%s?ticket=%s", url, ticket);
     vor_clock_text(vor_clock_wall_ms() + (int64_t)VOR_TICKET_SECONDS * MS, expires);
-    vor_text_init(&text, 0);
-    vor_json_begin_object(&text);
+    vor_document_begin(&text);
     vor_json_put_string(&text, "href", whole);
     vor_json_put_string(&text, "ticket", ticket);
     vor_json_put_string(&text, "expires", expires);
