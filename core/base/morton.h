@@ -7,17 +7,32 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** Sorts n >= 1 points (n x 3 floats, all finite) by their Morton codes in a grid of 2^21 cells a
- *  side over their bounding cube. Points with equal codes are sorted by x, y, z, then index, so
- *  that coincident points follow each other, the first one first.
+/** What is sorted: n >= 1 points (n x 3 floats, all finite), each as (x - shift) * scale, computed
+ *  in double precision; scale > 0. */
+struct vor_morton_input {
+    const float *xyz;
+    size_t n;
+    double shift[3], scale;
+};
+
+/** Sorts points by their Morton codes in a grid of 2^21 cells a side over their bounding cube.
+ *  Points with equal codes are sorted by x, y, z, then index, so that coincident points follow each
+ *  other, the first one first.
  *
- *  @param[out] order  n: a permutation of 0 .. n - 1
+ *  @param[out] sorted  n x 3: the points
+ *  @param[out] order   n: where each was, a permutation of 0 .. n - 1
  *
- *  @retval VOR_E_NOMEM 33 n bytes of scratch and a little do not fit
+ *  @retval VOR_E_NOMEM 4.5 n bytes of scratch and some do not fit; 36 n up to 16,384 points; up to
+ *                      52 n where most points are close together against the extent
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n), on the run's pool; O(n log n) where many points share a cell. The same order for any
  *  number of threads. */
+VOR_NODISCARD vor_status vor_morton_sort(float *sorted, uint32_t *order,
+                                         const struct vor_morton_input *in,
+                                         const struct vor_run *run, struct vor_error *err);
+
+/** Only the order, with 12 n bytes more. */
 VOR_NODISCARD vor_status vor_morton_order(uint32_t *order, const float *xyz, size_t n,
                                           const struct vor_run *run, struct vor_error *err);
 

@@ -59,91 +59,45 @@ static int same_place(const float *a, const float *b)
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* The cloud on its way into the domain. */
-struct work {
-    const struct vor_cloud *in;
-    const struct vor_run *run;
-    struct vor_domain *out;
-    float *unsorted; /* normalised, as in the input */
-    uint32_t *order;
-    size_t *first; /* where the points of each block of the order go */
-};
-
-static void normalise_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+/* Drops points that coincide with the one before, and the room of those. */
+static vor_status drop_coincident(struct vor_domain *out, struct vor_error *err)
 {
-    const struct work *work = ctx;
+    size_t n = out->n, kept = 1;
+    float *xyz;
+    uint32_t *source;
 
-    vor_domain_normalise(work->out, &work->in->xyz[3 * i], &work->unsorted[3 * i]);
-}
-
-/* Whether point i of the order is the first of those that coincide with it. */
-static int is_first(const struct work *work, size_t i)
-{
-    return i == 0 || !same_place(&work->unsorted[3 * (size_t)work->order[i]],
-                                 &work->unsorted[3 * (size_t)work->order[i - 1]]);
-}
-
-static void count_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    struct work *work = ctx;
-    size_t count = 0;
-
-    for (size_t i = begin; i < end; i++)
-        count += (size_t)is_first(work, i);
-    work->first[begin / BLOCK] = count;
-}
-
-static void gather_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
-{
-    struct work *work = ctx;
-    size_t at = work->first[begin / BLOCK];
-
-    for (size_t i = begin; i < end; i++) {
-        if (!is_first(work, i))
+    for (size_t i = 1; i < n; i++) {
+        if (same_place(&out->xyz[3 * i], &out->xyz[3 * (kept - 1)]))
             continue;
-        memcpy(&work->out->xyz[3 * at], &work->unsorted[3 * (size_t)work->order[i]],
-               3 * sizeof *work->out->xyz);
-        work->out->source[at++] = work->order[i];
+        if (kept < i)
+            memcpy(&out->xyz[3 * kept], &out->xyz[3 * i], 3 * sizeof *out->xyz);
+        out->source[kept++] = out->source[i];
     }
-}
-
-/* Copies the distinct points: counts them first, so that they get no more memory than they need. */
-static vor_status gather(struct work *work, struct vor_error *err)
-{
-    struct vor_domain *out = work->out;
-    size_t n = work->in->n;
-    vor_status status = vor_run_for(work->run, n, BLOCK, count_block, work, err);
-
-    if (status != VOR_OK)
-        return status;
-    out->n = vor_running_sum(work->first, vor_blocks_of(n, BLOCK));
-    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
-    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
-    if (out->xyz == NULL || out->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return vor_run_for(work->run, n, BLOCK, gather_block, work, err);
+    out->n = kept;
+    if (kept == n)
+        return VOR_OK;
+    source = vor_realloc(out->memory, out->source, kept, sizeof *source);
+    out->source = source != NULL ? source : out->source;
+    xyz = vor_realloc(out->memory, out->xyz, kept, 3 * sizeof *xyz);
+    out->xyz = xyz != NULL ? xyz : out->xyz;
+    return source != NULL && xyz != NULL ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "%zu points", n);
 }
 
 /* Normalises, sorts and drops coincident points. */
-static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *in,
+static vor_status sort_points(struct vor_domain *out, const struct vor_cloud *cloud,
                               const struct vor_run *run, struct vor_error *err)
 {
-    struct work work = {.in = in, .run = run, .out = out};
+    struct vor_morton_input in = {.xyz = cloud->xyz, .n = cloud->n, .scale = 1 / out->unit};
     vor_status status;
 
-    work.unsorted = vor_malloc(run->memory, in->n, 3 * sizeof *work.unsorted);
-    work.order = vor_malloc(run->memory, in->n, sizeof *work.order);
-    work.first = vor_malloc(run->memory, vor_blocks_of(in->n, BLOCK), sizeof *work.first);
-    if (work.unsorted == NULL || work.order == NULL || work.first == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
-    else
-        status = vor_run_rows(run, in->n, BLOCK, normalise_row, &work, err);
-    if (status == VOR_OK)
-        status = vor_morton_order(work.order, work.unsorted, in->n, run, err);
-    if (status == VOR_OK)
-        status = gather(&work, err);
-    VOR_FREE_ALL(run->memory, work.first, work.order, work.unsorted);
-    return status;
+    memcpy(in.shift, out->shift, sizeof in.shift);
+    out->n = cloud->n;
+    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
+    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
+    if (out->xyz == NULL || out->source == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", out->n);
+    status = vor_morton_sort(out->xyz, out->source, &in, run, err);
+    return status == VOR_OK ? drop_coincident(out, err) : status;
 }
 
 /* Sums over the points, by blocks. */

@@ -122,13 +122,13 @@ vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n
 static vor_status build_along(struct vor_knn *knn, float *sorted, const float *xyz,
                               const struct vor_run *run, struct vor_error *err)
 {
+    struct vor_morton_input in = {.xyz = xyz, .n = knn->n, .scale = 1};
     vor_status status = check(xyz, knn->n, first_bad(xyz, 0, 3 * knn->n), err);
 
     if (status == VOR_OK)
-        status = vor_morton_order(knn->order, xyz, knn->n, run, err);
+        status = vor_morton_sort(sorted, knn->order, &in, run, err);
     if (status != VOR_OK)
         return status;
-    vor_gather(sorted, xyz, knn->order, knn->n);
     return vor_boxes_build(&knn->boxes, sorted, knn->n, run, err);
 }
 

@@ -43,7 +43,7 @@ VOR_NODISCARD vor_status vor_knn_build_sorted(struct vor_knn **out, const float 
 /** The same for points in any order, which are sorted first. vor_knn_order then tells how: searches
  *  for the points themselves go along it.
  *
- *  @retval VOR_E_NOMEM what vor_morton_order and vor_knn_build_sorted take, and 16 n bytes, do not
+ *  @retval VOR_E_NOMEM what vor_morton_sort and vor_knn_build_sorted take, and 16 n bytes, do not
  *                      fit; 24 n stay
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED, and those of vor_knn_build */
 VOR_NODISCARD vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
