@@ -1,6 +1,7 @@
 #include "core/cvt/planes.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/knn/knn.h"
 
 #include <string.h>
@@ -28,8 +29,6 @@
 /* Rounds of means of the crosses: the first time, when nothing is known, and later. At 10 / 40 /
  * 160 and 1 / 4 / 16, the middle of wide flat faces changes by less than with the seed. */
 enum { ROUNDS_FIRST = 40, ROUNDS = 4 };
-/* Seeds around whose crosses count. */
-enum { AROUND = 6 };
 /* Of a spacing: how far apart seeds begin that share a place. */
 #define APART 1e-3
 vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int crossed,
@@ -325,7 +324,7 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
     vor_knn_free(knn);
     if (status == VOR_OK && p->crossed) {
         status = vor_crosses_smooth(&p->crosses, p->axes, p->near, p->width,
-                                    p->width < AROUND ? p->width : AROUND,
+                                    p->width < VOR_PATCH_HEXAGON ? p->width : VOR_PATCH_HEXAGON,
                                     p->set == 0 ? ROUNDS_FIRST : ROUNDS, run, err);
         if (status == VOR_OK) {
             /* The axes of all seeds turn to their crosses, and the walls with them. */

@@ -9,10 +9,12 @@
 #ifndef VOR_GEOM_CREASE_H
 #define VOR_GEOM_CREASE_H
 
+#include "core/geom/surface.h"
+
 /** Most points that a crease is fitted to, and fewest: twice the coefficients of the fit, less two
  *  for the point itself and the place. */
 #define VOR_CREASE_MAX 256
-#define VOR_CREASE_MIN 10
+#define VOR_CREASE_MIN (2 * VOR_QUADRIC_TERMS - 2)
 
 struct vor_crease {
     double smooth2;  /**< mean square of the points' heights over the quadric, in spacings^2 */

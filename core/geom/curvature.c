@@ -91,7 +91,7 @@ static int differentiate(struct derivatives *out, const struct vor_surface *surf
     if (surface->kind != VOR_SURFACE_QUADRIC)
         return 0;
     *out = (struct derivatives){c[1], c[2], 2 * c[3], c[4], 2 * c[5]};
-    if (k >= VOR_CURVATURE_QUARTIC_MIN)
+    if (k >= 2 * TERMS)
         (void)fit_quartic(out, surface, near, k);
     return 1;
 }

@@ -14,9 +14,6 @@
 
 #include "core/geom/surface.h"
 
-/** Fewest points that a polynomial of degree four is fitted to: twice its coefficients. */
-#define VOR_CURVATURE_QUARTIC_MIN 30
-
 /** Computes the principal curvatures at the first of the points.
  *
  *  @param[out] kappa    both curvatures, the smaller one first; their sign says on which side of

@@ -6,9 +6,9 @@
 #include <string.h>
 
 enum {
-    SIDE_TERMS = 4,                  /* parameters of a side: height, slope, slope and bend along */
-    PARAMETERS = 2 * SIDE_TERMS + 1, /* and the radius */
-    STEPS = 6,                       /* of Gauss and Newton, at most */
+    SIDE_TERMS = VOR_FILLET_SIDE_TERMS,
+    PARAMETERS = VOR_FILLET_TERMS,
+    STEPS = 6, /* of Gauss and Newton, at most */
     /* Radii that are tried. At 10 / 24: figures of lop/fillets.c .224, .280 / .222, .257. */
     RADII = 10
 };

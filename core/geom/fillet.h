@@ -7,9 +7,13 @@
 #ifndef VOR_GEOM_FILLET_H
 #define VOR_GEOM_FILLET_H
 
-/** Most points that one is fitted to, and fewest: twice the parameters. */
+/** Parameters of a side, which are height, slope, slope and bend along, and of all: the radius too.
+ */
+enum { VOR_FILLET_SIDE_TERMS = 4, VOR_FILLET_TERMS = 2 * VOR_FILLET_SIDE_TERMS + 1 };
+
+/** Most points that one is fitted to, and fewest. */
 #define VOR_FILLET_MAX 512
-#define VOR_FILLET_MIN 18
+#define VOR_FILLET_MIN (2 * VOR_FILLET_TERMS)
 
 /** A rounded wedge. Lengths are in the unit of the points. */
 struct vor_fillet {

@@ -11,7 +11,8 @@
 
 #include <math.h>
 
-/** Sides of a disc. */
+/** Sides of a disc; and points around one of an even spread: the spacing of an input is told at its
+ *  sixth neighbour, that of samples by the mean distance to six. */
 #define VOR_PATCH_HEXAGON 6
 #define VOR_PATCH_OCTAGON 8
 

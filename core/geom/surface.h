@@ -146,7 +146,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
 /** Neighbours of the finer fit: twice the coefficients of a quadric. At 8 / 12 / 16: rms distance
  *  to the true surface over its diagonal on fandisk 5.9e-4 / 5.7e-4 / 6.3e-4, on igea 5.0e-4 /
  *  5.0e-4 / 5.5e-4, delta of fandisk 0.022 / 0.020 / 0.018. */
-#define VOR_REFINED_TO 12
+#define VOR_REFINED_TO (2 * VOR_QUADRIC_TERMS)
 /** Fewest and most neighbours of a wide fit that may be refined: more than 20 are for noise. */
 #define VOR_REFINED_MIN (VOR_REFINED_TO + 1)
 #define VOR_REFINED_MAX VOR_NEIGHBORS_FEWEST

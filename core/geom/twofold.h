@@ -10,15 +10,17 @@
 #ifndef VOR_GEOM_TWOFOLD_H
 #define VOR_GEOM_TWOFOLD_H
 
-/** Most points, and fewest: as many as two sheets have coefficients. */
-enum { VOR_TWOFOLD_MOST = 72, VOR_TWOFOLD_LEAST = 16 };
+#include "core/geom/surface.h"
 
 /** Points that fits to both sheets of an input take: its labels (input/votes.h), and where they
  *  meet (mesh/meeting.h). */
 enum { VOR_TWOFOLD_USUAL = 62 };
 
-/** Coefficients of q, of which the first are those of a quadratic. */
-enum { VOR_TWOFOLD_COMMON = 10, VOR_TWOFOLD_APART = 6 };
+/** Coefficients of q, of which the first are those of h, a quadratic. */
+enum { VOR_TWOFOLD_COMMON = 10, VOR_TWOFOLD_APART = VOR_QUADRIC_TERMS };
+
+/** Most points, and fewest: as many as two sheets have coefficients. */
+enum { VOR_TWOFOLD_MOST = 72, VOR_TWOFOLD_LEAST = VOR_TWOFOLD_COMMON + VOR_TWOFOLD_APART };
 
 /** Two sheets. Lengths are in the unit of the points. */
 struct vor_twofold {

@@ -4,6 +4,7 @@
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
 #include "core/base/stat.h"
+#include "core/geom/patch.h"
 #include "core/input/remote.h"
 
 #include <math.h>
@@ -197,13 +198,13 @@ vor_status vor_domain_index(struct vor_domain *domain, const struct vor_run *run
     if (status == VOR_OK) {
         /* Sets sparse from a sample of points at equal steps along the order. */
         size_t n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
-        unsigned k = domain->n > VOR_DOMAIN_SIXTH ? VOR_DOMAIN_SIXTH + 1 : (unsigned)domain->n;
+        unsigned k = domain->n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)domain->n;
         float far2[VOR_DOMAIN_SAMPLED] = {0}; /* clang-analyzer cannot see that n >= 1 */
 
         for (size_t i = 0; i < n; i++) {
             size_t at = (size_t)((double)i / (double)n * (double)domain->n);
-            uint32_t index[VOR_DOMAIN_SIXTH + 1];
-            float distance2[VOR_DOMAIN_SIXTH + 1];
+            uint32_t index[VOR_PATCH_HEXAGON + 1];
+            float distance2[VOR_PATCH_HEXAGON + 1];
 
             vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, k, index, distance2);
             far2[i] = distance2[k - 1];

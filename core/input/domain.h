@@ -19,9 +19,6 @@ struct vor_islands {
     uint32_t *member;     /**< points */
 };
 
-/** The neighbour at which the spacing of an input is told: it is around a place of a lattice. */
-enum { VOR_DOMAIN_SIXTH = 6 };
-
 /** Point i of the domain is point source[i] of the input (the first of those that coincide); the
  *  input's relative position is xyz * unit + shift. unit is a power of two, so that scaling loses
  *  nothing; every |xyz| <= 1. */

@@ -1,6 +1,7 @@
 #include "core/input/islands.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/geom/surface.h"
 #include "core/input/remote.h"
 
@@ -62,12 +63,12 @@ static void lone_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
 {
     struct lone *lone = ctx;
     const struct vor_domain *domain = lone->domain;
-    unsigned k = domain->n > VOR_DOMAIN_SIXTH ? VOR_DOMAIN_SIXTH + 1 : (unsigned)domain->n;
+    unsigned k = domain->n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)domain->n;
     size_t count = 0;
 
     for (size_t i = begin; i < end; i++) {
-        uint32_t index[VOR_DOMAIN_SIXTH + 1];
-        float distance2[VOR_DOMAIN_SIXTH + 1] = {0};
+        uint32_t index[VOR_PATCH_HEXAGON + 1];
+        float distance2[VOR_PATCH_HEXAGON + 1] = {0};
         double gap2;
 
         if (!may_be_lone(lone, i))

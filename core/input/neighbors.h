@@ -30,11 +30,12 @@
 
 /** The numbers that are tried, each about half as large again as the one before; the last is the
  *  paper's for noise (Xiao 2024, Fig. 13). */
-enum { VOR_LADDER_STEPS = 6, VOR_LADDER_LAST = 150 };
+enum { VOR_LADDER_LAST = 150 };
 #define VOR_LADDER                                                                                 \
     {                                                                                              \
         VOR_NEIGHBORS_FEWEST, 30, 45, 70, 100, VOR_LADDER_LAST                                     \
     }
+enum { VOR_LADDER_STEPS = sizeof((unsigned[])VOR_LADDER) / sizeof(unsigned) };
 
 enum {
     /** Neighbours that tell a thin part from a noisy one: noise makes them thick too. */

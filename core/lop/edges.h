@@ -17,7 +17,7 @@
  * and delta; 22,000 exact samples to 120,000, rho 0, 8 steps. Without any points on edges 2.5e-3.
  */
 /** Spacings within which the other side of an edge is looked for: twice the following. */
-#define VOR_LOP_EDGE_SEEN 3.0
+#define VOR_LOP_EDGE_SEEN (2 * VOR_LOP_EDGE_NEAR)
 /** Spacings from a point to the edge that it is put onto, at most. At 0.9 / 1.2 / 1.5, 0.8 apart:
  *  1.6e-3 / 1.14e-3 / 0.97e-3, 0.044 / 0.045 / 0.045. */
 #define VOR_LOP_EDGE_NEAR 1.5

@@ -1,6 +1,7 @@
 #include "core/lop/even.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/lop/edges.h"
 #include "core/seeds/repel.h"
 #include "core/seeds/stage.h"
@@ -85,11 +86,11 @@ static void apart_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     struct apart *apart = ctx;
     struct even *even = apart->even;
     size_t n = even->samples->n;
-    unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
+    unsigned k = n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)n;
 
     for (size_t i = begin; i < end; i++) {
-        uint32_t index[VOR_LOP_SPACING_OF + 1];
-        float distance2[VOR_LOP_SPACING_OF + 1];
+        uint32_t index[VOR_PATCH_HEXAGON + 1];
+        float distance2[VOR_PATCH_HEXAGON + 1];
         double sum = 0;
 
         vor_knn_search(apart->knn, &even->samples->xyz[3 * i], 1, k, index, distance2);

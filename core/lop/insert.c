@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/queue.h"
+#include "core/geom/patch.h"
 #include "core/knn/knn.h"
 #include "core/lop/between.h"
 #include "core/lop/even.h"
@@ -175,11 +176,11 @@ static void reach_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 {
     struct insertion *insertion = ctx;
     size_t n = insertion->begun;
-    unsigned k = n > VOR_LOP_SPACING_OF ? VOR_LOP_SPACING_OF + 1 : (unsigned)n;
+    unsigned k = n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)n;
 
     for (size_t i = begin; i < end; i++) {
-        uint32_t index[VOR_LOP_SPACING_OF + 1];
-        float distance2[VOR_LOP_SPACING_OF + 1];
+        uint32_t index[VOR_PATCH_HEXAGON + 1];
+        float distance2[VOR_PATCH_HEXAGON + 1];
         double sum = 0;
 
         vor_knn_search(insertion->knn, place(insertion, (uint32_t)i), 1, k, index, distance2);

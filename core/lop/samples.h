@@ -6,8 +6,6 @@
 
 #include <stddef.h>
 
-/** Neighbours whose mean distance is the spacing of the samples at a place. */
-enum { VOR_LOP_SPACING_OF = 6 };
 /** Points, each itself among them, to the farthest of which the area around it is measured. */
 enum { VOR_LOP_AREA_OF = 12 };
 

@@ -1,5 +1,6 @@
 /* Oracle: insertion that looks at every pair and every point instead of a queue and an index. */
 #include "core/base/linalg.h"
+#include "core/geom/patch.h"
 #include "core/lop/insert.h"
 #include "core/lop/latent.h"
 #include "core/lop/power.h"
@@ -7,7 +8,6 @@
 #include "tests/support/vt_lop.h"
 
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 enum { BEGUN_MAX = 320, MANY = 900 };
@@ -135,21 +135,21 @@ static void find_pairs(struct twin *twin, size_t i, size_t end)
 /* The mean distance to the nearest few, times the reach of insertion. */
 static float reach_of(const struct twin *twin, size_t i)
 {
-    double nearest[VOR_LOP_SPACING_OF], sum = 0;
+    double nearest[VOR_PATCH_HEXAGON], sum = 0;
     int count = 0;
 
     for (size_t j = 0; j < twin->begun; j++) {
         double d2 = vor_distance2f(place(twin, i), place(twin, j));
-        int at = count < VOR_LOP_SPACING_OF ? count++ : VOR_LOP_SPACING_OF;
+        int at = count < VOR_PATCH_HEXAGON ? count++ : VOR_PATCH_HEXAGON;
 
         if (j == i) {
-            count -= at < VOR_LOP_SPACING_OF;
+            count -= at < VOR_PATCH_HEXAGON;
             continue;
         }
         for (; at > 0 && nearest[at - 1] > d2; at--)
-            if (at < VOR_LOP_SPACING_OF)
+            if (at < VOR_PATCH_HEXAGON)
                 nearest[at] = nearest[at - 1];
-        if (at < VOR_LOP_SPACING_OF)
+        if (at < VOR_PATCH_HEXAGON)
             nearest[at] = d2;
     }
     for (int k = 0; k < count; k++)
