@@ -26,7 +26,8 @@ struct vor_knn {
     size_t n;
     struct vor_flann *flann; /* one of the two is not NULL */
     struct vor_boxes *boxes;
-    uint32_t *order; /* of the points in boxes; NULL: they are in order */
+    float *sorted;   /* the points in boxes, and ... */
+    uint32_t *order; /* ... which they are; NULL: the caller's, in order */
 };
 
 /* The first of coordinates begin .. end - 1 that is not finite or too large; end when none is. */
@@ -118,36 +119,25 @@ vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n
     return finish(out, knn, status);
 }
 
-/* Sorts the points into `sorted`, and indexes them. */
-static vor_status build_along(struct vor_knn *knn, float *sorted, const float *xyz,
-                              const struct vor_run *run, struct vor_error *err)
-{
-    struct vor_morton_input in = {.xyz = xyz, .n = knn->n, .scale = 1};
-    vor_status status = check(xyz, knn->n, first_bad(xyz, 0, 3 * knn->n), err);
-
-    if (status == VOR_OK)
-        status = vor_morton_sort(sorted, knn->order, &in, run, err);
-    if (status != VOR_OK)
-        return status;
-    return vor_boxes_build(&knn->boxes, sorted, knn->n, run, err);
-}
-
 vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
                                const struct vor_run *run, struct vor_error *err)
 {
+    struct vor_morton_input in = {.xyz = xyz, .n = n, .scale = 1};
     struct vor_knn *knn = NULL;
     vor_status status = start(&knn, n, run->memory, err);
-    float *sorted;
 
     if (status != VOR_OK || knn == NULL)
         return status;
     knn->order = vor_malloc(run->memory, n, sizeof *knn->order);
-    sorted = vor_malloc(run->memory, n, 3 * sizeof *sorted);
-    if (knn->order == NULL || sorted == NULL)
+    knn->sorted = vor_malloc(run->memory, n, 3 * sizeof *knn->sorted);
+    if (knn->order == NULL || knn->sorted == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
-        status = build_along(knn, sorted, xyz, run, err);
-    vor_free(run->memory, sorted);
+        status = check(xyz, n, first_bad(xyz, 0, 3 * n), err);
+    if (status == VOR_OK)
+        status = vor_morton_sort(knn->sorted, knn->order, &in, run, err);
+    if (status == VOR_OK)
+        status = vor_boxes_build(&knn->boxes, knn->sorted, n, run, err);
     return finish(out, knn, status);
 }
 
@@ -160,7 +150,7 @@ void vor_knn_free(struct vor_knn *knn)
 {
     if (knn == NULL)
         return;
-    vor_free(knn->memory, knn->order);
+    VOR_FREE_ALL(knn->memory, knn->order, knn->sorted);
     vor_boxes_free(knn->boxes);
     vor_flann_free(knn->flann);
     vor_free(knn->memory, knn);

@@ -143,7 +143,6 @@ static void make_leaf(const struct build *build, struct vor_boxes_node *node, un
                       size_t begin, size_t end)
 {
     const float *xyz = &build->xyz[3 * begin];
-    float *leaf = &build->boxes->leaf[3 * begin];
     size_t n = end - begin;
 
     for (size_t c = 0; c < 3; c++) {
@@ -152,7 +151,6 @@ static void make_leaf(const struct build *build, struct vor_boxes_node *node, un
         for (size_t i = 0; i < n; i++) {
             float x = xyz[3 * i + c];
 
-            leaf[c * n + i] = x;
             low = x < low ? x : low;
             high = x > high ? x : high;
         }
@@ -261,10 +259,8 @@ static vor_status make_tree(struct build *build, struct vor_error *err)
         return status;
     boxes->nodes = nodes;
     boxes->node = vor_malloc(boxes->memory, nodes, sizeof *boxes->node);
-    boxes->leaf = vor_malloc(boxes->memory, build->n + LANES, 3 * sizeof *boxes->leaf);
-    if (boxes->node == NULL || boxes->leaf == NULL)
+    if (boxes->node == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", build->n);
-    memset(&boxes->leaf[3 * build->n], 0, LANES * 3 * sizeof *boxes->leaf);
     status = vor_run_for(build->run, build->subtrees, 1, make_subtrees, build, err);
     if (status != VOR_OK)
         return status;
@@ -287,6 +283,9 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
     }
     build.boxes->memory = run->memory;
     build.boxes->n = n;
+    build.boxes->xyz = xyz;
+    for (size_t i = n > LANES ? n - LANES : 0; i < n; i++)
+        memcpy(&build.boxes->tail[3 * (i + LANES - n)], &xyz[3 * i], 3 * sizeof *xyz);
     status = make_tree(&build, err);
     VOR_FREE_ALL(run->memory, build.subtree, build.code);
     if (status == VOR_OK)
@@ -300,7 +299,7 @@ void vor_boxes_free(struct vor_boxes *boxes)
 {
     if (boxes == NULL)
         return;
-    VOR_FREE_ALL(boxes->memory, boxes->leaf, boxes->node, boxes);
+    VOR_FREE_ALL(boxes->memory, boxes->node, boxes);
 }
 
 /* A box that may hold a nearer point: of a node (count 0), or of a leaf of `count` points. */
@@ -372,16 +371,15 @@ VOR_INLINE unsigned nearer(unsigned lane[LANES], const float distance2[LANES], u
     return count;
 }
 
-VOR_INLINE void search_leaf(struct found *found, const float *leaf, struct visit visit,
+VOR_INLINE void search_leaf(struct found *found, const struct vor_boxes *boxes, struct visit visit,
                             const float q[3])
 {
-    const float *xyz = &leaf[3 * (size_t)visit.at];
+    const float *xyz = vor_boxes_leaf(boxes, visit.at);
     float distance2[LANES];
     unsigned lane[LANES], count;
 
     for (size_t j = 0; j < LANES; j++) { /* results beyond the leaf are not used */
-        float x = xyz[j] - q[0], y = xyz[visit.count + j] - q[1],
-              z = xyz[2 * visit.count + j] - q[2];
+        float x = xyz[3 * j] - q[0], y = xyz[3 * j + 1] - q[1], z = xyz[3 * j + 2] - q[2];
 
         distance2[j] = x * x + y * y + z * z;
     }
@@ -435,7 +433,7 @@ VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float que
         if (visit.distance2 >= found.worst)
             continue;
         if (visit.count > 0)
-            search_leaf(&found, boxes->leaf, visit, query);
+            search_leaf(&found, boxes, visit, query);
         else
             high += open_node(&stack[high], &boxes->node[visit.at], query, found.worst);
     }

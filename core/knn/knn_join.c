@@ -100,12 +100,12 @@ static int boxes_near(const struct join *join, struct part a, struct part b)
 static int points_near(const struct join *join, struct part a, uint32_t i, struct part b,
                        uint32_t j)
 {
-    const float *p = &join->boxes->leaf[3 * (size_t)a.in->child[a.lane] + i];
-    const float *q = &join->boxes->leaf[3 * (size_t)b.in->child[b.lane] + j];
+    const float *p = &join->boxes->xyz[3 * ((size_t)a.in->child[a.lane] + i)];
+    const float *q = &join->boxes->xyz[3 * ((size_t)b.in->child[b.lane] + j)];
     float distance2 = 0;
 
     for (size_t c = 0; c < 3; c++)
-        distance2 += (p[c * a.count] - q[c * b.count]) * (p[c * a.count] - q[c * b.count]);
+        distance2 += (p[c] - q[c]) * (p[c] - q[c]);
     return distance2 <= join->distance2;
 }
 

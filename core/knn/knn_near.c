@@ -35,13 +35,19 @@ struct extent {
 VOR_INLINE void take_leaf(struct around *around, const struct vor_boxes *boxes, uint32_t begin,
                           uint32_t n, const struct extent *box, float most2)
 {
-    const float *x = &boxes->leaf[3 * (size_t)begin], *y = x + n, *z = y + n;
+    const float *xyz = vor_boxes_leaf(boxes, begin);
+    float x[LANES], y[LANES], z[LANES];
     float distance2[LANES] = {0}; /* results beyond the leaf are not used */
     unsigned count = around->count;
 
     if (count + n > ROOM) {
         around->count = ROOM + 1;
         return;
+    }
+    for (size_t j = 0; j < LANES; j++) {
+        x[j] = xyz[3 * j];
+        y[j] = xyz[3 * j + 1];
+        z[j] = xyz[3 * j + 2];
     }
     vor_boxes_add_gaps(distance2, x, x, box->low[0], box->high[0]);
     vor_boxes_add_gaps(distance2, y, y, box->low[1], box->high[1]);

@@ -38,8 +38,16 @@ VOR_INLINE void vor_boxes_add_gaps(float distance2[VOR_BOXES_LANES], const float
 struct vor_boxes {
     struct vor_memory *memory;
     size_t n, nodes;
-    struct vor_boxes_node *node; /* [0] is the root */
-    float *leaf; /* n x 3: of each leaf all x, then all y, then all z; then VOR_BOXES_LANES zeros */
+    struct vor_boxes_node *node;         /* [0] is the root */
+    const float *xyz;                    /* n x 3, borrowed */
+    float tail[2 * 3 * VOR_BOXES_LANES]; /* the last VOR_BOXES_LANES points, then zeros */
 };
+
+/** The points from `at` on, of which VOR_BOXES_LANES may be read. */
+VOR_INLINE const float *vor_boxes_leaf(const struct vor_boxes *boxes, size_t at)
+{
+    return at + VOR_BOXES_LANES <= boxes->n ? &boxes->xyz[3 * at]
+                                            : &boxes->tail[3 * (at + VOR_BOXES_LANES - boxes->n)];
+}
 
 #endif
