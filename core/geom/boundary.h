@@ -49,7 +49,7 @@
  *  - EDGE's ramp alone has one constant, room growing as extent / (1 - extent / sight): delta of
  *     scannet 0.045 / 0.047*, of autzen 0.101 / 0.094, of the armadillo 0.0204 / 0.0201.
  *  - OUTSIDE asks from the foot as HOLE does, RIM towards the free side without VOR_RIM_SAME_WAY,
- *     VOR_OUTSIDE_EVENING is IN_RESULT, VOR_RIM_AHEAD is the same of both spacings: delta of autzen
+ *     VOR_OUTSIDE_EVENING is IN_RESULT: delta of autzen
  * 0.101 / 0.096, of kitti 0.24 / 0.25, of square 0.024 / 0.022, of scannet, bunny, fandisk, cow and
  *     the armadillo within 3 %; border of kitti 752 / 1008. Neither a loss nor a gain is certain.
  *
@@ -149,14 +149,6 @@
  *  At 1.3 / 1.6 / 2.2: border points of bunny 42 / 28 / 10, of fandisk 1 / 0 / 0, of square 147
  *  each. */
 #define VOR_RIM_RING 1.6
-/** Cosine of 130 degrees, the angle that is left free. At 100 / 130 / 160 degrees: border points of
- *  square 146 / 147 / 121, of bunny 37 / 28 / 11, of autzen 396 / 342 / 266. */
-#define VOR_RIM_FREE_COSINE (-0.64278760968653936)
-/** Spacings of the result, and of the input, from the point to the place ahead. At 0.375 / 0.75
- * / 1.5 of the result: border points of bunny 30 / 28 / 20, of autzen 347 / 342 / 320, of square
- * 147 each. At 0.25 / 0.5 / 1 of the input no number differs by more than with the seed; those keep
- * the place ahead from being the point's own foot where the input is sparser than the result. */
-#define VOR_RIM_AHEAD 0.75
 /** Cosine of 60 degrees: at most that angle is between the way to that place and the way in which
  *  the input ends there. At 90 / 60 / 32 degrees: border points of square 145 / 147 / 131, of
  *  autzen 366 / 342 / 268. */

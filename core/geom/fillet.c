@@ -17,9 +17,8 @@ enum {
 #define WIDEST 3.0
 /* Share that is added to the diagonal: parameters that the points say nothing of stay. */
 #define DAMP 1e-4
-/* Share of the sum of squares that a step must take, and cosine of sides that do not meet. */
+/* Share of the sum of squares that a step must take. */
 #define ENOUGH 1e-3
-#define PARALLEL 0.999
 
 /* Points in the frame of a fillet. */
 struct points {
@@ -132,7 +131,7 @@ static double improve(struct vor_fillet *fillet, const struct points *points, do
             break;
         add(&tried, b, WIDEST * reach);
         next = sum_up(NULL, NULL, &tried, points);
-        if (!(next < now) || fabs(tried.cosine) > PARALLEL)
+        if (!(next < now) || 1 - tried.cosine * tried.cosine < VOR_FILLET_PARALLEL2)
             break;
         *fillet = tried;
         if (next > now * (1 - ENOUGH))

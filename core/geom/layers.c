@@ -12,9 +12,6 @@
  * of 1.5, SAME of 0.9 and OVER of 3 change nothing on fandisk, autzen and igea with noise. */
 
 enum {
-    /* Most rounds of splitting and fitting; few splits change after the third. 6 and 24 change
-     * nothing. */
-    ROUNDS = 12,
     /* Of the shared quadric: u, v, uu, uv, vv; and points that each layer has at least. At 2 / 4 /
      * 8 shell stays within the spread. */
     TERMS = 5
@@ -279,7 +276,7 @@ static int one_over_another(const struct vor_layers *layers, const struct stack 
 static int settle(struct vor_layers *out, struct stack *stack, double spacing)
 {
     sort(stack);
-    for (int round = 0; round < ROUNDS && split(out, stack); round++) {
+    for (unsigned round = 0; round < stack->k && split(out, stack); round++) {
         if (!share(out, stack))
             return 0;
         sort(stack);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Most edges of a piece that is not halved. */
-enum { FEW = 8 };
+enum { LEAF_SIZE = 8 };
 
 /* A piece: its edges, and its number, of which the halves' follow. */
 struct piece {
@@ -55,7 +55,7 @@ static void make_boxes(const struct vor_polygon *polygon, struct piece piece)
         box[c] = INFINITY;
         box[polygon->dims + c] = -INFINITY;
     }
-    if (piece.end - piece.begin <= FEW) {
+    if (piece.end - piece.begin <= LEAF_SIZE) {
         for (size_t i = piece.begin; i <= piece.end; i++)
             widen(polygon, box, point(polygon, i), point(polygon, i));
         return;
@@ -75,7 +75,7 @@ vor_status vor_polygon_init(struct vor_polygon *out, const double *at, size_t n,
     struct vor_polygon polygon = {.memory = memory, .n = n, .dims = dims, .at = at};
     size_t pieces = 2;
 
-    for (size_t most = n; most > FEW; most = most - most / 2)
+    for (size_t most = n; most > LEAF_SIZE; most = most - most / 2)
         pieces *= 2;
     polygon.box = vor_malloc(memory, pieces, 2 * dims * sizeof *polygon.box);
     if (polygon.box == NULL)
@@ -95,7 +95,7 @@ static unsigned crossings(const struct vor_polygon *polygon, struct piece piece,
         return 0;
     if (u[0] < low[0])
         return (point(polygon, piece.begin)[1] > u[1]) != (point(polygon, piece.end)[1] > u[1]);
-    if (piece.end - piece.begin > FEW)
+    if (piece.end - piece.begin > LEAF_SIZE)
         return crossings(polygon, first_half(piece), u) + crossings(polygon, last_half(piece), u);
     for (size_t i = piece.begin; i < piece.end; i++) {
         const double *a = point(polygon, i + 1), *b = point(polygon, i);
@@ -152,7 +152,7 @@ static void look(struct vor_polygon_near *out, const struct vor_polygon *polygon
     struct piece half[2] = {first_half(piece), last_half(piece)};
     double far[2];
 
-    if (piece.end - piece.begin <= FEW) {
+    if (piece.end - piece.begin <= LEAF_SIZE) {
         for (size_t i = piece.begin; i < piece.end; i++)
             ask(out, polygon, i, x);
         return;

@@ -2,6 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/vector.h"
+#include "core/geom/fillet.h"
 #include "core/lop/weights.h"
 
 #include <string.h>
@@ -14,8 +15,6 @@ enum { EDGE_TIMES = 2 };
  * 19 / 12 / 12 / 9, gear 24 / 9 / 5 / 4, screw 12 / 10 / 6 / 4; from the screw's edge to the
  * nearest point .377 / .374 / .383 / .393 spacings. */
 #define SHARE 0.1
-/* Square of the sine between planes that do not meet: 2 degrees. */
-#define PARALLEL 1e-3
 
 vor_status vor_lop_latent_init(struct vor_lop_latent *out, const struct vor_lop_samples *samples,
                                double sigma_n, double sigma_p, const struct vor_run *run,
@@ -193,7 +192,7 @@ static int meet(float x[3], double along[3], double *cosine, const struct vor_lo
     rest = 1 - *cosine * *cosine;
     vor_cross(along, n[0], n[1]);
     length = sqrt(vor_dot(along, along));
-    if (!(rest > PARALLEL))
+    if (!(rest > VOR_FILLET_PARALLEL2))
         return 0;
     for (int c = 0; c < 3; c++) {
         x[c] = (float)((double)x[c] + ((off[0] - *cosine * off[1]) * n[0][c] +
