@@ -57,14 +57,21 @@ const char *vor_blob_of_output(const char *output, uint32_t attempt,
     return out;
 }
 
-/* Where former versions have what is not there under this name; NULL: nowhere else. */
-static const char *former(const char *name, char out[VOR_BLOB_NAME_MAX + 1])
+static const char *file_of(const struct vor_uuid *id, const char *name,
+                           char out[VOR_BLOB_FILE_SIZE])
 {
-    const char *at = strstr(name, TRY);
+    (void)snprintf(out, VOR_BLOB_FILE_SIZE, "%s.%s", id->text, name);
+    return out;
+}
+
+/* Where former versions have what is not there in this file; NULL: nowhere else. */
+static const char *former(const char *file, char out[VOR_BLOB_FILE_SIZE])
+{
+    const char *at = strstr(file, TRY);
 
     if (at == NULL)
         return NULL;
-    (void)snprintf(out, VOR_BLOB_NAME_MAX + 1, "%.*s", (int)(at - name), name);
+    (void)snprintf(out, VOR_BLOB_FILE_SIZE, "%.*s", (int)(at - file), file);
     return out;
 }
 
@@ -226,14 +233,14 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
 vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
                            struct vor_blob_writer **out, int *found, struct vor_error *err)
 {
-    struct vor_blob_source before = *from;
+    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
     vor_status status;
 
     *out = NULL;
     *found = 0;
-    status = blobs->driver->reopen(blobs, from, out, found, err);
-    if (status == VOR_OK && !*found && former(from->name, before.name) != NULL)
-        status = blobs->driver->reopen(blobs, &before, out, found, err);
+    status = blobs->driver->reopen(blobs, file_of(&from->id, from->name, file), out, found, err);
+    if (status == VOR_OK && !*found && former(file, before) != NULL)
+        status = blobs->driver->reopen(blobs, before, out, found, err);
     if (status != VOR_OK || !*found)
         return status;
     (*out)->blobs = blobs;
@@ -394,12 +401,13 @@ static int is_name(const char *name)
 vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
                            const char *name, struct vor_error *err)
 {
+    char file[VOR_BLOB_FILE_SIZE];
     struct vor_error failure;
     vor_status status = vor_blob_failure(writer, &failure);
 
     assert(is_name(name));
     if (status == VOR_OK)
-        status = writer->blobs->driver->commit(writer, id, name, &failure);
+        status = writer->blobs->driver->commit(writer, file_of(id, name, file), &failure);
     if (status == VOR_E_IO && failure.got == EIO)
         atomic_store(&writer->blobs->is_broken, 1);
     if (status != VOR_OK && err != NULL)
@@ -426,54 +434,54 @@ void vor_blob_discard(struct vor_blob_writer *writer)
 vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                         int *fd, uint64_t *size, int *found, struct vor_error *err)
 {
-    char before[VOR_BLOB_NAME_MAX + 1];
+    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
     vor_status status;
 
     if (fd != NULL)
         *fd = -1;
     *size = 0;
     *found = 0;
-    status = blobs->driver->get(blobs, id, name, fd, size, found, err);
-    return status == VOR_OK && !*found && former(name, before) != NULL
-               ? blobs->driver->get(blobs, id, before, fd, size, found, err)
+    status = blobs->driver->get(blobs, file_of(id, name, file), fd, size, found, err);
+    return status == VOR_OK && !*found && former(file, before) != NULL
+               ? blobs->driver->get(blobs, before, fd, size, found, err)
                : status;
 }
 
 int vor_blob_is_superseded(struct vor_blobs *blobs, const struct vor_uuid *id, const char *output,
                            uint32_t attempt)
 {
-    char own[VOR_BLOB_NAME_MAX + 1];
+    char own[VOR_BLOB_NAME_MAX + 1], file[VOR_BLOB_FILE_SIZE];
     uint64_t size;
     int found = 0;
 
-    return attempt > 1 &&
-           blobs->driver->get(blobs, id, vor_blob_of_output(output, attempt, own), NULL, &size,
-                              &found, NULL) == VOR_OK &&
+    (void)file_of(id, vor_blob_of_output(output, attempt, own), file);
+    return attempt > 1 && blobs->driver->get(blobs, file, NULL, &size, &found, NULL) == VOR_OK &&
            found;
 }
 
 vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                           const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {
-    char before[VOR_BLOB_NAME_MAX + 1];
+    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
     uint64_t size;
     vor_status status;
 
     if (blobs->driver->bring == NULL)
         return vor_blob_get(blobs, id, name, NULL, &size, found, err);
     *found = 0;
-    status = blobs->driver->bring(blobs, id, name, watch, found, err);
-    return status == VOR_OK && !*found && former(name, before) != NULL
-               ? blobs->driver->bring(blobs, id, before, watch, found, err)
+    status = blobs->driver->bring(blobs, file_of(id, name, file), watch, found, err);
+    return status == VOR_OK && !*found && former(file, before) != NULL
+               ? blobs->driver->bring(blobs, before, watch, found, err)
                : status;
 }
 
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
-    char before[VOR_BLOB_NAME_MAX + 1];
+    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
 
-    return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, id, name) ||
-           (former(name, before) != NULL && blobs->driver->is_near(blobs, id, before));
+    return blobs->driver->is_near == NULL ||
+           blobs->driver->is_near(blobs, file_of(id, name, file)) ||
+           (former(file, before) != NULL && blobs->driver->is_near(blobs, before));
 }
 
 void vor_blobs_set_public_url(struct vor_blobs *blobs, const char *url)
@@ -485,19 +493,21 @@ vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor_uuid *id, con
                          const struct vor_blob_reading *reading, struct vor_text *out,
                          struct vor_error *err)
 {
-    char before[VOR_BLOB_NAME_MAX + 1];
+    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
 
     /* Under which of two names a file is, only the bucket knows: the daemon sends it itself. */
     if (blobs->driver->link == NULL || blobs->public_url == NULL || blobs->public_url[0] == '\0' ||
-        former(name, before) != NULL)
+        former(file_of(id, name, file), before) != NULL)
         return VOR_OK;
-    return blobs->driver->link(blobs, id, name, reading, out, err);
+    return blobs->driver->link(blobs, file, reading, out, err);
 }
 
 vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                          struct vor_error *err)
 {
-    return blobs->driver->drop(blobs, id, name, err);
+    char file[VOR_BLOB_FILE_SIZE];
+
+    return blobs->driver->drop(blobs, file_of(id, name, file), err);
 }
 
 static const struct vor_uuid nobody = {"00000000-0000-0000-0000-000000000000"};
@@ -507,12 +517,14 @@ struct listing {
     void *ctx;
 };
 
-static void list_one(void *ctx, const struct vor_uuid *id, const char *name)
+static void list_one(void *ctx, const char *file)
 {
     const struct listing *listing = ctx;
+    struct vor_uuid id;
+    const char *name = vor_blob_of_file(&id, file);
 
-    if (strcmp(id->text, nobody.text) != 0)
-        listing->each(listing->ctx, id, name);
+    if (name != NULL && strcmp(id.text, nobody.text) != 0)
+        listing->each(listing->ctx, &id, name);
 }
 
 vor_status vor_blobs_list(struct vor_blobs *blobs,
@@ -565,7 +577,9 @@ vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *store, int is_jo
 vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                               struct vor_error *err)
 {
-    return blobs->driver->set_aside(blobs, id, name, err);
+    char file[VOR_BLOB_FILE_SIZE];
+
+    return blobs->driver->set_aside(blobs, file_of(id, name, file), err);
 }
 
 vor_status vor_blobs_trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,

@@ -22,11 +22,6 @@ struct writer {
     char from[FILE_SIZE]; /* in keep: whose bytes these are; "" for new ones */
 };
 
-void vor_blob_file(char out[FILE_SIZE], const struct vor_uuid *id, const char *name)
-{
-    (void)snprintf(out, FILE_SIZE, "%s.%s", id->text, name);
-}
-
 const char *vor_blob_of_file(struct vor_uuid *id, const char *file)
 {
     size_t length = strlen(file);
@@ -326,21 +321,16 @@ static vor_status name_file(struct vor_blob_writer *base, const char *file, stru
     return sync_name(base, file, 0, err);
 }
 
-static vor_status commit(struct vor_blob_writer *base, const struct vor_uuid *id, const char *name,
-                         struct vor_error *err)
+static vor_status commit(struct vor_blob_writer *base, const char *file, struct vor_error *err)
 {
-    char file[FILE_SIZE];
-    uint64_t before;
-    vor_status status;
+    uint64_t before = size_of((struct vor_blob_directory *)base->blobs, file);
+    vor_status status = name_file(base, file, err);
 
-    vor_blob_file(file, id, name);
-    before = size_of((struct vor_blob_directory *)base->blobs, file);
-    status = name_file(base, file, err);
-    if (status == VOR_OK)
-        base->blobs->bytes += base->size;
-    if (status == VOR_OK)
-        count_less(base->blobs, before);
-    return status;
+    if (status != VOR_OK)
+        return status;
+    base->blobs->bytes += base->size;
+    count_less(base->blobs, before);
+    return VOR_OK;
 }
 
 static void discard(struct vor_blob_writer *base)
@@ -353,14 +343,12 @@ static void discard(struct vor_blob_writer *base)
     free(writer);
 }
 
-static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
-                      uint64_t *size, int *found, struct vor_error *err)
+static vor_status get(struct vor_blobs *blobs, const char *file, int *fd, uint64_t *size,
+                      int *found, struct vor_error *err)
 {
-    char file[FILE_SIZE];
     struct stat info;
     int keep = ((struct vor_blob_directory *)blobs)->keep, opened = -1;
 
-    vor_blob_file(file, id, name);
     if (fd != NULL)
         opened = openat(keep, file, O_RDONLY | O_CLOEXEC);
     if ((fd != NULL && opened < 0) ||
@@ -378,32 +366,28 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
     return VOR_OK;
 }
 
-static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
-                         struct vor_blob_writer **out, int *found, struct vor_error *err)
+static vor_status reopen(struct vor_blobs *blobs, const char *file, struct vor_blob_writer **out,
+                         int *found, struct vor_error *err)
 {
     struct writer *writer = calloc(1, sizeof *writer);
     vor_status status;
 
     if (writer == NULL)
         return vor_fail(err, VOR_E_NOMEM, "reading a file again");
-    status = get(blobs, &from->id, from->name, &writer->base.fd, &writer->base.size, found, err);
+    status = get(blobs, file, &writer->base.fd, &writer->base.size, found, err);
     if (status != VOR_OK || !*found) {
         free(writer);
         return status;
     }
-    vor_blob_file(writer->from, &from->id, from->name);
+    (void)snprintf(writer->from, sizeof writer->from, "%s", file);
     *out = (struct vor_blob_writer *)writer;
     return VOR_OK;
 }
 
-static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                       struct vor_error *err)
+static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_error *err)
 {
-    char file[FILE_SIZE];
-    uint64_t size;
+    uint64_t size = size_of((struct vor_blob_directory *)blobs, file);
 
-    vor_blob_file(file, id, name);
-    size = size_of((struct vor_blob_directory *)blobs, file);
     if (unlinkat(((struct vor_blob_directory *)blobs)->keep, file, 0) == 0)
         count_less(blobs, size);
     else if (errno != ENOENT)
@@ -411,18 +395,12 @@ static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const
     return VOR_OK;
 }
 
-static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                            struct vor_error *err)
+static vor_status set_aside(struct vor_blobs *blobs, const char *file, struct vor_error *err)
 {
     struct vor_blob_directory *directory = (struct vor_blob_directory *)blobs;
-    char file[FILE_SIZE];
+    uint64_t size = size_of(directory, file);
+    vor_status status = vor_dir_set_aside(directory->parent, directory->keep, file, err);
 
-    uint64_t size;
-    vor_status status;
-
-    vor_blob_file(file, id, name);
-    size = size_of(directory, file);
-    status = vor_dir_set_aside(directory->parent, directory->keep, file, err);
     if (status == VOR_OK)
         count_less(blobs, size);
     return status;
@@ -434,28 +412,10 @@ static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bound
     return vor_dir_trim_lost(((struct vor_blob_directory *)blobs)->parent, bounds, err);
 }
 
-struct listing {
-    void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
-    void *ctx;
-};
-
-static void list_one(void *ctx, const char *file)
-{
-    const struct listing *listing = ctx;
-    struct vor_uuid id;
-    const char *name = vor_blob_of_file(&id, file);
-
-    if (name != NULL)
-        listing->each(listing->ctx, &id, name);
-}
-
-static vor_status list(struct vor_blobs *blobs,
-                       void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+static vor_status list(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err)
 {
-    struct listing listing = {.each = each, .ctx = ctx};
-
-    return each_name(((struct vor_blob_directory *)blobs)->keep, list_one, &listing, err);
+    return each_name(((struct vor_blob_directory *)blobs)->keep, each, ctx, err);
 }
 
 const struct vor_blob_driver vor_blob_dir = {

@@ -28,10 +28,6 @@ VOR_NODISCARD vor_status vor_blob_directory_open(struct vor_blob_directory *dire
                                                  struct vor_error *err);
 void vor_blob_directory_close(struct vor_blob_directory *directory);
 
-/** "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input" */
-enum { VOR_BLOB_FILE_SIZE = 36 + 1 + VOR_BLOB_NAME_MAX + 1 };
-void vor_blob_file(char out[VOR_BLOB_FILE_SIZE], const struct vor_uuid *id, const char *name);
-
 /** The name of the blob that a file holds, and its job; NULL when the file is no blob. */
 const char *vor_blob_of_file(struct vor_uuid *id, const char *file);
 

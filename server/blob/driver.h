@@ -15,7 +15,10 @@
 #include <stdatomic.h>
 #include <stdint.h>
 
-enum { VOR_BLOB_NAME_MAX = 40 }; /**< bytes of a blob's name */
+enum {
+    VOR_BLOB_NAME_MAX = 40, /**< bytes of a blob's name */
+    VOR_BLOB_FILE_SIZE = 36 + 1 + VOR_BLOB_NAME_MAX + 1
+};
 
 /** A driver's blobs begin with this; the door fills it in. */
 struct vor_blobs {
@@ -101,7 +104,8 @@ struct vor_blob_reading {
     const char *media_type, *disposition;
 };
 
-/** The functions of a driver. Each does what the function of blob.h with its name promises. */
+/** The functions of a driver. Each does what the function of blob.h with its name promises. A file
+ *  is the blob of a job: "0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e11.input". */
 struct vor_blob_driver {
     const char *scheme; /**< "dir": what stands before the colon of --blobs */
     const char *place;  /**< "PATH": what stands after it, for messages */
@@ -114,36 +118,32 @@ struct vor_blob_driver {
     vor_status (*create)(struct vor_blobs *blobs, struct vor_blob_writer **out,
                          struct vor_error *err);
     /** Makes a writer whose fd reads that blob, and whose size is its size. */
-    vor_status (*reopen)(struct vor_blobs *blobs, const struct vor_blob_source *from,
-                         struct vor_blob_writer **out, int *found, struct vor_error *err);
+    vor_status (*reopen)(struct vor_blobs *blobs, const char *file, struct vor_blob_writer **out,
+                         int *found, struct vor_error *err);
     /** Makes its bytes durable, unless it is lazy; discard follows in any case. */
-    vor_status (*commit)(struct vor_blob_writer *writer, const struct vor_uuid *id,
-                         const char *name, struct vor_error *err);
+    vor_status (*commit)(struct vor_blob_writer *writer, const char *file, struct vor_error *err);
     /** Frees the writer, and removes its bytes unless they were committed. */
     void (*discard)(struct vor_blob_writer *writer);
-    vor_status (*get)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
-                      uint64_t *size, int *found, struct vor_error *err);
+    vor_status (*get)(struct vor_blobs *blobs, const char *file, int *fd, uint64_t *size,
+                      int *found, struct vor_error *err);
     /** NULL where a get never waits for another machine. */
-    vor_status (*bring)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+    vor_status (*bring)(struct vor_blobs *blobs, const char *file,
                         const struct vor_blob_watch *watch, int *found, struct vor_error *err);
     /** False when a get would wait for another machine; NULL: it never does. */
-    int (*is_near)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name);
+    int (*is_near)(struct vor_blobs *blobs, const char *file);
     /** NULL: blobs are never away. */
     vor_status (*reach)(struct vor_blobs *blobs, struct vor_error *err);
     /** NULL: none ever waits for another machine. */
     void (*hurry)(struct vor_blobs *blobs);
     /** NULL: clients cannot read blobs where they lie. */
-    vor_status (*link)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+    vor_status (*link)(struct vor_blobs *blobs, const char *file,
                        const struct vor_blob_reading *reading, struct vor_text *out,
                        struct vor_error *err);
-    vor_status (*drop)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                       struct vor_error *err);
-    vor_status (*set_aside)(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                            struct vor_error *err);
+    vor_status (*drop)(struct vor_blobs *blobs, const char *file, struct vor_error *err);
+    vor_status (*set_aside)(struct vor_blobs *blobs, const char *file, struct vor_error *err);
     vor_status (*trim_lost)(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
                             struct vor_error *err);
-    vor_status (*list)(struct vor_blobs *blobs,
-                       void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+    vor_status (*list)(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err);
 };
 

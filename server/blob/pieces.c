@@ -12,9 +12,9 @@
 enum { WHOLE = VOR_DIGEST_SIZE - 1 };
 
 /* Inputs have seals, and other formats of an output their digests behind them. */
-int vor_pieces_are_for(const char *name)
+int vor_pieces_are_for(const char *file)
 {
-    return strncmp(name, "input", 5) != 0 && strstr(name, "-as-") == NULL;
+    return strstr(file, ".input") == NULL && strstr(file, "-as-") == NULL;
 }
 
 vor_status vor_piece_read(int fd, uint64_t at, void *out, size_t size, struct vor_error *err)

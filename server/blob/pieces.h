@@ -9,7 +9,7 @@
 
 /** Whether blobs of that name have them, if they are longer than a piece: those that are sent to
  *  clients as they are. */
-int vor_pieces_are_for(const char *name);
+int vor_pieces_are_for(const char *file);
 
 /** Reads bytes of a file.
  *

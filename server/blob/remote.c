@@ -29,12 +29,8 @@ struct remote {
     pthread_mutex_t trimming; /* one thread at a time removes copies */
 };
 
-static const char *key_of(char out[VOR_OBJECT_KEY_MAX + 1], const char *folder,
-                          const struct vor_uuid *id, const char *name)
+static const char *key_of(char out[VOR_OBJECT_KEY_MAX + 1], const char *folder, const char *file)
 {
-    char file[VOR_BLOB_FILE_SIZE];
-
-    vor_blob_file(file, id, name);
     (void)snprintf(out, VOR_OBJECT_KEY_MAX + 1, "%s%s", folder, file);
     return out;
 }
@@ -53,9 +49,9 @@ static void close_blobs(struct vor_blobs *blobs)
     free(remote);
 }
 
-static void drop_copy(void *ctx, const struct vor_uuid *id, const char *name)
+static void drop_copy(void *ctx, const char *file)
 {
-    (void)vor_blob_dir.drop(ctx, id, name, NULL);
+    (void)vor_blob_dir.drop(ctx, file, NULL);
 }
 
 /* The copies of an earlier process may be older than the objects. */
@@ -122,13 +118,11 @@ struct copies {
     struct vor_aged files;
 };
 
-static void note_copy(void *ctx, const struct vor_uuid *id, const char *name)
+static void note_copy(void *ctx, const char *file)
 {
     struct copies *copies = ctx;
-    char file[VOR_BLOB_FILE_SIZE];
     struct stat info;
 
-    vor_blob_file(file, id, name);
     if (fstatat(copies->remote->copies.keep, file, &info, 0) == 0)
         vor_aged_add(&copies->files, file, (uint64_t)info.st_size,
                      (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000);
@@ -154,15 +148,12 @@ static void trim_copies(struct remote *remote, const char *file)
 }
 
 /* Gives a writer's file the name of a copy; that need not survive a crash. */
-static vor_status name_copy(struct vor_blob_writer *writer, const struct vor_uuid *id,
-                            const char *name, struct vor_error *err)
+static vor_status name_copy(struct vor_blob_writer *writer, const char *file, struct vor_error *err)
 {
-    char file[VOR_BLOB_FILE_SIZE];
     vor_status status;
 
     writer->is_lazy = 1;
-    status = vor_blob_dir.commit(writer, id, name, err);
-    vor_blob_file(file, id, name);
+    status = vor_blob_dir.commit(writer, file, err);
     if (status == VOR_OK)
         trim_copies((struct remote *)writer->blobs, file);
     return status;
@@ -177,16 +168,15 @@ static int take_text(void *text, uint64_t at, const void *bytes, size_t size)
 }
 
 /* Gets ready to check the bytes of a blob, if it has the digests for that, which are in `list`. */
-static vor_status read_digests(struct remote *remote, const struct vor_uuid *id, const char *name,
-                               struct vor_arrival *arrival, struct vor_text *list,
-                               struct vor_error *err)
+static vor_status read_digests(struct remote *remote, const char *file, struct vor_arrival *arrival,
+                               struct vor_text *list, struct vor_error *err)
 {
     const struct vor_blob_part *part = &arrival->watch->part;
     const struct vor_object_reader reader = {0, UINT64_MAX, take_text, list};
     char key[VOR_OBJECT_KEY_MAX + 1];
     uint64_t size;
     int found = 0;
-    vor_status status = remote->objects->kind->get(remote->objects, key_of(key, PIECES, id, name),
+    vor_status status = remote->objects->kind->get(remote->objects, key_of(key, PIECES, file),
                                                    &reader, &size, &found, err);
 
     arrival->digest = status == VOR_OK && found ? vor_pieces_of(list, part) : NULL;
@@ -199,9 +189,8 @@ static vor_status read_digests(struct remote *remote, const struct vor_uuid *id,
 }
 
 /* Reads the bytes of an object that are wanted into a file. */
-static vor_status receive(struct remote *remote, const struct vor_uuid *id, const char *name,
-                          struct vor_arrival *arrival, uint64_t *size, int *found,
-                          struct vor_error *err)
+static vor_status receive(struct remote *remote, const char *file, struct vor_arrival *arrival,
+                          uint64_t *size, int *found, struct vor_error *err)
 {
     struct vor_object_reader reader = {0, UINT64_MAX, vor_arrival_take, arrival};
     struct vor_text list;
@@ -209,12 +198,12 @@ static vor_status receive(struct remote *remote, const struct vor_uuid *id, cons
 
     vor_text_init(&list, 0);
     if (arrival->watch != NULL && arrival->watch->part.size > VOR_BLOB_PIECE)
-        status = read_digests(remote, id, name, arrival, &list, err);
+        status = read_digests(remote, file, arrival, &list, err);
     if (vor_arrival_is_part(arrival)) {
         reader.from = arrival->at;
         reader.to = arrival->end;
     }
-    (void)key_of(arrival->name, KEEP, id, name);
+    (void)key_of(arrival->name, KEEP, file);
     if (status == VOR_OK)
         status =
             remote->objects->kind->get(remote->objects, arrival->name, &reader, size, found, err);
@@ -231,9 +220,8 @@ static vor_status receive(struct remote *remote, const struct vor_uuid *id, cons
 
 /* Reads an object into a file, which becomes a copy, and *fd then reads it from its beginning; but
  * not where a part was wanted, and came. */
-static vor_status fetch(struct remote *remote, const struct vor_uuid *id, const char *name,
-                        const struct vor_blob_watch *watch, int *fd, int *found,
-                        struct vor_error *err)
+static vor_status fetch(struct remote *remote, const char *file, const struct vor_blob_watch *watch,
+                        int *fd, int *found, struct vor_error *err)
 {
     struct vor_arrival arrival = {.watch = watch};
     struct vor_blob_writer *writer = NULL;
@@ -243,11 +231,11 @@ static vor_status fetch(struct remote *remote, const struct vor_uuid *id, const 
         return status;
     writer->blobs = &remote->copies.base;
     arrival.fd = writer->fd;
-    status = receive(remote, id, name, &arrival, &writer->size, found, err);
+    status = receive(remote, file, &arrival, &writer->size, found, err);
     if (status == VOR_OK && *found && !vor_arrival_is_part(&arrival)) {
         *fd = fcntl(writer->fd, F_DUPFD_CLOEXEC, 0);
         status = *fd >= 0 && lseek(*fd, 0, SEEK_SET) == 0
-                     ? name_copy(writer, id, name, err)
+                     ? name_copy(writer, file, err)
                      : vor_fail_errno(err, errno, "a temporary file");
     }
     if (status != VOR_OK && *fd >= 0) {
@@ -299,13 +287,12 @@ static vor_status put_pieces(struct remote *remote, const char *key, const struc
 
 /* The digests of its pieces follow it, and go before it: none are left without it, and without them
  * it is read whole. */
-static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *id,
-                         const char *name, struct vor_error *err)
+static vor_status commit(struct vor_blob_writer *writer, const char *file, struct vor_error *err)
 {
     struct remote *remote = (struct remote *)writer->blobs;
     char key[VOR_OBJECT_KEY_MAX + 1], sha256[VOR_DIGEST_SIZE];
     const struct vor_object_bytes bytes = {writer->fd, writer->size, sha256, &writer->patience};
-    const int has_pieces = writer->size > VOR_BLOB_PIECE && vor_pieces_are_for(name);
+    const int has_pieces = writer->size > VOR_BLOB_PIECE && vor_pieces_are_for(file);
     struct vor_text list;
     vor_status status = VOR_OK;
 
@@ -316,29 +303,29 @@ static vor_status commit(struct vor_blob_writer *writer, const struct vor_uuid *
     vor_text_init(&list, 0);
     if (has_pieces)
         status = vor_pieces_write(&list, writer->fd, writer->size, sha256, err);
-    vor_drop_not(remote->drops, key_of(key, KEEP, id, name));
+    vor_drop_not(remote->drops, key_of(key, KEEP, file));
     if (status == VOR_OK)
         status = put(remote, key, &bytes, err);
     if (status == VOR_OK && has_pieces)
-        status = put_pieces(remote, key_of(key, PIECES, id, name), &list, &writer->patience, err);
+        status = put_pieces(remote, key_of(key, PIECES, file), &list, &writer->patience, err);
     vor_text_free(&list);
-    return status == VOR_OK ? name_copy(writer, id, name, err) : status;
+    return status == VOR_OK ? name_copy(writer, file, err) : status;
 }
 
-static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name, int *fd,
-                      uint64_t *size, int *found, struct vor_error *err)
+static vor_status get(struct vor_blobs *blobs, const char *file, int *fd, uint64_t *size,
+                      int *found, struct vor_error *err)
 {
     struct remote *remote = (struct remote *)blobs;
     char key[VOR_OBJECT_KEY_MAX + 1];
     struct stat info;
-    vor_status status = vor_blob_dir.get(blobs, id, name, fd, size, found, err);
+    vor_status status = vor_blob_dir.get(blobs, file, fd, size, found, err);
 
     if (status != VOR_OK || *found)
         return status;
     if (fd == NULL)
-        return remote->objects->kind->get(remote->objects, key_of(key, KEEP, id, name), NULL, size,
+        return remote->objects->kind->get(remote->objects, key_of(key, KEEP, file), NULL, size,
                                           found, err);
-    status = fetch(remote, id, name, NULL, fd, found, err);
+    status = fetch(remote, file, NULL, fd, found, err);
     if (status == VOR_OK && *found && fstat(*fd, &info) != 0) {
         status = vor_fail_errno(err, errno, "a temporary file");
         close(*fd);
@@ -349,27 +336,27 @@ static vor_status get(struct vor_blobs *blobs, const struct vor_uuid *id, const 
     return status;
 }
 
-static vor_status bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+static vor_status bring(struct vor_blobs *blobs, const char *file,
                         const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {
     int fd = -1;
-    vor_status status = fetch((struct remote *)blobs, id, name, watch, &fd, found, err);
+    vor_status status = fetch((struct remote *)blobs, file, watch, &fd, found, err);
 
     if (fd >= 0)
         close(fd);
     return status;
 }
 
-static int is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
+static int is_near(struct vor_blobs *blobs, const char *file)
 {
     uint64_t size;
     int found = 0;
 
-    return vor_blob_dir.get(blobs, id, name, NULL, &size, &found, NULL) != VOR_OK || found;
+    return vor_blob_dir.get(blobs, file, NULL, &size, &found, NULL) != VOR_OK || found;
 }
 
-static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
-                         struct vor_blob_writer **out, int *found, struct vor_error *err)
+static vor_status reopen(struct vor_blobs *blobs, const char *file, struct vor_blob_writer **out,
+                         int *found, struct vor_error *err)
 {
     uint64_t size;
     vor_status status = VOR_OK;
@@ -379,50 +366,47 @@ static vor_status reopen(struct vor_blobs *blobs, const struct vor_blob_source *
         int fd = -1, is_there = 0;
 
         *found = 0;
-        status = get(blobs, &from->id, from->name, &fd, &size, &is_there, err);
+        status = get(blobs, file, &fd, &size, &is_there, err);
         if (fd >= 0)
             close(fd);
         if (status != VOR_OK || !is_there)
             return status;
-        status = vor_blob_dir.reopen(blobs, from, out, found, err);
+        status = vor_blob_dir.reopen(blobs, file, out, found, err);
     }
     return status;
 }
 
-static vor_status link_to(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
+static vor_status link_to(struct vor_blobs *blobs, const char *file,
                           const struct vor_blob_reading *reading, struct vor_text *out,
                           struct vor_error *err)
 {
     char key[VOR_OBJECT_KEY_MAX + 1];
 
     return objects_of(blobs)->kind->link(objects_of(blobs), blobs->public_url,
-                                         key_of(key, KEEP, id, name), reading, out, err);
+                                         key_of(key, KEEP, file), reading, out, err);
 }
 
-static vor_status drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                       struct vor_error *err)
+static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_error *err)
 {
     char key[VOR_OBJECT_KEY_MAX + 1], before[VOR_OBJECT_KEY_MAX + 1] = "";
     vor_status status;
 
-    if (vor_pieces_are_for(name))
-        (void)key_of(before, PIECES, id, name);
-    status = vor_drop(((struct remote *)blobs)->drops, key_of(key, KEEP, id, name), before, err);
-
-    return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
+    if (vor_pieces_are_for(file))
+        (void)key_of(before, PIECES, file);
+    status = vor_drop(((struct remote *)blobs)->drops, key_of(key, KEEP, file), before, err);
+    return status == VOR_OK ? vor_blob_dir.drop(blobs, file, err) : status;
 }
 
-static vor_status set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                            struct vor_error *err)
+static vor_status set_aside(struct vor_blobs *blobs, const char *file, struct vor_error *err)
 {
     const struct vor_objects_kind *kind = objects_of(blobs)->kind;
     char from[VOR_OBJECT_KEY_MAX + 1], to[VOR_OBJECT_KEY_MAX + 1];
-    vor_status status = kind->remove(objects_of(blobs), key_of(from, PIECES, id, name), err);
+    vor_status status = kind->remove(objects_of(blobs), key_of(from, PIECES, file), err);
 
     if (status == VOR_OK)
-        status = kind->move(objects_of(blobs), key_of(from, KEEP, id, name),
-                            key_of(to, LOST, id, name), err);
-    return status == VOR_OK ? vor_blob_dir.drop(blobs, id, name, err) : status;
+        status =
+            kind->move(objects_of(blobs), key_of(from, KEEP, file), key_of(to, LOST, file), err);
+    return status == VOR_OK ? vor_blob_dir.drop(blobs, file, err) : status;
 }
 
 static void note_lost(void *ctx, const struct vor_object *object)
@@ -454,25 +438,21 @@ static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bound
 }
 
 struct listing {
-    void (*each)(void *ctx, const struct vor_uuid *id, const char *name);
+    void (*each)(void *ctx, const char *file);
     void *ctx;
 };
 
 static void list_one(void *ctx, const struct vor_object *object)
 {
     const struct listing *listing = ctx;
-    struct vor_uuid id;
-    const char *name = vor_blob_of_file(&id, object->key);
 
-    if (name != NULL)
-        listing->each(listing->ctx, &id, name);
+    listing->each(listing->ctx, object->key);
 }
 
-static vor_status list(struct vor_blobs *blobs,
-                       void (*each)(void *ctx, const struct vor_uuid *id, const char *name),
+static vor_status list(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err)
 {
-    struct listing listing = {.each = each, .ctx = ctx};
+    struct listing listing = {each, ctx};
 
     return objects_of(blobs)->kind->list(objects_of(blobs), KEEP, list_one, &listing, err);
 }
