@@ -98,7 +98,8 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
     const struct vor_relax_how how = {.steps = VOR_RELAX_STEPS,
                                       .fixed = making->how->fixed,
                                       .refine = making->how->refine,
-                                      .since = since};
+                                      .since = since,
+                                      .creases = repairs};
     vor_status status = VOR_OK;
 
     for (int round = 0; round < ROUNDS_BETTER && status == VOR_OK; round++) {

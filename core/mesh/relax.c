@@ -24,7 +24,7 @@ struct relax {
     struct vor_seeds *seeds;
     const struct vor_complex *complex;
     float *next;           /* n x 3 */
-    unsigned char *moves;  /* n: triangles surround the point */
+    unsigned char *moves;  /* n: of enum vor_relax_motion */
     struct vor_recall how; /* last fits are used again */
     enum vor_relax_aim aim;
     double length; /* that edges are brought to */
@@ -87,7 +87,13 @@ void vor_relax_step(double step[2], const struct vor_relax_pull *pull)
         step[e] *= limit / length;
 }
 
-/* The step of point i in its tangent plane. */
+void vor_relax_hold(struct vor_relax_pull *pull)
+{
+    pull->slope[1] = pull->bend[1] = 0;
+    pull->bend[2] = 1;
+}
+
+/* The step of point i in its tangent plane, or along the first axis of its frame. */
 static void step_of(const struct relax *relax, const struct vor_frame *frame, size_t i,
                     double step[2])
 {
@@ -102,6 +108,8 @@ static void step_of(const struct relax *relax, const struct vor_frame *frame, si
         vor_relax_add(&pull, frame, &xyz[3 * i], &xyz[3 * (size_t)other[0]],
                       &xyz[3 * (size_t)other[1]]);
     }
+    if (relax->moves[i] == VOR_RELAX_ALONG)
+        vor_relax_hold(&pull);
     vor_relax_step(step, &pull);
 }
 
@@ -210,6 +218,8 @@ static void move_row(void *ctx, size_t i, unsigned worker)
         vor_seeds_position(relax->seeds, i, x);
         set_normal(relax->sheet, &scratch->onto, i, x);
         vor_frame_of(&frame, &relax->sheet->normal[3 * i]);
+        if (relax->moves[i] == VOR_RELAX_ALONG)
+            vor_relax_axes(frame.axis, relax->complex, seeds->xyz, (uint32_t)i);
         steps_of[relax->aim](relax, &frame, i, step);
         for (int c = 0; c < 3; c++)
             x[c] += step[0] * frame.axis[0][c] + step[1] * frame.axis[1][c];
@@ -219,6 +229,23 @@ static void move_row(void *ctx, size_t i, unsigned worker)
         set_normal(relax->sheet, &scratch->onto, i, x);
         vor_to_floats(&relax->next[3 * i], x);
     }
+}
+
+void vor_relax_axes(double axis[3][3], const struct vor_complex *complex, const float *xyz,
+                    uint32_t i)
+{
+    double m[6] = {0}, values[3];
+
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
+        double n[3];
+
+        vor_triangle_normal(n, xyz, &complex->triangle[3 * (size_t)at]);
+        for (int a = 0, k = 0; a < 3; a++)
+            for (int b = a; b < 3; b++)
+                m[k++] += n[a] * n[b];
+    }
+    vor_eigen3(values, axis, m);
 }
 
 int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i)
@@ -248,12 +275,13 @@ static vor_status steps(struct relax *relax, const struct vor_relax_how *how, st
     memset(relax->moves, 0, seeds->n);
     for (size_t t = how->since; t < relax->complex->count; t++)
         for (int c = 0; c < 3 && relax->complex->triangle[3 * t] != VOR_COMPLEX_GONE; c++)
-            relax->moves[relax->complex->triangle[3 * t + (size_t)c]] = 1;
+            relax->moves[relax->complex->triangle[3 * t + (size_t)c]] = VOR_RELAX_FREE;
     for (size_t i = 0; i < seeds->n; i++)
-        relax->moves[i] =
-            (unsigned char)(relax->moves[i] && i + how->fixed < seeds->n &&
-                            vor_complex_surrounds(relax->complex, (uint32_t)i) &&
-                            vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i));
+        if (relax->moves[i] == VOR_RELAX_STAYS || i + how->fixed >= seeds->n ||
+            !vor_complex_surrounds(relax->complex, (uint32_t)i))
+            relax->moves[i] = VOR_RELAX_STAYS;
+        else if (!vor_relax_is_free(relax->complex, relax->sheet, (uint32_t)i))
+            relax->moves[i] = how->creases ? VOR_RELAX_ALONG : VOR_RELAX_STAYS;
     for (unsigned step = 0; step < how->steps && status == VOR_OK; step++) {
         status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, move_row, relax, err);
         if (status == VOR_OK)

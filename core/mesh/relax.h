@@ -3,7 +3,7 @@
  *  Each step moves every point that triangles surround by Newton's method towards the least sum of
  *  their strain (vor_triangle_strain), which is convex in the place of one corner, and puts it on
  *  its local surface. Points at a loop stay, and those on creases and tips unless a
- *  triangle there is poor.
+ *  triangle there is poor, or move along the crease where that is asked for.
  *
  *  Source: none of the papers. The strain of one triangle as a function of its apex is the
  *  hyperbolic cosine of the distance from the ideal apex, in the half plane over its base. */
@@ -37,9 +37,23 @@ void vor_relax_add(struct vor_relax_pull *pull, const struct vor_frame *frame, c
  *  once. O(1). */
 void vor_relax_step(double step[2], const struct vor_relax_pull *pull);
 
+/** Makes the step one along the first axis. */
+void vor_relax_hold(struct vor_relax_pull *pull);
+
 /** Whether point i may move: its triangles lie along its tangent plane, as they do not on a crease
  *  or a tip, or one of them is poor. O(1). */
 int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i);
+
+/** Axes for the triangles around point i, that along a crease first, their normal last. O(1). */
+void vor_relax_axes(double axis[3][3], const struct vor_complex *complex, const float *xyz,
+                    uint32_t i);
+
+/** How a point moves. */
+enum vor_relax_motion {
+    VOR_RELAX_STAYS,
+    VOR_RELAX_ALONG, /**< a crease: by vor_relax_hold in vor_relax_axes */
+    VOR_RELAX_FREE
+};
 
 /** Where points move to. */
 enum vor_relax_aim {
@@ -58,6 +72,7 @@ struct vor_relax_how {
     double length;  /**< LENGTH: of the edges, over the spacing wanted; without a density normalised
                      */
     int keep_holes; /**< not STRAIN: holes are kept open (vor_attach) */
+    int creases;    /**< STRAIN: points on creases move along them */
 };
 
 /** Moves the points.

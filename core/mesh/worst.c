@@ -46,7 +46,8 @@ static int worse_first(const void *a, const void *b)
     return x->triangle < y->triangle ? -1 : x->triangle > y->triangle;
 }
 
-/* How bad the triangles around point i are: squares of their strains above BAD, in sum. */
+/* How bad the triangles around point i are: eighth powers of how far their strains are above 1, in
+ * sum. */
 static double badness_around(const struct worst *worst, uint32_t i)
 {
     const struct vor_complex *complex = worst->complex;
@@ -55,9 +56,10 @@ static double badness_around(const struct worst *worst, uint32_t i)
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
         double over =
-            vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - BAD;
+            vor_triangle_strain(worst->seeds->xyz, &complex->triangle[3 * (size_t)at]) - 1;
 
-        sum += over > 0 ? over * over : 0;
+        over *= over * over * over;
+        sum += over * over;
     }
     return sum;
 }
@@ -80,26 +82,20 @@ static int has_turned(const struct worst *worst, uint32_t i, double before[][3])
     return 0;
 }
 
-/* Axes of the plane in which the triangles around point i lie, that along a crease first. Tells the
- * normals of the triangles and the mean length of the edges. */
-static double axes_of(const struct worst *worst, uint32_t i, double axis[3][3], double normal[][3])
+/* The normals of the triangles around point i, and the mean length of the edges. */
+static double normals_of(const struct worst *worst, uint32_t i, double normal[][3])
 {
     const struct vor_complex *complex = worst->complex;
     const float *xyz = worst->seeds->xyz;
-    double m[6] = {0}, values[3], length = 0;
+    double length = 0;
 
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t], other[2];
-        const double *n = normal[t];
 
         vor_triangle_normal(normal[t], xyz, &complex->triangle[3 * (size_t)at]);
         vor_complex_others(complex, at, i, other);
         length += sqrt(vor_distance2f(&xyz[3 * (size_t)i], &xyz[3 * (size_t)other[0]]));
-        for (int a = 0, k = 0; a < 3; a++)
-            for (int b = a; b < 3; b++)
-                m[k++] += n[a] * n[b];
     }
-    vor_eigen3(values, axis, m);
     return length / complex->degree[i];
 }
 
@@ -116,7 +112,8 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
         vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
         return;
     across = vor_relax_is_free(worst->complex, worst->sheet, i);
-    length = axes_of(worst, i, axis, normal);
+    length = normals_of(worst, i, normal);
+    vor_relax_axes(axis, worst->complex, seeds->xyz, i);
     best = badness_around(worst, i);
     for (int part = 1; part <= SMALLEST_PART && best > 0; part *= 2) {
         double step = VOR_RELAX_STEP_MAX * length / part;
@@ -148,6 +145,24 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
     }
 }
 
+/* Moves the corners of a triangle, and if it stays bad the points around them. */
+static void move_at(struct worst *worst, const uint32_t corner[3], unsigned worker)
+{
+    const struct vor_complex *complex = worst->complex;
+
+    for (int c = 0; c < 3; c++)
+        move(worst, corner[c], worker);
+    for (int c = 0; c < 3; c++)
+        for (unsigned t = 0;
+             t < complex->degree[corner[c]] && vor_triangle_strain(worst->seeds->xyz, corner) > BAD;
+             t++) {
+            uint32_t at = complex->around[(size_t)corner[c] * VOR_AROUND_MOST + t], other[2];
+
+            vor_complex_others(complex, at, corner[c], other);
+            move(worst, other[0], worker);
+        }
+}
+
 /* Lists the bad triangles. */
 static void list(struct worst *worst)
 {
@@ -165,15 +180,25 @@ static void list(struct worst *worst)
     qsort(worst->bad, worst->count, sizeof *worst->bad, worse_first);
 }
 
-/* Copies what a pass changes of point i, or puts it back. */
-static void keep(struct worst *worst, uint32_t i, int puts_back)
+/* One of the seven numbers of point i that a pass changes. */
+static float *number_of(const struct worst *worst, uint32_t i, int k)
 {
-    float *of[3] = {&worst->seeds->xyz[3 * (size_t)i], &worst->sheet->normal[3 * (size_t)i],
-                    &worst->sheet->near[i]};
-    float *kept = &worst->before[7 * (size_t)i];
+    size_t row = 3 * (size_t)i;
 
-    for (int k = 0; k < 3; kept += 3, k++)
-        memcpy(puts_back ? of[k] : kept, puts_back ? kept : of[k], (k < 2 ? 3 : 1) * sizeof *kept);
+    return k < 3   ? &worst->seeds->xyz[row + (size_t)k]
+           : k < 6 ? &worst->sheet->normal[row + (size_t)k - 3]
+                   : &worst->sheet->near[i];
+}
+
+/* Exchanges what a pass changes of point i with what was before. */
+static void exchange(struct worst *worst, uint32_t i)
+{
+    for (int k = 0; k < 7; k++) {
+        float *here = number_of(worst, i, k), now = *here;
+
+        *here = worst->before[7 * (size_t)i + (size_t)k];
+        worst->before[7 * (size_t)i + (size_t)k] = now;
+    }
 }
 
 /* Whether point i is as far from the input as points that hang (vor_attach_hanging). */
@@ -185,13 +210,20 @@ static int hangs(const struct worst *worst, uint32_t i)
     return (double)worst->sheet->near[i] > VOR_HOLE_INSIDE * most;
 }
 
-/* Takes point i back if it has moved, and hangs or has worse triangles around it than before. */
+/* Takes point i back if it has moved, and hangs or has worse triangles around it than before and
+ * than where it was. */
 static size_t take_back(struct worst *worst, uint32_t i, size_t count)
 {
-    if (!worst->moved[i] || (badness_around(worst, i) <= worst->was[i] && !hangs(worst, i)))
+    double here = hangs(worst, i) ? INFINITY : badness_around(worst, i);
+
+    if (!worst->moved[i] || here <= worst->was[i])
         return count;
+    exchange(worst, i);
+    if (badness_around(worst, i) >= here) {
+        exchange(worst, i);
+        return count;
+    }
     worst->moved[i] = 0;
-    keep(worst, i, 1);
     worst->back[count] = i;
     return count + 1;
 }
@@ -222,16 +254,15 @@ static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t
 
     worst->status = VOR_OK;
     for (uint32_t i = 0; i < worst->complex->n; i++) {
-        keep(worst, i, 0);
+        for (int k = 0; k < 7; k++)
+            worst->before[7 * (size_t)i + (size_t)k] = *number_of(worst, i, k);
         worst->was[i] = badness_around(worst, i);
     }
     list(worst);
     for (size_t k = 0; k < worst->count && worst->status == VOR_OK; k++) {
-        const uint32_t *corner = &worst->complex->triangle[3 * (size_t)worst->bad[k].triangle];
-
         worst->status = vor_run_answered(vor_run_poll(&worst->seeds->run), worst->err);
-        for (int c = 0; c < 3 && worst->status == VOR_OK; c++)
-            move(worst, corner[c], worker);
+        if (worst->status == VOR_OK)
+            move_at(worst, &worst->complex->triangle[3 * (size_t)worst->bad[k].triangle], worker);
     }
 }
 
