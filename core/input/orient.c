@@ -60,6 +60,13 @@ enum {
 #define OWN 0.25
 #define PI 3.14159265358979
 
+/* What edges weigh more for. */
+enum shun {
+    SHUN_NOTHING,
+    SHUN_APART, /* that the planes of their ends lie apart: two sheets */
+    SHUN_ROUGH  /* that an end is off the surface fitted to it */
+};
+
 /* The points to orient and what is found of them. */
 struct orient {
     const struct vor_domain *domain; /* all points: normals are fitted to them */
@@ -68,8 +75,8 @@ struct orient {
     const struct vor_attribute *carried;
     float *normal;
     unsigned char *edge;
-    float *rough;   /* how far, in spacings, the points are off the surface fitted to them */
-    int shun_rough; /* edges between such points weigh more */
+    float *rough; /* how far, in spacings, the points are off the surface fitted to them */
+    enum shun shun;
     struct vor_span span;
 };
 
@@ -151,7 +158,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 /* The byte of vor_span_make for the edge from i to j. */
 static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
 {
-    double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, steep, rough, weight;
+    double x[3], y[3], m[3], n[3], along[3], length2, a, b, mirrored, steep, weight, more = 0;
 
     vor_to_doubles(x, &orient->on->xyz[3 * i]);
     vor_to_doubles(y, &orient->on->xyz[3 * j]);
@@ -166,9 +173,11 @@ static unsigned char edge_of(const struct orient *orient, size_t i, size_t j)
     mirrored = vor_dot(m, n) - 2 * a * b / length2;
     steep = fmax(a * a, b * b) / length2;
     weight = fmax(0, 1 - fabs(mirrored) + STEEP * steep);
-    rough =
-        orient->shun_rough ? fmin(1, fmax((double)orient->rough[i], (double)orient->rough[j])) : 0;
-    weight = (weight + rough) / (1 + STEEP + orient->shun_rough);
+    if (orient->shun == SHUN_ROUGH)
+        more = fmin(1, fmax((double)orient->rough[i], (double)orient->rough[j]));
+    else if (orient->shun == SHUN_APART) /* 0 on an arc, and across an edge */
+        more = (a * a + b * b + (mirrored < 0 ? -2 : 2) * a * b) / (4 * length2);
+    weight = (weight + more) / (1 + STEEP + (orient->shun == SHUN_ROUGH));
     return (unsigned char)(fmin(weight * VOR_SPAN_LEVELS, VOR_SPAN_LEVELS - 1) +
                            (mirrored < 0 ? VOR_SPAN_TURNS : 0));
 }
@@ -376,7 +385,7 @@ static vor_status spread_anew(struct anew *anew, const struct vor_winding_points
         status = vor_winding_turn(&anew->span, points, run, err);
     for (unsigned k = 0; k < VOTES && status == VOR_OK; k++)
         status = vor_run_for(run, n, n, outvote, anew, err); /* one task: their order decides */
-    if (status == VOR_OK && orient->shun_rough)              /* else nobody asks for them */
+    if (status == VOR_OK)
         status = vor_winding_find(anew->found, &anew->span, points, run, err);
     return status;
 }
@@ -386,7 +395,18 @@ static int is_closed(const struct vor_winding_found *found)
     return fabs(found->mean) >= CLOSED;
 }
 
-/* Spreads signs anew, across rough places last if that is set, and takes those that are better. */
+/* Whether a component takes signs spread anew: by votes, unless the first ones close it far better;
+ * across some edges last, where that closes it far better. */
+static int takes(enum shun shun, const struct vor_winding_found *was,
+                 const struct vor_winding_found *now)
+{
+    if (shun == SHUN_NOTHING)
+        return is_closed(was) && now->apart < 2 * was->apart;
+    return (shun == SHUN_APART || was->apart >= APART) && is_closed(now) &&
+           now->apart <= was->apart / 2;
+}
+
+/* Spreads signs anew, over the edges as they weigh now, and takes those that are better. */
 static vor_status try_anew(struct orient *orient, struct vor_winding_found *found,
                            const struct vor_winding_points *points, const struct vor_run *run,
                            struct vor_error *err)
@@ -399,38 +419,32 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
         return vor_fail(err, VOR_E_NOMEM, "%zu parts", orient->span.components);
     status = spread_anew(&anew, points, run, err);
     if (status == VOR_OK) {
-        /* Takes the new signs of the components that are closed, or that the new signs close. */
         for (size_t i = 0; i < orient->on->n; i++) {
             uint32_t c = orient->span.component[i];
-            const struct vor_winding_found *now = &anew.found[c];
 
-            if (orient->shun_rough
-                    ? found[c].apart >= APART && is_closed(now) && now->apart <= found[c].apart / 2
-                    : is_closed(&found[c]))
+            if (takes(orient->shun, &found[c], &anew.found[c]))
                 orient->span.odd[i] = anew.span.odd[i];
         }
     }
-    if (status == VOR_OK && !orient->shun_rough) /* else nobody asks for them any more */
+    if (status == VOR_OK && orient->shun != SHUN_ROUGH) /* else nobody asks for them any more */
         status = vor_winding_find(found, &orient->span, points, run, err);
     vor_span_free(&anew.span);
     vor_free(run->memory, anew.found);
     return status;
 }
 
-/* Where the numbers on a component are far from a half it is open, or faces are joined that lie on
- * different sides: signs are spread anew, the rough places last. They are kept if that closes it.
- */
-static vor_status close_up(struct orient *orient, struct vor_winding_found *found,
+/* Tries signs spread across some edges last: faces may be joined that lie on different sides. */
+static vor_status close_up(struct orient *orient, enum shun shun, struct vor_winding_found *found,
                            const struct vor_winding_points *points, const struct vor_run *run,
                            struct vor_error *err)
 {
     vor_status status;
 
-    orient->shun_rough = 1;
+    orient->shun = shun;
     status = vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err);
     if (status == VOR_OK)
         status = try_anew(orient, found, points, run, err);
-    orient->shun_rough = 0;
+    orient->shun = SHUN_NOTHING;
     return status == VOR_OK ? vor_run_for(run, orient->on->n, BLOCK, edge_block, orient, err)
                             : status;
 }
@@ -450,12 +464,15 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
         closed += is_closed(&found[c]);
     if (status == VOR_OK && closed > 0 &&
         orient->domain->known.neighbors.usual <=
-            orient->graph->most) /* else noise: lists are too short */
+            orient->graph->most) { /* else noise: lists are too short */
         status = try_anew(orient, found, points, run, err);
+        if (status == VOR_OK)
+            status = close_up(orient, SHUN_APART, found, points, run, err);
+    }
     for (size_t c = 0; c < components && status == VOR_OK; c++)
         apart += found[c].apart >= APART;
     if (status == VOR_OK && apart > 0)
-        status = close_up(orient, found, points, run, err);
+        status = close_up(orient, SHUN_ROUGH, found, points, run, err);
     vor_free(run->memory, found);
     return status;
 }

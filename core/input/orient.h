@@ -17,7 +17,10 @@
  *  results instead of 0): both keep the first signs. Where the numbers say that the surface is not
  *  closed, signs are spread anew, across the points last that lie off their own fit, as beside an
  *  edge sharper than 90 degrees; these are kept if they close it. Without, of prisms with an edge
- *  of 70 and of 50 degrees 29 and 38 % of the points face inward, with it fewer than 0.5 %.
+ *  of 70 and of 50 degrees 29 and 38 % of the points face inward, with it fewer than 0.5 %. Votes
+ *  are not taken where the first signs close the surface twice as well, and others are where edges
+ *  between planes that lie apart are crossed last and close it twice as well: of 4,784 results on a
+ *  screw 209 and 2 face inward, of 5,426 on a block with thin walls 129 and 4.
  *  Departure: with noise, and where a surface is open, regions are turned that three quarters of
  * the edges around them contradict (geom/flip.h). Points on the wrong side, of clouds with noise of
  * 0.3 spacings, without and with it: a bore through a block 157 and 10 of 5,921 (294 and 0 of
