@@ -28,10 +28,11 @@ struct warm {
     const struct vor_previous *previous;
     struct vor_knn *knn; /* over xyz */
     double spacing;      /* of an even spread, normalised */
+    double moved;        /* mean of the m: (way to the surface / half a spacing)^2, at most 1 */
     size_t m;
     float *xyz;           /* m x 3 */
     uint32_t *track;      /* m */
-    float *room;          /* m: squared distance to the nearest other one */
+    float *room;          /* m: squared distance to the nearest other one; before, as moved */
     uint32_t *count;      /* m: first positions that count for it */
     uint32_t *emptiest;   /* m: the one of these that is farthest from it */
     unsigned char *dead;  /* m */
@@ -80,7 +81,7 @@ static void put_row(void *ctx, size_t i, unsigned worker)
     const struct warm *warm = ctx;
     const float *from = &warm->previous->xyz[3 * i];
     float *to = &warm->xyz[3 * i];
-    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, moved;
 
     to[0] = NAN;
     /* The domain lies within 1 of the middle. */
@@ -88,7 +89,9 @@ static void put_row(void *ctx, size_t i, unsigned worker)
         !put(warm->seeds, &warm->seeds->scratch[worker], x))
         return;
     vor_to_floats(to, x);
-    if (!((double)vor_distance2f(to, from) <= LEFT * LEFT * spacing2(warm, to)))
+    moved = (double)vor_distance2f(to, from) / spacing2(warm, to);
+    warm->room[i] = (float)fmin(4 * moved, 1);
+    if (!(moved <= LEFT * LEFT))
         to[0] = NAN;
 }
 
@@ -125,6 +128,7 @@ static void gather(struct warm *warm)
         if (isnan(warm->xyz[3 * i]))
             continue;
         memmove(&warm->xyz[3 * warm->m], &warm->xyz[3 * i], 3 * sizeof *warm->xyz);
+        warm->moved += (double)warm->room[i];
         warm->track[warm->m++] = previous->track[i];
     }
 }
@@ -254,7 +258,8 @@ static vor_status take(struct warm *warm, struct vor_error *err)
     memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
     vor_free(seeds->run.memory, xyz);
     status = sort(seeds->xyz, seeds->track, seeds->n, &seeds->run, err);
-    seeds->coherence = VOR_SEEDS_COHERENT * warm->coherence * (double)living / (double)seeds->n;
+    seeds->coherence = VOR_SEEDS_COHERENT * warm->coherence * (1 - warm->moved) * (double)living /
+                       (double)seeds->n;
     return status;
 }
 
@@ -269,6 +274,7 @@ static vor_status start(struct warm *warm, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     gather(warm);
+    warm->moved /= fmax(1, (double)warm->m);
     if (warm->m == 0) {
         vor_warm_start_number(seeds, 0);
         return VOR_OK;
