@@ -22,6 +22,12 @@ static inline double vor_dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/** The same of floats. */
+static inline double vor_dotf(const float a[3], const float b[3])
+{
+    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
+}
+
 /** x^n by squaring: its bits do not differ between machines, as those of pow do. O(log n). */
 static inline double vor_power(double x, unsigned n)
 {

@@ -31,11 +31,6 @@ struct towards {
     float room;
 };
 
-static double dotf(const float a[3], const float b[3])
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 /* Finds the neighbours of point i that lie on its surface, or, if none does, all of them. */
 static void look_around(struct towards *out, const struct between *between, size_t i)
 {
@@ -49,7 +44,7 @@ static void look_around(struct towards *out, const struct between *between, size
     out->room = distance2[k - 1];
     for (int all = 0; all < 2 && out->count == 0; all++)
         for (unsigned j = 0; j < k; j++) {
-            double cosine = dotf(&normal[3 * i], &normal[3 * (size_t)index[j]]);
+            double cosine = vor_dotf(&normal[3 * i], &normal[3 * (size_t)index[j]]);
 
             if (index[j] != i && (all || (distance2[j] > 0 && cosine >= (double)VOR_LOP_AWAY)))
                 out->index[out->count++] = index[j];
@@ -64,9 +59,9 @@ static void put(struct vor_lop_samples *samples, size_t at, const size_t ends[2]
     const float *n = &samples->normal[3 * ends[0]], *m = &samples->normal[3 * ends[1]];
     float *normal = &samples->normal[3 * at];
     const float there[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
-    int alike = dotf(n, m) >= (double)VOR_LOP_BETWEEN_ALIKE;
-    double t = alike ? part : part / 2, down = -t * dotf(there, n), length2 = 0;
-    double beyond = (1 - t) * dotf(there, m);
+    int alike = vor_dotf(n, m) >= (double)VOR_LOP_BETWEEN_ALIKE;
+    double t = alike ? part : part / 2, down = -t * vor_dotf(there, n), length2 = 0;
+    double beyond = (1 - t) * vor_dotf(there, m);
 
     for (int c = 0; c < 3; c++) {
         double lift = alike ? ((1 - t) * down * (double)n[c] + t * beyond * (double)m[c]) / 2

@@ -68,11 +68,6 @@ struct sides {
     double sign; /* of their normals: -1 where the edge is hollow */
 };
 
-static double dotf(const float a[3], const float b[3])
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 static const float *normal_of(const struct fillets *fillets, size_t i)
 {
     return &fillets->data->normal[3 * i];
@@ -84,7 +79,7 @@ static int64_t other_side(const struct fillets *fillets, size_t i)
     const uint32_t *list = &fillets->lists->list[i * fillets->lists->most];
 
     for (unsigned j = 0; j < fillets->lists->count[i]; j++) {
-        double cosine = dotf(normal_of(fillets, i), normal_of(fillets, list[j]));
+        double cosine = vor_dotf(normal_of(fillets, i), normal_of(fillets, list[j]));
 
         if (cosine < VOR_LOP_EDGE_COSINE && cosine > (double)VOR_LOP_AWAY)
             return list[j];
@@ -104,7 +99,7 @@ static int mean_side(double place[3], double normal[3], const struct fillets *fi
     for (unsigned j = 0; j < k; j++) {
         const float *n = normal_of(fillets, index[j]);
 
-        if (dotf(n, like) <= VOR_LOP_EDGE_COSINE)
+        if (vor_dotf(n, like) <= VOR_LOP_EDGE_COSINE)
             continue;
         count++;
         for (size_t c = 0; c < 3; c++) {
@@ -189,7 +184,7 @@ static int lies_below(const struct fillets *fillets, const struct sides *sides,
         const float off[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
         double h[2];
 
-        noise2 += dotf(off, n) * dotf(off, n) / k;
+        noise2 += vor_dotf(off, n) * vor_dotf(off, n) / k;
         over(h, sides, x);
         if (!belongs(sides, n) || fabs(across(sides, h)) > CENTRAL * reach)
             continue;

@@ -187,11 +187,6 @@ struct seen {
     float normal[3][VOR_LOP_NORMALS_MOST];
 };
 
-static double dotf(const float a[3], const float b[3])
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 static const float *normal_now(const struct normals *normals, size_t i)
 {
     return normals->now.normal + 3 * i;
@@ -212,11 +207,11 @@ static void see(struct seen *seen, const struct normals *normals, size_t i)
         const float *y = normals->now.xyz + 3 * (size_t)seen->index[j];
         const float *n = normal_now(normals, seen->index[j]);
         const float away[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
-        double height = dotf(away, n);
+        double height = vor_dotf(away, n);
 
         for (int c = 0; c < 3; c++)
             seen->normal[c][j] = n[c];
-        seen->weight[j] = reach2 > 0 && off > 0 ? vor_lop_near(dotf(away, away), 1 / reach2) *
+        seen->weight[j] = reach2 > 0 && off > 0 ? vor_lop_near(vor_dotf(away, away), 1 / reach2) *
                                                       vor_lop_near(height * height, 1 / (off * off))
                                                 : 1;
     }
@@ -300,11 +295,11 @@ static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
             const float *y = normals->now.xyz + 3 * (size_t)seen.index[j];
             const float *m = normal_now(normals, seen.index[j]);
             const float there[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
-            double cosine = dotf(n, m);
+            double cosine = vor_dotf(n, m);
             double w = seen.weight[j] * vor_lop_alike(cosine, normals->scale);
 
             if (w > 0)
-                sum += w * (dotf(there, n) + dotf(there, m)) / (1 + cosine);
+                sum += w * (vor_dotf(there, n) + vor_dotf(there, m)) / (1 + cosine);
             weights += w;
         }
         for (unsigned c = 0; c < 3; c++)
