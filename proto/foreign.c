@@ -1,5 +1,7 @@
 #include "proto/foreign.h"
 
+#include "proto/text.h"
+
 #include <ctype.h>
 #include <string.h>
 #include <strings.h>
@@ -36,15 +38,6 @@ static int holds(const char *text, size_t size, const char *word)
     return 0;
 }
 
-static size_t line_length(const char *text, size_t size)
-{
-    size_t length = 0;
-
-    while (length < size && text[length] != '\n' && text[length] != '\r')
-        length++;
-    return length;
-}
-
 static void skip(const char **text, size_t *size, size_t length)
 {
     *text += length;
@@ -60,7 +53,7 @@ static void skip_line(const char **text, size_t *size, size_t length)
 {
     skip(text, size, length);
     while (begins(*text, *size, "#") || begins(*text, *size, "//"))
-        skip(text, size, line_length(*text, *size));
+        skip(text, size, vor_line_length(*text, *size));
 }
 
 /* Counts the numbers of a line: 0 if anything else stands in it. */
@@ -92,7 +85,7 @@ static void count_lines(const char *text, size_t size, size_t out[LINES])
 
     for (int i = 0; i < LINES; i++) {
         skip_line(&text, &size, length);
-        length = line_length(text, size);
+        length = vor_line_length(text, size);
         out[i] = count_numbers(text, length);
     }
 }

@@ -18,16 +18,6 @@ void vor_sse_heartbeat(struct vor_text *text)
     vor_text_puts(text, ": hb\n\n");
 }
 
-/* Bytes up to the first CR or LF. */
-static size_t line_length(const char *data, size_t size)
-{
-    size_t length = 0;
-
-    while (length < size && data[length] != '\r' && data[length] != '\n')
-        length++;
-    return length;
-}
-
 void vor_sse_event(struct vor_text *text, const char *id, const char *name, const char *data,
                    size_t size)
 {
@@ -39,7 +29,7 @@ void vor_sse_event(struct vor_text *text, const char *id, const char *name, cons
     if (name != NULL)
         vor_text_printf(text, "event: %s\n", name);
     for (;;) {
-        length = line_length(data + at, size - at);
+        length = vor_line_length(data + at, size - at);
         vor_text_puts(text, "data: ");
         vor_text_add(text, data + at, length);
         vor_text_puts(text, "\n");
@@ -207,7 +197,7 @@ vor_status vor_sse_feed(struct vor_sse_parser *parser, const void *bytes, size_t
     vor_status status = VOR_OK;
 
     for (size_t at = 0; at < size && status == VOR_OK;) {
-        size_t length = line_length(p + at, size - at);
+        size_t length = vor_line_length(p + at, size - at);
 
         if (parser->seen_cr && p[at] == '\n') {
             parser->seen_cr = 0;

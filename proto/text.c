@@ -117,3 +117,12 @@ int vor_text_take(void *text, const void *bytes, size_t size)
     vor_text_append(out, bytes, size);
     return out->failed ? -1 : 0;
 }
+
+size_t vor_line_length(const char *text, size_t size)
+{
+    size_t length = 0;
+
+    while (length < size && text[length] != '\r' && text[length] != '\n')
+        length++;
+    return length;
+}

@@ -43,4 +43,7 @@ int vor_text_take(void *text, const void *bytes, size_t size);
 /** @retval VOR_E_NOMEM something was dropped: no memory, or beyond the cap */
 VOR_NODISCARD vor_status vor_text_status(const struct vor_text *text, struct vor_error *err);
 
+/** Bytes up to the first CR or LF. */
+size_t vor_line_length(const char *text, size_t size);
+
 #endif

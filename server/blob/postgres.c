@@ -195,6 +195,17 @@ static vor_status perform(struct call *call,
     return status;
 }
 
+/* The same for who does not need the result. */
+static vor_status finish(struct call *call,
+                         vor_status (*once)(struct call *call, struct vor_error *err),
+                         struct vor_error *err)
+{
+    vor_status status = perform(call, once, err);
+
+    clear(call);
+    return status;
+}
+
 static struct database *of(struct vor_objects *objects)
 {
     return (struct database *)objects;
@@ -267,10 +278,7 @@ static vor_status put(struct vor_objects *objects, const char *key,
                         .fd = bytes->fd,
                         .size = bytes->size,
                         .patience = bytes->patience};
-    vor_status status = perform(&call, put_once, err);
-
-    clear(&call);
-    return status;
+    return finish(&call, put_once, err);
 }
 
 static vor_status move_once(struct call *call, struct vor_error *err)
@@ -290,10 +298,7 @@ static vor_status move(struct vor_objects *objects, const char *from, const char
                        struct vor_error *err)
 {
     struct call call = {.db = of(objects), .verb = "move", .key = from, .to = to};
-    vor_status status = perform(&call, move_once, err);
-
-    clear(&call);
-    return status;
+    return finish(&call, move_once, err);
 }
 
 static vor_status remove_once(struct call *call, struct vor_error *err)
@@ -304,10 +309,7 @@ static vor_status remove_once(struct call *call, struct vor_error *err)
 static vor_status remove_one(struct vor_objects *objects, const char *key, struct vor_error *err)
 {
     struct call call = {.db = of(objects), .verb = "delete", .key = key};
-    vor_status status = perform(&call, remove_once, err);
-
-    clear(&call);
-    return status;
+    return finish(&call, remove_once, err);
 }
 
 /* --- reading ---------------------------------------------------------------------------------- */
@@ -357,9 +359,8 @@ static vor_status get(struct vor_objects *objects, const char *key,
 {
     struct call call = {
         .db = of(objects), .verb = reader != NULL ? "get" : "head", .key = key, .reader = reader};
-    vor_status status = perform(&call, get_once, err);
+    vor_status status = finish(&call, get_once, err);
 
-    clear(&call);
     *found = call.found;
     *size = status == VOR_OK && call.found ? call.size : 0;
     return status;
@@ -411,10 +412,7 @@ static vor_status probe_once(struct call *call, struct vor_error *err)
 static vor_status probe(struct vor_objects *objects, struct vor_error *err)
 {
     struct call call = {.db = of(objects), .verb = "probe", .is_probe = 1};
-    vor_status status = perform(&call, probe_once, err);
-
-    clear(&call);
-    return status;
+    return finish(&call, probe_once, err);
 }
 
 /* --- opening ---------------------------------------------------------------------------------- */
@@ -468,10 +466,8 @@ static vor_status open_database(struct vor_objects **out, const char *place, str
     vor_objects_init(&db->base, &vor_postgres_objects);
     db->where = vor_pg_where(place);
     status = db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "%s", what);
-    if (status == VOR_OK) {
-        status = perform(&call, prepare, err);
-        clear(&call);
-    }
+    if (status == VOR_OK)
+        status = finish(&call, prepare, err);
     if (status != VOR_OK) {
         close_database(&db->base);
         return status;

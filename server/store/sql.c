@@ -137,7 +137,8 @@ vor_status vor_sql_change(struct vor_store *store, int *rows, struct vor_error *
     gather(&values, types, &args);
     va_end(args);
     status = change(of(store), &plain, err, sql, &values);
-    *rows = plain.rows;
+    if (rows != NULL)
+        *rows = plain.rows;
     return status;
 }
 

@@ -112,7 +112,7 @@ VOR_NODISCARD vor_status vor_sql_end(struct vor_store *store, vor_status status,
  * says what follows, for the statement's parameters from the first on: t text (or NULL), i int64_t,
  * r double, b bytes (pointer or NULL, then size_t); all borrowed for the call.
  *
- *  @param[out] rows  how many the statement changed
+ *  @param[out] rows  how many the statement changed; may be NULL
  *
  *  @retval VOR_E_IO nothing was changed; `got` of err is ENOSPC when the disk is full */
 VOR_NODISCARD vor_status vor_sql_change(struct vor_store *store, int *rows, struct vor_error *err,

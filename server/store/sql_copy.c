@@ -82,9 +82,8 @@ static int copy_turn(void *ctx, struct vor_sql_row *row)
 {
     struct copying *copying = ctx;
     const char *principal = vor_sql_text(row);
-    int rows;
 
-    copying->status = vor_sql_change(&copying->into->base, &rows, copying->err,
+    copying->status = vor_sql_change(&copying->into->base, NULL, copying->err,
                                      "UPDATE ledger SET turn = max(turn, ?2) WHERE principal = ?1",
                                      "ti", principal, vor_sql_number(row));
     return copying->status == VOR_OK;

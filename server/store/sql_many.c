@@ -204,13 +204,12 @@ static int take_leased(void *ctx, struct vor_sql_row *row)
 vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
                            struct vor_error *err)
 {
-    int rows;
     vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     renewal->count = 0;
     if (status == VOR_OK)
         status = vor_sql_end(store,
-                             vor_sql_change(store, &rows, err,
+                             vor_sql_change(store, NULL, err,
                                             "INSERT INTO daemon (owner, lease, engine)"
                                             " VALUES (?1, clock_ms() + ?2, ?3) ON CONFLICT (owner)"
                                             " DO UPDATE SET lease = excluded.lease",
@@ -235,14 +234,13 @@ vor_status vor_store_renew(struct vor_store *store, struct vor_renewal *renewal,
 
 vor_status vor_store_look(struct vor_store *store, const struct vor_uuid *id, struct vor_error *err)
 {
-    int rows;
     vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change(store, &rows, err, PREVIEW(">"), "t", id->text);
+    status = vor_sql_change(store, NULL, err, PREVIEW(">"), "t", id->text);
     if (status == VOR_OK)
-        status = vor_sql_change(store, &rows, err,
+        status = vor_sql_change(store, NULL, err,
                                 "INSERT INTO event SELECT seq, 0, clock_ms() + 10000, ?2 FROM job"
                                 " WHERE id = ?1 AND status = 'running'",
                                 "tb", id->text, "", (size_t)0);
@@ -253,14 +251,13 @@ vor_status vor_store_show(struct vor_store *store, const struct vor_uuid *id,
                           const struct vor_lease *lease, const struct vor_event_piece *piece,
                           struct vor_error *err)
 {
-    int rows;
     vor_status status = vor_sql_begin(store, VOR_SQL_APART, err);
 
     if (status != VOR_OK)
         return status;
-    status = vor_sql_change(store, &rows, err, PREVIEW("<="), "t", id->text);
+    status = vor_sql_change(store, NULL, err, PREVIEW("<="), "t", id->text);
     if (status == VOR_OK && piece->size > 0)
-        status = vor_sql_change(store, &rows, err,
+        status = vor_sql_change(store, NULL, err,
                                 "INSERT INTO event SELECT seq, 0, ?4, ?5 FROM job WHERE id = ?1"
                                 " AND attempt = ?2 AND owner = ?3 AND status = 'running'",
                                 "titib", id->text, (int64_t)lease->attempt, lease->owner,

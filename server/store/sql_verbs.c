@@ -32,7 +32,6 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
     const struct vor_job_input *input = &row->input[0];
     char traceparent[VOR_TRACEPARENT_SIZE];
     int64_t seq = 0;
-    int rows;
     vor_status status = vor_sql_change_each(
         store, vor_sql_take_number, &seq, err,
         "INSERT INTO job (id, process_id, status, created, updated, name, principal, idem_key, "
@@ -47,7 +46,7 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         row->key.text[0] != '\0' ? row->key.text : NULL, (int64_t)row->kept, (int64_t)row->decoded);
 
     if (status == VOR_OK)
-        status = vor_sql_change(store, &rows, err,
+        status = vor_sql_change(store, NULL, err,
                                 "INSERT INTO job_text (" VOR_SQL_TEXT
                                 ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                 "iiiiirttttttti", (int64_t)input->format, (int64_t)input->points,
@@ -88,11 +87,9 @@ done:
 static vor_status add_events(struct vor_store *store, int64_t seq, uint32_t attempt,
                              const struct vor_event_piece *piece, struct vor_error *err)
 {
-    int rows;
-
     if (piece->size == 0)
         return VOR_OK;
-    return vor_sql_change(store, &rows, err,
+    return vor_sql_change(store, NULL, err,
                           "INSERT INTO event VALUES (?, ?, ?, ?)"
                           " ON CONFLICT (seq, attempt, last) DO UPDATE SET data = excluded.data",
                           "iiib", seq, (int64_t)attempt, (int64_t)piece->last, piece->data,
@@ -187,11 +184,10 @@ static vor_status add_end(struct vor_store *store, int64_t seq, const struct vor
 {
     const struct vor_job_output *output = &row->output[0];
     struct vor_row_text text;
-    int rows;
     vor_status status = vor_row_write(&text, row, err);
 
     if (status == VOR_OK)
-        status = vor_sql_change(store, &rows, err,
+        status = vor_sql_change(store, NULL, err,
                                 "INSERT INTO job_end (" VOR_SQL_END
                                 ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
                                 "iiiiitttttti", (int64_t)row->progress, (int64_t)output->format,
@@ -523,7 +519,6 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
     int64_t memory = claim->memory > INT64_MAX ? INT64_MAX : (int64_t)claim->memory;
     struct taken taken = {.row = out};
     int64_t seq = 0;
-    int rows;
     vor_status status = vor_sql_begin(store, VOR_SQL_LAZY, err);
 
     *found = 0;
@@ -546,7 +541,7 @@ vor_status vor_store_claim_next(struct vor_store *store, const struct vor_claim 
                                 "SELECT " ROW_COLUMNS ", -1" ROWS " WHERE job.seq = ?", "i", seq);
     if (status == VOR_OK && taken.found && out->attempt > 1) /* nobody reads the former one's */
         status =
-            vor_sql_change(store, &rows, err, "DELETE FROM event WHERE seq = ?1 AND attempt < ?2",
+            vor_sql_change(store, NULL, err, "DELETE FROM event WHERE seq = ?1 AND attempt < ?2",
                            "ii", seq, (int64_t)out->attempt);
     status = vor_sql_end(store, status, err);
     *found = status == VOR_OK && taken.found;

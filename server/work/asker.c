@@ -2,34 +2,34 @@
 
 #include <stdlib.h>
 
-struct vor_waiting {
-    struct vor_waiting *next;
+struct vor_askers {
+    struct vor_askers *next;
     struct vor_asker asker;
 };
 
-int vor_waiting_add(struct vor_waiting **list, const struct vor_asker *asker)
+int vor_waiting_add(struct vor_askers **list, const struct vor_asker *asker)
 {
-    struct vor_waiting *waiting = malloc(sizeof *waiting);
+    struct vor_askers *waiting = malloc(sizeof *waiting);
 
     if (waiting == NULL)
         return 0;
-    *waiting = (struct vor_waiting){*list, *asker};
+    *waiting = (struct vor_askers){*list, *asker};
     *list = waiting;
     return 1;
 }
 
-struct vor_waiting *vor_waiting_take(struct vor_waiting **list)
+struct vor_askers *vor_waiting_take(struct vor_askers **list)
 {
-    struct vor_waiting *taken = *list;
+    struct vor_askers *taken = *list;
 
     *list = NULL;
     return taken;
 }
 
-void vor_waiting_wake(struct vor_waiting *list)
+void vor_waiting_wake(struct vor_askers *list)
 {
     while (list != NULL) {
-        struct vor_waiting *next = list->next;
+        struct vor_askers *next = list->next;
 
         list->asker.wake(list->asker.ctx);
         free(list);

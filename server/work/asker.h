@@ -13,15 +13,15 @@ struct vor_asker {
 };
 
 /** A list of those who wait; NULL is empty. Its owner locks it. */
-struct vor_waiting;
+struct vor_askers;
 
 /** Adds somebody; false when memory is out. */
-int vor_waiting_add(struct vor_waiting **list, const struct vor_asker *asker);
+int vor_waiting_add(struct vor_askers **list, const struct vor_asker *asker);
 
 /** Takes the whole list, for vor_waiting_wake once the lock is given up. */
-struct vor_waiting *vor_waiting_take(struct vor_waiting **list);
+struct vor_askers *vor_waiting_take(struct vor_askers **list);
 
 /** Wakes all of a list, and frees it. */
-void vor_waiting_wake(struct vor_waiting *list);
+void vor_waiting_wake(struct vor_askers *list);
 
 #endif

@@ -29,7 +29,7 @@ struct conversion {
     struct vor_job_view row;
     unsigned output, format;
     struct vor_task task;
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
     double failed; /* when; 0 while it is on its way */
     struct vor_error error;
     struct conversion *next;
@@ -191,7 +191,7 @@ static void run_conversion(void *ctx)
     struct conversion **at = &service->list;
     struct vor_error err = {.status = VOR_OK};
     vor_status status = convert(conversion, &err);
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
 
     vor_log(status == VOR_OK ? VOR_LOG_INFO : VOR_LOG_WARN, "result converted",
             VOR_TEXT("job", conversion->row.id.text),

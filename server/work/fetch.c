@@ -18,7 +18,7 @@ struct vor_flow {
     int fd;                   /* -1 before the first bytes */
     uint64_t from, have;      /* of the blob: bytes between them are in fd */
     enum vor_fetched outcome; /* VOR_FETCH_WAIT while they come, VOR_FETCH_NEAR of all */
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
 };
 
 /* One blob. It is on the list while it is fetched, and for some seconds after it could not be. */
@@ -29,7 +29,7 @@ struct fetch {
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_blob_part part;
     struct vor_task task;
-    struct vor_waiting *waiting; /* for the end */
+    struct vor_askers *waiting; /* for the end */
     struct vor_flow *flow;
     enum vor_fetched outcome;
     struct vor_error error;
@@ -65,7 +65,7 @@ void vor_flow_drop(struct vor_flow *flow)
 static void on_came(void *ctx, int fd, uint64_t have)
 {
     struct vor_flow *flow = ctx;
-    struct vor_waiting *woken;
+    struct vor_askers *woken;
 
     pthread_mutex_lock(&flow->mutex);
     if (flow->fd < 0)
@@ -151,7 +151,7 @@ static void run(void *ctx)
     struct fetch *fetch = ctx;
     struct vor_fetcher *fetcher = fetch->fetcher;
     const struct vor_blob_watch watch = {on_came, fetch->flow, fetch->part};
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
     struct vor_error error;
     int found = 0, has_come, is_near;
     vor_status status =

@@ -32,7 +32,7 @@ struct known {
     enum vor_verdict
         verdict;  /* VOR_VERDICT_WAIT while it is read; FAILED: none, the place is free */
     double since; /* of the verdict, or when it was last asked for */
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
 };
 
 struct pass {
@@ -91,7 +91,7 @@ static void run_pass(void *ctx)
     struct known *known = pass->known; /* nobody else touches one that is being read */
     enum vor_verdict verdict = VOR_VERDICT_FAILED;
     char found[VOR_DIGEST_SIZE];
-    struct vor_waiting *waiting;
+    struct vor_askers *waiting;
 
     if (!vor_crew_closing(verify->crew))
         verdict =
