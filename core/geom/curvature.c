@@ -7,6 +7,11 @@
 /* Highest power of u or v in the sums, and coefficients of degree four. */
 enum { DEGREE = 4, POWERS = 2 * DEGREE, TERMS = 15 };
 
+/* Times less variance about it that a polynomial of degree four must have. Where it is always
+ * taken, facets and noise pass for curvature: armadillo, sampled from its mesh, to 20,000, 64
+ * points a fit, span of the density followed 6.0, with quadrics 7.3. */
+#define FINER 4.0
+
 /* First and second derivatives of w(u, v) at the origin. */
 struct derivatives {
     double u, v, uu, uv, vv;
@@ -69,7 +74,7 @@ static int fit_quartic(struct derivatives *out, const struct vor_surface *surfac
     for (unsigned i = 0; i < TERMS; i++)
         left -= c[i] * sums.w[power[i][0]][power[i][1]];
     quadric = surface->off2 / (surface->reach * surface->reach) * k;
-    if (!(VOR_FINER * left / (k - TERMS) <= quadric / (k - VOR_QUADRIC_TERMS)))
+    if (!(FINER * left / (k - TERMS) <= quadric / (k - VOR_QUADRIC_TERMS)))
         return 0;
     *out = (struct derivatives){c[1], c[2], 2 * c[3] / surface->reach, c[4] / surface->reach,
                                 2 * c[5] / surface->reach};
