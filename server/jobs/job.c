@@ -10,10 +10,10 @@
 #include <stdlib.h>
 
 struct vor_job {
+    struct vor_uuid id; /* first: jobs are looked up by it */
     atomic_uint references;
     atomic_int asked; /* enum vor_answer */
     struct vor_preview *preview;
-    struct vor_uuid id;
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* what follows, which only who holds `change` changes */
     struct vor_job_view view;

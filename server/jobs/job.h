@@ -23,7 +23,7 @@ enum vor_job_outcome {
     VOR_FAILED      /**< err says why */
 };
 
-/** A job that waits or runs. Counted references; thread-safe. */
+/** A job that waits or runs; begins with its identifier. Counted references; thread-safe. */
 struct vor_job;
 
 /** A live job for a row of status accepted, with one reference; the first event of attempt

@@ -1,15 +1,17 @@
 #include "server/work/admit.h"
 
+#include "proto/codec.h"
 #include "proto/dump.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/counted.h"
+#include "server/base/metrics.h"
 
 #include <assert.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <sys/mman.h>
+#include <unistd.h>
 
 struct vor_admit {
     struct vor_blobs *blobs;
@@ -61,6 +63,17 @@ static vor_status decode_to(struct vor_blob_writer *writer, struct vor_codec_fac
     return status == VOR_OK ? vor_blob_seal(writer, err) : status;
 }
 
+/* For /metrics: the upload in a file could not be decoded. */
+static void count_undecodable(int fd, vor_status status)
+{
+    uint8_t magic[16];
+    ssize_t size = pread(fd, magic, sizeof magic, 0);
+    const struct vor_format *format = size > 0 ? vor_format_sniff(magic, (size_t)size) : NULL;
+
+    vor_metric_add(VOR_METRIC_DECODE_ERRORS, 1,
+                   VOR_LABELS(format != NULL ? format->name : "none", vor_status_slug(status)));
+}
+
 static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid *id,
                          struct vor_blobs *blobs, struct vor_blob_writer *upload,
                          const struct vor_admit_limits *limits, struct vor_error *err)
@@ -81,7 +94,7 @@ static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid
     status = decode_to(writer, &facts, upload, limits, err);
     if (status != VOR_OK) {
         vor_blob_discard(writer);
-        vor_count_undecodable(vor_blob_fd(upload), status);
+        count_undecodable(vor_blob_fd(upload), status);
         return status;
     }
     input->found.format = facts.format;

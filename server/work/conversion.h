@@ -4,8 +4,8 @@
 #define VOR_SERVER_WORK_CONVERSION_H
 
 #include "proto/origin.h"
-#include "server/work/asker.h"
 #include "server/work/codec_run.h"
+#include "server/work/crew.h"
 #include "server/work/worker.h"
 
 #include <stddef.h>

@@ -2,24 +2,14 @@
 #ifndef VOR_SERVER_WORK_COUNTED_H
 #define VOR_SERVER_WORK_COUNTED_H
 
-#include "proto/codec.h"
 #include "server/store/row.h"
-
-/** A job was accepted. */
-void vor_count_accepted(const struct vor_job_view *row);
 
 /** An attempt begins, which may take that many bytes of memory. */
 void vor_count_begun(const struct vor_job_view *row, uint32_t attempt, size_t memory);
-
-/** The process of a run has ended, and its job goes back into the queue. */
-void vor_count_again(void);
 
 /** It is over, however it ended, after that many seconds. report is NULL unless it was successful
  *  and its process makes one. */
 void vor_count_ended(const struct vor_job_view *row, const struct vor_report *report, size_t memory,
                      double seconds);
-
-/** The upload in a file could not be decoded. */
-void vor_count_undecodable(int fd, vor_status status);
 
 #endif

@@ -1,7 +1,6 @@
 #include "server/work/fetch.h"
 
 #include "server/base/clock.h"
-#include "server/work/crew.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -2,25 +2,21 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
-#include "server/base/metrics.h"
 #include "server/work/live.h"
 
 #include <assert.h>
-#include <signal.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <unistd.h>
 
 /* The store has one connection that writes, so a second thread only helps while the first one
  * removes files. */
-enum { SWEEP_SECONDS = 60, CREW_THREADS = 2 };
+enum { CREW_THREADS = 2 };
 
-static const double tidy_seconds = 6 * 3600; /* between two looks for files that no job needs */
-static const double look_seconds = 0.5; /* between two looks at the disk: a restart takes as long */
+static const double again_seconds = 0.5; /* after a claim that failed */
 
 /* Between two times that a job's progress is stored, for daemons that poll and for those that are
- * told; and between two looks at what others do, however often they tell. */
-static const double late_seconds = 1, told_seconds = 0.25, heard_seconds = 0.1;
+ * told. */
+static const double late_seconds = 1, told_seconds = 0.25;
 
 /* A claimed row becomes what its runner runs; false when memory is out, or a runner here has not
  * heard yet that it lost the job: it is told. */
@@ -59,7 +55,7 @@ static void untake_job(struct vor_worker *worker, const struct vor_job_view *row
 
     vor_log(VOR_LOG_WARN, "a job cannot begin here yet; it keeps waiting", VOR_OF_JOB(row));
     while (!vor_worker_hand_back(worker, &row->id, &back) &&
-           !vor_worker_pause(worker, look_seconds))
+           !vor_worker_pause(worker, again_seconds))
         continue; /* the next start finds it otherwise */
 }
 
@@ -88,7 +84,7 @@ static int claim_next(struct vor_runner *runner, struct vor_job_view *row)
             atomic_store(&worker->may_be_unheard, 1);
             vor_log(VOR_LOG_ERROR, "no job can be claimed", VOR_TEXT("error", err.message));
         }
-    } while (!vor_worker_pause(worker, look_seconds));
+    } while (!vor_worker_pause(worker, again_seconds));
     return 0;
 }
 
@@ -121,24 +117,6 @@ static void *runner_main(void *arg)
     return NULL;
 }
 
-/* Ends the daemon, as the signal does, once it has had no job for so long as it may. */
-static void look_idle(struct vor_worker *worker)
-{
-    double now = vor_clock_seconds(), most = worker->config.idle_seconds;
-    int is_busy;
-
-    pthread_mutex_lock(&worker->mutex);
-    is_busy = worker->capacity.running > 0 || worker->capacity.waiting > 0;
-    pthread_mutex_unlock(&worker->mutex);
-    if (is_busy)
-        worker->busy = now;
-    if (most == 0 || now - worker->busy < most)
-        return;
-    vor_log(VOR_LOG_INFO, "no job for as long as --exit-when-idle", VOR_REAL("seconds", most));
-    worker->busy = now;
-    (void)kill(getpid(), SIGTERM);
-}
-
 static int listens(const struct vor_worker *worker)
 {
     return worker->config.listen != NULL && worker->config.listen[0] != '\0';
@@ -162,67 +140,6 @@ static void hear(void *ctx)
     worker->has_news = 1;
     pthread_cond_broadcast(&worker->changed);
     pthread_mutex_unlock(&worker->mutex);
-}
-
-/* Until the next look, follows others whenever they say that there is something. True when the
- * daemon goes down. */
-static int pause_and_hear(struct vor_worker *worker)
-{
-    double until = vor_clock_seconds() + look_seconds;
-    int has_news, is_down = 0;
-
-    while (!is_down && vor_clock_seconds() < until) {
-        (void)vor_worker_pause(worker, heard_seconds);
-        pthread_mutex_lock(&worker->mutex);
-        while (!worker->draining && !worker->has_news &&
-               !vor_clock_wait(&worker->changed, &worker->mutex, until))
-            continue;
-        has_news = worker->has_news;
-        worker->has_news = 0;
-        is_down = worker->draining;
-        pthread_mutex_unlock(&worker->mutex);
-        if (!has_news || is_down)
-            continue;
-        vor_metric_add(VOR_METRIC_STORE_HINTS, 1, VOR_LABELS("received"));
-        vor_worker_follow_others(worker);
-    }
-    return is_down;
-}
-
-static void *sweeper_main(void *arg)
-{
-    struct vor_worker *worker = arg;
-    double swept = vor_clock_seconds() - SWEEP_SECONDS, tidied = vor_clock_seconds();
-    double tidy = worker->config.tidy_seconds > 0 ? worker->config.tidy_seconds : tidy_seconds;
-    struct vor_error err;
-
-    worker->busy = worker->unreached = vor_clock_seconds();
-    vor_worker_drop_strays(worker);
-    vor_worker_forget_missing(worker);
-    do {
-        double now = vor_clock_seconds();
-
-        if (!worker->keeper_started)
-            vor_worker_renew(worker);
-        vor_worker_follow_others(worker);
-        vor_worker_recover_late(worker);
-        vor_worker_look(worker);
-        look_idle(worker);
-        vor_worker_drop_strays(worker);
-        if (!vor_calendar_look(worker))
-            continue;
-        if (now - tidied >= tidy && worker->found.count == 0) {
-            tidied = now;
-            if (vor_worker_find_blobs(worker, &err) != VOR_OK)
-                vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
-        }
-        if (now - swept < SWEEP_SECONDS)
-            continue;
-        swept = now;
-        if (vor_worker_sweep(worker, &err) != VOR_OK)
-            vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    } while (!pause_and_hear(worker));
-    return NULL;
 }
 
 /* Starts one that the process needs. */
@@ -257,7 +174,7 @@ static vor_status start_threads(struct vor_worker *worker, struct vor_error *err
         worker->keeper_started = status == VOR_OK;
     }
     if (status == VOR_OK)
-        status = start_thread(&worker->sweeper, "vor-sweeper", sweeper_main, worker,
+        status = start_thread(&worker->sweeper, "vor-sweeper", vor_worker_sweep_on, worker,
                               "deletes expired jobs", err);
     worker->sweeper_started = status == VOR_OK;
     return status;

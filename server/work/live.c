@@ -10,26 +10,20 @@
 
 /* --- live jobs -------------------------------------------------------------------------------- */
 
-struct live {
-    struct vor_uuid id;
-    struct vor_job *job;
-};
-
+/* Of a node: a job, or what is looked for, which both begin with the identifier. */
 static int compare_ids(const void *a, const void *b)
 {
-    return strcmp(((const struct live *)a)->id.text, ((const struct live *)b)->id.text);
+    return strcmp(((const struct vor_uuid *)a)->text, ((const struct vor_uuid *)b)->text);
 }
 
 struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
 {
-    const struct live key = {.id = *id};
-    struct live **found;
-    struct vor_job *job = NULL;
+    struct vor_job **found, *job = NULL;
 
     pthread_mutex_lock(&worker->mutex);
-    found = tfind(&key, &worker->live, compare_ids);
+    found = tfind(id, &worker->live, compare_ids);
     if (found != NULL)
-        job = vor_job_retain((*found)->job);
+        job = vor_job_retain(*found);
     pthread_mutex_unlock(&worker->mutex);
     return job;
 }
@@ -37,27 +31,20 @@ struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid
 struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_job_view *row)
 {
     struct vor_job_view waits = *row;
-    struct live *live = malloc(sizeof *live), **found = NULL;
-    struct vor_job *job = NULL;
+    struct vor_job *fresh, **found, *job = NULL;
 
     waits.status = VOR_JOB_ACCEPTED;
     waits.stage = VOR_STAGE_QUEUED;
-    if (live == NULL)
+    fresh = vor_job_create(&waits);
+    if (fresh == NULL)
         return NULL;
-    *live = (struct live){row->id, vor_job_create(&waits)};
     pthread_mutex_lock(&worker->mutex);
-    if (live->job != NULL)
-        found = tsearch(live, &worker->live, compare_ids);
+    found = tsearch(fresh, &worker->live, compare_ids);
     if (found != NULL)
-        job = vor_job_retain((*found)->job);
-    if (found != NULL && *found == live) {
-        *found = live; /* gcc's analyzer cannot see that tsearch keeps it */
-        live = NULL;
-    }
+        job = vor_job_retain(*found);
     pthread_mutex_unlock(&worker->mutex);
-    if (live != NULL)
-        vor_job_release(live->job);
-    free(live);
+    if (job != fresh)
+        vor_job_release(fresh);
     return job;
 }
 
@@ -81,7 +68,7 @@ static void gather(const void *node, VISIT visit, void *ctx)
         gathered->job = more;
         gathered->capacity = capacity;
     }
-    gathered->job[gathered->count++] = vor_job_retain((*(struct live *const *)node)->job);
+    gathered->job[gathered->count++] = vor_job_retain(*(struct vor_job *const *)node);
 }
 
 struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count)
@@ -95,27 +82,25 @@ struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count)
     return gathered.job;
 }
 
-void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job)
+void vor_worker_forget(struct vor_worker *worker, struct vor_job *job)
 {
-    const struct live key = {.id = *vor_job_id(job)};
-    struct live **found, *live = NULL;
+    struct vor_job **found;
+    int is_there;
 
     pthread_mutex_lock(&worker->mutex);
-    found = tfind(&key, &worker->live, compare_ids);
-    if (found != NULL && (*found)->job == job) {
-        live = *found;
-        (void)tdelete(&key, &worker->live, compare_ids);
-    }
+    found = tfind(job, &worker->live, compare_ids);
+    is_there = found != NULL && *found == job;
+    if (is_there)
+        (void)tdelete(job, &worker->live, compare_ids);
     pthread_mutex_unlock(&worker->mutex);
-    if (live != NULL)
-        vor_job_release(live->job);
-    free(live);
+    if (is_there)
+        vor_job_release(job);
 }
 
 void vor_worker_forget_all(struct vor_worker *worker)
 {
     while (worker->live != NULL)
-        vor_worker_forget(worker, (*(struct live **)worker->live)->job);
+        vor_worker_forget(worker, *(struct vor_job **)worker->live);
 }
 
 void vor_worker_let_go(struct vor_runner *runner)

@@ -99,7 +99,7 @@ struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count);
 
 /** Takes a job off the live ones, or all once no thread is left. It may have been taken off before.
  */
-void vor_worker_forget(struct vor_worker *worker, const struct vor_job *job);
+void vor_worker_forget(struct vor_worker *worker, struct vor_job *job);
 void vor_worker_forget_all(struct vor_worker *worker);
 
 /** A runner has no job any more. */
@@ -186,16 +186,6 @@ void vor_worker_keep_quota(struct vor_worker *worker, enum vor_evict why);
 /** A former life of the daemon has left so much that waits. */
 void vor_capacity_begin(struct vor_worker *worker, const struct vor_waiting *waiting);
 
-/** Makes the row of a job durable that has booked a place, if its inputs still fit into the queue
- *  and its principal may have it; it then waits.
- *
- *  @retval VOR_DONE
- *  @retval VOR_FULL, VOR_CROWDED, VOR_OVER_BYTES, VOR_FAILED  it keeps the place that it booked */
-VOR_NODISCARD enum vor_job_outcome vor_capacity_insert(struct vor_worker *worker,
-                                                       struct vor_job_view *row,
-                                                       struct vor_ledger *ledger,
-                                                       struct vor_error *err);
-
 /** A row waits from now on (1), or does no longer (-1); tells the runners. */
 void vor_capacity_wait(struct vor_worker *worker, const struct vor_job_view *row, int by);
 
@@ -206,76 +196,23 @@ VOR_NODISCARD int vor_capacity_claim(struct vor_worker *worker, struct vor_claim
 void vor_capacity_run(struct vor_worker *worker, const struct vor_job_view *row);
 void vor_capacity_leave(struct vor_worker *worker, const struct vor_job_view *row);
 
-/* When results expire, whatever is done to the wall clock. Rows say it in wall time, which jumps.
- *
- *  While the daemon lives it knows how much time has passed: when the wall clock moves by more than
- *  that, the expiry of every row, and the date of every lost file, is moved along, so that each
- *  keeps the time that it had left.
- *
- *  A start knows only the newest time in the store. If the clock is an hour ahead of that, the
- *  daemon was down that long, or the clock is wrong; if it is behind, it is wrong. Then nothing
- *  expires, and nothing is moved, until the clock fits, or an hour has passed and it is believed.
- *
- *  The functions are for the sweeper's thread. */
-
-/** At the start, before the first row is changed.
- *
- *  @retval VOR_E_IO */
-VOR_NODISCARD vor_status vor_calendar_begin(struct vor_worker *worker, struct vor_error *err);
-
-/** Looks for a jump and moves what it would expire. True when rows may expire now.
- *
- *  Cost: none without a jump; else a change of every row. */
-int vor_calendar_look(struct vor_worker *worker);
-
-/* Room on the disk: looking after the reserve, waiting for it, and saying that a disk has failed.
- * vor_worker_ready is in worker.h. */
-
-/** What the sweeper's thread does twice a second: makes the reserve again once there is room, and
- *  tells config.failed, once, that a disk has failed. */
-void vor_worker_look(struct vor_worker *worker);
-
-/** Waits `seconds`, and longer while the disk is full. False when the job is to end instead: it was
- *  cancelled, or the daemon goes down. */
-int vor_worker_wait_room(struct vor_worker *worker, struct vor_job *job, double seconds);
-
-/** Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
-void vor_worker_trim_lost(struct vor_worker *worker, int64_t shift_ms);
-
-/* Recovery: puts in order what a former life of the daemon left. Jobs come first, before anybody is
- * answered; files are tidied up later, on the sweeper's thread. */
+/* The sweeper (sweeper.c). */
 
 /** Every row that ran in another life waits again when this returns, in its place, however many the
  *  queue takes. One whose bytes are gone, or whose request cannot be read, fails once it is
- * claimed. Also notes which blobs there are, for vor_worker_drop_strays. Call before any other
- * thread knows the worker.
+ * claimed. Also notes which blobs there are, of which the sweeper drops those that no row needs.
+ * Call before any other thread knows the worker.
  *
  *  On a disk without a byte rows cannot be put in order. Then they stay as they are, which the log
- *  says, nothing is accepted, and vor_worker_recover_late does it later.
+ *  says, nothing is accepted, and the sweeper does it later.
  *
  *  @retval VOR_E_IO, VOR_E_NOMEM
  *
  *  Cost: a change of the store and a read, however many jobs wait. */
 VOR_NODISCARD vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err);
 
-/** Does that if there is room by now. The sweeper's, each time it looks. */
-void vor_worker_recover_late(struct vor_worker *worker);
-
-/** Looks which blobs there are now, as vor_worker_recover does. The sweeper's. */
-VOR_NODISCARD vor_status vor_worker_find_blobs(struct vor_worker *worker, struct vor_error *err);
-
-/** Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
- *  second: the next call goes on, while found.count is not 0. Or sets them aside, with a
- *  warning, when the store has lost rows: it says so itself, or there are more results without any
- *  row than a crash leaves. Ends early when the daemon goes down; the next start does the rest.
- *
- *  Cost: a read of the store for each blob. */
-void vor_worker_drop_strays(struct vor_worker *worker);
-
-/** Rows of uploads that are missing, or not whole, keep none from then on.
- *
- *  Cost: a read of the rows that keep uploads. */
-void vor_worker_forget_missing(struct vor_worker *worker);
+/** The sweeper's thread, which gets the worker. */
+void *vor_worker_sweep_on(void *worker);
 
 /* Where other daemons share the store: what they do to jobs is seen here. */
 

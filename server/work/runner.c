@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
+#include "server/base/metrics.h"
 #include "server/work/counted.h"
 #include "server/work/keeper.h"
 #include "server/work/wire.h"
@@ -13,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 static const double store_seconds = 2; /* between two pieces of events for the store (lease.c) */
@@ -221,6 +223,23 @@ static vor_status place_order(struct run *run, struct vor_error *err)
     return status;
 }
 
+/* Waits `seconds`, and longer while the disk is full. False when the job is to end instead: it was
+ * cancelled, or the daemon goes down. */
+static int wait_for_room(const struct run *run, double seconds)
+{
+    static const struct timespec poll = {.tv_nsec = 50000000};
+    double until = vor_clock_seconds() + seconds;
+
+    /* A job must not take what the reserve is made of. Where none is asked for, it just tries. */
+    while (vor_clock_seconds() < until ||
+           vor_store_check_reserve(run->worker->config.store, NULL) != VOR_OK) {
+        if (vor_job_asked(run->job) == VOR_CANCEL)
+            return 0;
+        (void)nanosleep(&poll, NULL);
+    }
+    return vor_job_asked(run->job) != VOR_CANCEL;
+}
+
 /* A result is written again while its storage is away; not once the job is cancelled. */
 static int wait_for_blobs(void *ctx, const struct vor_error *why)
 {
@@ -228,7 +247,7 @@ static int wait_for_blobs(void *ctx, const struct vor_error *why)
 
     if (is_not_cancelled(run))
         tell_wait(run, why);
-    return vor_worker_wait_room(run->worker, run->job, retry_seconds);
+    return wait_for_room(run, retry_seconds);
 }
 
 /* Makes the outputs that are blobs durable. */
@@ -308,7 +327,7 @@ static enum vor_run_end execute(struct run *run, struct vor_error *err)
             return end;
         tell_wait(run, err);
         vor_text_clear(&run->kept);
-        if (!vor_worker_wait_room(run->worker, run->job, pause)) {
+        if (!wait_for_room(run, pause)) {
             (void)vor_fail(err, VOR_E_CANCELLED,
                            "cancelled while the daemon could not store the files of the job");
             return VOR_RUN_FAILED;
@@ -422,7 +441,7 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
     if (again < 0)
         return 0;
     if (again) {
-        vor_count_again();
+        vor_metric_add(VOR_METRIC_JOBS_AGAIN, 1, VOR_LABELS("worker"));
     } else if (back.is_over) {
         (void)vor_fail(problem, VOR_E_INTERNAL,
                        "crashed: the worker process crashed %u times while it ran only this "

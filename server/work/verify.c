@@ -8,7 +8,6 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/crew.h"
 #include "server/work/fetch.h"
 
 #include <pthread.h>

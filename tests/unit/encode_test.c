@@ -1,8 +1,8 @@
 /* Results as a codec child writes them: the same bytes as in this process, within the same memory.
  */
 #include "server/base/log.h"
+#include "server/work/artefacts.h"
 #include "server/work/codec_child.h"
-#include "server/work/encode.h"
 #include "tests/support/vt.h"
 
 #include <stdlib.h>

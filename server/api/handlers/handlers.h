@@ -4,8 +4,8 @@
 
 #include "server/api/route_table.h"
 #include "server/blob/driver.h"
-#include "server/work/asker.h"
 #include "server/work/conversion.h"
+#include "server/work/crew.h"
 
 #include <stdbool.h>
 

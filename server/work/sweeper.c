@@ -1,4 +1,7 @@
-/* Start-up is recovery: whatever the last run left, however it ended, is put in order. */
+/* What the sweeper's thread does, and the start before it: whatever the last life of the daemon
+ * left, however it ended, is put in order. Jobs come first, before anybody is answered; files are
+ * tidied up later. Then, over and over: what is due expires, what no job needs goes, and disks and
+ * the clock are looked at. */
 #include "server/work/live.h"
 
 #include "server/base/clock.h"
@@ -6,9 +9,168 @@
 #include "server/base/log.h"
 #include "server/base/metrics.h"
 
+#include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* --- the clock --------------------------------------------------------------------------------
+ *
+ * When results expire, whatever is done to the wall clock. Rows say it in wall time, which jumps.
+ *
+ * While the daemon lives it knows how much time has passed: when the wall clock moves by more than
+ * that, the expiry of every row, and the date of every lost file, is moved along, so that each
+ * keeps the time that it had left.
+ *
+ * A start knows only the newest time in the store. If the clock is an hour ahead of that, the
+ * daemon was down that long, or the clock is wrong; if it is behind, it is wrong. Then nothing
+ * expires, and nothing is moved, until the clock fits, or an hour has passed and it is believed. */
+
+/* Milliseconds. A clock that is corrected in small steps, or a thread that waits for its core, is
+ * no jump; a daemon that was down for less than an hour is common, and an hour more of a result
+ * that has expired harms nobody. */
+static const int64_t jump_ms = 30000, unsure_ms = 3600000;
+
+/* Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
+static void trim_lost(struct vor_worker *worker, int64_t shift_ms)
+{
+    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
+    struct vor_error err;
+
+    bounds.oldest_ms =
+        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
+    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
+        vor_log(VOR_LOG_WARN, "the folder of lost files cannot be read",
+                VOR_TEXT("error", err.message));
+}
+/* At the start, before the first row is changed. */
+static vor_status begin_calendar(struct vor_worker *worker, struct vor_error *err)
+{
+    struct vor_calendar *calendar = &worker->calendar;
+    int64_t ahead;
+    vor_status status;
+
+    if (vor_store_is_shared(worker->config.store)) /* whose clock it goes by */
+        return VOR_OK;
+    status = vor_store_newest(worker->config.store, &calendar->newest, err);
+    if (status != VOR_OK)
+        return status;
+    calendar->wall = vor_clock_wall_ms();
+    calendar->steady = calendar->began = vor_clock_boot_ms();
+    ahead = calendar->wall - calendar->newest;
+    calendar->unsure = calendar->newest > 0 && (ahead > unsure_ms || ahead < -jump_ms);
+    if (calendar->unsure)
+        vor_log(VOR_LOG_WARN,
+                "the clock does not agree with the times of the stored jobs: no job expires "
+                "for an hour, or until the clock agrees",
+                VOR_REAL("ahead_s", (double)ahead / 1000));
+    return VOR_OK;
+}
+
+static int move_rows(struct vor_worker *worker, int64_t by)
+{
+    struct vor_error err;
+
+    if (vor_store_shift(worker->config.store, by, &err) != VOR_OK) {
+        vor_log(VOR_LOG_ERROR, "the clock jumped, and expiry times could not be adjusted",
+                VOR_TEXT("error", err.message));
+        return 0;
+    }
+    trim_lost(worker, by);
+    vor_log(VOR_LOG_WARN, "the clock jumped: expiry times are adjusted",
+            VOR_REAL("by_s", (double)by / 1000));
+    return 1;
+}
+
+/* Looks for a jump and moves what it would expire. True when rows may expire now. */
+static int look_at_clock(struct vor_worker *worker)
+{
+    struct vor_calendar *calendar = &worker->calendar;
+    int64_t wall = vor_clock_wall_ms(), steady = vor_clock_boot_ms();
+    int64_t jump = wall - calendar->wall - (steady - calendar->steady);
+    int64_t passed = steady - calendar->began, ahead = wall - calendar->newest - passed;
+
+    if (vor_store_is_shared(worker->config.store))
+        return 1;
+    if (calendar->unsure) /* until it fits, or an hour has passed */
+        calendar->unsure = passed <= unsure_ms && (ahead > unsure_ms || ahead < -jump_ms);
+    else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(worker, jump))
+        return 0;
+    calendar->wall = wall;
+    calendar->steady = steady;
+    return !calendar->unsure;
+}
+/* --- disks ------------------------------------------------------------------------------------ */
+
+vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
+{
+    struct vor_error why;
+    const char *part = "--store";
+    int is_lost;
+    vor_status status = vor_store_check(worker->config.store, &is_lost, &why);
+
+    if (status == VOR_OK && atomic_load(&worker->is_late))
+        status = vor_fail_errno(&why, ENOSPC, "recovering earlier jobs");
+    if (status == VOR_OK)
+        status = vor_store_check_reserve(worker->config.store, &why);
+    if (status == VOR_OK) {
+        part = "--blobs";
+        status = vor_blobs_reach(worker->config.blobs, &why);
+    }
+    if (status == VOR_OK)
+        status = vor_blobs_room(worker->config.blobs, 1, &why);
+    if (status == VOR_OK)
+        return VOR_OK;
+    (void)vor_fail(err, status, "%s: %.900s", part, why.message);
+    err->got = why.got;
+    return status;
+}
+
+/* Makes the reserve again once there is room, and tells config.failed, once, that a disk has
+ * failed. */
+static void look_at_disk(struct vor_worker *worker)
+{
+    struct vor_error err;
+    int is_away = vor_blobs_reach(worker->config.blobs, &err) != VOR_OK, is_lost = 0;
+    vor_status status;
+
+    /* While the blobs are away no job begins. */
+    vor_metric_set(VOR_METRIC_STORAGE_UP, !is_away, VOR_LABELS("blobs"));
+    if (is_away && !worker->is_away)
+        vor_log(VOR_LOG_ERROR, "files cannot be read or written: no job starts",
+                VOR_TEXT("error", err.message));
+    if (!is_away && worker->is_away) {
+        vor_log(VOR_LOG_INFO, "files can be read and written again");
+        vor_worker_news(worker);
+    }
+    worker->is_away = is_away;
+    if (!atomic_load(&worker->is_late)) { /* recovery needs the room more than the reserve does */
+        int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
+        int has = vor_store_keep_reserve(worker->config.store, &err) == VOR_OK;
+
+        if (has && !had)
+            vor_log(VOR_LOG_INFO, "the disk has room again", VOR_TEXT("reserve", "made"));
+        else if (!has && !worker->is_full)
+            vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
+        worker->is_full = !has;
+    }
+    if (worker->has_failed)
+        return;
+    /* Well as long as no disk has failed and the store is ours; one that is away may come back. */
+    status = vor_store_check(worker->config.store, &is_lost, &err);
+    if (status != VOR_OK)
+        worker->unreached = vor_clock_seconds();
+    vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
+    if (!is_lost)
+        status = vor_blobs_check(worker->config.blobs, &err);
+    if (status == VOR_OK)
+        return;
+    worker->has_failed = 1;
+    if (worker->config.failed != NULL)
+        worker->config.failed(worker->config.failed_ctx, &err);
+}
 
 /* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
  * the worker removes at a time, which is 2, and each may have results in two formats; what a crash
@@ -38,7 +200,8 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
     found->count++;
 }
 
-vor_status vor_worker_find_blobs(struct vor_worker *worker, struct vor_error *err)
+/* Looks which blobs there are now. */
+static vor_status find_blobs(struct vor_worker *worker, struct vor_error *err)
 {
     return vor_blobs_list(worker->config.blobs, note_blob, worker, err);
 }
@@ -168,7 +331,7 @@ static int note_missing(void *ctx, const struct vor_job_view *row)
 
 /* A kept upload waits for no disk, so that of the last ones before a crash of the machine there may
  * be the row alone, or a part of the bytes: then there is nothing to promise. */
-void vor_worker_forget_missing(struct vor_worker *worker)
+static void forget_missing(struct vor_worker *worker)
 {
     struct vor_job_filter filter = {.is_kept = 1, .limit = 1000};
     struct missing missing = {.worker = worker};
@@ -213,7 +376,11 @@ static int may_go_on(struct vor_worker *worker, double until)
     return vor_clock_seconds() < until && !vor_worker_pause(worker, 0);
 }
 
-void vor_worker_drop_strays(struct vor_worker *worker)
+/* Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
+ * second: the next call goes on, while found.count is not 0. Or sets them aside, with a warning,
+ * when the store has lost rows: it says so itself, or there are more results without any row than a
+ * crash leaves. Ends early when the daemon goes down; the next start does the rest. */
+static void drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
     double until = vor_clock_seconds() + portion_seconds;
@@ -244,7 +411,7 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 
     vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
     vor_worker_keep_quota(worker, VOR_EVICT_RESULTS);
-    vor_worker_trim_lost(worker, 0);
+    trim_lost(worker, 0);
     return status;
 }
 
@@ -275,7 +442,7 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
 
 vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
 {
-    vor_status status = vor_calendar_begin(worker, err);
+    vor_status status = begin_calendar(worker, err);
 
     if (status == VOR_OK)
         status = recover_rows(worker, err);
@@ -287,10 +454,11 @@ vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
         status = VOR_OK;
     }
     worker->found.is_first = !vor_store_is_shared(worker->config.store);
-    return status == VOR_OK ? vor_worker_find_blobs(worker, err) : status;
+    return status == VOR_OK ? find_blobs(worker, err) : status;
 }
 
-void vor_worker_recover_late(struct vor_worker *worker)
+/* Recovers if there is room by now. */
+static void recover_late(struct vor_worker *worker)
 {
     struct vor_error err;
 
@@ -302,4 +470,91 @@ void vor_worker_recover_late(struct vor_worker *worker)
     } else if (!vor_error_storage_full(&err)) {
         vor_log(VOR_LOG_ERROR, "jobs are not recovered", VOR_TEXT("error", err.message));
     }
+}
+
+/* --- the thread ------------------------------------------------------------------------------- */
+
+/* Seconds: between two sweeps; between two looks for files that no job needs; between two looks at
+ * disk and clock, as a restart takes as long; and between two looks at what other daemons do,
+ * however often they tell. */
+static const double sweep_seconds = 60, tidy_seconds = 6 * 3600, look_seconds = 0.5,
+                    heard_seconds = 0.1;
+
+/* Ends the daemon, as the signal does, once it has had no job for so long as it may. */
+static void look_idle(struct vor_worker *worker)
+{
+    double now = vor_clock_seconds(), most = worker->config.idle_seconds;
+    int is_busy;
+
+    pthread_mutex_lock(&worker->mutex);
+    is_busy = worker->capacity.running > 0 || worker->capacity.waiting > 0;
+    pthread_mutex_unlock(&worker->mutex);
+    if (is_busy)
+        worker->busy = now;
+    if (most == 0 || now - worker->busy < most)
+        return;
+    vor_log(VOR_LOG_INFO, "no job for as long as --exit-when-idle", VOR_REAL("seconds", most));
+    worker->busy = now;
+    (void)kill(getpid(), SIGTERM);
+}
+
+/* Until the next look, follows others whenever they say that there is something. True when the
+ * daemon goes down. */
+static int pause_and_hear(struct vor_worker *worker)
+{
+    double until = vor_clock_seconds() + look_seconds;
+    int has_news, is_down = 0;
+
+    while (!is_down && vor_clock_seconds() < until) {
+        (void)vor_worker_pause(worker, heard_seconds);
+        pthread_mutex_lock(&worker->mutex);
+        while (!worker->draining && !worker->has_news &&
+               !vor_clock_wait(&worker->changed, &worker->mutex, until))
+            continue;
+        has_news = worker->has_news;
+        worker->has_news = 0;
+        is_down = worker->draining;
+        pthread_mutex_unlock(&worker->mutex);
+        if (!has_news || is_down)
+            continue;
+        vor_metric_add(VOR_METRIC_STORE_HINTS, 1, VOR_LABELS("received"));
+        vor_worker_follow_others(worker);
+    }
+    return is_down;
+}
+
+void *vor_worker_sweep_on(void *arg)
+{
+    struct vor_worker *worker = arg;
+    double swept = vor_clock_seconds() - sweep_seconds, tidied = vor_clock_seconds();
+    double tidy = worker->config.tidy_seconds > 0 ? worker->config.tidy_seconds : tidy_seconds;
+    struct vor_error err;
+
+    worker->busy = worker->unreached = vor_clock_seconds();
+    drop_strays(worker);
+    forget_missing(worker);
+    do {
+        double now = vor_clock_seconds();
+
+        if (!worker->keeper_started)
+            vor_worker_renew(worker);
+        vor_worker_follow_others(worker);
+        recover_late(worker);
+        look_at_disk(worker);
+        look_idle(worker);
+        drop_strays(worker);
+        if (!look_at_clock(worker))
+            continue;
+        if (now - tidied >= tidy && worker->found.count == 0) {
+            tidied = now;
+            if (find_blobs(worker, &err) != VOR_OK)
+                vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
+        }
+        if (now - swept < sweep_seconds)
+            continue;
+        swept = now;
+        if (vor_worker_sweep(worker, &err) != VOR_OK)
+            vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
+    } while (!pause_and_hear(worker));
+    return NULL;
 }
