@@ -1,14 +1,15 @@
 #include "server/base/config.h"
 
 #include "core/base/nearest.h"
-#include "server/base/config_file.h"
 #include "server/base/option.h"
 
+#include <errno.h>
 #include <string.h>
 
 enum {
-    OPERAND = 1,       /* what getopt_long returns for a word that is no option */
-    LONG_SETTING = 256 /* and for a setting, above every letter: its row behind this */
+    OPERAND = 1,        /* what getopt_long returns for a word that is no option */
+    LONG_SETTING = 256, /* and for a setting, above every letter: its row behind this */
+    LINE_SIZE = 2048    /* of a line of the file of settings, with the NUL */
 };
 
 const struct vor_option_row vor_setting_infos[VOR_SETTING_COUNT] = {
@@ -40,6 +41,52 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return VOR_OK;
 }
 
+/* A control byte besides blanks, where an editor shows none. */
+static int has_control(const char *text)
+{
+    for (; *text != '\0'; text++)
+        if (((unsigned char)*text < ' ' && *text != '\t') || *text == 0x7f)
+            return 1;
+    return 0;
+}
+
+/* Reads a file that is a value, but for a newline at its end. variable names the file, for
+ * messages.
+ */
+static vor_status read_value(char *out, size_t size, const char *variable, const char *path,
+                             struct vor_error *err)
+{
+    FILE *file = fopen(path, "re");
+    size_t got;
+    int failed;
+
+    if (file == NULL)
+        return vor_fail(err, VOR_E_PARAM, "%.60s is \"%.200s\", which cannot be read: %s", variable,
+                        path, strerror(errno));
+    got = fread(out, 1, size, file);
+    failed = ferror(file);
+    (void)fclose(file);
+    if (failed)
+        return vor_fail(err, VOR_E_PARAM, "%.60s is \"%.200s\", which cannot be read", variable,
+                        path);
+    if (got == size)
+        return vor_fail(err, VOR_E_PARAM,
+                        "%.60s: %.200s has %zu bytes or more, want a value of at "
+                        "most %zu",
+                        variable, path, size, size - 1);
+    out[got] = '\0';
+    if (got > 0 && out[got - 1] == '\n')
+        out[--got] = '\0';
+    if (got > 0 && out[got - 1] == '\r')
+        out[--got] = '\0';
+    if (strlen(out) != got || has_control(out))
+        return vor_fail(err, VOR_E_PARAM,
+                        "%.60s: %.200s holds a control byte (such as a line break), want a single "
+                        "line without control bytes",
+                        variable, path);
+    return VOR_OK;
+}
+
 /* A setting from its variable, or from the file that its variable with _FILE names. What is a file
  * itself has no such variable: it would be mistaken for the one without. */
 static vor_status read_variable(struct vor_config *config, int setting, char *(*get)(const char *),
@@ -57,7 +104,7 @@ static vor_status read_variable(struct vor_config *config, int setting, char *(*
         return vor_fail_param(err, VOR_E_PARAM, vor_setting_infos[setting].name,
                               "%s and %s are both given, want only one", name, file);
     if (path != NULL)
-        status = vor_config_file_value(held, sizeof held, file, path, err);
+        status = read_value(held, sizeof held, file, path, err);
     if (path != NULL && status == VOR_OK)
         value = held;
     if (value != NULL && status == VOR_OK)
@@ -72,9 +119,8 @@ struct reading {
     struct vor_error first; /* its status is VOR_OK as long as there is none */
 };
 
-static void note(void *ctx, const struct vor_error *why)
+static void note(struct reading *reading, const struct vor_error *why)
 {
-    struct reading *reading = ctx;
     struct vor_config *config = reading->config;
     size_t size = strlen(why->message) + 1;
 
@@ -118,10 +164,9 @@ static int find_setting(const char *flag)
 }
 
 /* A line of the file, unless a flag or a variable has given the setting. A list grows by lines. */
-static vor_status take_setting(void *ctx, unsigned line, const char *name, const char *value,
-                               struct vor_error *err)
+static vor_status take_setting(struct vor_config *config, unsigned line, const char *name,
+                               const char *value, struct vor_error *err)
 {
-    struct vor_config *config = ((struct reading *)ctx)->config;
     int setting = find_setting(name);
 
     if (setting < 0 || setting == VOR_SET_CONFIG || setting == VOR_SET_CHECK_CONFIG)
@@ -141,6 +186,79 @@ static const char *config_place(const struct vor_config *config)
     const char *path = config->text[VOR_SET_CONFIG];
 
     return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
+}
+
+static const char blanks[] = " \t\r\n";
+
+/* Cuts blanks off both ends. */
+static char *trim(char *text)
+{
+    size_t size;
+
+    text += strspn(text, blanks);
+    size = strlen(text);
+    while (size > 0 && strchr(blanks, text[size - 1]) != NULL)
+        size--;
+    text[size] = '\0';
+    return text;
+}
+
+/* One line, which is changed; empty ones and those that begin with # or ; are passed over. */
+static vor_status take_line(char *line, unsigned number, struct vor_config *config,
+                            struct vor_error *err)
+{
+    char *name = trim(line), *equals = strchr(name, '=');
+
+    if (name[0] == '\0' || name[0] == '#' || name[0] == ';')
+        return VOR_OK;
+    if (has_control(name))
+        return vor_fail(err, VOR_E_PARAM, "the line has a control character, want name = value");
+    if (equals == NULL || equals == name)
+        return vor_fail(err, VOR_E_PARAM, "\"%.60s\" is not of the form name = value", name);
+    *equals = '\0';
+    return take_setting(config, number, trim(name), trim(equals + 1), err);
+}
+
+/* Puts "FILE line N: " before a message. Returns its status. */
+static vor_status blame_line(struct vor_error *err, const char *path, unsigned line)
+{
+    struct vor_error was = *err;
+
+    return vor_fail_param(err, was.status, was.parameter, "%.200s line %u: %.700s", path, line,
+                          was.message);
+}
+
+/* Reads on behind a line that is at fault, except one that is too long. */
+static vor_status read_file(struct reading *reading, struct vor_error *err)
+{
+    const char *path = config_place(reading->config);
+    FILE *file = fopen(path, "re");
+    char line[LINE_SIZE];
+    vor_status status = VOR_OK;
+    struct vor_error why;
+    int is_cut = 0;
+
+    if (file == NULL && !reading->config->given[VOR_SET_CONFIG] &&
+        (errno == ENOENT || errno == ENOTDIR))
+        return VOR_OK;
+    if (file == NULL)
+        return vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s", path,
+                              strerror(errno));
+    for (unsigned number = 1; !is_cut && fgets(line, sizeof line, file) != NULL; number++) {
+        is_cut = strchr(line, '\n') == NULL && !feof(file);
+        status = is_cut ? vor_fail(&why, VOR_E_PARAM,
+                                   "the line has a NUL byte, or more than %d bytes", LINE_SIZE - 2)
+                        : take_line(line, number, reading->config, &why);
+        if (status == VOR_OK)
+            continue;
+        (void)blame_line(&why, path, number);
+        note(reading, &why);
+    }
+    status = ferror(file) ? vor_fail_param(err, VOR_E_PARAM, "config", "%.200s cannot be read: %s",
+                                           path, strerror(errno))
+                          : VOR_OK;
+    (void)fclose(file);
+    return status;
 }
 
 /* "-" has operands come in their order, whatever POSIXLY_CORRECT says; ":" tells a missing value
@@ -383,7 +501,7 @@ static void blame(struct reading *reading, struct vor_error *why)
     int setting = find_setting(why->parameter);
 
     if (setting >= 0 && config->line[setting] > 0)
-        (void)vor_config_file_blame(why, config_place(config), config->line[setting]);
+        (void)blame_line(why, config_place(config), config->line[setting]);
     note(reading, why);
 }
 
@@ -394,7 +512,6 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
         split_admin, check_urls, check_origins, check_hosts, read_networks, check_role,
     };
     struct reading reading = {.config = out, .first = {.status = VOR_OK}};
-    const struct vor_config_lines lines = {take_setting, note, &reading};
     struct vor_error why;
     size_t before;
 
@@ -407,7 +524,7 @@ vor_status vor_config_read(struct vor_config *out, int argc, char **argv,
     for (int i = 0; i < VOR_SETTING_COUNT; i++)
         if (!out->given[i] && read_variable(out, i, getenv, &why) != VOR_OK)
             note(&reading, &why);
-    if (vor_config_file_read(config_place(out), out->given[VOR_SET_CONFIG], &lines, &why) != VOR_OK)
+    if (read_file(&reading, &why) != VOR_OK)
         note(&reading, &why);
     /* What values mean, and whether they go together. Who may call cannot be said while --listen or
      * --trusted-proxy is at fault: that check comes last. */

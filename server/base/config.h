@@ -4,7 +4,6 @@
 
 #include "core/base/status.h"
 #include "server/base/address.h"
-#include "server/base/endpoint.h"
 #include "server/base/option.h"
 
 #include <stddef.h>

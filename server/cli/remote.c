@@ -1,8 +1,8 @@
 #include "server/cli/remote.h"
 
+#include "server/base/address.h"
 #include "server/base/curl_library.h"
 #include "server/base/digest.h"
-#include "server/base/endpoint.h"
 #include "server/cli/interrupt.h"
 
 #include <stdio.h>

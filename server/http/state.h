@@ -2,7 +2,7 @@
 #ifndef VOR_SERVER_HTTP_STATE_H
 #define VOR_SERVER_HTTP_STATE_H
 
-#include "server/base/endpoint.h"
+#include "server/base/address.h"
 #include "server/http/http.h"
 #include "server/http/watchdog.h"
 
