@@ -170,7 +170,7 @@ WEB := build/web
 BUNDLES := page.js cloud_worker.js stream.js
 ASSETS := index.html page.css icon.svg docs.css docs.js openapi.json openapi.yaml $(BUNDLES)
 THREE := /usr/share/javascript/three
-$(B)/server/api/assets.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
+$(B)/server/api/handlers/page.o: $(WEB)/assets.inc $(ASSETS:%=$(WEB)/%.gz)
 
 $(WEB)/%: server/web/%
 	@mkdir -p $(@D)

@@ -3,7 +3,6 @@
 #include "core/base/quote.h"
 #include "proto/gzip.h"
 #include "server/api/accept.h"
-#include "server/api/assets.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/links.h"
 #include "server/api/problem.h"
@@ -11,6 +10,83 @@
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+
+/* The files of the page, as they were when this binary was built: each gzipped by the Makefile,
+ * which writes the table of them too (build/web/assets.inc). */
+
+/* One file. */
+struct asset {
+    const char *name;       /* "page.js": the last segment of its path */
+    const char *media_type; /* by the end of its name */
+    const char *digest;     /* SHA-256 of its gzipped bytes, 64 hexadecimal digits */
+    const uint8_t *bytes;   /* gzipped */
+    size_t size;            /* of them */
+};
+
+/* The assembler takes each file in; its path is seen from the root of the tree, where make runs. */
+#define ASSET(symbol, name, digest)                                                                \
+    __asm__(".pushsection .rodata, \"a\"\n"                                                        \
+            ".global vor_asset_" #symbol "_begin\n"                                                \
+            ".global vor_asset_" #symbol "_length\n"                                               \
+            "vor_asset_" #symbol "_begin:\n"                                                       \
+            ".incbin \"build/web/" name ".gz\"\n"                                                  \
+            "vor_asset_" #symbol "_end:\n"                                                         \
+            ".balign 8\n"                                                                          \
+            "vor_asset_" #symbol "_length:\n"                                                      \
+            ".quad vor_asset_" #symbol "_end - vor_asset_" #symbol "_begin\n"                      \
+            ".popsection\n");                                                                      \
+    extern const uint8_t vor_asset_##symbol##_begin[];                                             \
+    extern const uint64_t vor_asset_##symbol##_length;
+#include "build/web/assets.inc"
+#undef ASSET
+
+struct embedded {
+    const char *name;
+    const char *digest;
+    const uint8_t *bytes;
+    const uint64_t *size;
+};
+
+static const struct embedded embedded[] = {
+#define ASSET(symbol, name, digest)                                                                \
+    {name, digest, vor_asset_##symbol##_begin, &vor_asset_##symbol##_length},
+#include "build/web/assets.inc"
+#undef ASSET
+};
+
+enum { EMBEDDED_COUNT = sizeof embedded / sizeof embedded[0] };
+
+/* Media types by the end of a name. */
+static const char *const types[][2] = {
+    {".html", "text/html; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".json", "application/json"},
+    {".yaml", "application/yaml"},
+    {".svg", "image/svg+xml"},
+    {".png", "image/png"},
+    {".txt", "text/plain; charset=utf-8"},
+};
+
+/* The file of that name (length bytes); false when there is none. */
+static int find_asset(struct asset *out, const char *name, size_t length)
+{
+    const char *suffix;
+    for (unsigned i = 0; i < EMBEDDED_COUNT; i++) {
+        const struct embedded *file = &embedded[i];
+
+        if (strlen(file->name) != length || memcmp(file->name, name, length) != 0)
+            continue;
+        suffix = strrchr(file->name, '.');
+        *out = (struct asset){file->name, "application/octet-stream", file->digest, file->bytes,
+                              (size_t)*file->size};
+        for (size_t k = 0; suffix != NULL && k < sizeof types / sizeof types[0]; k++)
+            if (strcmp(suffix, types[k][0]) == 0)
+                out->media_type = types[k][1];
+        return 1;
+    }
+    return 0;
+}
 
 /* Nothing but the page's own files, and no request beyond the origin. A worker goes by the headers
  * of its own script, so every file has them. */
@@ -47,7 +123,7 @@ void vor_page_headers(struct vor_request *request)
 
 /* Both codings have a tag of their own: their bytes differ. A tag changes with the bytes alone, so
  * asking again, every time, costs an answer without a body. */
-static enum vor_next reply_asset(struct vor_request *request, const struct vor_asset *asset,
+static enum vor_next reply_asset(struct vor_request *request, const struct asset *asset,
                                  const char *vary)
 {
     bool is_gzip = takes_gzip(request);
@@ -75,15 +151,17 @@ static enum vor_next reply_asset(struct vor_request *request, const struct vor_a
     return VOR_NEXT_REPLY;
 }
 
+static const char page_name[] = "index.html"; /* what it loads are the others */
+
 enum vor_next vor_handle_root(struct vor_request *request, enum vor_step step)
 {
     double wanted = vor_accept_named(request, "text/html");
-    struct vor_asset page;
+    struct asset page;
 
     /* The page has to be asked for by its name, and JSON not more so. Stars stand for no page:
      * programs send them as well. */
     if (wanted > 0 && wanted >= vor_accept_named(request, "application/json") &&
-        vor_asset_find(&page, VOR_ASSET_PAGE, strlen(VOR_ASSET_PAGE)))
+        find_asset(&page, page_name, strlen(page_name)))
         return reply_asset(request, &page, "Accept, Accept-Encoding");
     vor_reply_header(request, "Vary", "Accept");
     return vor_handle_landing(request, step);
@@ -93,9 +171,9 @@ enum vor_next vor_handle_asset(struct vor_request *request, VOR_UNUSED enum vor_
 {
     const char *segment;
     size_t length = vor_path_segment(request->path, 1, &segment);
-    struct vor_asset asset;
+    struct asset asset;
 
-    if (vor_asset_find(&asset, segment, length))
+    if (find_asset(&asset, segment, length))
         return reply_asset(request, &asset, "Accept-Encoding");
     return vor_problem_say(request, "no-such-resource", "the page has no file %s",
                            VOR_QUOTED(64, segment, length));
@@ -104,9 +182,9 @@ enum vor_next vor_handle_asset(struct vor_request *request, VOR_UNUSED enum vor_
 enum vor_next vor_handle_openapi(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     const char *name = request->path + 1; /* openapi.json or openapi.yaml */
-    struct vor_asset asset;
+    struct asset asset;
 
-    if (vor_asset_find(&asset, name, strlen(name)))
+    if (find_asset(&asset, name, strlen(name)))
         return reply_asset(request, &asset, "Accept-Encoding");
     return vor_problem_say(request, "no-such-resource", "there is no %s", name);
 }
