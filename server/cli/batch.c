@@ -5,7 +5,6 @@
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/sequence.h"
 
 #include <assert.h>
 #include <stdio.h>

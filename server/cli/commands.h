@@ -3,6 +3,7 @@
 #ifndef VOR_CLI_COMMANDS_H
 #define VOR_CLI_COMMANDS_H
 
+#include "core/cloud/cloud.h"
 #include "server/base/keys.h"
 #include "server/cli/options.h"
 
@@ -62,6 +63,24 @@ int vor_cli_each(const struct vor_cli *cli,
  *  @return VOR_EXIT_USAGE when two results would have one name, or an input has none to give;
  *          VOR_EXIT_FAILED when the folder cannot be made; else as vor_cli_each */
 int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cli));
+
+/* Frames of a sequence: clouds of which each is resampled from the result for the one before. */
+
+/** Names of attributes. */
+struct vor_attribute_names {
+    unsigned count;
+    char name[VOR_ATTRIBUTES_MAX][sizeof((struct vor_attribute *)NULL)->name];
+};
+
+/** Finds the attributes that all operands have, and names the others on stderr. The attribute track
+ *  is none of either: results have one of their own. Operands that cannot be read do not count:
+ *  their run says why.
+ *
+ *  @retval VOR_E_NOMEM
+ *
+ *  Reads each file, one after the other. */
+VOR_NODISCARD vor_status vor_sequence_common(struct vor_attribute_names *out,
+                                             const struct vor_cli *cli, struct vor_error *err);
 
 /* Keys on the command line: one is made for a daemon, or read for a call to one. */
 

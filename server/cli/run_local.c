@@ -1,22 +1,175 @@
 #include "server/cli/commands.h"
 
+#include "core/engine.h"
+#include "proto/codec.h"
 #include "proto/json/json.h"
+#include "proto/limits.h"
 #include "server/base/clock.h"
 #include "server/base/flann_library.h"
 #include "server/cli/cli_log.h"
 #include "server/cli/files.h"
 #include "server/cli/interrupt.h"
-#include "server/cli/sequence.h"
-#include "server/cli/work.h"
+#include "server/cli/progress.h"
 
+#include <stdio.h>
 #include <string.h>
+
+/* Where a run gets its threads and memory from. */
+struct work {
+    struct vor_memory memory; /* without a cap: it is the caller's own machine */
+    struct vor_watch watch;   /* cancels on a signal, shows progress, knows the time */
+    struct vor_run run;
+    struct vor_limits limits;
+};
+
+static enum vor_answer on_poll(VOR_UNUSED void *ctx)
+{
+    if (vor_interrupt_seen())
+        return VOR_CANCEL;
+    return vor_interrupt_stops() ? VOR_STOP : VOR_CONTINUE;
+}
+
+static enum vor_answer on_progress(void *ctx, const struct vor_record *record)
+{
+    if (ctx != NULL)
+        vor_progress_record(ctx, record);
+    return on_poll(NULL);
+}
+
+static double on_clock(VOR_UNUSED void *ctx)
+{
+    return vor_clock_seconds();
+}
+
+/* Starts the threads. progress may be NULL. End with work_end, also after a failure. */
+static vor_status work_start(struct work *work, const struct vor_cli *cli,
+                             struct vor_progress *progress, struct vor_error *err)
+{
+    memset(work, 0, sizeof *work);
+    vor_memory_init(&work->memory, SIZE_MAX);
+    work->watch = (struct vor_watch){
+        .ctx = progress, .progress = on_progress, .poll = on_poll, .clock = on_clock};
+    work->run.memory = &work->memory;
+    work->run.watch = &work->watch;
+    work->limits = (struct vor_limits)VOR_LIMITS_DEFAULT;
+    work->limits.points = VOR_POINTS_MAX;
+    vor_limits_want(&work->limits, &cli->spec);
+    return vor_pool_create(&work->run.pool, cli->threads, err);
+}
+
+static void work_end(struct work *work)
+{
+    vor_pool_destroy(work->run.pool);
+    work->run.pool = NULL;
+}
+
+/* Reads and checks a cloud, of any size. cloud is initialised here; *format may be NULL. */
+static vor_status work_load(struct work *work, struct vor_cloud *cloud,
+                            const struct vor_format **format, const char *path,
+                            struct vor_error *err)
+{
+    struct vor_input input;
+    vor_status status;
+
+    vor_cloud_init(cloud, &work->memory);
+    status = vor_input_read(&input, path, err);
+    if (status == VOR_OK)
+        status = vor_codec_read(cloud, format, input.bytes, input.size, &work->limits, err);
+    vor_input_free(&input);
+    return status;
+}
+
+/* --- frames of a sequence ----------------------------------------------------------------------
+ */
+
+static int has(const struct vor_attribute_names *names, const char *name)
+{
+    for (unsigned i = 0; i < names->count; i++)
+        if (strcmp(names->name[i], name) == 0)
+            return 1;
+    return 0;
+}
+
+static void add(struct vor_attribute_names *names, const char *name)
+{
+    if (names->count < VOR_ATTRIBUTES_MAX && !has(names, name))
+        memcpy(names->name[names->count++], name, strlen(name) + 1);
+}
+
+/* Takes the attributes of a frame: others is what some frames have and some not. */
+static void take(struct vor_attribute_names *common, struct vor_attribute_names *others,
+                 const struct vor_cloud *cloud, int is_first)
+{
+    unsigned kept = 0;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        const char *name = cloud->attributes[i].name;
+
+        if (strcmp(name, VOR_TRACK) == 0)
+            continue;
+        if (is_first)
+            add(common, name);
+        else if (!has(common, name))
+            add(others, name);
+    }
+    for (unsigned i = 0; i < common->count; i++) {
+        if (vor_cloud_find_name(cloud, common->name[i]) == NULL)
+            add(others, common->name[i]);
+        else if (kept++ != i)
+            memcpy(common->name[kept - 1], common->name[i], sizeof common->name[i]);
+    }
+    common->count = kept;
+}
+
+vor_status vor_sequence_common(struct vor_attribute_names *out, const struct vor_cli *cli,
+                               struct vor_error *err)
+{
+    struct vor_attribute_names others = {.count = 0};
+    char line[512] = "not all frames have these attributes, so no result has them: ";
+    struct work work;
+    int frames = 0;
+    vor_status status = work_start(&work, cli, NULL, err);
+
+    out->count = 0;
+    for (int i = 0; status == VOR_OK && i < cli->operand_count && !vor_interrupt_seen(); i++) {
+        struct vor_cloud cloud;
+        struct vor_error why;
+
+        if (work_load(&work, &cloud, NULL, cli->operands[i], &why) == VOR_OK)
+            take(out, &others, &cloud, frames++ == 0);
+        vor_cloud_free(&cloud);
+    }
+    work_end(&work);
+    for (unsigned i = 0; i < others.count; i++)
+        (void)snprintf(line + strlen(line), sizeof line - strlen(line), "%s%s", i > 0 ? ", " : "",
+                       others.name[i]);
+    if (status == VOR_OK && others.count > 0)
+        vor_cli_say(cli->command->name, line);
+    return status;
+}
+
+/* Frees the attributes of a cloud that are not among the names. */
+static void keep_common(struct vor_cloud *cloud, const struct vor_attribute_names *names)
+{
+    size_t kept = 0;
+
+    for (size_t i = 0; i < cloud->attribute_count; i++) {
+        if (!has(names, cloud->attributes[i].name))
+            vor_free(cloud->memory, cloud->attributes[i].data);
+        else
+            cloud->attributes[kept++] = cloud->attributes[i];
+    }
+    cloud->attribute_count = kept;
+}
+
+/* --- a run ------------------------------------------------------------------------------------ */
 
 /* One run: whatever is at fault when it fails is named by `subject`. */
 struct local_run {
     const struct vor_cli *cli;
     struct vor_spec spec; /* that of the command, with the format of the result */
     const char *subject;
-    struct vor_work work;
+    struct work work;
     struct vor_progress progress;
     struct vor_artefacts in, out;
     const struct vor_format *format; /* of the main input, then of the result */
@@ -41,9 +194,9 @@ static vor_status load(struct local_run *r, struct vor_error *err)
         if (r->cli->input[i] == NULL)
             continue;
         r->subject = r->cli->input[i];
-        status = vor_work_load(&r->work, &cloud, i == 0 ? &r->format : NULL, r->subject, err);
+        status = work_load(&r->work, &cloud, i == 0 ? &r->format : NULL, r->subject, err);
         if (i == 0 && r->cli->keep != NULL)
-            vor_sequence_keep(&cloud, r->cli->keep);
+            keep_common(&cloud, r->cli->keep);
         vor_artefacts_put_cloud(&r->in, inputs[i].name, &cloud);
     }
     r->seconds_read = vor_clock_seconds() - began;
@@ -190,7 +343,7 @@ int vor_cli_run_local(const struct vor_cli *cli)
     r.spec = cli->spec;
     r.subject = cli->input[0];
     vor_progress_start(&r.progress, cli);
-    status = vor_work_start(&r.work, cli, &r.progress, &err);
+    status = work_start(&r.work, cli, &r.progress, &err);
     vor_artefacts_init(&r.in, &r.work.memory);
     vor_artefacts_init(&r.out, &r.work.memory);
     if (status == VOR_OK)
@@ -199,7 +352,7 @@ int vor_cli_run_local(const struct vor_cli *cli)
     vor_output_abandon(&r.output);
     vor_artefacts_free(&r.in);
     vor_artefacts_free(&r.out);
-    vor_work_end(&r.work);
+    work_end(&r.work);
     if (status != VOR_OK)
         return vor_cli_fail(r.subject, &err);
     return vor_interrupt_stops() ? VOR_EXIT_INTERRUPTED : VOR_EXIT_OK;
