@@ -26,7 +26,7 @@
  *
  *  @param[out] out  free with vor_graph_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and up to 330 more while it works
+ *  @retval VOR_E_NOMEM 94 bytes a point do not fit, and up to 315 more while it works
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n log n); the four marches run in one thread (geom/march.h), 19 us a point, the rest on the
