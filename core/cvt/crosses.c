@@ -6,23 +6,14 @@
 
 enum { BLOCK = 256 }; /* seeds of one task */
 
-/* Figures are the four-fold order psi4 with p of 8 (tests/paper/chen2018_lp_test.c) on a tube of
- * 20,000 points with noise of a tenth of the spacing of the 2,000 they become, and on wide flat
- * faces of a rounded cube; other seeds move them by 0.01. */
-
-/* Weight of curvature beside the mean of the crosses around, where it is certain. At 1 / 4 / 16:
- * tube 0.91 / 0.91 / 0.90, faces 0.94 / 0.92 / 0.91. */
-#define WEIGHT 4.0
-/* Difference of the curvatures, times the spacing, from which on it has that weight. At 0.005 /
- * 0.02 / 0.08: tube 0.91 / 0.91 / 0.89, faces 0.93 / 0.92 / 0.92. */
-#define BEND_SURE 0.02
-/* Times its variance that the square of the difference must be. At 2 / 9 / 36: tube 0.90 / 0.91 /
- * 0.91, faces 0.93 / 0.92 / 0.93. */
-#define SURE2 9.0
-/* The variance of that difference, over that of the points about the surface, their number and the
- * fourth power of their reach: points spread over a disc determine the part u^2 - v^2 of a quadric
- * to 6, the difference is 4 times that, and there are two such parts. */
-#define VARIANCE 192.0
+/* From which on the surface says where a cross lies: the square of the difference of its curvatures
+ * over the variance of the points about it, times their number and the fourth power of their reach.
+ * Points spread over a disc determine the part u^2 - v^2 of a quadric to 6, the difference is 4
+ * times that, and there are two such parts: nine times the variance of the difference. At a quarter
+ * of it the four-fold order psi4 with p of 8 (tests/paper/chen2018_lp_test.c, without noise and
+ * with a tenth of the result's spacing) is 0.888 on the tube and 0.928 on fillets instead of 0.888
+ * and 0.919; seeds move both by 0.02. */
+#define SURE 1728.0
 
 vor_status vor_crosses_init(struct vor_crosses *out, size_t n, struct vor_memory *memory,
                             struct vor_error *err)
@@ -91,16 +82,13 @@ static void apart(double out[2], const struct vor_surface *surface, const double
     out[1] = u[1] / steep;
 }
 
-/* Weight of what the surface says, whose curvatures differ by twice `half`. */
-static double weight_of(const struct vor_surface *surface, unsigned k, double half, double spacing)
+/* Weight of what the surface says, whose curvatures differ by twice `half`, beside the mean of the
+ * crosses around. */
+static double weight_of(const struct vor_surface *surface, unsigned k, double half)
 {
-    double reach2 = surface->reach * surface->reach, differ2 = 4 * half * half;
-    double noise2 = VARIANCE * surface->off2 / (k * reach2 * reach2);
-    double sure = 1 - SURE2 * noise2 / differ2, bend2 = differ2 * spacing * spacing;
+    double reach2 = surface->reach * surface->reach;
 
-    if (!(sure > 0))
-        return 0;
-    return WEIGHT * sure * fmin(1, bend2 / (BEND_SURE * BEND_SURE));
+    return fmax(0, 1 - SURE * surface->off2 / (4 * half * half * k * reach2 * reach2));
 }
 
 void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_cross_fit *fit,
@@ -115,7 +103,7 @@ void vor_crosses_set(struct vor_crosses *crosses, size_t i, const struct vor_cro
     length = sqrt(half[0] * half[0] + half[1] * half[1]);
     own[0] = own[1] = own[2] = 0;
     if (length > 0) {
-        own[2] = weight_of(fit->surface, fit->k, length, fit->spacing);
+        own[2] = weight_of(fit->surface, fit->k, length);
         doubled(own, half[0] / length, half[1] / length);
         own[0] *= own[2];
         own[1] *= own[2];

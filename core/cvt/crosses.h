@@ -39,9 +39,8 @@ void vor_crosses_free(struct vor_crosses *crosses);
 /** The surface around a seed. */
 struct vor_cross_fit {
     const struct vor_surface *surface;
-    unsigned k;     /**< points that it was fitted to */
-    double at[3];   /**< the seed, in the surface's local coordinates */
-    double spacing; /**< of the seeds, in the surface's unit */
+    unsigned k;   /**< points that it was fitted to */
+    double at[3]; /**< the seed, in the surface's local coordinates */
 };
 
 /** Sets what the surface around seed i says of its cross, and the cross to what it was before, or

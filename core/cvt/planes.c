@@ -26,9 +26,9 @@
 /* Likewise, of the way that a seed may go. With patches of 1, at 0.2 / 0.4 / 0.6: tube 0.88 / 0.88
  * / 0.85, fillets 0.93 / 0.94 / 0.94. */
 #define REACH 0.4
-/* Rounds of means of the crosses: the first time, when nothing is known, and later. At 10 / 40 /
- * 160 and 1 / 4 / 16, the middle of wide flat faces changes by less than with the seed. */
-enum { ROUNDS_FIRST = 40, ROUNDS = 4 };
+/* Rounds of means of the crosses the first time, when nothing is known; later there is one. At 10 /
+ * 40 / 160 and 1 / 4 / 16, the middle of wide flat faces changes by less than with the seed. */
+enum { ROUNDS_FIRST = 20 };
 /* Of a spacing: how far apart seeds begin that share a place. */
 #define APART 1e-3
 vor_status vor_planes_init(struct vor_planes *out, struct vor_seeds *seeds, int crossed,
@@ -197,7 +197,7 @@ static void freeze_seed(const struct freeze *freeze, struct vor_scratch *scratch
     set_wall(&plane->flat, p, &scratch->here, axes, at, radius);
     if (p->crossed) {
         struct vor_surface bent = scratch->here.surface; /* a quadric also where fits are planes */
-        struct vor_cross_fit fit = {.surface = &bent, .k = scratch->here.k, .spacing = p->spacing};
+        struct vor_cross_fit fit = {.surface = &bent, .k = scratch->here.k};
 
         if (p->seeds->policy.planes)
             vor_surface_fit(&bent, scratch->here.near, scratch->here.k);
@@ -325,7 +325,7 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
     if (status == VOR_OK && p->crossed) {
         status = vor_crosses_smooth(&p->crosses, p->axes, p->near, p->width,
                                     p->width < VOR_PATCH_HEXAGON ? p->width : VOR_PATCH_HEXAGON,
-                                    p->set == 0 ? ROUNDS_FIRST : ROUNDS, run, err);
+                                    p->set == 0 ? ROUNDS_FIRST : 1, run, err);
         if (status == VOR_OK) {
             /* The axes of all seeds turn to their crosses, and the walls with them. */
             for (size_t i = 0; i < p->seeds->n; i++) {

@@ -7,10 +7,7 @@
 
 /* Share of the decrease that the gradient promises which a step must reach (Armijo 1966). */
 #define ENOUGH 1e-4
-/* A step that is too long is shortened to the minimum of a parabola, within these shares. */
-#define SHORTEST 0.1
-#define LONGEST 0.5
-/* Trials of a line search: the last one is between 1e-20 and 1e-6 of the first. */
+/* Trials of a line search, each half as long as the one before: the last is 1e-6 of the first. */
 enum { TRIALS = 20 };
 
 static double dot(const double *a, const double *b, size_t n)
@@ -152,7 +149,7 @@ static vor_status step_on(struct vor_lbfgs *lbfgs, double *x, const struct vor_l
                           struct vor_lbfgs_told *told, int *moved, struct vor_error *err)
 {
     size_t n = lbfgs->length;
-    double slope = aim(lbfgs, x, f), t = 1, value, next;
+    double slope = aim(lbfgs, x, f), t = 1, value;
 
     *moved = 0;
     for (unsigned trial = 0; slope < 0 && trial < TRIALS; trial++) {
@@ -172,8 +169,7 @@ static vor_status step_on(struct vor_lbfgs *lbfgs, double *x, const struct vor_l
             *moved = 1;
             return VOR_OK;
         }
-        next = -slope * t * t / (2 * (value - told->after - slope * t));
-        t = next >= SHORTEST * t ? fmin(next, LONGEST * t) : SHORTEST * t; /* also if it is NaN */
+        t /= 2;
     }
     return VOR_OK;
 }
