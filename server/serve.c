@@ -2,9 +2,8 @@
  * wait for a signal; then the same backwards. */
 #include "server/serve.h"
 
-#include "server/api/admin.h"
 #include "server/api/app.h"
-#include "server/api/routes.h"
+#include "server/api/route_table.h"
 #include "server/api/tickets.h"
 #include "server/base/clock.h"
 #include "server/base/descriptors.h"

@@ -1,4 +1,4 @@
-#include "server/api/admin.h"
+#include "server/api/route_table.h"
 
 #include "core/base/vector.h"
 #include "server/api/handlers/handlers.h"

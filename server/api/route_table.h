@@ -1,9 +1,11 @@
 /** Which handler answers which method at which path: one table, which openapi.yaml is compared
- *  with. */
+ *  with; and the handlers that come before all others. */
 #ifndef VOR_SERVER_API_ROUTE_TABLE_H
 #define VOR_SERVER_API_ROUTE_TABLE_H
 
 #include "server/api/app.h"
+
+#include <stdio.h>
 
 #define VOR_CODES_SUBMIT                                                                           \
     "200 201 400 401 403 404 406 408 409 410 413 415 422 429 500 503 507" /* of every way to start \
@@ -54,5 +56,37 @@
     enum vor_next handler(struct vor_request *request, enum vor_step step);
 VOR_ROUTE_TABLE(VOR_ROUTE_HANDLER)
 #undef VOR_ROUTE_HANDLER
+
+struct vor_route {
+    enum vor_method method;
+    const char *path;
+    enum vor_scope scope; /**< of the key that it needs */
+    vor_handler handler;
+    const char *codes;
+};
+
+/** "METHOD PATH SCOPE CODE CODE ..." a line. */
+void vor_routes_print(FILE *out);
+
+/** The first handler of every request: Host, Origin, CORS, method and path, key; then the route's.
+ */
+enum vor_next vor_route_dispatch(struct vor_request *request, enum vor_step step);
+
+/** A refusal of the HTTP layer as a problem, and the line of the access log. */
+void vor_route_refuse(struct vor_request *request, const struct vor_refusal *refusal);
+void vor_route_done(const struct vor_request *request);
+
+/* The second listener, for the operator: GET of /livez, /readyz and /metrics, and nothing else. It
+ * has threads and connections of its own, so it answers while the first one is overrun. */
+
+/** From then on a thread that speaks HTTP counts as stuck: /livez says so, and systemd's watchdog
+ * is not told that all is well. No step of a request takes a hundredth of it. */
+enum { VOR_STUCK_SECONDS = 10 };
+
+/** Handler of the second listener. */
+enum vor_next vor_admin_dispatch(struct vor_request *request, enum vor_step step);
+
+/** Its line in the log: of level debug, as every look at it makes one. */
+void vor_admin_done(const struct vor_request *request);
 
 #endif

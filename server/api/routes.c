@@ -1,4 +1,4 @@
-#include "server/api/routes.h"
+#include "server/api/route_table.h"
 
 #include "server/api/auth.h"
 #include "server/api/links.h"

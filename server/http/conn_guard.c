@@ -6,6 +6,7 @@
 #include "server/base/clock.h"
 #include "server/base/machine.h"
 #include "server/http/conn_table.h"
+#include "server/http/state.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -475,10 +476,11 @@ void vor_conn_guard_stop(struct vor_conn_guard *guard)
 
 /* --- all of them ------------------------------------------------------------------------------ */
 
-void vor_conn_guard_close_slow(struct vor_conn_guard *guard)
+void vor_http_cut_slow(struct vor_http *http)
 {
     static const enum vor_phase slow[] = {VOR_PHASE_HEAD, VOR_PHASE_BODY, VOR_PHASE_SEND,
                                           VOR_PHASE_IDLE};
+    struct vor_conn_guard *guard = http->guard;
     struct vor_conn *conn;
 
     lock(guard);
@@ -498,11 +500,14 @@ unsigned vor_conn_guard_count(struct vor_conn_guard *guard)
     return count;
 }
 
-unsigned vor_conn_guard_unread(struct vor_conn_guard *guard)
+/* Besides requests under way, connections without one that have sent bytes which nobody has read.
+ */
+unsigned vor_http_busy(const struct vor_http *http)
 {
     static const enum vor_phase silent[] = {VOR_PHASE_HEAD, VOR_PHASE_IDLE};
+    struct vor_conn_guard *guard = http->guard;
     struct vor_conn *conn;
-    unsigned count = 0;
+    unsigned count = atomic_load(&http->busy);
 
     lock(guard);
     for (size_t i = 0; i < sizeof silent / sizeof silent[0]; i++)
@@ -512,8 +517,9 @@ unsigned vor_conn_guard_unread(struct vor_conn_guard *guard)
     return count;
 }
 
-void vor_conn_guard_wake_all(struct vor_conn_guard *guard)
+void vor_http_wake_all(struct vor_http *http)
 {
+    struct vor_conn_guard *guard = http->guard;
     struct vor_waker **wakers;
     size_t n = 0, most = 0;
     struct vor_conn *conn;

@@ -23,18 +23,8 @@ VOR_NODISCARD vor_status vor_conn_guard_start(struct vor_conn_guard **out,
 /** Stops the thread; every connection has left. guard may be NULL. */
 void vor_conn_guard_stop(struct vor_conn_guard *guard);
 
-/** Closes every connection whose head or body is on its way, or whose reply is, and those that are
- *  kept. */
-void vor_conn_guard_close_slow(struct vor_conn_guard *guard);
-
 /** How many connections are open; not counted are streams, and those which have been closed. */
 unsigned vor_conn_guard_count(struct vor_conn_guard *guard);
-
-/** How many connections without a request have sent bytes that nobody has read yet. */
-unsigned vor_conn_guard_unread(struct vor_conn_guard *guard);
-
-/** Wakes every request under way. */
-void vor_conn_guard_wake_all(struct vor_conn_guard *guard);
 
 /** A connection comes, from that address (NULL: none); fd is borrowed until it leaves. If there are
  *  too many now, the oldest silent one is closed. NULL when memory is out. */

@@ -29,7 +29,7 @@ struct vor_conn;
 struct MHD_Connection;
 struct vor_waker;
 struct vor_app;   /**< server/api/app.h */
-struct vor_route; /**< server/api/routes.h */
+struct vor_route; /**< server/api/route_table.h */
 
 enum vor_method { VOR_GET, VOR_HEAD, VOR_POST, VOR_DELETE, VOR_OPTIONS, VOR_METHOD_COUNT };
 

@@ -263,19 +263,9 @@ void vor_http_quiesce(struct vor_http *http)
     (void)shutdown(http->fd, SHUT_RD);
 }
 
-unsigned vor_http_busy(const struct vor_http *http)
-{
-    return atomic_load(&http->busy) + vor_conn_guard_unread(http->guard);
-}
-
 unsigned vor_http_connections(const struct vor_http *http)
 {
     return vor_conn_guard_count(http->guard);
-}
-
-void vor_http_cut_slow(struct vor_http *http)
-{
-    vor_conn_guard_close_slow(http->guard);
 }
 
 double vor_http_stuck(const struct vor_http *http)
@@ -283,15 +273,10 @@ double vor_http_stuck(const struct vor_http *http)
     return vor_watchdog_longest(&http->watchdog);
 }
 
-void vor_http_wake_all(struct vor_http *http)
-{
-    vor_conn_guard_wake_all(http->guard);
-}
-
 void vor_http_close_waiting(struct vor_http *http)
 {
     atomic_store(&http->closing, true);
-    vor_conn_guard_wake_all(http->guard);
+    vor_http_wake_all(http);
 }
 
 void vor_http_stop(struct vor_http *http)
