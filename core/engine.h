@@ -44,7 +44,7 @@
  *  With an earlier result, seeds start where its points were (seeds/warm_start.h); it takes 53
  * bytes a point while they do.
  *
- *  Memory: at most 61 bytes for each input point (position, order, index), 94 more where lists of
+ *  Memory: at most 54 bytes for each input point (position, order, index), 94 more where lists of
  *  neighbours on one sheet are made (input/lists.h) and 28 while they are, for meshes 450 (at worst
  *  780, input/regions.h). For each point of the
  *  result 6 k + 393 bytes (surface, lists, index; k neighbors), twice that while the start is drawn

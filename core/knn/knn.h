@@ -33,7 +33,7 @@ VOR_NODISCARD vor_status vor_knn_build(struct vor_knn **out, const float *xyz, s
  *  against 4.9 (k = 32), 16 against 20 (k = 150); in calls of 250 queries 2.2 against 2.6 (k = 20).
  *  Points in any order that are searched for once stay with FLANN, which needs no sorting.
  *
- *  @retval VOR_E_NOMEM the index (about 16 n bytes, and 8 n while it is built) does not fit
+ *  @retval VOR_E_NOMEM the index (about 9 n bytes, and 8 n while it is built) does not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED, and those of vor_knn_build
  *
  *  O(n), on the run's pool. The same answers for any number of threads. */

@@ -23,7 +23,8 @@ enum {
     CODED_LEVELS = 64, /* deeper, all codes of a range are equal: they have 63 bits */
     LEVELS_MAX = CODED_LEVELS + 32,
     STACK_MAX = LEVELS_MAX * LANES,
-    SUBTREE = 1 << 14 /* points whose nodes one task makes */
+    SUBTREE = 1 << 14, /* points whose nodes one task makes */
+    PADDING = 2        /* units behind the last node: LANES may be read from its last row */
 };
 
 /* Points begin .. end - 1, to become a node that is `level` below the root. */
@@ -35,7 +36,8 @@ struct range {
 /* A range of at most SUBTREE points whose parent has more: one task makes its nodes. */
 struct subtree {
     struct range range;
-    size_t first, nodes; /* its nodes in the tree, the root first */
+    size_t first, units; /* its nodes in the tree, the root first */
+    unsigned char kind;  /* of the root */
 };
 
 struct build {
@@ -51,7 +53,7 @@ struct build {
 /* Where the next nodes go. When the nodes above the subtrees are made, the subtrees exist already
  * and are attached in turn. */
 struct cursor {
-    size_t node;
+    size_t unit;
     const struct subtree *subtree; /* the next one; NULL inside a subtree */
 };
 
@@ -99,16 +101,22 @@ static unsigned divide(size_t at[LANES + 1], const uint64_t *code, struct range 
     return parts;
 }
 
-/* Counts the nodes of a range, without parts of at most `least` points. */
-static size_t count_nodes(const uint64_t *code, struct range range, size_t least)
+static size_t units_of(unsigned lanes)
 {
-    size_t at[LANES + 1], nodes = 1;
+    return (lanes * (size_t)VOR_BOXES_LANE + VOR_BOXES_UNIT - 1) / VOR_BOXES_UNIT;
+}
+
+/* Counts the units of the nodes of a range, without parts of at most `least` points. */
+static size_t count_units(const uint64_t *code, struct range range, size_t least)
+{
+    size_t at[LANES + 1];
     unsigned parts = divide(at, code, range);
+    size_t units = units_of(parts);
 
     for (unsigned j = 0; j < parts; j++)
         if (at[j + 1] - at[j] > least)
-            nodes += count_nodes(code, (struct range){at[j], at[j + 1], range.level + 1}, least);
-    return nodes;
+            units += count_units(code, (struct range){at[j], at[j + 1], range.level + 1}, least);
+    return units;
 }
 
 /* Counts the subtrees of a range larger than SUBTREE, and lists them if build->subtree has memory.
@@ -136,10 +144,10 @@ static void count_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsig
     const struct build *build = ctx;
 
     for (size_t i = begin; i < end; i++)
-        build->subtree[i].nodes = count_nodes(build->code, build->subtree[i].range, LANES);
+        build->subtree[i].units = count_units(build->code, build->subtree[i].range, LANES);
 }
 
-static void make_leaf(const struct build *build, struct vor_boxes_node *node, unsigned lane,
+static void make_leaf(const struct build *build, const struct vor_boxes_node *node, unsigned lane,
                       size_t begin, size_t end)
 {
     const float *xyz = &build->xyz[3 * begin];
@@ -154,62 +162,61 @@ static void make_leaf(const struct build *build, struct vor_boxes_node *node, un
             low = x < low ? x : low;
             high = x > high ? x : high;
         }
-        node->low[c][lane] = low;
-        node->high[c][lane] = high;
+        node->low[c * node->lanes + lane] = low;
+        node->high[c * node->lanes + lane] = high;
     }
     node->child[lane] = (uint32_t)begin;
-    node->count[lane] = (uint32_t)n;
+    node->kind[lane] = (unsigned char)n;
 }
 
 /* Makes the box of a node a lane of its parent. */
-static void hang(struct vor_boxes *boxes, size_t parent, size_t lane, size_t at)
+static void hang(const struct vor_boxes *boxes, const struct vor_boxes_node *node, size_t lane,
+                 size_t at, unsigned char kind)
 {
-    const struct vor_boxes_node *below = &boxes->node[at];
-    struct vor_boxes_node *node = &boxes->node[parent];
+    struct vor_boxes_node below = vor_boxes_node_at(boxes, at, kind);
 
     for (size_t c = 0; c < 3; c++) {
-        float low = below->low[c][0], high = below->high[c][0];
+        const float *lows = below.low + c * below.lanes, *highs = below.high + c * below.lanes;
+        float low = lows[0], high = highs[0];
 
-        for (size_t j = 1; j < LANES; j++) {
-            low = below->low[c][j] < low ? below->low[c][j] : low;
-            high = below->high[c][j] > high ? below->high[c][j] : high;
+        for (size_t j = 1; j < below.lanes; j++) {
+            low = lows[j] < low ? lows[j] : low;
+            high = highs[j] > high ? highs[j] : high;
         }
-        node->low[c][lane] = low;
-        node->high[c][lane] = high;
+        node->low[c * node->lanes + lane] = low;
+        node->high[c * node->lanes + lane] = high;
     }
     node->child[lane] = (uint32_t)at;
-    node->count[lane] = 0;
+    node->kind[lane] = kind;
 }
 
-/* Makes the node of a range at `at`, and those below it at the cursor. */
-static void make_node(const struct build *build, struct range range, size_t at, struct cursor *next)
+/* Makes the node of a range at the cursor, and those below it behind it. Returns its kind. */
+static unsigned char make_node(const struct build *build, struct range range, struct cursor *next)
 {
-    struct vor_boxes *boxes = build->boxes;
+    const struct vor_boxes *boxes = build->boxes;
     size_t part[LANES + 1];
     unsigned parts = divide(part, build->code, range);
+    unsigned char kind = (unsigned char)(LANES + parts);
+    struct vor_boxes_node node = vor_boxes_node_at(boxes, next->unit, kind);
 
     assert(range.level < LEVELS_MAX);
-    for (unsigned j = 0; j < LANES; j++) {
-        size_t n = j < parts ? part[j + 1] - part[j] : 0;
+    next->unit += units_of(parts);
+    for (unsigned j = 0; j < parts; j++) {
+        size_t n = part[j + 1] - part[j];
 
-        if (n == 0) {
-            for (size_t c = 0; c < 3; c++) {
-                boxes->node[at].low[c][j] = INFINITY;
-                boxes->node[at].high[c][j] = -INFINITY;
-            }
-            boxes->node[at].child[j] = 0;
-            boxes->node[at].count[j] = 0;
-        } else if (n <= LANES) {
-            make_leaf(build, &boxes->node[at], j, part[j], part[j + 1]);
+        if (n <= LANES) {
+            make_leaf(build, &node, j, part[j], part[j + 1]);
         } else if (next->subtree != NULL && n <= SUBTREE) {
-            hang(boxes, at, j, next->subtree++->first);
+            hang(boxes, &node, j, next->subtree->first, next->subtree->kind);
+            next->subtree++;
         } else {
-            size_t child = next->node++;
+            size_t child = next->unit;
+            struct range below = {part[j], part[j + 1], range.level + 1};
 
-            make_node(build, (struct range){part[j], part[j + 1], range.level + 1}, child, next);
-            hang(boxes, at, j, child);
+            hang(boxes, &node, j, child, make_node(build, below, next));
         }
     }
+    return kind;
 }
 
 static void make_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -217,16 +224,16 @@ static void make_subtrees(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     const struct build *build = ctx;
 
     for (size_t i = begin; i < end; i++) {
-        const struct subtree *subtree = &build->subtree[i];
-        struct cursor next = {subtree->first + 1, NULL};
+        struct subtree *subtree = &build->subtree[i];
+        struct cursor next = {subtree->first, NULL};
 
-        make_node(build, subtree->range, subtree->first, &next);
-        assert(next.node == subtree->first + subtree->nodes);
+        subtree->kind = make_node(build, subtree->range, &next);
+        assert(next.unit == subtree->first + subtree->units);
     }
 }
 
 /* Finds the subtrees, and their places after the nodes above them. */
-static vor_status plan(struct build *build, size_t *nodes, struct vor_error *err)
+static vor_status plan(struct build *build, size_t *units, struct vor_error *err)
 {
     struct range all = {0, build->n, 0};
     vor_status status = vor_morton_codes(build->code, build->xyz, build->n, build->run, err);
@@ -240,10 +247,10 @@ static vor_status plan(struct build *build, size_t *nodes, struct vor_error *err
     build->subtrees = 0;
     list_subtrees(build, all);
     status = vor_run_for(build->run, build->subtrees, 1, count_subtrees, build, err);
-    *nodes = count_nodes(build->code, all, SUBTREE);
+    *units = count_units(build->code, all, SUBTREE);
     for (size_t i = 0; status == VOR_OK && i < build->subtrees; i++) {
-        build->subtree[i].first = *nodes;
-        *nodes += build->subtree[i].nodes;
+        build->subtree[i].first = *units;
+        *units += build->subtree[i].units;
     }
     return status;
 }
@@ -251,21 +258,20 @@ static vor_status plan(struct build *build, size_t *nodes, struct vor_error *err
 static vor_status make_tree(struct build *build, struct vor_error *err)
 {
     struct vor_boxes *boxes = build->boxes;
-    size_t nodes = 0;
-    struct cursor next = {.node = 1};
-    vor_status status = plan(build, &nodes, err);
+    struct cursor next = {.unit = 0};
+    vor_status status = plan(build, &boxes->units, err);
 
     if (status != VOR_OK)
         return status;
-    boxes->nodes = nodes;
-    boxes->node = vor_malloc(boxes->memory, nodes, sizeof *boxes->node);
+    boxes->node = vor_malloc(boxes->memory, boxes->units + PADDING, VOR_BOXES_UNIT);
     if (boxes->node == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", build->n);
+    memset(boxes->node + VOR_BOXES_UNIT * boxes->units, 0, (size_t)PADDING * VOR_BOXES_UNIT);
     status = vor_run_for(build->run, build->subtrees, 1, make_subtrees, build, err);
     if (status != VOR_OK)
         return status;
     next.subtree = build->subtree;
-    make_node(build, (struct range){0, build->n, 0}, 0, &next);
+    boxes->root = make_node(build, (struct range){0, build->n, 0}, &next);
     return VOR_OK;
 }
 
@@ -302,10 +308,10 @@ void vor_boxes_free(struct vor_boxes *boxes)
     VOR_FREE_ALL(boxes->memory, boxes->node, boxes);
 }
 
-/* A box that may hold a nearer point: of a node (count 0), or of a leaf of `count` points. */
+/* A box that may hold a nearer point: of a node or of a leaf, by `kind`. */
 struct visit {
     float distance2;
-    uint32_t at, count;
+    uint32_t at, kind;
 };
 
 /* The k nearest so far. */
@@ -383,7 +389,7 @@ VOR_INLINE void search_leaf(struct found *found, const struct vor_boxes *boxes, 
 
         distance2[j] = x * x + y * y + z * z;
     }
-    count = nearer(lane, distance2, visit.count, found->worst);
+    count = nearer(lane, distance2, visit.kind, found->worst);
     for (unsigned i = 0; i < count; i++)
         if (distance2[lane[i]] < found->worst)
             insert(found, visit.at + lane[i], distance2[lane[i]]);
@@ -396,7 +402,8 @@ VOR_INLINE void box_distances(float distance2[LANES], const struct vor_boxes_nod
     for (size_t j = 0; j < LANES; j++)
         distance2[j] = 0;
     for (size_t c = 0; c < 3; c++)
-        vor_boxes_add_gaps(distance2, node->low[c], node->high[c], q[c], q[c]);
+        vor_boxes_add_gaps(distance2, node->low + c * node->lanes, node->high + c * node->lanes,
+                           q[c], q[c]);
 }
 
 /* Pushes the boxes of a node that may hold a nearer point on the stack, the nearest on top. Returns
@@ -405,16 +412,16 @@ VOR_INLINE unsigned open_node(struct visit *stack, const struct vor_boxes_node *
                               const float q[3], float worst)
 {
     float distance2[LANES];
-    unsigned lane[LANES], count;
+    unsigned lane[LANES] = {0}, count;
 
     box_distances(distance2, node, q);
-    count = nearer(lane, distance2, LANES, worst);
+    count = nearer(lane, distance2, node->lanes, worst);
     for (unsigned i = 0; i < count; i++) {
         unsigned j = lane[i], at = i;
 
         for (; at > 0 && stack[at - 1].distance2 < distance2[j]; at--)
             stack[at] = stack[at - 1];
-        stack[at] = (struct visit){distance2[j], node->child[j], node->count[j]};
+        stack[at] = (struct visit){distance2[j], node->child[j], node->kind[j]};
     }
     return count;
 }
@@ -426,16 +433,19 @@ VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float que
     struct visit stack[STACK_MAX];
     unsigned high = 1;
 
-    stack[0] = (struct visit){0, 0, 0};
+    stack[0] = (struct visit){0, 0, boxes->root};
     while (high > 0) {
         struct visit visit = stack[--high];
 
         if (visit.distance2 >= found.worst)
             continue;
-        if (visit.count > 0)
+        if (visit.kind <= LANES) {
             search_leaf(&found, boxes, visit, query);
-        else
-            high += open_node(&stack[high], &boxes->node[visit.at], query, found.worst);
+        } else {
+            struct vor_boxes_node node = vor_boxes_node_at(boxes, visit.at, visit.kind);
+
+            high += open_node(&stack[high], &node, query, found.worst);
+        }
     }
     return found.count;
 }

@@ -11,7 +11,7 @@ struct vor_boxes;
 
 /** Builds a tree over n >= 1 points (n x 3 floats, all finite), which it borrows.
  *
- *  @retval VOR_E_NOMEM what stays (about 16 n bytes, at worst 37 n) and 8 n more do not fit
+ *  @retval VOR_E_NOMEM what stays (about 9 n bytes, at worst 37 n) and 8 n more do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n) in Morton order, O(n log n) in any other, on the run's pool. The same tree for any number

@@ -24,9 +24,9 @@ struct join {
 
 /* One lane of a node: the points in its box. */
 struct part {
-    const struct vor_boxes_node *in;
+    struct vor_boxes_node in;
     unsigned lane;
-    uint32_t count; /* as in the node */
+    uint32_t count; /* points of a leaf; 0: a node */
     int narrow;     /* the box is no wider than the width */
     int whole;      /* its points are known to be one part */
     uint32_t from;  /* the first point of the narrow box that it was taken out of, or NONE */
@@ -35,7 +35,9 @@ struct part {
 static unsigned char *whole_of(const struct join *join, const struct vor_boxes_node *in,
                                unsigned lane)
 {
-    return &join->whole[(size_t)(in - join->boxes->node) * VOR_BOXES_LANES + lane];
+    size_t byte = (size_t)((const unsigned char *)in->low - join->boxes->node);
+
+    return &join->whole[byte / VOR_BOXES_LANE + lane];
 }
 
 static struct part part_of(const struct join *join, const struct vor_boxes_node *in, unsigned lane)
@@ -44,42 +46,36 @@ static struct part part_of(const struct join *join, const struct vor_boxes_node 
     int narrow;
 
     for (size_t c = 0; c < 3; c++) {
-        float side = in->high[c][lane] - in->low[c][lane];
+        float side = in->high[c * in->lanes + lane] - in->low[c * in->lanes + lane];
 
         width2 += side * side;
     }
     narrow = width2 <= join->width2;
-    return (struct part){in,  lane, in->count[lane], narrow, narrow || *whole_of(join, in, lane),
+    return (struct part){*in,
+                         lane,
+                         in->kind[lane] <= VOR_BOXES_LANES ? in->kind[lane] : 0,
+                         narrow,
+                         narrow || *whole_of(join, in, lane),
                          NONE};
 }
 
-static const struct vor_boxes_node *node_below(const struct join *join, struct part part)
+static struct vor_boxes_node node_below(const struct join *join, struct part part)
 {
-    return &join->boxes->node[part.in->child[part.lane]];
-}
-
-/* How many children a node has. */
-static unsigned children(const struct vor_boxes_node *node)
-{
-    unsigned count = 0;
-
-    while (count < VOR_BOXES_LANES && node->low[0][count] <= node->high[0][count])
-        count++;
-    return count;
+    return vor_boxes_node_at(join->boxes, part.in.child[part.lane], part.in.kind[part.lane]);
 }
 
 static uint32_t first_point(const struct join *join, struct part part)
 {
-    const struct vor_boxes_node *in = part.in;
+    struct vor_boxes_node in = part.in;
     unsigned lane = part.lane;
 
     if (part.from != NONE)
         return part.from;
-    while (in->count[lane] == 0) {
-        in = &join->boxes->node[in->child[lane]];
+    while (in.kind[lane] > VOR_BOXES_LANES) {
+        in = vor_boxes_node_at(join->boxes, in.child[lane], in.kind[lane]);
         lane = 0;
     }
-    return in->child[lane];
+    return in.child[lane];
 }
 
 static int boxes_near(const struct join *join, struct part a, struct part b)
@@ -87,8 +83,8 @@ static int boxes_near(const struct join *join, struct part a, struct part b)
     float gap2 = 0;
 
     for (size_t c = 0; c < 3; c++) {
-        float below = a.in->low[c][a.lane] - b.in->high[c][b.lane];
-        float above = b.in->low[c][b.lane] - a.in->high[c][a.lane];
+        float below = a.in.low[c * a.in.lanes + a.lane] - b.in.high[c * b.in.lanes + b.lane];
+        float above = b.in.low[c * b.in.lanes + b.lane] - a.in.high[c * a.in.lanes + a.lane];
         float gap = below > above ? below : above;
 
         gap2 += gap > 0 ? gap * gap : 0;
@@ -100,8 +96,8 @@ static int boxes_near(const struct join *join, struct part a, struct part b)
 static int points_near(const struct join *join, struct part a, uint32_t i, struct part b,
                        uint32_t j)
 {
-    const float *p = &join->boxes->xyz[3 * ((size_t)a.in->child[a.lane] + i)];
-    const float *q = &join->boxes->xyz[3 * ((size_t)b.in->child[b.lane] + j)];
+    const float *p = &join->boxes->xyz[3 * ((size_t)a.in.child[a.lane] + i)];
+    const float *q = &join->boxes->xyz[3 * ((size_t)b.in.child[b.lane] + j)];
     float distance2 = 0;
 
     for (size_t c = 0; c < 3; c++)
@@ -120,8 +116,7 @@ static int same_part(const struct join *join, struct part a, struct part b)
 static void join_across(const struct join *join, struct part a, struct part b)
 {
     struct part open = a, other = b;
-    const struct vor_boxes_node *below;
-    unsigned count;
+    struct vor_boxes_node below;
 
     if (same_part(join, a, b))
         return;
@@ -144,9 +139,8 @@ static void join_across(const struct join *join, struct part a, struct part b)
         other = a;
     }
     below = node_below(join, open);
-    count = children(below);
-    for (unsigned j = 0; j < count && !same_part(join, a, b); j++) {
-        struct part child = part_of(join, below, j);
+    for (unsigned j = 0; j < below.lanes && !same_part(join, a, b); j++) {
+        struct part child = part_of(join, &below, j);
 
         if (open.narrow)
             child.from = first_point(join, open);
@@ -158,7 +152,7 @@ static void join_across(const struct join *join, struct part a, struct part b)
 /* Joins the points of a leaf. Returns whether they are one part. */
 static int join_leaf(const struct join *join, struct part part)
 {
-    uint32_t first = part.in->child[part.lane], i;
+    uint32_t first = part.in.child[part.lane], i;
 
     for (i = 0; i < part.count; i++) {
         join->root[first + i] = first + i;
@@ -175,7 +169,7 @@ static int join_leaf(const struct join *join, struct part part)
  * one part. */
 static int join_children(const struct join *join, const struct vor_boxes_node *node)
 {
-    unsigned count = children(node);
+    unsigned count = node->lanes;
     struct part part[VOR_BOXES_LANES];
     int whole = 1;
 
@@ -203,12 +197,11 @@ static void join_inside(const struct join *join, const struct vor_boxes_node *in
     } else if (part.count > 0) {
         whole = join_leaf(join, part);
     } else {
-        const struct vor_boxes_node *node = node_below(join, part);
-        unsigned count = children(node);
+        struct vor_boxes_node node = node_below(join, part);
 
-        for (unsigned j = 0; j < count; j++)
-            join_inside(join, node, j);
-        whole = join_children(join, node);
+        for (unsigned j = 0; j < node.lanes; j++)
+            join_inside(join, &node, j);
+        whole = join_children(join, &node);
     }
     *whole_of(join, in, lane) = (unsigned char)whole;
 }
@@ -216,9 +209,10 @@ static void join_inside(const struct join *join, const struct vor_boxes_node *in
 static void join_lanes(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     const struct join *join = ctx;
+    struct vor_boxes_node top = vor_boxes_node_at(join->boxes, 0, join->boxes->root);
 
     for (size_t j = begin; j < end; j++)
-        join_inside(join, &join->boxes->node[0], (unsigned)j);
+        join_inside(join, &top, (unsigned)j);
 }
 
 /* Sets the root of each point; those of smaller indices are final. Returns how many parts there
@@ -237,20 +231,21 @@ static size_t finish_roots(uint32_t *root, size_t n)
 vor_status vor_boxes_join(uint32_t *root, size_t *parts, const struct vor_boxes *boxes,
                           double distance, const struct vor_run *run, struct vor_error *err)
 {
-    const struct vor_boxes_node *top = &boxes->node[0];
+    struct vor_boxes_node top = vor_boxes_node_at(boxes, 0, boxes->root);
     struct join join = {.boxes = boxes,
                         .root = root,
                         .distance2 = (float)(distance * distance),
                         .width2 = (float)(WIDTH * WIDTH * distance * distance)};
     vor_status status;
 
-    join.whole = vor_calloc(run->memory, boxes->nodes, VOR_BOXES_LANES);
+    join.whole = vor_calloc(run->memory,
+                            boxes->units * VOR_BOXES_UNIT / VOR_BOXES_LANE + VOR_BOXES_LANES, 1);
     if (join.whole == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", boxes->n);
     memset(root, 0xff, boxes->n * sizeof *root);
-    status = vor_run_for(run, children(top), 1, join_lanes, &join, err);
+    status = vor_run_for(run, top.lanes, 1, join_lanes, &join, err);
     if (status == VOR_OK)
-        *parts = join_children(&join, top) ? 1 : finish_roots(root, boxes->n);
+        *parts = join_children(&join, &top) ? 1 : finish_roots(root, boxes->n);
     vor_free(run->memory, join.whole);
     return status;
 }

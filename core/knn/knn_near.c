@@ -66,23 +66,27 @@ VOR_INLINE void take_leaf(struct around *around, const struct vor_boxes *boxes, 
 VOR_CLONES static void gather(struct around *around, const struct vor_boxes *boxes,
                               const struct extent *box, float most2)
 {
-    uint32_t at[STACK], leaf[STACK];
+    uint32_t at[STACK];
+    unsigned char kind[STACK];
     unsigned high = 1;
 
-    at[0] = leaf[0] = 0;
+    at[0] = 0;
+    kind[0] = boxes->root;
     while (high > 0 && around->count <= ROOM) {
-        const struct vor_boxes_node *node = &boxes->node[at[--high]];
+        struct vor_boxes_node node;
         float distance2[LANES] = {0};
 
-        if (leaf[high] > 0) {
-            take_leaf(around, boxes, at[high], leaf[high], box, most2);
+        if (kind[--high] <= LANES) {
+            take_leaf(around, boxes, at[high], kind[high], box, most2);
             continue;
         }
+        node = vor_boxes_node_at(boxes, at[high], kind[high]);
         for (size_t c = 0; c < 3; c++)
-            vor_boxes_add_gaps(distance2, node->low[c], node->high[c], box->low[c], box->high[c]);
-        for (size_t j = LANES; j-- > 0;) {
-            at[high] = node->child[j];
-            leaf[high] = node->count[j];
+            vor_boxes_add_gaps(distance2, node.low + c * node.lanes, node.high + c * node.lanes,
+                               box->low[c], box->high[c]);
+        for (size_t j = node.lanes; j-- > 0;) {
+            at[high] = node.child[j];
+            kind[high] = node.kind[j];
             high += distance2[j] < most2;
         }
     }

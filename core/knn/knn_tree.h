@@ -13,13 +13,17 @@
 
 enum { VOR_BOXES_LANES = 8 };
 
-/** Up to VOR_BOXES_LANES children, the used lanes first. The boxes of unused lanes are inside out,
- *  infinitely far from everything. */
+/** A node, which has 1 to VOR_BOXES_LANES children. Up to VOR_BOXES_LANES floats may be read from
+ *  any of its rows of so many. */
 struct vor_boxes_node {
-    float low[3][VOR_BOXES_LANES], high[3][VOR_BOXES_LANES];
-    uint32_t child[VOR_BOXES_LANES]; /* a node, or the first point of a leaf */
-    uint32_t count[VOR_BOXES_LANES]; /* points of a leaf; 0: a node */
+    unsigned lanes;
+    float *low, *high;   /* of child j at [c * lanes + j] */
+    uint32_t *child;     /* a node, or the first point of a leaf */
+    unsigned char *kind; /* points of a leaf, or VOR_BOXES_LANES + lanes of a node */
 };
+
+/** Bytes of a child in its node, and of the units that nodes are counted in. */
+enum { VOR_BOXES_LANE = 29, VOR_BOXES_UNIT = 32 };
 
 /** Adds, along one axis, to squared distances what lies between each of what goes from low[j] to
  *  high[j] and what goes from box_low to box_high. As the sum of two halves, one of which is 0: a
@@ -37,11 +41,23 @@ VOR_INLINE void vor_boxes_add_gaps(float distance2[VOR_BOXES_LANES], const float
 
 struct vor_boxes {
     struct vor_memory *memory;
-    size_t n, nodes;
-    struct vor_boxes_node *node;         /* [0] is the root */
+    size_t n, units;
+    unsigned char root; /* its kind; it is at 0 */
+    unsigned char *node;
     const float *xyz;                    /* n x 3, borrowed */
     float tail[2 * 3 * VOR_BOXES_LANES]; /* the last VOR_BOXES_LANES points, then zeros */
 };
+
+VOR_INLINE struct vor_boxes_node vor_boxes_node_at(const struct vor_boxes *boxes, size_t at,
+                                                   unsigned kind)
+{
+    unsigned lanes = kind - VOR_BOXES_LANES;
+    float *low = (void *)(boxes->node + VOR_BOXES_UNIT * at);
+    uint32_t *child = (void *)(low + 6 * (size_t)lanes);
+
+    return (struct vor_boxes_node){lanes, low, low + 3 * (size_t)lanes, child,
+                                   (void *)(child + lanes)};
+}
 
 /** The points from `at` on, of which VOR_BOXES_LANES may be read. */
 VOR_INLINE const float *vor_boxes_leaf(const struct vor_boxes *boxes, size_t at)

@@ -7,10 +7,10 @@
 
 /* Bytes a point, as core/engine.h has them where it has them; the others measured on spheres and
  * noise of 1,000 to 200,000 points to 1,000 to 100,000, each beside what was found. */
-#define INDEX 55.0    /* of the input: cloud, positions, order, index; 53 to 61 */
-#define SHEETS 98.0   /* of the input, where lists may be made, which is seen only then: 0 or 122 */
+#define INDEX 51.0    /* of the input: cloud, positions, order, index; 46 to 67 */
+#define SHEETS 94.0   /* of the input, where lists may be made, which is seen only then: 0 or 122 */
 #define TENSORS 265.0 /* of the input, while its metric is found: 263 */
-#define INSPECT 138.0 /* of the input, what inspect takes beside the index: 123 to 280 */
+#define INSPECT 142.0 /* of the input, what inspect takes beside the index: 123 to 280 */
 #define CONVERT 24.0  /* of the input, what convert takes: 24; restore that and the index */
 #define REGISTER 24.0 /* of each input, what register takes beside convert: 24 */
 #define SAMPLES 7e6   /* whatever the input, what register takes for samples and poses: 6e6 */
@@ -30,8 +30,8 @@
  * and 6 a neighbour, in the end. Found on 3,000 to 30,000 points of igea and, with noise, of
  * fandisk: 310 to 570 of wlop, 350 to 680 of ear; 540 to 640. At 30,000 with noise fits take more
  * neighbours than are reckoned with: 720, 890. */
-#define WLOP_IN 462.0
-#define EAR_IN 482.0
+#define WLOP_IN 450.0
+#define EAR_IN 470.0
 #define PROJECTED 542.0
 #define SAMPLED 0.5 /* of the input's points, those that ear projects */
 

@@ -10,7 +10,7 @@ enum { RECORDS = 160, CALLS = 14 }; /* CALLS of the allocator for one index */
  * it; for each seed its surface and its lists, and again for those that a start by areas has of its
  * own, where the input is not ten times as many; or while iterating the candidates, the momentum
  * and a second index of them; a bench for each thread and set. */
-#define EACH_IN(own) ((own) > 0 ? 77 : 69) /* the start keeps fits of its own */
+#define EACH_IN(own) ((own) > 0 ? 70 : 62) /* the start keeps fits of its own */
 #define EACH_SEED(k) (6 * (k) + 395)
 #define EACH_ITERATED(k) (6 * (k) + 502)
 #define EACH_THREAD (200 << 10)
@@ -104,9 +104,9 @@ VT_TEST_LOOP(a_run_needs_so_many_bytes_a_point, VT_FEWER(VT_SOAK_LOOPS(9, 10)))
     }
 }
 
-/* From the first iteration on, and from the first record of the polish on, as much is in use at
- * every record, and the allocator is asked only when the points' index is made anew or a candidate
- * gets one: in the first few iterations. */
+/* From the first iteration on, and from the first record of the polish on, no more is in use at
+ * any record, but for what nodes of the points' index differ by (a byte a point), and the allocator
+ * is asked only when that is made anew or a candidate gets one: in the first few iterations. */
 VT_TEST_LOOP(after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWER(3))
 {
     static const char *const anderson[3] = {NULL, "4", "0"};
@@ -118,14 +118,14 @@ VT_TEST_LOOP(after_the_first_iteration_nothing_is_allocated_but_indices, VT_FEWE
     ck_assert_uint_ge(log.count, 41 + 10);
     ck_assert_uint_le(log.count, 41 + 11); /* points that move after that have a record */
     for (unsigned i = 2; i <= 40; i++) {
-        ck_assert_uint_eq(log.used[i], log.used[1]);
+        ck_assert_uint_le(log.used[i], log.used[1] + request.out);
         ck_assert_uint_le(log.calls[i] - log.calls[i - 1], CALLS);
         asked += log.calls[i] != log.calls[i - 1];
     }
     ck_assert_uint_le(log.calls[40] - log.calls[1], CALLS * lists);
     ck_assert_uint_le(asked, 12);
     for (unsigned i = 42; i < 41 + 10; i++) {
-        ck_assert_uint_eq(log.used[i], log.used[41]);
+        ck_assert_uint_le(log.used[i], log.used[41] + request.out);
         polished += log.calls[i] - log.calls[i - 1] > 0;
     }
     ck_assert_uint_le(log.calls[50] - log.calls[41], CALLS * lists);

@@ -61,7 +61,7 @@ VT_TEST_LOOP(an_index_is_charged_to_its_allocator_and_given_back, 3)
     vt_cloud_cube(&cloud, 1, 1000);
     vor_memory_init(&memory, SIZE_MAX);
     vt_assert_ok(build(_i, &knn, cloud.xyz, 1000, &memory));
-    ck_assert_uint_ge(atomic_load(&memory.used), 1000 * (_i == 0 ? 37 : 12));
+    ck_assert_uint_ge(atomic_load(&memory.used), 1000 * (_i == 0 ? 37 : 7));
     vor_knn_free(knn);
     ck_assert_uint_eq(atomic_load(&memory.used), 0);
     vor_knn_free(NULL);
