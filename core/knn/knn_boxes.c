@@ -327,6 +327,37 @@ struct found {
  * 10.8 and 11.4; with WIDE at 32 or 64, 150 take 12.3. */
 enum { WIDE = 128 };
 
+/* Up to WIDE nearest points so far, sorted, behind an infinitely near one and before infinitely far
+ * ones. */
+struct kept {
+    float distance2[1 + WIDE + LANES];
+    uint32_t index[1 + WIDE + LANES];
+};
+
+/* Inserts a point among `count` that are sorted, behind those that are as far: lanes from the last
+ * to its place become the point before theirs, or this one. */
+VOR_INLINE void insert_kept(struct kept *kept, unsigned count, uint32_t i, float d2)
+{
+    const vor_lanes this2 = d2 - (vor_lanes){0};
+    const vor_marks this = (int32_t)i - (vor_marks){0};
+
+    for (unsigned at = count / LANES * LANES;; at -= LANES) {
+        vor_lanes_at *to2 = (vor_lanes_at *)&kept->distance2[1 + at];
+        vor_marks_at *to = (vor_marks_at *)&kept->index[1 + at];
+        vor_lanes before2 = *(const vor_lanes_at *)&kept->distance2[at];
+        vor_marks before = *(const vor_marks_at *)&kept->index[at];
+        vor_marks stays = *to2 <= this2, follows = before2 <= this2;
+        float first2 = kept->distance2[at];
+
+        before = (this & follows) | (before & ~follows);
+        *to = (*to & stays) | (before & ~stays);
+        before = ((vor_marks)this2 & follows) | ((vor_marks)before2 & ~follows);
+        *to2 = (vor_lanes)(((vor_marks)*to2 & stays) | (before & ~stays));
+        if (first2 <= d2)
+            return;
+    }
+}
+
 /* Makes room at the place of a distance among `count` that are sorted; behind those that are equal.
  * Returns it. */
 VOR_INLINE unsigned make_room(struct found *found, unsigned count, float distance2)
@@ -346,21 +377,18 @@ VOR_INLINE unsigned make_room(struct found *found, unsigned count, float distanc
     return low;
 }
 
-VOR_INLINE void insert(struct found *found, uint32_t i, float distance2)
+VOR_INLINE void insert(struct found *found, struct kept *kept, uint32_t i, float distance2)
 {
     unsigned at = found->count < found->k ? found->count++ : found->k - 1;
 
-    if (at > WIDE)
+    if (found->k > WIDE) {
         at = make_room(found, at, distance2);
-    else
-        for (; at > 0 && distance2 < found->distance2[at - 1]; at--) {
-            found->distance2[at] = found->distance2[at - 1];
-            found->index[at] = found->index[at - 1];
-        }
-    found->distance2[at] = distance2;
-    found->index[at] = i;
+        found->distance2[at] = distance2;
+        found->index[at] = i;
+    } else
+        insert_kept(kept, at, i, distance2);
     if (found->count == found->k)
-        found->worst = found->distance2[found->k - 1];
+        found->worst = found->k > WIDE ? found->distance2[found->k - 1] : kept->distance2[found->k];
 }
 
 /* Lists those of the first n lanes that are nearer than worst, without a branch for each. Returns
@@ -377,8 +405,8 @@ VOR_INLINE unsigned nearer(unsigned lane[LANES], const float distance2[LANES], u
     return count;
 }
 
-VOR_INLINE void search_leaf(struct found *found, const struct vor_boxes *boxes, struct visit visit,
-                            const float q[3])
+VOR_INLINE void search_leaf(struct found *found, struct kept *kept, const struct vor_boxes *boxes,
+                            struct visit visit, const float q[3])
 {
     const float *xyz = vor_boxes_leaf(boxes, visit.at);
     float distance2[LANES];
@@ -392,18 +420,7 @@ VOR_INLINE void search_leaf(struct found *found, const struct vor_boxes *boxes, 
     count = nearer(lane, distance2, visit.kind, found->worst);
     for (unsigned i = 0; i < count; i++)
         if (distance2[lane[i]] < found->worst)
-            insert(found, visit.at + lane[i], distance2[lane[i]]);
-}
-
-/* Squared distances from q to the boxes of a node. */
-VOR_INLINE void box_distances(float distance2[LANES], const struct vor_boxes_node *node,
-                              const float q[3])
-{
-    for (size_t j = 0; j < LANES; j++)
-        distance2[j] = 0;
-    for (size_t c = 0; c < 3; c++)
-        vor_boxes_add_gaps(distance2, node->low + c * node->lanes, node->high + c * node->lanes,
-                           q[c], q[c]);
+            insert(found, kept, visit.at + lane[i], distance2[lane[i]]);
 }
 
 /* Pushes the boxes of a node that may hold a nearer point on the stack, the nearest on top. Returns
@@ -414,7 +431,7 @@ VOR_INLINE unsigned open_node(struct visit *stack, const struct vor_boxes_node *
     float distance2[LANES];
     unsigned lane[LANES] = {0}, count;
 
-    box_distances(distance2, node, q);
+    vor_boxes_distances(distance2, node->low, node->high, node->lanes, q, q);
     count = nearer(lane, distance2, node->lanes, worst);
     for (unsigned i = 0; i < count; i++) {
         unsigned j = lane[i], at = i;
@@ -431,8 +448,12 @@ VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float que
                                   struct found found)
 {
     struct visit stack[STACK_MAX];
-    unsigned high = 1;
+    unsigned high = 1, some = found.k > WIDE ? 0 : found.k;
+    struct kept kept;
 
+    kept.distance2[0] = -INFINITY;
+    for (unsigned at = 0; at <= some; at += LANES)
+        *(vor_lanes_at *)&kept.distance2[1 + at] = INFINITY - (vor_lanes){0};
     stack[0] = (struct visit){0, 0, boxes->root};
     while (high > 0) {
         struct visit visit = stack[--high];
@@ -440,13 +461,15 @@ VOR_CLONES static unsigned search(const struct vor_boxes *boxes, const float que
         if (visit.distance2 >= found.worst)
             continue;
         if (visit.kind <= LANES) {
-            search_leaf(&found, boxes, visit, query);
+            search_leaf(&found, &kept, boxes, visit, query);
         } else {
             struct vor_boxes_node node = vor_boxes_node_at(boxes, visit.at, visit.kind);
 
             high += open_node(&stack[high], &node, query, found.worst);
         }
     }
+    memcpy(found.distance2, &kept.distance2[1], some * sizeof *found.distance2);
+    memcpy(found.index, &kept.index[1], some * sizeof *found.index);
     return found.count;
 }
 

@@ -23,7 +23,7 @@ enum {
 struct around {
     unsigned count; /* ROOM + 1: too many */
     float xyz[3][ROOM + WIDTH];
-    uint32_t index[ROOM];
+    uint32_t index[ROOM + WIDTH];
 };
 
 /* The box around the queries. */
@@ -36,26 +36,21 @@ VOR_INLINE void take_leaf(struct around *around, const struct vor_boxes *boxes, 
                           uint32_t n, const struct extent *box, float most2)
 {
     const float *xyz = vor_boxes_leaf(boxes, begin);
-    float x[LANES], y[LANES], z[LANES];
-    float distance2[LANES] = {0}; /* results beyond the leaf are not used */
+    float x[3][LANES], distance2[LANES]; /* what is beyond the leaf is not used */
     unsigned count = around->count;
 
     if (count + n > ROOM) {
         around->count = ROOM + 1;
         return;
     }
-    for (size_t j = 0; j < LANES; j++) {
-        x[j] = xyz[3 * j];
-        y[j] = xyz[3 * j + 1];
-        z[j] = xyz[3 * j + 2];
-    }
-    vor_boxes_add_gaps(distance2, x, x, box->low[0], box->high[0]);
-    vor_boxes_add_gaps(distance2, y, y, box->low[1], box->high[1]);
-    vor_boxes_add_gaps(distance2, z, z, box->low[2], box->high[2]);
+    for (size_t j = 0; j < LANES; j++)
+        for (size_t c = 0; c < 3; c++)
+            x[c][j] = xyz[3 * j + c];
+    vor_boxes_distances(distance2, x[0], x[0], LANES, box->low, box->high);
     for (uint32_t j = 0; j < n; j++) {
-        around->xyz[0][count] = x[j];
-        around->xyz[1][count] = y[j];
-        around->xyz[2][count] = z[j];
+        around->xyz[0][count] = x[0][j];
+        around->xyz[1][count] = x[1][j];
+        around->xyz[2][count] = x[2][j];
         around->index[count] = begin + j;
         count += distance2[j] < most2;
     }
@@ -74,16 +69,14 @@ VOR_CLONES static void gather(struct around *around, const struct vor_boxes *box
     kind[0] = boxes->root;
     while (high > 0 && around->count <= ROOM) {
         struct vor_boxes_node node;
-        float distance2[LANES] = {0};
+        float distance2[LANES];
 
         if (kind[--high] <= LANES) {
             take_leaf(around, boxes, at[high], kind[high], box, most2);
             continue;
         }
         node = vor_boxes_node_at(boxes, at[high], kind[high]);
-        for (size_t c = 0; c < 3; c++)
-            vor_boxes_add_gaps(distance2, node.low + c * node.lanes, node.high + c * node.lanes,
-                               box->low[c], box->high[c]);
+        vor_boxes_distances(distance2, node.low, node.high, node.lanes, box->low, box->high);
         for (size_t j = node.lanes; j-- > 0;) {
             at[high] = node.child[j];
             kind[high] = node.kind[j];
@@ -128,13 +121,35 @@ VOR_INLINE float narrow(const float *all2, unsigned n, float most2, unsigned k)
     return most2;
 }
 
+/* The first of the least of n squared distances that are less than most2; n if none is. */
+VOR_INLINE unsigned first_of(const float *all2, unsigned n, float most2)
+{
+    vor_lanes least2 = most2 - (vor_lanes){0};
+    float least = most2;
+    unsigned first = 0;
+
+    for (unsigned i = 0; i < n; i += LANES) {
+        vor_lanes here2 = *(const vor_lanes_at *)&all2[i];
+        vor_marks less = here2 < least2;
+
+        least2 = (vor_lanes)(((vor_marks)here2 & less) | ((vor_marks)least2 & ~less));
+    }
+    for (unsigned j = 0; j < LANES; j++)
+        least = least2[j] < least ? least2[j] : least;
+    if (!(least < most2))
+        return n;
+    while (all2[first] > least)
+        first++;
+    return first;
+}
+
 /* Picks the k nearest of those around within a squared distance. Returns false if there are fewer.
  */
 VOR_CLONES static int pick(const struct around *around, const float q[3], float most2, unsigned k,
                            uint32_t *index, float *distance2)
 {
     float all2[ROOM + WIDTH], picked2[ROOM + WIDTH];
-    uint32_t picked[ROOM + 1], less[ROOM + WIDTH], sum = 0;
+    uint32_t picked[ROOM + WIDTH], less[ROOM + WIDTH], sum = 0;
     unsigned count = 0, wide;
 
     for (size_t i = 0; i < around->count; i++) {
@@ -143,22 +158,47 @@ VOR_CLONES static int pick(const struct around *around, const float q[3], float 
 
         all2[i] = x * x + y * y + z * z;
     }
+    for (unsigned i = 0; i < WIDTH; i++)
+        all2[around->count + i] = INFINITY;
+    if (k == 1) {
+        unsigned first = first_of(all2, around->count, most2);
+
+        if (first == around->count)
+            return 0;
+        *index = around->index[first];
+        *distance2 = all2[first];
+        return 1;
+    }
     most2 = narrow(all2, around->count, most2, k);
-    for (unsigned i = 0; i < around->count; i++) {
-        picked2[count] = all2[i];
-        picked[count] = around->index[i];
-        count += all2[i] < most2;
+    for (unsigned i = 0; i < around->count; i += LANES) {
+        vor_marks in = *(const vor_lanes_at *)&all2[i] < most2 - (vor_lanes){0};
+        uint64_t any[sizeof in / sizeof(uint64_t)];
+
+        memcpy(any, &in, sizeof any);
+        if ((any[0] | any[1] | any[2] | any[3]) == 0)
+            continue;
+        for (unsigned j = i; j < i + LANES; j++) {
+            picked2[count] = all2[j];
+            picked[count] = around->index[j];
+            count += all2[j] < most2;
+        }
     }
     if (count < k)
         return 0;
     wide = (count + WIDTH - 1) / WIDTH * WIDTH;
-    memset(less, 0, wide * sizeof *less);
     for (unsigned i = 0; i < WIDTH; i++)
         picked2[count + i] = INFINITY;
-    for (unsigned j = 0; j < count; j++)
-        for (unsigned from = 0; from < wide; from += WIDTH)
-            for (unsigned i = from; i < from + WIDTH; i++)
-                less[i] += picked2[j] < picked2[i];
+    for (unsigned i = 0; i < wide; i += WIDTH) {
+        const vor_lanes_at *own2 = (const vor_lanes_at *)&picked2[i];
+        vor_marks first = {0}, second = {0}; /* a comparison that holds gives -1 */
+
+        for (unsigned j = 0; j < count; j++) {
+            first -= picked2[j] < own2[0];
+            second -= picked2[j] < own2[1];
+        }
+        *(vor_marks_at *)&less[i] = first;
+        *(vor_marks_at *)&less[i + LANES] = second;
+    }
     for (unsigned i = 0; i < count; i++)
         sum += less[i];
     if (sum != count * (count - 1) / 2) {

@@ -25,18 +25,36 @@ struct vor_boxes_node {
 /** Bytes of a child in its node, and of the units that nodes are counted in. */
 enum { VOR_BOXES_LANE = 29, VOR_BOXES_UNIT = 32 };
 
-/** Adds, along one axis, to squared distances what lies between each of what goes from low[j] to
- *  high[j] and what goes from box_low to box_high. As the sum of two halves, one of which is 0: a
- *  maximum would be a branch, which keeps the loop from becoming vectors. */
-VOR_INLINE void vor_boxes_add_gaps(float distance2[VOR_BOXES_LANES], const float *low,
-                                   const float *high, float box_low, float box_high)
-{
-    for (size_t j = 0; j < VOR_BOXES_LANES; j++) {
-        float below = low[j] - box_high, above = box_low - high[j];
-        float gap = 0.5f * (below + fabsf(below)) + 0.5f * (above + fabsf(above));
+/** As many floats, or what comparing them gives, and those that stand anywhere in arrays. */
+typedef float vor_lanes __attribute__((vector_size(4 * VOR_BOXES_LANES)));
+typedef int32_t vor_marks __attribute__((vector_size(4 * VOR_BOXES_LANES)));
+typedef vor_lanes vor_lanes_at __attribute__((aligned(4), may_alias));
+typedef vor_marks vor_marks_at __attribute__((aligned(4), may_alias));
 
-        distance2[j] += gap * gap;
-    }
+/** What lies, along one axis, between each of what goes from low[j] to high[j] and what goes from
+ *  box_low to box_high. */
+VOR_INLINE void vor_boxes_gaps(vor_lanes *out, const float *low, const float *high, float box_low,
+                               float box_high)
+{
+    vor_lanes below = *(const vor_lanes_at *)low - box_high;
+    vor_lanes above = box_low - *(const vor_lanes_at *)high;
+
+    /* both are above 0 only where they are infinite */
+    *out = (vor_lanes)(((vor_marks)below & (below > 0)) | ((vor_marks)above & (above > 0)));
+}
+
+/** Squared distances from a box to VOR_BOXES_LANES others: from low to high, of which the next axis
+ *  is `row` floats on. */
+VOR_INLINE void vor_boxes_distances(float distance2[VOR_BOXES_LANES], const float *low,
+                                    const float *high, size_t row, const float box_low[3],
+                                    const float box_high[3])
+{
+    vor_lanes x, y, z;
+
+    vor_boxes_gaps(&x, low, high, box_low[0], box_high[0]);
+    vor_boxes_gaps(&y, low + row, high + row, box_low[1], box_high[1]);
+    vor_boxes_gaps(&z, low + 2 * row, high + 2 * row, box_low[2], box_high[2]);
+    *(vor_lanes_at *)distance2 = x * x + y * y + z * z;
 }
 
 struct vor_boxes {
