@@ -182,7 +182,8 @@ static unsigned shorten(struct vor_surface *own, const struct vor_domain *domain
 }
 
 /* Finds the sheet of point i: among layers, or by walks. */
-static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *recent)
+static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *recent,
+                       struct vor_knn_last *last)
 {
     const struct vor_domain *domain = make->domain;
     struct vor_walk walk;
@@ -191,7 +192,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
     unsigned n;
 
     if (make->known[i].layer || (!make->layers && make->noisy[i]) ||
-        !vor_sheet_walk_begin(&walk, &plain, domain, (uint32_t)i))
+        !vor_sheet_walk_begin(&plain, domain, (uint32_t)i, last))
         return;
     if (make->layers) {
         const float *p = vor_domain_point(domain, i);
@@ -204,6 +205,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
         }
         return;
     }
+    vor_sheet_walk_gather(&walk, domain, (uint32_t)i);
     n = vor_sheet_walk_carried(&walk, &own, &plain, domain, index);
     if (n == 0) {
         give_normals(&walk, make);
@@ -219,9 +221,10 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
 static void sheet_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct vor_sheets_recent recent = {.count = 0};
+    struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++)
-        find_sheet(ctx, i, &recent);
+        find_sheet(ctx, i, &recent, &last);
 }
 
 /* Whether an entry of the list of point i lies steeply over it: perhaps on another sheet. */
@@ -252,13 +255,15 @@ static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     struct vor_walk walk;
     struct vor_surface plain;
     uint32_t index[VOR_ADJACENT + 1];
+    struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
         unsigned n = 0;
 
         if (make->graph->own[i] || make->noisy[i] ||
-            (!vor_sheet_walk_begin(&walk, &plain, domain, (uint32_t)i) && !has_steep(make, i)))
+            (!vor_sheet_walk_begin(&plain, domain, (uint32_t)i, &last) && !has_steep(make, i)))
             continue;
+        vor_sheet_walk_gather(&walk, domain, (uint32_t)i);
         give_normals(&walk, make);
         for (unsigned a = 0; a < VOR_SHEET_ARCS && n < VOR_ADJACENT_FEWEST; a++) {
             walk.arc = vor_sheet_arcs[a];
@@ -413,7 +418,8 @@ static int is_round(const struct vor_surface *own, unsigned n)
            PROBE_ROUND * PROBE_ROUND * n * own->spacing * own->spacing;
 }
 
-static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen *seen)
+static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen *seen,
+                        struct vor_knn_last *last)
 {
     struct vor_walk walk;
     struct vor_surface plain, own;
@@ -421,11 +427,12 @@ static int shows_sheets(const struct vor_domain *domain, uint32_t i, struct seen
     double better2;
     unsigned n;
 
-    if (!vor_sheet_walk_begin(&walk, &plain, domain, i))
+    if (!vor_sheet_walk_begin(&plain, domain, i, last))
         return 0;
     better2 = PROBE_BETTER * plain.off2;
     if (better2 < VOR_LAYERS_POSSIBLE2 * plain.spacing * plain.spacing)
         return 0;
+    vor_sheet_walk_gather(&walk, domain, i);
     n = vor_sheet_walk_carried(&walk, &own, &plain, domain, index);
     if (n == 0) {
         probe_normals(&walk, domain, seen);
@@ -441,10 +448,11 @@ static void probe_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     const struct vor_domain *domain = probe->domain;
     double n = (double)domain->n, places = n < PLACES ? n : PLACES;
     struct seen seen[PLACES] = {{.of = 0}};
+    struct vor_knn_last last = {.k = 0};
 
     for (size_t place = begin; place < end && atomic_load(&probe->found) < PROBE_SHARE * places;
          place++)
-        if (shows_sheets(domain, (uint32_t)(((double)place + 0.5) / places * n), seen))
+        if (shows_sheets(domain, (uint32_t)(((double)place + 0.5) / places * n), seen, &last))
             atomic_fetch_add(&probe->found, 1);
 }
 

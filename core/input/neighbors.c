@@ -68,7 +68,10 @@ static const unsigned ladder[STEPS] = VOR_LADDER;
 /* Fits at all places with all numbers. */
 struct survey {
     const struct vor_domain *domain;
-    unsigned steps, most;            /* steps of the ladder that are tried; the last one's number */
+    unsigned from, steps, most; /* steps of the ladder that are tried now; the last one's number */
+    const struct vor_neighbors *at;
+    uint16_t pool[PLACES][POOL];     /* of each place */
+    double least[PLACES];            /* variance about a surface through the nearest EXACT */
     double residual[STEPS][PLACES];  /* variance about the surface */
     double noise[STEPS][PLACES];     /* the part of it that noise explains */
     double thickness[STEPS][PLACES]; /* the root of that over the reach */
@@ -96,17 +99,20 @@ static void fit_place(void *ctx, size_t place, VOR_UNUSED unsigned worker)
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
     const float *from = &domain->xyz[3 * place_at(domain, place)];
-    double x[3] = {(double)from[0], (double)from[1], (double)from[2]}, least;
+    double x[3] = {(double)from[0], (double)from[1], (double)from[2]};
     float near[3 * MOST] = {0}, distance2[MOST];
     uint32_t index[MOST];
     struct vor_surface surface;
 
     vor_knn_search(domain->knn, from, 1, survey->most, index, distance2);
     vor_gather(near, domain->xyz, index, survey->most);
-    least = variance_of(&surface, domain, near, x, EXACT);
-    for (unsigned s = 0; s < survey->steps; s++) {
+    if (survey->from == 0) {
+        survey->least[place] = variance_of(&surface, domain, near, x, EXACT);
+        vor_neighbors_pool(survey->pool[place], survey->at->xyz, place);
+    }
+    for (unsigned s = survey->from; s < survey->steps; s++) {
         double residual = variance_of(&surface, domain, near, x, ladder[s]);
-        double thick = THICK * surface.reach;
+        double thick = THICK * surface.reach, least = survey->least[place];
         int is_thin = residual > thick * thick && least < NO_NOISE * residual;
 
         survey->residual[s][place] = residual;
@@ -227,20 +233,16 @@ static unsigned local_step(const struct survey *survey, const struct pool *pool,
 
 void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, size_t place)
 {
-    double distance2[POOL];
+    size_t first = place < POOL / 2 ? 0 : place - POOL / 2;
+    double all2[PLACES], distance2[POOL] = {0};
 
-    for (size_t i = 0; i < POOL; i++) {
-        distance2[i] = INFINITY;
-        pool[i] = 0;
-    }
-    for (size_t turn = 0; turn < 2 * PLACES; turn++) { /* outward: most of the nearest come first */
-        size_t i = turn % 2 > 0 ? place + turn / 2 + 1 : place - turn / 2, at = POOL - 1;
-        double to;
+    for (size_t i = 0; i < PLACES; i++)
+        all2[i] = vor_distance2f(&xyz[3 * i], &xyz[3 * place]);
+    for (size_t turn = 0; turn < PLACES; turn++) { /* most of the nearest come first */
+        size_t i = (first + turn) % PLACES, at = turn < POOL ? turn : POOL - 1;
+        double to = all2[i];
 
-        if (i >= PLACES)
-            continue;
-        to = vor_distance2f(&xyz[3 * i], &xyz[3 * place]);
-        if (!(to < distance2[at] || (to <= distance2[at] && i < pool[at])))
+        if (turn >= POOL && !(to < distance2[at] || (to <= distance2[at] && i < pool[at])))
             continue;
         for (; at > 0 && (to < distance2[at - 1] || (to <= distance2[at - 1] && i < pool[at - 1]));
              at--) {
@@ -252,10 +254,10 @@ void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, siz
     }
 }
 
-static void pool_around(struct pool *pool, const struct vor_neighbors *neighbors, size_t place)
+static void pool_around(struct pool *pool, const struct survey *survey, size_t place)
 {
     pool->count = POOL;
-    vor_neighbors_pool(pool->place, neighbors->xyz, place);
+    memcpy(pool->place, survey->pool[place], sizeof survey->pool[place]);
 }
 
 static void pool_all(struct pool *pool)
@@ -268,6 +270,7 @@ static void pool_all(struct pool *pool)
 static vor_status fit_places(struct survey *survey, unsigned steps, const struct vor_run *run,
                              struct vor_error *err)
 {
+    survey->from = survey->steps;
     survey->steps = steps;
     survey->most = ladder[steps - 1];
     return vor_run_rows(run, PLACES, BLOCK, fit_place, survey, err);
@@ -275,7 +278,7 @@ static vor_status fit_places(struct survey *survey, unsigned steps, const struct
 
 /* Whether the smallest number is best at every place, by the first steps of the ladder: then the
  * others need not be tried. */
-static int fewest_do(const struct survey *survey, const struct vor_neighbors *at)
+static int fewest_do(const struct survey *survey)
 {
     struct pool pool;
 
@@ -283,7 +286,7 @@ static int fewest_do(const struct survey *survey, const struct vor_neighbors *at
     if (thickness_of(survey, &pool, 0) > THICK)
         return 0;
     for (size_t place = 0; place < PLACES; place++) {
-        pool_around(&pool, at, place);
+        pool_around(&pool, survey, place);
         if (best_step(survey, &pool, 0) > 0)
             return 0;
     }
@@ -302,7 +305,7 @@ static void choose(struct vor_neighbors *out, const struct survey *survey)
     for (size_t place = 0; place < PLACES; place++) {
         unsigned k;
 
-        pool_around(&pool, out, place);
+        pool_around(&pool, survey, place);
         k = ladder[local_step(survey, &pool, from, usual)];
         out->k[place] = (unsigned char)k;
         out->most = k > out->most ? k : out->most;
@@ -321,6 +324,7 @@ vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_doma
     if (survey == NULL)
         return vor_fail(err, VOR_E_NOMEM, "the neighbours of %d points", (int)PLACES);
     survey->domain = domain;
+    survey->at = out;
     vor_neighbors_fix(out, ladder[0]);
     for (size_t place = 0; place < PLACES; place++)
         memcpy(&out->xyz[3 * place], &domain->xyz[3 * place_at(domain, place)],
@@ -329,7 +333,7 @@ vor_status vor_neighbors_choose(struct vor_neighbors *out, const struct vor_doma
         steps++;
     if (steps >= FIRST)
         status = fit_places(survey, FIRST, run, err);
-    if (status == VOR_OK && steps >= FIRST && !fewest_do(survey, out)) {
+    if (status == VOR_OK && steps >= FIRST && !fewest_do(survey)) {
         status = fit_places(survey, steps, run, err);
         if (status == VOR_OK)
             choose(out, survey);

@@ -35,7 +35,7 @@ struct survey {
     const struct vor_halves *halves;
     const struct vor_neighbors *neighbors;
     struct vor_noise *out;
-    unsigned level, from;            /* of the halves; the first step that is fitted there */
+    unsigned level, from, to;        /* of the halves; the steps that are fitted there now */
     double deviation[STEPS][PLACES]; /* the least of any level */
     double few[PLACES];              /* reach of FEW neighbours */
 };
@@ -57,13 +57,14 @@ static void fit_place(void *ctx, size_t place, VOR_UNUSED unsigned worker)
     float near[3 * MOST] = {0}, distance2[MOST];
     uint32_t index[MOST];
 
-    vor_knn_search(survey->halves->level[survey->level].knn, x, 1, MOST, index, distance2);
-    vor_gather(near, xyz, index, MOST);
+    vor_knn_search(survey->halves->level[survey->level].knn, x, 1, ladder[survey->to - 1], index,
+                   distance2);
+    vor_gather(near, xyz, index, ladder[survey->to - 1]);
     if (survey->level == 0) {
-        survey->out->reach[place] = sqrt((double)distance2[MOST - 1]);
+        survey->out->reach[place] = sqrt((double)distance2[ladder[survey->to - 1] - 1]);
         survey->few[place] = sqrt((double)distance2[FEW - 1]);
     }
-    for (unsigned step = survey->from; step < STEPS; step++) {
+    for (unsigned step = survey->from; step < survey->to; step++) {
         struct vor_surface surface;
 
         vor_surface_fit(&surface, near, ladder[step]);
@@ -84,21 +85,27 @@ static double ranked(const double values[PLACES], const uint16_t pool[POOL], siz
 }
 
 /* Sets the deviations from what the places say; *few is the usual reach of FEW around each. */
-static void agree(struct survey *survey, double few[PLACES])
+static void ask(struct survey *survey, double few[PLACES])
 {
     struct vor_noise *out = survey->out;
-    double sorted[PLACES], usual;
 
     for (size_t place = 0; place < PLACES; place++) {
         uint16_t pool[POOL] = {0};
 
         vor_neighbors_pool(pool, out->xyz, place);
         out->deviation[place] = INFINITY;
-        for (unsigned step = 0; step < STEPS; step++)
+        for (unsigned step = 0; step < survey->to; step++)
             out->deviation[place] =
                 fmin(out->deviation[place], ranked(survey->deviation[step], pool, THIRD));
         few[place] = ranked(survey->few, pool, POOL / 2);
     }
+}
+
+/* Puts deviations that are like the median to it. */
+static void agree(struct vor_noise *out)
+{
+    double sorted[PLACES], usual;
+
     memcpy(sorted, out->deviation, sizeof sorted);
     vor_sort_doubles(sorted, PLACES);
     usual = sorted[PLACES / 2];
@@ -136,6 +143,22 @@ static void keep_wide(struct survey *survey, const double few[PLACES])
     }
 }
 
+/* Whether the first step shows that nothing is wide, and nothing hidden: the others can only lower
+ * a deviation, and the median that it may be put to is less than ALIKE times as large. */
+static int is_narrow(const struct survey *survey, const double few[PLACES])
+{
+    double *deviation = survey->out->deviation;
+    unsigned count = 0;
+
+    for (size_t place = 0; place < PLACES; place++) {
+        deviation[place] *= ALIKE;
+        if (!(deviation[place] <= WIDE * few[place]))
+            return 0;
+        count += is_short(survey, few, place) != 0;
+    }
+    return count <= VOR_NOISE_HIDDEN;
+}
+
 /* Fits at the places, at first to the domain, then to fewer of its points. */
 static vor_status look(struct survey *survey, struct vor_halves *halves, const struct vor_run *run,
                        struct vor_error *err)
@@ -146,11 +169,23 @@ static vor_status look(struct survey *survey, struct vor_halves *halves, const s
     for (size_t place = 0; place < PLACES; place++)
         for (unsigned step = 0; step < STEPS; step++)
             survey->deviation[step][place] = INFINITY;
+    survey->to = 1;
+    status = vor_run_rows(run, PLACES, BLOCK, fit_place, survey, err);
+    if (status != VOR_OK)
+        return status;
+    ask(survey, few);
+    if (is_narrow(survey, few)) {
+        memset(survey->out->deviation, 0, sizeof survey->out->deviation);
+        return VOR_OK;
+    }
+    survey->from = 1;
+    survey->to = STEPS;
     for (;;) {
         status = vor_run_rows(run, PLACES, BLOCK, fit_place, survey, err);
         if (status != VOR_OK)
             return status;
-        agree(survey, few);
+        ask(survey, few);
+        agree(survey->out);
         survey->out->hidden = 0; /* places that show nothing but balls */
         for (size_t place = 0; place < PLACES; place++)
             survey->out->hidden += isinf(survey->out->deviation[place]) != 0;

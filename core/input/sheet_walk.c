@@ -38,8 +38,7 @@ unsigned vor_sheet_walk_take(const struct vor_walk *walk, unsigned k, uint32_t *
     return taken;
 }
 
-int vor_sheet_walk_begin(struct vor_walk *walk, struct vor_surface *plain,
-                         const struct vor_domain *domain, uint32_t i)
+void vor_sheet_walk_gather(struct vor_walk *walk, const struct vor_domain *domain, uint32_t i)
 {
     walk->most = vor_domain_most(domain, VOR_WALK_MOST);
     walk->is_signed = 0;
@@ -48,9 +47,17 @@ int vor_sheet_walk_begin(struct vor_walk *walk, struct vor_surface *plain,
     for (unsigned j = 0; j < walk->most; j++)
         for (int c = 0; c < 3; c++)
             walk->x[c][j] = vor_domain_point(domain, walk->index[j])[c];
-    return vor_surface_fit_to(plain, domain->xyz, walk->index,
-                              vor_domain_most(domain, VOR_ADJACENT)) &&
-           vor_layers_possible(plain);
+}
+
+int vor_sheet_walk_begin(struct vor_surface *plain, const struct vor_domain *domain, uint32_t i,
+                         struct vor_knn_last *last)
+{
+    unsigned k = vor_domain_most(domain, VOR_ADJACENT);
+    uint32_t index[VOR_ADJACENT];
+    float distance2[VOR_ADJACENT];
+
+    vor_knn_search_next(domain->knn, last, vor_domain_point(domain, i), k, index, distance2);
+    return vor_surface_fit_to(plain, domain->xyz, index, k) && vor_layers_possible(plain);
 }
 
 unsigned vor_sheet_walk_go(struct vor_walk *walk, struct vor_surface *own,

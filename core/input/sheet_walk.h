@@ -16,13 +16,16 @@ enum { VOR_ADJACENT_FEWEST = 8 };
 enum { VOR_SHEET_ARCS = 2 };
 extern const double vor_sheet_arcs[VOR_SHEET_ARCS];
 
-/** Gathers the points for a walk from point i, and fits a surface to the nearest.
+/** Fits a surface to the points nearest to point i, next in a row of searches.
  *
  *  @return whether it fits so badly that they may lie on several sheets
  *
  *  One search. Cannot fail; nor can the others. Thread-safe. */
-int vor_sheet_walk_begin(struct vor_walk *walk, struct vor_surface *plain,
-                         const struct vor_domain *domain, uint32_t i);
+int vor_sheet_walk_begin(struct vor_surface *plain, const struct vor_domain *domain, uint32_t i,
+                         struct vor_knn_last *last);
+
+/** Gathers the points for a walk from point i. One search. */
+void vor_sheet_walk_gather(struct vor_walk *walk, const struct vor_domain *domain, uint32_t i);
 
 /** Takes the first k points that the walk reached, or fewer; returns how many. */
 unsigned vor_sheet_walk_take(const struct vor_walk *walk, unsigned k, uint32_t *index);
