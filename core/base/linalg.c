@@ -183,7 +183,8 @@ void vor_eigen3_flat(double values[3], double vectors[3][3], const double m[6])
     vor_cross(vectors[2], vectors[0], vectors[1]);
 }
 
-double vor_solve_spd(double *a, double *b, int n, double rank)
+/* Inlined, so that the compiler knows n where that is usual. */
+VOR_INLINE double solve_spd(double *a, double *b, int n, double rank)
 {
     double smallest = 1;
 
@@ -214,6 +215,11 @@ double vor_solve_spd(double *a, double *b, int n, double rank)
             b[i] -= a[k * n + i] * b[k];
     }
     return smallest;
+}
+
+double vor_solve_spd(double *a, double *b, int n, double rank)
+{
+    return n == 6 ? solve_spd(a, b, 6, rank) : solve_spd(a, b, n, rank);
 }
 
 static void swap(double *a, double *b, size_t n)

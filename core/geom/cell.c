@@ -5,6 +5,10 @@
 
 #include <string.h>
 
+enum { LANES = 4 };
+typedef double lanes __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+typedef int64_t marks __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
+
 VOR_INLINE void find_radius(struct vor_polygon *polygon)
 {
     double far = 0;
@@ -160,6 +164,34 @@ VOR_INLINE void clip_piece(struct vor_polygon *polygon, const double *side, unsi
     copy_polygon(polygon, &clipped);
 }
 
+/* Finds the signed distances of all corners to a plane, and beyond them of what there is in the
+ * array. Returns a bit for each that is outside. */
+VOR_INLINE uint32_t find_sides(double side[VOR_POLYGON_MAX], const struct vor_polygon *polygon,
+                               const double offset[3], double limit)
+{
+    const marks bit = {1, 2, 4, 8};
+    uint32_t outside = 0;
+
+    for (unsigned j = 0; j < polygon->count; j += LANES) {
+        const lanes *corner = (const lanes *)polygon->vertex[j];
+        lanes a, b, c, d, x, y, z, here;
+        marks out;
+
+        a = __builtin_shufflevector(corner[0], corner[1], 0, 4, 2, 6);
+        b = __builtin_shufflevector(corner[0], corner[1], 1, 5, 3, 7);
+        c = __builtin_shufflevector(corner[2], corner[3], 0, 4, 2, 6);
+        d = __builtin_shufflevector(corner[2], corner[3], 1, 5, 3, 7);
+        x = __builtin_shufflevector(a, c, 0, 1, 4, 5);
+        y = __builtin_shufflevector(b, d, 0, 1, 4, 5);
+        z = __builtin_shufflevector(a, c, 2, 3, 6, 7);
+        here = x * offset[0] + y * offset[1] + z * offset[2] - limit;
+        out = (here > 0) & bit;
+        outside |= (uint32_t)(out[0] | out[1] | out[2] | out[3]) << j;
+        *(lanes *)&side[j] = here;
+    }
+    return outside & ((UINT32_C(1) << polygon->count) - 1);
+}
+
 VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
     double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
@@ -170,22 +202,19 @@ VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 
     for (unsigned i = 0; i < cell->count; i++) {
         struct vor_polygon *polygon = &cell->piece[i];
-        unsigned outside = 0, turns = 0;
+        uint32_t outside = 0, all = (UINT32_C(1) << polygon->count) - 1;
 
         /* Otherwise no corner reaches half way to the other seed. */
-        if (4 * polygon->radius2 > length2) {
-            for (unsigned j = 0; j < polygon->count; j++) {
-                side[j] = vor_dot(polygon->vertex[j], offset) - limit;
-                outside += side[j] > 0;
-                turns += j > 0 && (side[j] > 0) != (side[j - 1] > 0);
-            }
-            turns += (side[0] > 0) != (side[polygon->count - 1] > 0);
-        }
+        if (4 * polygon->radius2 > length2)
+            outside = find_sides(side, polygon, offset, limit);
         cut |= outside > 0;
-        if (outside == polygon->count)
+        if (outside == all)
             continue;
-        if (outside > 0)
-            clip_piece(polygon, side, turns);
+        if (outside > 0) {
+            uint32_t next = (outside >> 1) | (outside << (polygon->count - 1));
+
+            clip_piece(polygon, side, (unsigned)__builtin_popcount((outside ^ next) & all));
+        }
         if (kept != i)
             copy_polygon(&cell->piece[kept], polygon);
         far = cell->piece[kept].radius2 > far ? cell->piece[kept].radius2 : far;

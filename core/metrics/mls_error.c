@@ -3,6 +3,7 @@
 #include "core/base/bounds.h"
 #include "core/base/linalg.h"
 #include "core/base/stat.h"
+#include "core/base/vector.h"
 #include "core/geom/plane.h"
 #include "core/knn/knn.h"
 
@@ -30,18 +31,23 @@ struct measure {
     struct vor_sums *sums; /* blocks: first only the largest h2 of each */
 };
 
-/* exp(-x), x >= 0, to 1e-9 and to the same bits everywhere, unlike that of libm. */
-static double falloff(double x)
+/* exp(-x), each x >= 0, to 1e-9 and to the same bits everywhere, unlike that of libm. */
+VOR_CLONES static void falloff(double x[NEAREST])
 {
-    double y = x / (1 << HALVINGS), power = 1;
+    double y[NEAREST], power[NEAREST];
 
-    if (x > NOTHING)
-        return 0;
+    for (int j = 0; j < NEAREST; j++) {
+        y[j] = x[j] / (1 << HALVINGS);
+        power[j] = 1;
+    }
     for (int i = TERMS; i > 0; i--)
-        power = 1 - y / i * power;
+        for (int j = 0; j < NEAREST; j++)
+            power[j] = 1 - y[j] / i * power[j];
     for (int i = 0; i < HALVINGS; i++)
-        power *= power;
-    return power;
+        for (int j = 0; j < NEAREST; j++)
+            power[j] *= power[j];
+    for (int j = 0; j < NEAREST; j++)
+        x[j] = x[j] > NOTHING ? 0 : power[j];
 }
 
 static void normal_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
@@ -81,19 +87,20 @@ static double distance2_of(const double a[3], const double b[3])
 /* One step of Eq. 1: moves x, and returns how far, squared. */
 static double step(double x[3], double near[NEAREST][3], double normal[NEAREST][3], double h2)
 {
-    double d2[NEAREST], least = INFINITY, total = 0, a[3] = {0}, n[3] = {0}, off;
+    double d2[NEAREST], weight[NEAREST], least = INFINITY, total = 0, a[3] = {0}, n[3] = {0}, off;
 
     for (int j = 0; j < NEAREST; j++) {
         d2[j] = distance2_of(x, near[j]);
         least = fmin(least, d2[j]);
     }
+    for (int j = 0; j < NEAREST; j++)
+        weight[j] = h2 > 0 ? (d2[j] - least) / h2 : 0;
+    falloff(weight);
     for (int j = 0; j < NEAREST; j++) {
-        double weight = h2 > 0 ? falloff((d2[j] - least) / h2) : 1;
-
-        total += weight;
+        total += weight[j];
         for (int c = 0; c < 3; c++) {
-            a[c] += weight * near[j][c];
-            n[c] += weight * normal[j][c];
+            a[c] += weight[j] * near[j][c];
+            n[c] += weight[j] * normal[j][c];
         }
     }
     for (int c = 0; c < 3; c++) {
