@@ -7,7 +7,7 @@
 enum {
     BLOCK = 64,     /* points that far away count as one. Not measured. */
     TASK_SIZE = 16, /* blocks of one task */
-    SAMPLES = 32,   /* places on a piece where numbers are taken */
+    SAMPLES = VOR_WINDING_PLACES,
     PIECES = VOR_SPAN_JOINS + 1
 };
 

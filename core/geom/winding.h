@@ -13,6 +13,9 @@
 
 #include "core/geom/span.h"
 
+/** Places on a piece of a surface where numbers are taken. */
+enum { VOR_WINDING_PLACES = 32 };
+
 /** Points of a surface. */
 struct vor_winding_points {
     const float *xyz;    /**< n x 3, points that are near in the array are near in space */

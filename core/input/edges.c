@@ -50,26 +50,24 @@ enum {
  * .920 .964 .10; .991 .984 .919 .969 .53. */
 #define LEFT 0.07
 
-/* Noise variances that the crease may leave on top. fandisk30k_noise2 .920 .885; .920 .964; .919
- * .972. */
-#define NOISE 3.0
+/* What the crease may leave on top, over the variance of noise at VOR_EDGES_NOISE_QUANTILE of all
+ * places, which is .56 of the mean where there is nothing but noise. fandisk30k_noise2 .920 .885;
+ * .920 .964; .919 .972. */
+#define NOISE 5.3
 
 /* By how many times what it leaves, over the number of points, the crease must be better than the
  * quadric: as the F test asks, whose 1 in 100 for one coefficient is 7. fandisk30k_noise2 .887
  * .987; .920 .964; .950 .844. */
 #define BETTER 6.0
 
-/* Spacings of noise that is none: an rms that the finest detail has as well. At 0.025 / 0.05 / 0.1
- * fandisk with noise of 0.17 spacings .938 .976; .937 .976; .937 .971. Without it igea30k has 1.7 %
- * flagged. */
-#define DETAIL 0.05
+/* Spacings at that quantile that are no noise: an rms that the finest detail has as well. At half,
+ * at it and at double, fandisk with noise of 0.17 spacings .938 .976; .937 .976; .937 .971. Without
+ * it igea30k has 1.7 % flagged. */
+#define DETAIL 0.0375
 
 /* Spacings of rms that positions are exact to: float32 and meshed curves. .991 .974 .920 .964 .12;
  * .993 .974 .920 .964 .10; .996 .956 .920 .964 .07, and a wedge of 30 degrees is lost. */
 #define EXACT 0.01
-
-/* Rms at VOR_EDGES_NOISE_QUANTILE over that of all places where there is nothing but noise. */
-#define NOISE_LOW 0.75
 
 /* What the blocks of a loop leave. */
 struct found {
@@ -83,7 +81,7 @@ struct find {
     float *normal; /* n x 3 */
     float *off2;   /* per place: mean square that a quadric leaves, in spacings^2; < 0: none */
     size_t places;
-    double noise2; /* spacings^2 */
+    double noise2; /* spacings^2, at the quantile */
     struct found *block;
 };
 
@@ -162,7 +160,7 @@ static vor_status measure_noise(struct find *find, const struct vor_run *run, st
         return status;
     vor_sort_floats(find->off2, find->places);
     low = (double)find->off2[vor_quantile_rank(VOR_EDGES_NOISE_QUANTILE, find->places)];
-    find->noise2 = fmax(0, low / (NOISE_LOW * NOISE_LOW) - DETAIL * DETAIL);
+    find->noise2 = fmax(0, low - DETAIL * DETAIL);
     return VOR_OK;
 }
 

@@ -8,11 +8,7 @@
 
 enum {
     NEAR = VOR_NEIGHBORS_FEWEST, /* feet that are looked at around a place, points of a spacing */
-    POLL_EVERY = 256,            /* places between two looks at whether to go on */
-    /* A line has come back to itself where the feet within a step were passed that many places
-     * before, or more, so many places in turn. */
-    BEFORE = 8,
-    AGAIN = 3
+    POLL_EVERY = 256             /* places between two looks at whether to go on */
 };
 
 /* Spacings within which feet count. */
@@ -69,12 +65,13 @@ struct vote {
     int ahead;             /* some lie ahead */
 };
 
-/* Notes that the head passes a foot. True if its line did so before. */
+/* Notes that the head passes a foot. True if its line did so before: a foot counts for REACH either
+ * way, and no longer. */
 static int pass(struct pass *foot, const struct head *head)
 {
     if (foot->line != head->pass.line)
         *foot = head->pass;
-    return abs(foot->at - head->pass.at) > BEFORE;
+    return abs(foot->at - head->pass.at) > 2 * REACH / VOR_RIDGES_STEP;
 }
 
 /* Asks the feet around `at` whose edges run about the way of the head. */
@@ -162,7 +159,6 @@ static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head
     const struct head begin = head;
     double step = VOR_RIDGES_STEP * ridge->spacing, gone = 0;
     vor_status status = VOR_OK;
-    size_t again = 0;
 
     while (status == VOR_OK && ridges->places - ridge->first < 8 * follow->n) {
         double d[3];
@@ -179,12 +175,9 @@ static vor_status go(struct follow *follow, struct vor_ridge *ridge, struct head
             ridge->closed = 1;
             break;
         }
-        again = head.is_back ? again + 1 : 0;
-        status = put(follow, &head, err);
-        if (again == AGAIN) {
-            ridges->places -= AGAIN;
+        if (head.is_back)
             break;
-        }
+        status = put(follow, &head, err);
         if (status == VOR_OK && ridges->places % POLL_EVERY == 0)
             status = vor_run_answered(vor_run_poll(follow->run), err);
     }

@@ -1,13 +1,13 @@
 #include "core/mesh/facing.h"
 
 #include "core/base/linalg.h"
+#include "core/geom/winding.h"
 #include "core/mesh/quality.h"
 
 #include <string.h>
 
-/* Places of an open component at which winding numbers are taken, and what their mean has to be for
- * it to face outward: on a closed surface it is 0.5, on a half sphere 0.18, on a flat sheet 0. */
-enum { PLACES = 32 };
+/* Mean of the winding numbers on an open component for it to face outward: on a closed surface it
+ * is 0.5, on a half sphere 0.18, on a flat sheet 0. */
 #define OUTWARD 0.05
 
 struct turning {
@@ -71,7 +71,7 @@ static void take(const struct turning *turning, size_t q, double x[3], double no
 /* The mean winding number of the component at places on it. */
 static double winding_of(const struct turning *turning)
 {
-    size_t places = turning->queued < PLACES ? turning->queued : PLACES;
+    size_t places = turning->queued < VOR_WINDING_PLACES ? turning->queued : VOR_WINDING_PLACES;
     double sum = 0;
 
     for (size_t k = 0; k < places; k++) {
