@@ -216,7 +216,7 @@ static double add_all(struct equations *eq, const struct vor_align_fit *fit,
     struct vor_knn_last last = {.k = 0};
     struct histogram h = {.most = within};
 
-    for (size_t i = 0; i < cloud->n; i += of->every) {
+    for (size_t i = of->first; i < cloud->n; i += of->every) {
         struct contact contact;
         double normal[3], near;
         float x[3], d2;
@@ -377,26 +377,13 @@ static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *
     }
 }
 
-static void invert(struct vor_pose *out, const struct vor_pose *pose)
-{
-    double moved[3];
-
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++)
-            out->turn[r][c] = pose->turn[c][r];
-    out->scale = 1 / pose->scale;
-    vor_pose_turn(out, pose->shift, moved);
-    for (int c = 0; c < 3; c++)
-        out->shift[c] = -moved[c] * out->scale;
-}
-
 void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *of, double within)
 {
     double score = 0;
     struct vor_align_fit back = *fit;
     struct side side[2];
 
-    invert(&back.pose, &fit->pose);
+    vor_pose_invert(&back.pose, &fit->pose);
     judge_side(&side[0], of, 0, fit, within);
     judge_side(&side[1], of, 1, &back, within * back.pose.scale);
     for (int k = 0; k < 2; k++) {

@@ -13,7 +13,8 @@ struct vor_align_fit_of {
     const struct vor_align_samples *cloud, *reference;
     const struct vor_align_grid *grid; /**< of the reference */
     int scales;                        /**< the scale is free */
-    unsigned every;                    /**< one sample in so many is looked at */
+    unsigned every;                    /**< one sample in so many is looked at, */
+    unsigned first;                    /**< as poses are refined from this one on */
     double overlap;                    /**< share of the cloud that has a counterpart; 0: unknown */
 };
 

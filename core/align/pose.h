@@ -25,6 +25,20 @@ static inline void vor_pose_move(const struct vor_pose *pose, const double x[3],
         out[c] = pose->scale * vor_dot(pose->turn[c], x) + pose->shift[c];
 }
 
+/** The pose that moves back; out is not pose. */
+static inline void vor_pose_invert(struct vor_pose *out, const struct vor_pose *pose)
+{
+    double moved[3];
+
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            out->turn[r][c] = pose->turn[c][r];
+    out->scale = 1 / pose->scale;
+    vor_pose_turn(out, pose->shift, moved);
+    for (int c = 0; c < 3; c++)
+        out->shift[c] = -moved[c] * out->scale;
+}
+
 /** How far two turns are apart: 1 minus the cosine of the angle between them. */
 static inline double vor_pose_turned(const struct vor_pose *a, const struct vor_pose *b)
 {

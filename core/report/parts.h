@@ -249,7 +249,8 @@ struct vor_hole_told {
     X(SCALE, "free-scale")                                                                         \
     X(POSE, "another-pose")                                                                        \
     X(CONFLICT, "conflict")                                                                        \
-    X(OVERLAP, "little-overlap")
+    X(OVERLAP, "little-overlap")                                                                   \
+    X(IMPRECISE, "imprecise")
 
 enum vor_doubt {
 #define VOR_DOUBT_ENUM(id, word) VOR_DOUBT_##id,
@@ -302,7 +303,8 @@ struct vor_runner_up {
       "along the direction in the member `axis` and fits equally well; free-turn: it can turn "    \
       "about this axis; free-scale: it fits equally well at another scale; another-pose: the "     \
       "pose in runner_up fits nearly as well; conflict: overlapping parts differ; "                \
-      "little-overlap: too little of the clouds overlaps")                                         \
+      "little-overlap: too little of the clouds overlaps; imprecise: parts of the points "         \
+      "lead to other poses than all of them, as there are too few or too sparse ones")             \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
