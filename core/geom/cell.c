@@ -195,11 +195,11 @@ VOR_INLINE uint32_t find_sides(double side[VOR_POLYGON_MAX], const struct vor_po
 VOR_CLONES void vor_cell_clip(struct vor_cell *cell, const double offset[3])
 {
     double length2 = vor_dot(offset, offset), limit = length2 / 2, far = 0;
-    double side[VOR_POLYGON_MAX] = {
-        0}; /* clang-analyzer cannot see that every polygon has corners */
+    double side[VOR_POLYGON_MAX];
     unsigned kept = 0;
     int cut = 0;
 
+    side[0] = 0; /* clang-analyzer cannot see that every polygon has corners */
     for (unsigned i = 0; i < cell->count; i++) {
         struct vor_polygon *polygon = &cell->piece[i];
         uint32_t outside = 0, all = (UINT32_C(1) << polygon->count) - 1;

@@ -169,12 +169,12 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     for (unsigned i = 0; i < hood.k; i++) {
         double u = vor_dot(out->axis[0], hood.x[i]), v = vor_dot(out->axis[1], hood.x[i]),
                w = vor_dot(out->axis[2], hood.x[i]);
-        double du = u - out->center[0], dv = v - out->center[1];
+        double du = u - out->center[0], dv = v - out->center[1], d2 = du * du + dv * dv;
 
         hood.x[i][0] = u;
         hood.x[i][1] = v;
         hood.x[i][2] = w;
-        reach2 = fmax(reach2, du * du + dv * dv);
+        reach2 = d2 > reach2 ? d2 : reach2; /* fmax is a call */
     }
     out->reach = sqrt(reach2);
     scale = 1 / out->reach;

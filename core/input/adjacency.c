@@ -60,8 +60,8 @@ enum {
  * sheet lies over: with lists at creases too, gears with two spots of thin walls have .00132 of
  * their triangles across, without .0007. */
 #define PROBE_SHARE 0.0075
-/* Places of one task. */
-enum { PROBE_BLOCK = 64 };
+/* Places of one task; if they are all the points, walks of neighbouring tasks meet the same. */
+enum { PROBE_BLOCK = 64, PROBE_BLOCK_ALL = BLOCK };
 
 /* What is known of a point. */
 struct known {
@@ -467,7 +467,8 @@ vor_status vor_adjacency_probe(enum vor_lists *lists, const struct vor_domain *d
     *lists = VOR_LISTS_NONE;
     if (domain->n < VOR_WALK_MOST)
         return VOR_OK;
-    status = vor_run_for(run, places, PROBE_BLOCK, probe_block, &probe, err);
+    status = vor_run_for(run, places, domain->n > PLACES ? PROBE_BLOCK : PROBE_BLOCK_ALL,
+                         probe_block, &probe, err);
     share = (double)atomic_load(&probe.found) / (double)places;
     if (status == VOR_OK && share >= PROBE_SHARE / 2)
         *lists = share >= PROBE_SHARE ? VOR_LISTS_LOCAL : VOR_LISTS_FEW;
