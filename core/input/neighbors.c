@@ -153,6 +153,16 @@ static double residual_of(const struct survey *survey, const struct pool *pool, 
     return mean_of(survey->residual[step], pool);
 }
 
+/* How much larger the variance of points that fill a ball is at that step than at the first: as the
+ * reach squared. Where it grows faster, detail or another sheet comes in, and more neighbours raise
+ * the error. */
+static double growth_of_ball(unsigned step)
+{
+    double reach = cbrt((double)ladder[step] / ladder[0]);
+
+    return reach * reach;
+}
+
 /* The first step at which neighbourhoods are wide enough to show a surface. */
 static unsigned wide_step(const struct survey *survey, const struct pool *pool)
 {
@@ -165,9 +175,8 @@ static unsigned wide_step(const struct survey *survey, const struct pool *pool)
     }
     while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
-    /* Not where the shape is merely coarse: there more neighbours raise the error. */
-    while (step > 0 && residual_of(survey, pool, step) / ladder[step] >
-                           residual_of(survey, pool, 0) / ladder[0])
+    while (step > 0 &&
+           residual_of(survey, pool, step) > residual_of(survey, pool, 0) * growth_of_ball(step))
         step--;
     return step;
 }

@@ -6,10 +6,11 @@
  *  noisy cloud is worse than no denoising. At places spread over the input a surface is fitted to
  *  20, 30, 45, 70, 100 and 150 neighbours. A neighbourhood that is nearly as thick as it is wide
  *  shows no surface. Where more than one place in thirty has such a one, more neighbours are taken
- *  until that is no longer so or more of them help little; but not where the shape is merely
- *  coarse, nor where the nearest ten lie on a surface: what is thick there is a thin part. From
- *  there the number goes up while that lowers the error: 3 s^2 / k, what noise of variance s^2
- *  leaves in a fit to k points, plus the growth of the residual, which is detail that is lost.
+ *  until that is no longer so or more of them help little; but not where the residual grows faster
+ *  than that of points that fill a ball, as with detail or another sheet, nor where the nearest ten
+ *  lie on a surface: what is thick there is a thin part. From there the number goes up while that
+ *  lowers the error: 3 s^2 / k, what noise of variance s^2 leaves in a fit to k points, plus the
+ *  growth of the residual, which is detail that is lost.
  *
  *  That is the usual number. Each place then estimates the same from itself and the 31 places
  *  nearest to it, and takes another number where that gains enough: fewer if neighbourhoods are

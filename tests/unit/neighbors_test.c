@@ -130,3 +130,22 @@ VT_TEST_LOOP(a_plate_is_not_noisy, VT_SOAK_LOOPS(2, SEEDS))
     vt_engine_close(&engine);
     vor_cloud_free(&cloud);
 }
+
+/* Its sides are seven times the noise apart; a fit to 100 neighbours runs between them. */
+VT_TEST_LOOP(noise_does_not_join_the_sides_of_a_plate, VT_SOAK_LOOPS(1, SEEDS))
+{
+    enum { PLATE = 7000 };
+    struct vt_engine engine;
+    struct vor_cloud cloud, out;
+    struct vor_report report;
+
+    make_plate(&cloud, (uint64_t)_i, PLATE, 3.4);
+    add_noise(&cloud, (uint64_t)_i, 0.5 * sqrt(2 * M_PI / PLATE));
+    vt_engine_open(&engine, 2);
+    vt_ask_set(&engine, "points=400 polish=0");
+    vt_engine_resample(&engine, &out, &report, &cloud);
+    ck_assert(neighbors(&report) == 20);
+    vor_cloud_free(&out);
+    vt_engine_close(&engine);
+    vor_cloud_free(&cloud);
+}
