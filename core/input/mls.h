@@ -16,8 +16,9 @@
  *  noise the plane moves points by 0.1 of that distance (rms), the quadric by 0.031.
  *
  *  Where fewer neighbours have much less variance about their quadric, at an edge or a detail, the
- *  surface is that of the fewer ones. Neighbours are those on the point's sheet: by the domain's
- *  lists if it has some (geom/graph.h), by layers if it has sheets (input/sheets.h).
+ *  surface is that of the fewer ones; where all of them fill space, as in the scatter around a
+ *  surface, that of 512 unless those have much less. Neighbours are those on the point's sheet: by
+ *  the domain's lists if it has some (geom/graph.h), by layers if it has sheets (input/sheets.h).
  *
  *  Measured in the same way, on clouds that no constant was chosen by: igea, 30,000 points of
  *  white noise, 0.37 and 0.30, armadillo's vertices 0.45 and 0.42, fandisk 0.36 with 0.66. Without

@@ -44,11 +44,6 @@ enum {
  * spacing, rms in 1e-3, and of points dropped from kitti and from autzen, whose trees are thick. At
  * 1.5 / 3 / 6: 2.1, 710 and 11,633 / 2.1, 318 and 349 / 93, 287 and 308; without: 582, 285, 306. */
 #define SPARSE 3.0
-/* Rms height of a point and its 20 nearest over the surface fitted to them, over the distance to
- * the farthest: they fill space. Points at random in a cube have 0.18 to 0.37 (98 %), those at the
- * crease of two planes or the corner of three up to 0.15. At 0.085 / 0.17 / 0.34, as above: 2.1,
- * 692 and 479 / 2.1, 318 and 349 / 616, 285 and 306. */
-#define THICK 0.17
 
 /* One search of all points. */
 struct look {
@@ -84,7 +79,8 @@ static int is_scattered(const struct look *look, const uint32_t *index, double r
     if (!(reach2 > look->sparse2))
         return 0;
     (void)vor_surface_fit_to(&surface, look->domain->xyz, index, WIDTH);
-    return surface.kind != VOR_SURFACE_NONE && surface.off2 > THICK * THICK * reach2;
+    return surface.kind != VOR_SURFACE_NONE &&
+           surface.off2 > VOR_SURFACE_THICK * VOR_SURFACE_THICK * reach2;
 }
 
 /* Lists of the points from `begin` on, which lie near each other. Returns of how many, up to `end`.
