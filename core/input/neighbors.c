@@ -153,14 +153,15 @@ static double residual_of(const struct survey *survey, const struct pool *pool, 
     return mean_of(survey->residual[step], pool);
 }
 
-/* How much larger the variance of points that fill a ball is at that step than at the first: as the
- * reach squared. Where it grows faster, detail or another sheet comes in, and more neighbours raise
- * the error. */
-static double growth_of_ball(unsigned step)
+/* Whether the residual grows faster from the first step to that one than that of points that fill a
+ * ball, which grows as the reach squared: then detail or another sheet comes in, and more
+ * neighbours raise the error. */
+static int outgrows_ball(const struct survey *survey, const struct pool *pool, unsigned step)
 {
-    double reach = cbrt((double)ladder[step] / ladder[0]);
+    double from = residual_of(survey, pool, 0), to = residual_of(survey, pool, step);
+    double more = (double)ladder[step] / ladder[0];
 
-    return reach * reach;
+    return to * to * to > more * more * from * from * from;
 }
 
 /* The first step at which neighbourhoods are wide enough to show a surface. */
@@ -175,8 +176,7 @@ static unsigned wide_step(const struct survey *survey, const struct pool *pool)
     }
     while (thickness[step] > (least > THICK ? HELPS * least : THICK))
         step++;
-    while (step > 0 &&
-           residual_of(survey, pool, step) > residual_of(survey, pool, 0) * growth_of_ball(step))
+    while (step > 0 && outgrows_ball(survey, pool, step))
         step--;
     return step;
 }
