@@ -150,7 +150,7 @@ static void run(void *ctx)
     struct fetch *fetch = ctx;
     struct vor_fetcher *fetcher = fetch->fetcher;
     const struct vor_blob_watch watch = {on_came, fetch->flow, fetch->part};
-    struct vor_askers *waiting;
+    struct vor_askers *waiting, *flowing;
     struct vor_error error;
     int found = 0, has_come, is_near;
     vor_status status =
@@ -159,13 +159,12 @@ static void run(void *ctx)
             : vor_blob_bring(fetcher->blobs, &fetch->id, fetch->name, &watch, &found, &error);
 
     has_come = status == VOR_OK && found;
+    pthread_mutex_lock(&fetcher->mutex); /* those that wait for the flow find the outcome set */
     pthread_mutex_lock(&fetch->flow->mutex);
     is_near = has_come && (fetch->part.to == UINT64_MAX || fetch->flow->fd < 0);
     fetch->flow->outcome = has_come ? VOR_FETCH_NEAR : VOR_FETCH_FAILED;
-    waiting = vor_waiting_take(&fetch->flow->waiting);
+    flowing = vor_waiting_take(&fetch->flow->waiting);
     pthread_mutex_unlock(&fetch->flow->mutex);
-    vor_waiting_wake(waiting);
-    pthread_mutex_lock(&fetcher->mutex);
     fetch->outcome = status != VOR_OK ? VOR_FETCH_FAILED
                      : has_come       ? VOR_FETCH_FLOWS
                                       : VOR_FETCH_NONE;
@@ -176,6 +175,7 @@ static void run(void *ctx)
     if (is_near)
         end_fetch(fetch);
     pthread_mutex_unlock(&fetcher->mutex);
+    vor_waiting_wake(flowing);
     vor_waiting_wake(waiting);
 }
 
