@@ -418,16 +418,15 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
     if (anew.found == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu parts", orient->span.components);
     status = spread_anew(&anew, points, run, err);
-    if (status == VOR_OK) {
-        for (size_t i = 0; i < orient->on->n; i++) {
-            uint32_t c = orient->span.component[i];
+    for (size_t i = 0; i < orient->on->n && status == VOR_OK; i++) {
+        uint32_t c = orient->span.component[i];
 
-            if (takes(orient->shun, &found[c], &anew.found[c]))
-                orient->span.odd[i] = anew.span.odd[i];
-        }
+        if (takes(orient->shun, &found[c], &anew.found[c]))
+            orient->span.odd[i] = anew.span.odd[i];
     }
-    if (status == VOR_OK && orient->shun != SHUN_ROUGH) /* else nobody asks for them any more */
-        status = vor_winding_find(found, &orient->span, points, run, err);
+    for (size_t c = 0; c < orient->span.components && status == VOR_OK; c++)
+        if (takes(orient->shun, &found[c], &anew.found[c]))
+            found[c] = anew.found[c];
     vor_span_free(&anew.span);
     vor_free(run->memory, anew.found);
     return status;
