@@ -77,6 +77,7 @@ struct orient {
     unsigned char *edge;
     float *rough; /* how far, in spacings, the points are off the surface fitted to them */
     enum shun shun;
+    int moved; /* signs spread anew were others than those before */
     struct vor_span span;
 };
 
@@ -424,9 +425,12 @@ static vor_status try_anew(struct orient *orient, struct vor_winding_found *foun
         if (takes(orient->shun, &found[c], &anew.found[c]))
             orient->span.odd[i] = anew.span.odd[i];
     }
-    for (size_t c = 0; c < orient->span.components && status == VOR_OK; c++)
+    for (size_t c = 0; c < orient->span.components && status == VOR_OK; c++) {
+        orient->moved |=
+            found[c].apart < anew.found[c].apart || found[c].apart > anew.found[c].apart;
         if (takes(orient->shun, &found[c], &anew.found[c]))
             found[c] = anew.found[c];
+    }
     vor_span_free(&anew.span);
     vor_free(run->memory, anew.found);
     return status;
@@ -465,7 +469,7 @@ static vor_status mend(struct orient *orient, const struct vor_winding_points *p
         orient->domain->known.neighbors.usual <=
             orient->graph->most) { /* else noise: lists are too short */
         status = try_anew(orient, found, points, run, err);
-        if (status == VOR_OK)
+        if (status == VOR_OK && orient->moved) /* else no sign is in doubt */
             status = close_up(orient, SHUN_APART, found, points, run, err);
     }
     for (size_t c = 0; c < components && status == VOR_OK; c++)
