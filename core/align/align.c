@@ -44,9 +44,10 @@ enum {
 #define OVERLAP 0.1
 
 /* Poses that parts of the evidence lead to, apart: a degree, as angle and over the unit. Halves of
- * the samples, and the reference laid on the cloud: office1, scannet and igea, right poses, at most
- * 0.2 degrees and 0.005; kitti, 200 to 700 samples, wrong ones that all else speaks for, 0.7 to 2.2
- * degrees and 0.017 to 0.08. */
+ * the samples, which are twice as far apart as the pose of all is from the right one, and the
+ * reference laid on the cloud: office1, scannet and igea, right poses, at most 0.2 degrees and
+ * 0.005; kitti, 200 to 700 samples, wrong ones that all else speaks for, 0.7 to 2.2 degrees and
+ * 0.017 to 0.08. */
 #define REPEATED (M_PI / 180)
 
 /* The poses that are compared. */
@@ -291,7 +292,8 @@ static vor_status repeat(struct vor_report *report, struct align *align, const s
     status = vor_run_rows(run, 3, 1, refine_again, align, err);
     if (status != VOR_OK)
         return status;
-    d2 = fmax(apart2(&again[0].pose, &again[1].pose), apart2(&again[2].pose, &align->fit[0].pose));
+    d2 = fmax(apart2(&again[0].pose, &again[1].pose) / 4,
+              apart2(&again[2].pose, &align->fit[0].pose));
     trust = 1 / (1 + d2 / (REPEATED * REPEATED));
     report->pose_trust = fmin(report->pose_trust, trust);
     if (trust < 0.5)

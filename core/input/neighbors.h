@@ -65,7 +65,7 @@ void vor_neighbors_pool(uint16_t pool[VOR_NEIGHBORS_POOL], const float *xyz, siz
  *
  *  @param[out] out  set on success
  *
- *  @retval VOR_E_NOMEM 100 KB do not fit
+ *  @retval VOR_E_NOMEM 110 KB do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
  *
  *  O(log n), about 20 ms, on the run's pool. The same numbers for any number of threads. */

@@ -32,7 +32,8 @@ struct vor_noise {
     float xyz[3 * VOR_NOISE_PLACES];    /**< normalised */
     double deviation[VOR_NOISE_PLACES]; /**< of the noise around each place; 0 where it is
                                              not wide */
-    double reach[VOR_NOISE_PLACES];     /**< distance to the 150th nearest point */
+    double reach[VOR_NOISE_PLACES];     /**< distance to the 150th nearest point
+                                             where noise is wide */
 };
 
 /** Noise is wide where the nearest 20 points show no surface, and where the number of neighbours

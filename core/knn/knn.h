@@ -114,7 +114,7 @@ void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *n
  *  @param[out] parts     how many there are
  *  @param[in]  distance  > 0, and not small against the cells of Morton order: else it takes O(n^2)
  *
- *  @retval VOR_E_NOMEM a sixth of n bytes do not fit
+ *  @retval VOR_E_NOMEM a third of n bytes do not fit
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED
  *
  *  O(n); on the run's pool, the last step on one thread. The same parts for any number of threads.

@@ -1,5 +1,5 @@
-/** The tree of boxes itself, for the files that walk it: knn_boxes.c, which makes it, and
- *  knn_join.c.
+/** The tree of boxes itself, for the files that walk it: knn_boxes.c, which makes it,
+ *  knn_near.c and knn_join.c.
  */
 #ifndef VOR_KNN_TREE_H
 #define VOR_KNN_TREE_H

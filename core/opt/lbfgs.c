@@ -7,7 +7,7 @@
 
 /* Share of the decrease that the gradient promises which a step must reach (Armijo 1966). */
 #define ENOUGH 1e-4
-/* Trials of a line search, each half as long as the one before: the last is 1e-6 of the first. */
+/* Trials of a line search, each half as long as the one before: the last is 2e-6 of the first. */
 enum { TRIALS = 20 };
 
 static double dot(const double *a, const double *b, size_t n)
