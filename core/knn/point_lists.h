@@ -18,6 +18,11 @@
 /** Most neighbours in a list. */
 #define VOR_POINT_LISTS_LISTED_MAX 128
 
+/** Spacings that a point may move before it is a jumper. At 0.15 / 0.3 / 0.6: searches on igea 59 /
+ *  45 / 65 thousand, lists made 12 / 7 / 3 times, on autzen 252 / 198 / 253 thousand, 56 / 28 / 12
+ *  times. */
+#define VOR_POINT_LISTS_FAR 0.3
+
 /** Jumpers that lists of any size allow before all are made anew; with more points one in 256, at
  *  most JUMPERS_MAX. At 32 / 64 / 128, autzen to 3,000: lists made 31 / 28 / 23 times, searches 209
  *  / 198 / 181 thousand; but each point near a jumper tests all of them. */

@@ -25,11 +25,6 @@ enum { DATA_LEAST = 12, DATA_MOST = VOR_LOP_DATA_MOST };
 /* Other points in a list: those within twice the spacing, and as many again. */
 enum { LISTED = 32 };
 
-/* Spacings that a point may move before it is a jumper (knn/point_lists.h). Lists have a margin of
- * one. Armadillo, 222,543 points to 22,000, at 0.3 / 0.6: lists made 10 / 6 times, 0.2 CPU s less.
- */
-#define FAR 0.3
-
 /* Shortest distance to another point that counts, in reaches: keeps beta finite. */
 #define SHORTEST 0.01
 
@@ -251,10 +246,10 @@ static vor_status index_points(struct vor_stage *stage, const struct vor_run *ru
     struct vor_uniformity even;
     vor_status status = VOR_OK;
 
-    if (!vor_point_lists_look(&project->view, &project->others, xyz, FAR)) {
+    if (!vor_point_lists_look(&project->view, &project->others, xyz, VOR_POINT_LISTS_FAR)) {
         status = vor_point_lists_index(&project->others, xyz, run, err);
         if (status == VOR_OK)
-            (void)vor_point_lists_look(&project->view, &project->others, xyz, FAR);
+            (void)vor_point_lists_look(&project->view, &project->others, xyz, VOR_POINT_LISTS_FAR);
     }
     if (status == VOR_OK)
         status = vor_run_for(run, project->samples->n, BLOCK, crowding_block, project, err);

@@ -23,11 +23,8 @@ enum { RINGS = 1, RINGS_FINE = 2 };
  * the spread of seeds. */
 #define BEND_FLAT 0.4
 
-/* Spacings that a seed may move before it is a jumper. At 0.15 / 0.3 / 0.6: searches on igea 59 /
- * 45 / 65 thousand, lists made 12 / 7 / 3 times, on autzen 252 / 198 / 253 thousand, 56 / 28 / 12
- * times. */
-#define FAR 0.3
-/* The same from MANY seeds on: new lists cost them more, because they do not fit the caches. */
+/* VOR_POINT_LISTS_FAR from MANY seeds on: new lists cost them more, because they do not fit the
+ * caches. */
 #define FAR_MANY 0.5
 enum { MANY = 200000 };
 
@@ -123,8 +120,8 @@ vor_status vor_seeds_onto(struct vor_seeds *seeds, const struct vor_domain *doma
 vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                            struct vor_error *err)
 {
-    double far =
-        (seeds->n < MANY ? FAR : FAR_MANY) * vor_stretched_longest_of_all(&seeds->stretched);
+    double far = (seeds->n < MANY ? VOR_POINT_LISTS_FAR : FAR_MANY) *
+                 vor_stretched_longest_of_all(&seeds->stretched);
     vor_status status = vor_wanted_renew(&seeds->wanted, seeds->xyz, run, err);
 
     if (status == VOR_OK)

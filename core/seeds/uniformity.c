@@ -2,9 +2,10 @@
 
 #include "core/base/linalg.h"
 
-/* Spacings that a seed may have moved before it is a jumper. At 0.3 / 0.6 / 1.2: searches on igea
- * 64 / 45 / 46 thousand, on autzen 234 / 198 / 231 thousand. */
-#define FAR 0.6
+/* Spacings that a seed may have moved since lists were made for other positions, before it is a
+ * jumper. At half of it 64 / at it 45 / at double 46 thousand searches on igea, 234 / 198 / 231 on
+ * autzen. */
+#define FAR (2 * VOR_POINT_LISTS_FAR)
 
 /* Positions whose uniformity is asked for. */
 struct even {
