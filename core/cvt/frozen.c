@@ -9,7 +9,7 @@ vor_status vor_frozen_init(struct vor_frozen *out, struct vor_seeds *seeds, int 
 {
     struct vor_memory *memory = seeds->run.memory;
     struct vor_frozen f = {.seeds = seeds};
-    size_t n = seeds->n, cuts = n * VOR_FROZEN_CUT;
+    size_t n = seeds->n, cuts = n * VOR_POLYGON_MAX;
 
     f.bend = vor_malloc(memory, n, 2 * sizeof *f.bend);
     f.value = vor_malloc(memory, n, sizeof *f.value);
@@ -53,22 +53,20 @@ static void evaluate_seed(const struct evaluation *evaluation, size_t i)
     double other[VOR_PLANES_NEAR][3];
     struct vor_energy energy;
     struct vor_flat cell;
-    unsigned kept;
 
     vor_planes_localize(other, &f->planes, i);
     vor_energy_cut(&cell, flat, at, (const double(*)[3])other, f->planes.width);
     vor_energy_of(&energy, &cell, flat, at, (const double(*)[3])other);
-    kept = energy.count < VOR_FROZEN_CUT ? energy.count : VOR_FROZEN_CUT;
     f->value[i] = energy.value;
-    f->cuts[i] = (unsigned char)kept;
+    f->cuts[i] = (unsigned char)energy.count;
     for (int d = 0; d < 2; d++) {
         evaluation->gradient[2 * i + (size_t)d] = energy.own[d];
         if (!f->bent)
             f->bend[2 * i + (size_t)d] =
                 energy.bend[d] + VOR_ROUNDED * (energy.bend[0] + energy.bend[1] + 1);
     }
-    for (unsigned k = 0; k < kept; k++) {
-        size_t at_k = i * VOR_FROZEN_CUT + k,
+    for (unsigned k = 0; k < energy.count; k++) {
+        size_t at_k = i * VOR_POLYGON_MAX + k,
                j = f->planes.near[i * f->planes.width + energy.id[k]];
         const double *there = f->planes.axes + 9 * j;
         double way[3];
@@ -117,7 +115,7 @@ static double add_up(const struct evaluation *evaluation)
 
     for (size_t i = 0; i < f->seeds->n; i++) {
         sum += f->value[i];
-        for (size_t k = i * VOR_FROZEN_CUT; k < i * VOR_FROZEN_CUT + f->cuts[i]; k++) {
+        for (size_t k = i * VOR_POLYGON_MAX; k < i * VOR_POLYGON_MAX + f->cuts[i]; k++) {
             size_t j = f->cut[k];
 
             evaluation->gradient[2 * j] += f->by[k][0];

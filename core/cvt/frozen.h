@@ -9,9 +9,6 @@
 
 #include "core/cvt/planes.h"
 
-/** Most seeds that cut a cell: the gradient leaves out others. */
-#define VOR_FROZEN_CUT 16
-
 /** Sums over all cells, of which lengths are in spacings, and over the ways that seeds went. */
 struct vor_frozen_sums {
     double area, energy; /**< the energy is Xiao's: p is 2, M is 1 */
@@ -31,8 +28,8 @@ struct vor_frozen {
     double *bend;    /**< n x 2: about the second derivatives, from the first evaluation on */
     double *value;   /**< n: of each cell; after vor_frozen_take its aspect, the root of the ratio
                           of its second moments */
-    uint32_t *cut;   /**< n x VOR_FROZEN_CUT: seeds that a cell depends on */
-    double (*by)[2]; /**< n x VOR_FROZEN_CUT: gradient in their places in their planes */
+    uint32_t *cut;   /**< n x VOR_POLYGON_MAX: seeds that a cell depends on */
+    double (*by)[2]; /**< n x VOR_POLYGON_MAX: gradient in their places in their planes */
     unsigned char *cuts;          /**< n: how many */
     struct vor_frozen_sums *sums; /**< of blocks */
 };
@@ -41,7 +38,7 @@ struct vor_frozen {
  *
  *  @param[out] out  free with vor_frozen_free; untouched on failure
  *
- *  @retval VOR_E_NOMEM 800 n bytes do not fit */
+ *  @retval VOR_E_NOMEM 960 n bytes do not fit */
 VOR_NODISCARD vor_status vor_frozen_init(struct vor_frozen *out, struct vor_seeds *seeds,
                                          int crossed, struct vor_error *err);
 
@@ -51,7 +48,7 @@ void vor_frozen_free(struct vor_frozen *frozen);
 /** Takes planes, metrics, patches and walls where the seeds are now. The places in the planes are
  *  then 0, but for seeds that share a place.
  *
- *  @param[in]  power  p, even, 2 .. VOR_ENERGY_POWER_MAX
+ *  @param[in]  power  p, even
  *  @param[out] y      n x 2: places in the planes
  *  @param[in]  run    of this and of the evaluations that follow
  *

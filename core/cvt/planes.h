@@ -51,7 +51,7 @@ VOR_NODISCARD vor_status vor_planes_init(struct vor_planes *out, struct vor_seed
 /** planes may be all zero. */
 void vor_planes_free(struct vor_planes *planes);
 
-/** Takes the planes where the seeds are now, with the power p, even, 2 .. VOR_ENERGY_POWER_MAX.
+/** Takes the planes where the seeds are now, with the power p, even.
  *
  *  @param[out] y  n x 2: places in the planes, 0 but for seeds that share a place
  *

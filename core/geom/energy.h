@@ -20,9 +20,6 @@
 
 #include "core/geom/flat.h"
 
-/** Largest power; powers are even. */
-#define VOR_ENERGY_POWER_MAX 8
-
 /** Number of the wall of a cell: a line that stands still. */
 #define VOR_ENERGY_WALL (VOR_FLAT_SIDE + 15)
 
@@ -30,7 +27,7 @@
  *  M is a diagonal of two factors in the plane, and 0 across it. */
 struct vor_energy_plane {
     double factor[2]; /**< of M, along the plane's axes; > 0 */
-    unsigned power;   /**< p: 2, 4 .. VOR_ENERGY_POWER_MAX */
+    unsigned power;   /**< p: 2, 4, 6 .. */
     double radius;    /**< of the patch, an octagon around the origin */
     double wall[2],
         room; /**< the cell ends where x wall[0] + y wall[1] is room; infinite: no wall */
