@@ -12,9 +12,10 @@
  * of 1.5, SAME of 0.9 and OVER of 3 change nothing on fandisk, autzen and igea with noise. */
 
 enum {
-    /* Of the shared quadric: u, v, uu, uv, vv; and points that each layer has at least. At 2 / 4 /
-     * 8 shell stays within the spread. */
-    TERMS = 5
+    TERMS = 5, /* of the shared quadric: u, v, uu, uv, vv */
+    /* Points that each layer has at least: two of as many have one point more than the quadric and
+     * two heights have coefficients. */
+    LEAST_IN_LAYER = (TERMS + 2) / 2 + 1
 };
 
 /* Times the rms distance of points from their own layer: a gap between layers is at least that
@@ -226,7 +227,7 @@ static int clear_between(const struct vor_layers *layers, const struct stack *st
     }
     sum = sqrt(sum / (stack->k - TERMS - layers->count));
     for (unsigned l = 0; l < layers->count; l++)
-        if (count[l] < TERMS)
+        if (count[l] < LEAST_IN_LAYER)
             return 0;
     for (unsigned l = 1; l < layers->count; l++)
         if (low[l] - high[l - 1] < CLEAR * sum ||
@@ -316,7 +317,7 @@ void vor_layers_find(struct vor_layers *out, const float *near, unsigned k)
     static const unsigned first[] = {VOR_NEIGHBORS_MAX, 8, 14, 26, 5};
     struct vor_surface all;
 
-    if (k >= 2 * TERMS) {
+    if (k >= 2 * LEAST_IN_LAYER) {
         vor_surface_fit(&all, near, k);
         for (size_t i = 0; i < sizeof first / sizeof *first; i++)
             if ((i == 0 || first[i] < k) && find_in(out, near, k, first[i], &all))
@@ -331,7 +332,7 @@ int vor_layers_find_like(struct vor_layers *out, const struct vor_layers *like, 
     struct vor_surface all;
     struct stack stack;
 
-    if (k < 2 * TERMS)
+    if (k < 2 * LEAST_IN_LAYER)
         return 0;
     vor_surface_fit(&all, near, k);
     out->count = 1;

@@ -54,7 +54,7 @@ static inline int vor_layers_possible(const struct vor_surface *surface)
  *
  *  @param[out] out   count is 1 and all of `of` 0 when no layers were found
  *  @param[in]  near  k x 3 floats, nearest first
- *  @param[in]  k     at most VOR_NEIGHBORS_MAX; fewer than 10 have no layers
+ *  @param[in]  k     at most VOR_NEIGHBORS_MAX; fewer than 8 have no layers
  *
  *  Cannot fail. O(k^2). Depends on nothing but its arguments. */
 void vor_layers_find(struct vor_layers *out, const float *near, unsigned k);
