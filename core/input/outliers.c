@@ -256,7 +256,7 @@ static vor_status take(struct vor_domain *domain, size_t *taken, struct vor_outl
         return status;
     vor_knn_free(domain->knn);
     domain->knn = NULL;
-    return vor_knn_build_sorted(&domain->knn, domain->xyz, domain->n, run, err);
+    return vor_domain_index(domain, run, err); /* what strays had in sparse is gone, too */
 }
 
 /* Looks until a look finds none, LOOKS times at most. */
