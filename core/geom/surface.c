@@ -228,19 +228,26 @@ static double quadric(const double c[6], double u, double v, double gradient[2])
     return c[0] + u * (c[1] + c[3] * u + c[4] * v) + v * (c[2] + c[5] * v);
 }
 
-double vor_surface_height(const struct vor_surface *surface, double u, double v, double gradient[2])
+/* As vor_surface_height. Inlined: steps of seeds are made of it. */
+VOR_INLINE double height_at(const struct vor_surface *surface, double u, double v,
+                            double gradient[2])
 {
-    double du = u - surface->center[0], dv = v - surface->center[1], own[2], height;
+    double du = u - surface->center[0], dv = v - surface->center[1], height;
     double d2 = du * du + dv * dv, reach2 = surface->reach * surface->reach;
 
-    if (gradient == NULL)
-        gradient = own;
     if (d2 <= reach2)
         return quadric(surface->c, u, v, gradient);
     du *= 1 - surface->reach / sqrt(d2); /* how far beyond the reach */
     dv *= 1 - surface->reach / sqrt(d2);
     height = quadric(surface->c, u - du, v - dv, gradient);
     return height + gradient[0] * du + gradient[1] * dv;
+}
+
+double vor_surface_height(const struct vor_surface *surface, double u, double v, double gradient[2])
+{
+    double own[2];
+
+    return height_at(surface, u, v, gradient != NULL ? gradient : own);
 }
 
 void vor_surface_to_local(const struct vor_surface *surface, const double x[3], double local[3])
@@ -262,7 +269,7 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
 {
     double u = local[0], v = local[1], gradient[2], height;
 
-    height = vor_surface_height(surface, u, v, gradient);
+    height = height_at(surface, u, v, gradient);
     for (int i = 0; i < PROJECTIONS; i++) {
         /* At the foot, local - foot is parallel to the normal (-gu, -gv, 1). */
         double residual =
@@ -273,7 +280,7 @@ void vor_surface_project(const struct vor_surface *surface, double local[3])
             break;
         u = local[0] + t * gradient[0];
         v = local[1] + t * gradient[1];
-        height = vor_surface_height(surface, u, v, gradient);
+        height = height_at(surface, u, v, gradient);
     }
     local[0] = u;
     local[1] = v;
@@ -295,7 +302,7 @@ void vor_surface_glide(const struct vor_surface *surface, const double v[3], dou
     double local[3], way[3], g[2], off, length2;
 
     vor_surface_to_local(surface, x, local);
-    (void)vor_surface_height(surface, local[0], local[1], g);
+    (void)height_at(surface, local[0], local[1], g);
     for (int i = 0; i < 3; i++)
         way[i] = vor_dot(surface->axis[i], v);
     off = (way[2] - g[0] * way[0] - g[1] * way[1]) / (1 + g[0] * g[0] + g[1] * g[1]);
@@ -313,7 +320,7 @@ void vor_surface_normal(const struct vor_surface *surface, const double local[3]
 {
     double g[2], length;
 
-    (void)vor_surface_height(surface, local[0], local[1], g);
+    (void)height_at(surface, local[0], local[1], g);
     length = sqrt(1 + g[0] * g[0] + g[1] * g[1]);
     for (int c = 0; c < 3; c++)
         normal[c] =
@@ -346,21 +353,24 @@ double vor_surface_variance(const struct vor_surface *surface, const float *near
     return sum / (k - VOR_QUADRIC_TERMS);
 }
 
-/* Copies the `few` neighbours nearest to x to out, nearest first. */
+/* Copies the `few` neighbours nearest to x to out, nearest first; they are nearly in that order. */
 static void take_nearest(float *out, const float *near, unsigned k, unsigned few, const float x[3])
 {
     double distance2[VOR_REFINED_MAX];
+    uint32_t index[VOR_REFINED_MAX];
 
-    for (unsigned j = 0; j < k; j++)
-        distance2[j] = vor_distance2f(&near[3 * j], x);
-    for (unsigned i = 0; i < few; i++) {
-        unsigned best = 0;
+    for (uint32_t j = 0; j < k; j++) {
+        double d2 = vor_distance2f(&near[3 * j], x);
+        unsigned at = j;
 
-        for (unsigned j = 1; j < k; j++)
-            best = distance2[j] < distance2[best] ? j : best;
-        distance2[best] = INFINITY;
-        memcpy(&out[3 * i], &near[3 * best], 3 * sizeof *out);
+        for (; at > 0 && d2 < distance2[at - 1]; at--) {
+            distance2[at] = distance2[at - 1];
+            index[at] = index[at - 1];
+        }
+        distance2[at] = d2;
+        index[at] = j;
     }
+    vor_gather(out, near, index, few);
 }
 
 int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned k, const float x[3])

@@ -16,16 +16,16 @@
  * cow 0.066 / 0.063 / 0.066, room 0.0466 / 0.0459 / 0.0488. */
 #define COSINE 0.6
 
-/* The length of the edge between two points of a walk, whose square is l2; infinite if it leaves
- * the surface. */
-static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l2)
+/* Whether the edge between two points of a walk, whose squared length is l2, stays on the surface.
+ */
+static int stays(const struct vor_walk *walk, unsigned a, unsigned b, double l2)
 {
     double cosine = 0, across = 0, middle2 = 0, sign;
 
     for (int c = 0; c < 3; c++)
         cosine += (double)walk->normal[c][a] * (double)walk->normal[c][b];
     if ((walk->is_signed ? cosine : fabs(cosine)) < COSINE)
-        return INFINITY;
+        return 0;
     sign = cosine < 0 ? -1 : 1;
     for (int c = 0; c < 3; c++) {
         double middle = (double)walk->normal[c][a] + sign * (double)walk->normal[c][b];
@@ -33,7 +33,7 @@ static double edge(const struct vor_walk *walk, unsigned a, unsigned b, double l
         across += middle * ((double)walk->x[c][b] - (double)walk->x[c][a]);
         middle2 += middle * middle;
     }
-    return across * across <= walk->arc * walk->arc * middle2 * l2 ? sqrt(l2) : INFINITY;
+    return across * across <= walk->arc * walk->arc * middle2 * l2;
 }
 
 VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
@@ -82,8 +82,12 @@ void vor_walk_go(struct vor_walk *walk)
             if (j == from)
                 continue;
             open[stay++] = j;
-            if (l2[j] <= reach2)
-                walk->far[j] = fmin(walk->far[j], walk->far[from] + edge(walk, from, j, l2[j]));
+            if (l2[j] <= reach2) {
+                double far = walk->far[from] + sqrt(l2[j]);
+
+                if (far < walk->far[j] && stays(walk, from, j, l2[j]))
+                    walk->far[j] = far;
+            }
             if (walk->far[j] < least) {
                 least = walk->far[j];
                 next = j;

@@ -66,7 +66,8 @@ enum { PROBE_BLOCK = 64, PROBE_BLOCK_ALL = BLOCK };
 /* What is known of a point. */
 struct known {
     struct vor_plane plane;
-    int layer; /* the list is that of a layer, and stays */
+    unsigned char layer;  /* the list is that of a layer, and stays */
+    unsigned char single; /* the nearest points lie well on one surface */
 };
 
 struct make {
@@ -94,7 +95,7 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
             if (index[j] != i)
                 graph->list[i * graph->most + taken++] = index[j];
         graph->count[i] = (unsigned char)taken;
-        make->known[i].layer = 0;
+        make->known[i].layer = make->known[i].single = 0;
         vor_plane_fit(&make->known[i].plane, make->domain->xyz, index,
                       vor_domain_most(make->domain, VOR_PLANE_POINTS));
     }
@@ -186,13 +187,16 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
                        struct vor_knn_last *last)
 {
     const struct vor_domain *domain = make->domain;
+    struct known *known = &make->known[i];
     struct vor_walk walk;
     struct vor_surface plain, own;
     uint32_t index[VOR_NEIGHBORS_MAX];
     unsigned n;
 
-    if (make->known[i].layer || (!make->layers && make->noisy[i]) ||
-        !vor_sheet_walk_begin(&plain, domain, (uint32_t)i, last))
+    if (known->layer || known->single || (!make->layers && make->noisy[i]))
+        return;
+    known->single = !vor_sheet_walk_begin(&plain, domain, (uint32_t)i, last);
+    if (known->single)
         return;
     if (make->layers) {
         const float *p = vor_domain_point(domain, i);
@@ -201,7 +205,7 @@ static void find_sheet(struct make *make, size_t i, struct vor_sheets_recent *re
                             vor_domain_most(domain, VOR_ADJACENT), recent);
         if (n >= VOR_ADJACENT_FEWEST && vor_surface_fit_to(&own, domain->xyz, index, n)) {
             set_own(make, i, index, n, &own);
-            make->known[i].layer = 1;
+            known->layer = 1;
         }
         return;
     }
@@ -253,15 +257,12 @@ static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     const struct make *make = ctx;
     const struct vor_domain *domain = make->domain;
     struct vor_walk walk;
-    struct vor_surface plain;
     uint32_t index[VOR_ADJACENT + 1];
-    struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
         unsigned n = 0;
 
-        if (make->graph->own[i] || make->noisy[i] ||
-            (!vor_sheet_walk_begin(&plain, domain, (uint32_t)i, &last) && !has_steep(make, i)))
+        if (make->graph->own[i] || make->noisy[i] || (make->known[i].single && !has_steep(make, i)))
             continue;
         vor_sheet_walk_gather(&walk, domain, (uint32_t)i);
         give_normals(&walk, make);

@@ -70,7 +70,9 @@ unsigned vor_sheet_walk_go(struct vor_walk *walk, struct vor_surface *own,
         walk->arc = vor_sheet_arcs[a];
         walk->enough = vor_domain_most(domain, VOR_ADJACENT);
         vor_walk_go(walk);
-        n = vor_sheet_walk_take(walk, vor_domain_most(domain, VOR_ADJACENT), index);
+        n = vor_sheet_walk_take(walk, walk->enough, index);
+        if (n == walk->enough && index[n - 1] == walk->index[n - 1])
+            continue; /* all of the nearest, whose surface is `plain` */
         if (n >= VOR_ADJACENT_FEWEST && vor_surface_fit_to(own, domain->xyz, index, n) &&
             own->spacing >= SPARSER * plain->spacing && VOR_FINER * own->off2 < plain->off2)
             return n;
