@@ -65,6 +65,8 @@ struct vor_conditioning {
     size_t parts;                   /**< that are clear of each other (input/islands.h) */
     size_t islands, in_islands;     /**< parts that are small, and the points that these hold */
     struct vor_lattice lattice;     /**< that the coordinates were rounded to */
+    double pitch[2];                /**< of two lattices that parts of the input have instead, the
+                                         narrowest and the widest (vor_regions); or 0 */
     size_t off_lattice;             /**< points that were moved within their cells; if any were,
                                          positions are not exact */
     int seek_sheets;                /**< sheets are looked for, on thinned domains too */

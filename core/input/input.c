@@ -79,6 +79,8 @@ static vor_status leave_lattice(struct vor_domain *domain, const struct vor_spec
     struct vor_conditioning *known = &domain->known;
     vor_status status = vor_lattice_find(&known->lattice, domain, run, err);
 
+    if (status == VOR_OK && !known->lattice.matters && !vor_lattice_is_full(&known->lattice))
+        status = vor_lattice_survey(known->pitch, domain, run, err);
     if (status != VOR_OK || !known->lattice.matters || stay)
         return status;
     return vor_lattice_smooth(domain, &known->off_lattice, &known->lattice, run, err);

@@ -23,8 +23,9 @@ enum {
     /* Points whose spacing is taken: its mean is then within 3 %, by the 0.52 that white noise has.
      */
     PLACES = VOR_NEIGHBORS_PLACES,
-    BLOCK = 4096,      /* points of one task */
-    SMOOTH_BLOCK = 256 /* points of one task */
+    REGIONS_POLLED = 64, /* for the different lattices of parts */
+    BLOCK = 4096,        /* points of one task */
+    SMOOTH_BLOCK = 256   /* points of one task */
 };
 
 /* Cells over spacing, below which the lattice does not matter, on any axis that has many levels.
@@ -178,17 +179,18 @@ static void check_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 
 static double mean_spacing(const struct vor_domain *domain)
 {
+    size_t places = domain->n < PLACES ? domain->n : PLACES;
     double sum = 0;
 
-    for (size_t place = 0; place < PLACES; place++) {
-        size_t at = (size_t)(((double)place + 0.5) / PLACES * (double)domain->n);
+    for (size_t place = 0; place < places; place++) {
+        size_t at = (size_t)(((double)place + 0.5) / (double)places * (double)domain->n);
         uint32_t index[2];
         float distance2[2];
 
         vor_knn_search(domain->knn, &domain->xyz[3 * at], 1, 2, index, distance2);
         sum += sqrt((double)distance2[1]);
     }
-    return sum / PLACES;
+    return sum / (double)places;
 }
 
 /* Compares the cells with the spacing: whether they matter, and which are real. */
@@ -227,8 +229,9 @@ static vor_status check_all(struct vor_lattice *out, struct check *check, double
     return VOR_OK;
 }
 
-vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *domain,
-                            const struct vor_run *run, struct vor_error *err)
+/* is_full: looks no further once an axis has no cell. */
+static vor_status find(struct vor_lattice *out, const struct vor_domain *domain, int is_full,
+                       const struct vor_run *run, struct vor_error *err)
 {
     struct check check = {.domain = domain};
     struct axis *axis;
@@ -242,7 +245,7 @@ vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *do
         return vor_fail(err, VOR_E_NOMEM, "the search for a lattice");
     for (int c = 0; c < 3; c++)
         largest = fmax(largest, 1 + fabs(domain->shift[c]) / domain->unit);
-    for (size_t c = 0; c < 3; c++) {
+    for (size_t c = 0; c < 3 && (!is_full || c == 0 || check.found[c - 1].cell > 0); c++) {
         axis->n = domain->n < VOR_DOMAIN_SAMPLED ? domain->n : VOR_DOMAIN_SAMPLED;
         for (size_t i = 0; i < axis->n; i++) {
             size_t at = (size_t)(((double)i + 0.5) / (double)axis->n * (double)domain->n);
@@ -253,9 +256,115 @@ vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *do
         find_cell(&check.found[c], axis, largest);
     }
     vor_free(run->memory, axis);
-    if (!(check.found[0].cell + check.found[1].cell + check.found[2].cell > 0))
+    if (!(check.found[0].cell + check.found[1].cell + check.found[2].cell > 0) ||
+        (is_full && !(check.found[2].cell > 0)))
         return VOR_OK;
     return check_all(out, &check, largest, run, err);
+}
+
+vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *domain,
+                            const struct vor_run *run, struct vor_error *err)
+{
+    return find(out, domain, 0, run, err);
+}
+
+int vor_lattice_is_full(const struct vor_lattice *lattice)
+{
+    return lattice->cell[0] > 0 && lattice->cell[1] > 0 && lattice->cell[2] > 0;
+}
+
+int vor_lattice_is_wide(const struct vor_lattice *lattice)
+{
+    double widest = fmax(fmax(lattice->cell[0], lattice->cell[1]), lattice->cell[2]);
+
+    return vor_lattice_is_full(lattice) && widest > VOR_CELL_SMALL * lattice->spacing;
+}
+
+/* Keeps the lattices of regions that one beside them has too. */
+static void keep_shared(struct vor_regions *regions, size_t points)
+{
+    int before = 0;
+
+    for (size_t i = 0; i < regions->n; i++) {
+        double *cell = regions->cell[i];
+        int after = i + 1 < regions->n;
+
+        for (size_t c = 0; c < 3 && after; c++)
+            after = fabs(regions->cell[i + 1][c] - cell[c]) <= VOR_ON_LEVEL * cell[c];
+        if (!(cell[0] > 0) || !(before || after))
+            memset(cell, 0, sizeof regions->cell[i]);
+        else
+            regions->eligible += i + 1 < regions->n ? regions->many : points - i * regions->many;
+        before = after;
+    }
+}
+
+/* Compares the regions with the one of the narrowest cells. A lattice is another one only if it is
+ * along each axis: walls that a depth camera saw have depths some cells apart. */
+static void find_pitches(struct vor_regions *regions)
+{
+    const double *fine = NULL;
+    double ratio = 1 + VOR_ON_LEVEL;
+
+    for (size_t i = 0; i < regions->n; i++) {
+        const double *cell = regions->cell[i];
+
+        if (cell[0] > 0 &&
+            (fine == NULL || cell[0] + cell[1] + cell[2] < fine[0] + fine[1] + fine[2]))
+            fine = cell;
+    }
+    for (size_t i = 0; i < regions->n && fine != NULL; i++) {
+        const double *cell = regions->cell[i];
+        int at = 0;
+
+        for (int c = 1; c < 3; c++)
+            at = cell[c] * fine[at] < cell[at] * fine[c] ? c : at;
+        if (cell[at] > ratio * fine[at]) {
+            ratio = cell[at] / fine[at];
+            regions->pitch[0] = fine[at];
+            regions->pitch[1] = cell[at];
+        }
+    }
+}
+
+vor_status vor_lattice_find_regions(struct vor_regions *out, const struct vor_domain *domain,
+                                    size_t step, const struct vor_run *run, struct vor_error *err)
+{
+    vor_status status = VOR_OK;
+
+    out->many = VOR_LATTICE_BLOCK;
+    out->n = vor_blocks_of(domain->n, out->many);
+    out->cell = vor_calloc(run->memory, out->n, sizeof *out->cell);
+    if (out->cell == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    for (size_t i = 0; status == VOR_OK && i < out->n; i++) {
+        struct vor_domain piece = *domain; /* in the index of all */
+        struct vor_lattice found = {0};
+
+        piece.xyz = &domain->xyz[3 * i * out->many];
+        piece.n = i + 1 < out->n ? out->many : domain->n - i * out->many;
+        if (step < 2 || i % step < 2)
+            status = find(&found, &piece, 1, run, err);
+        for (int c = 0; c < 3; c++)
+            out->widest[c] = fmax(out->widest[c], found.cell[c]);
+        if (vor_lattice_is_wide(&found))
+            memcpy(out->cell[i], found.cell, sizeof found.cell);
+    }
+    keep_shared(out, domain->n);
+    find_pitches(out);
+    return status;
+}
+
+vor_status vor_lattice_survey(double pitch[2], const struct vor_domain *domain,
+                              const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_regions regions = {0};
+    size_t step = 2 * vor_blocks_of(domain->n, VOR_LATTICE_BLOCK) / REGIONS_POLLED;
+    vor_status status = vor_lattice_find_regions(&regions, domain, step, run, err);
+
+    memcpy(pitch, regions.pitch, sizeof regions.pitch);
+    vor_free(run->memory, regions.cell);
+    return status;
 }
 
 struct smooth {

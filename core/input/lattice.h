@@ -45,6 +45,44 @@
 VOR_NODISCARD vor_status vor_lattice_find(struct vor_lattice *out, const struct vor_domain *domain,
                                           const struct vor_run *run, struct vor_error *err);
 
+/** Of the spacing: smaller cells leave a point where it is. What there is to gain is then little,
+ * and the cloud's own detail is in the way. */
+#define VOR_CELL_SMALL 0.1
+
+enum { VOR_LATTICE_BLOCK = 256 /**< points of a region with a lattice of its own */ };
+
+/** Lattices of regions: of consecutive points of a domain. */
+struct vor_regions {
+    size_t many, n;    /**< points of a region; regions */
+    double (*cell)[3]; /**< of each; all zero where none is known or was looked for */
+    size_t eligible;   /**< points in regions with a lattice */
+    double widest[3];  /**< cells, of all that were found */
+    double pitch[2];   /**< the narrowest and the widest cells, where these differ along each axis:
+                            along the one where they differ least; else 0 */
+};
+
+/** Looks for the lattices of regions, in pairs of which one begins at every `step`-th, for a domain
+ *  that has none as a whole. One counts where it has cells along each axis, as a codec's has, these
+ *  are not small, and the next region has the same: few points may be on one by chance.
+ *
+ *  @param[out] out  zeroed; out->cell is to be freed, on failure too
+ *
+ *  @retval VOR_E_NOMEM 100 KB and 24 bytes a region do not fit
+ *  @retval VOR_E_CANCELLED, VOR_E_STOPPED  as vor_run_for
+ *
+ *  20 us a region that has none. The same lattices for any number of threads. */
+VOR_NODISCARD vor_status vor_lattice_find_regions(struct vor_regions *out,
+                                                  const struct vor_domain *domain, size_t step,
+                                                  const struct vor_run *run, struct vor_error *err);
+
+/** Sets pitch to that of vor_regions, from few regions. Fails as vor_lattice_find_regions. */
+VOR_NODISCARD vor_status vor_lattice_survey(double pitch[2], const struct vor_domain *domain,
+                                            const struct vor_run *run, struct vor_error *err);
+
+/** Whether a lattice has cells along each axis, and for restoring: whether they are not small. */
+int vor_lattice_is_full(const struct vor_lattice *lattice);
+int vor_lattice_is_wide(const struct vor_lattice *lattice);
+
 /** Moves the points of the domain within their cells and indexes them again.
  *
  *  @param[out] moved  how many points have a new position

@@ -13,7 +13,7 @@
 #include <string.h>
 
 enum {
-    BLOCK = 256, /* points of one task, and of a region with a lattice of its own */
+    BLOCK = VOR_LATTICE_BLOCK, /* points of one task */
     /* Neighbours of the widest fit; the finer ones have half and a quarter. At 90 / 120 bytes saved
      * at equal D2 (tests/by_hand/bench/codec.pl): 18.1 / 18.4 %. */
     WIDE = 6 * VOR_NEIGHBORS_FEWEST,
@@ -21,10 +21,6 @@ enum {
      * 3.5 / 2.7 / 2.0. */
     EACH = WIDE / VOR_NEIGHBORS_FEWEST
 };
-
-/* Cells over spacing, below which no point moves: what there is to gain is then little, and the
- * cloud's own detail is in the way. */
-#define SMALL 0.1
 
 #define NONE UINT32_MAX
 
@@ -37,19 +33,11 @@ struct votes {
     _Atomic int64_t by[3], weight;
 };
 
-/* The lattice of consecutive points of the domain; all zero where none is known. */
-struct region {
-    double cell[3];
-};
-
 struct restore {
     const struct vor_run *run;
     struct vor_domain domain;
     struct vor_cloud *cloud;
-    struct region *region;
-    size_t many;       /* points of a region */
-    size_t eligible;   /* points of the domain in regions with a lattice */
-    double lattice[3]; /* the widest cells found */
+    struct vor_regions regions;
     struct votes *votes;
     uint32_t *place;         /* of each point of the cloud, in the domain */
     _Atomic uint32_t *count; /* of each point of the domain: how many of the cloud are there */
@@ -180,7 +168,7 @@ static void make_fit(struct fit *fit, const struct hood *hood, unsigned k, const
 
 static const double *cell_at(const struct restore *restore, size_t i)
 {
-    return restore->region[i / restore->many].cell;
+    return restore->regions.cell[i / restore->regions.many];
 }
 
 /* Tells the neighbours what a fit says of them. */
@@ -246,71 +234,31 @@ static void vote_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     }
 }
 
-/* Looks for the lattice of `many` points from `at` on. Keeps it where it has cells along each axis,
- * as a codec's has, and these are not small. */
-static vor_status find_lattice(struct restore *restore, size_t at, size_t many,
-                               struct vor_error *err)
-{
-    struct vor_domain piece = restore->domain; /* in the index of all */
-    struct vor_lattice found;
-    vor_status status;
-    double widest;
-
-    piece.n = many;
-    piece.xyz = &restore->domain.xyz[3 * at];
-    status = vor_lattice_find(&found, &piece, restore->run, err);
-    if (status != VOR_OK)
-        return status;
-    widest = fmax(fmax(found.cell[0], found.cell[1]), found.cell[2]);
-    for (int c = 0; c < 3; c++)
-        restore->lattice[c] = fmax(restore->lattice[c], found.cell[c]);
-    if (widest > SMALL * found.spacing && found.cell[0] > 0 && found.cell[1] > 0 &&
-        found.cell[2] > 0) {
-        memcpy(restore->region[at / restore->many].cell, found.cell, sizeof found.cell);
-        restore->eligible += many;
-    }
-    return VOR_OK;
-}
-
-/* Keeps the lattices of regions that one beside them has too: few points may be on one by chance.
- */
-static void keep_shared(struct restore *restore, size_t regions)
-{
-    int before = 0;
-
-    restore->eligible = 0;
-    for (size_t i = 0; i < regions; i++) {
-        double *cell = restore->region[i].cell;
-        int after = i + 1 < regions;
-
-        for (size_t c = 0; c < 3 && after; c++)
-            after = fabs(restore->region[i + 1].cell[c] - cell[c]) <= VOR_ON_LEVEL * cell[c];
-        if (!(cell[0] > 0) || !(before || after))
-            memset(cell, 0, sizeof restore->region[i].cell);
-        else
-            restore->eligible += i + 1 < regions ? BLOCK : restore->domain.n - i * BLOCK;
-        before = after;
-    }
-}
-
 /* Looks for the lattice of all points; if none counts, for those of pieces of their order. */
 static vor_status find_regions(struct restore *restore, struct vor_error *err)
 {
-    size_t n = restore->domain.n, regions = vor_blocks_of(n, BLOCK);
-    vor_status status;
+    struct vor_regions *regions = &restore->regions;
+    const struct vor_domain *domain = &restore->domain;
+    struct vor_lattice found;
+    vor_status status = vor_lattice_find(&found, domain, restore->run, err);
 
-    restore->region = vor_calloc(restore->run->memory, regions, sizeof *restore->region);
-    if (restore->region == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    restore->many = n;
-    status = find_lattice(restore, 0, n, err);
-    if (restore->eligible > 0 || regions == 1)
+    if (status != VOR_OK)
         return status;
-    restore->many = BLOCK;
-    for (size_t at = 0; status == VOR_OK && at < n; at += restore->many)
-        status = find_lattice(restore, at, n - at < restore->many ? n - at : restore->many, err);
-    keep_shared(restore, regions);
-    return status;
+    if (!vor_lattice_is_wide(&found)) {
+        status = vor_lattice_find_regions(regions, domain, 1, restore->run, err);
+        for (int c = 0; c < 3; c++)
+            regions->widest[c] = fmax(regions->widest[c], found.cell[c]);
+        if (vor_lattice_is_full(&found)) /* of all points, though small */
+            regions->pitch[1] = 0;
+        return status;
+    }
+    regions->cell = vor_malloc(restore->run->memory, 1, sizeof *regions->cell);
+    if (regions->cell == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+    memcpy(regions->cell, found.cell, sizeof found.cell);
+    memcpy(regions->widest, found.cell, sizeof found.cell);
+    regions->many = regions->eligible = domain->n;
+    return VOR_OK;
 }
 
 /* Finds the place in the domain of each point of the cloud, and counts: those that coincide share
@@ -394,17 +342,22 @@ vor_status vor_restore_cloud(struct vor_cloud *cloud, struct vor_report *report,
         status = vor_domain_init(&restore.domain, cloud, run, err);
     if (status == VOR_OK)
         status = find_regions(&restore, err);
-    if (status == VOR_OK && restore.eligible > 0)
+    if (status == VOR_OK && restore.regions.eligible > 0)
         status = move(&restore, err);
     if (status == VOR_E_DEGENERATE) /* nothing to fit to */
         status = VOR_OK;
     for (int c = 0; c < 3; c++)
-        report->lattice[c] = restore.lattice[c] * restore.domain.unit;
+        report->lattice[c] = restore.regions.widest[c] * restore.domain.unit;
     report->off_lattice = restore.moved;
-    if (status == VOR_OK && (restore.eligible == 0 || restore.eligible < restore.domain.n))
+    if (restore.regions.pitch[1] > 0)
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_PITCHES,
+                 restore.regions.pitch[1] * restore.domain.unit,
+                 restore.regions.pitch[0] * restore.domain.unit);
+    if (status == VOR_OK &&
+        (restore.regions.eligible == 0 || restore.regions.eligible < restore.domain.n))
         vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOT_RESTORED,
-                 (double)restore.eligible, (double)restore.domain.n);
-    VOR_FREE_ALL(run->memory, restore.count, restore.place, restore.votes, restore.region);
+                 (double)restore.regions.eligible, (double)restore.domain.n);
+    VOR_FREE_ALL(run->memory, restore.count, restore.place, restore.votes, restore.regions.cell);
     vor_domain_free(&restore.domain);
     return status;
 }

@@ -98,6 +98,9 @@ void vor_output_report_input(struct vor_report *report, const struct vor_domain 
     for (int c = 0; c < 3; c++)
         report->lattice[c] = known->lattice.cell[c] * domain->unit;
     report->off_lattice = known->off_lattice;
+    if (known->pitch[1] > 0)
+        vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_PITCHES,
+                 known->pitch[1] * domain->unit, known->pitch[0] * domain->unit);
     if (known->hidden > 0)
         vor_warn(report->warnings, &report->warnings_count, VOR_WARNING_NOISE,
                  VOR_NOISE_PLACES - known->hidden, VOR_NOISE_PLACES - VOR_NOISE_HIDDEN);

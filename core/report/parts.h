@@ -75,7 +75,10 @@ enum vor_oriented {
       "them. In these parts, the result may be farther from the surface than the input")           \
     X(NOT_RESTORED, "lattice",                                                                     \
       "Points were moved only where a grid was found and its cells are not smaller than a tenth "  \
-      "of the spacing. The value counts these places, the threshold all places")
+      "of the spacing. The value counts these places, the threshold all places")                   \
+    X(PITCHES, "lattice",                                                                          \
+      "Parts of the input were rounded to different grids. The value is the width of the largest " \
+      "grid cells, the threshold that of the smallest")
 
 enum vor_warning_kind {
 #define VOR_WARNING_ENUM(id, about, sentence) VOR_WARNING_##id,

@@ -33,15 +33,6 @@ static void end(struct bed *bed)
     vor_cloud_free(&bed->cloud);
 }
 
-static size_t smooth(struct bed *bed)
-{
-    size_t moved = 0;
-
-    vt_assert_ok(
-        vor_lattice_smooth(&bed->domain, &moved, &bed->lattice, &bed->engine.run, &vt_err));
-    return moved;
-}
-
 static double spacing(const struct vt_shape *shape)
 {
     return sqrt(shape->area / N);
@@ -195,6 +186,7 @@ VT_TEST_FIGURES(a_few_strays_and_gaps_do_not_hide_it_and_many_do, VT_FEWER(SEEDS
 VT_TEST_FIGURES(all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS))
 {
     struct bed bed;
+    size_t moved;
 
     vt_cloud_square(&bed.cloud, (uint64_t)_i, N);
     snap_even(&bed.cloud, 0.01);
@@ -203,9 +195,8 @@ VT_TEST_FIGURES(all_points_in_a_plane_leave_one_axis_without, VT_FEWER(SEEDS))
     start(&bed, 2);
     assert_cell(&bed, 0, 0.01);
     assert_cell(&bed, 1, 0.01);
-    ck_assert(bed.lattice.cell[2] == 0);
-    ck_assert(bed.lattice.matters);
-    (void)smooth(&bed);
+    ck_assert(bed.lattice.cell[2] == 0 && bed.lattice.matters);
+    vt_assert_ok(vor_lattice_smooth(&bed.domain, &moved, &bed.lattice, &bed.engine.run, &vt_err));
     for (size_t i = 0; i < bed.domain.n; i++)
         ck_assert((double)bed.domain.xyz[3 * i + 2] * bed.domain.unit + bed.domain.shift[2] == 7);
     end(&bed);
@@ -265,27 +256,35 @@ static void restore(struct vor_cloud *cloud, struct vor_report *report, unsigned
     vt_engine_close(&engine);
 }
 
-/* One lattice, or one on each side of x = 0, of cells of half a spacing to one and a half. */
+/* One lattice, or one on each side of y or z = 0, of cells of half a spacing to one and a half. */
 VT_TEST_FIGURES(restored_points_lie_nearer_each_in_its_cell, VT_FEWER(SEEDS))
 {
     for (int i = 0; i < 4; i++) {
         const struct vt_shape *shape = &vt_shapes[(_i + i) % VT_SMOOTH];
         double wide = (i == 3 ? 1.2 : 0.5 * i + 0.5) * spacing(shape), was2 = 0, is2 = 0;
         struct vor_cloud cloud[4]; /* truth, coded, restored by one thread and by three */
-        struct vor_report report;
+        struct vor_report report, spread;
 
         for (int j = 0; j < 4; j++)
             shape->make(&cloud[j], (uint64_t)_i, N);
         for (size_t j = 0; j < 9 * N; j++) {
-            double x = (double)cloud[0].xyz[j % (3 * N)];
-            double h = wide * (i == 3 && cloud[0].xyz[j % (3 * N) - j % 3] < 0 ? 0.61 : 1);
+            const float *at = &cloud[0].xyz[j % (3 * N) - j % 3];
+            double h = i == 3 && at[shape == &vt_shapes[VT_TORUS] ? 1 : 2] < 0 ? 0.61 * wide : wide;
 
-            cloud[1 + j / (3 * N)].xyz[j % (3 * N)] = (float)(h * rint(x / h));
+            cloud[1 + j / (3 * N)].xyz[j % (3 * N)] = (float)(h * rint((double)at[j % 3] / h));
         }
         restore(&cloud[2], &report, 1);
         restore(&cloud[3], &report, 3);
         ck_assert_mem_eq(cloud[2].xyz, cloud[3].xyz, 3 * N * sizeof(float));
-        ck_assert_uint_eq(report.warnings_count, i == 3);
+        ck_assert_uint_eq(report.warnings_count, i == 3 ? 2 : 0);
+        (void)off_result(shape, &cloud[1], &spread);
+        ck_assert_uint_eq(spread.warnings_count, i == 3);
+        if (i == 3) {
+            ck_assert(report.warnings[0].says == VOR_WARNING_PITCHES &&
+                      spread.warnings[0].says == VOR_WARNING_PITCHES);
+            ck_assert_double_eq_tol(report.warnings[0].value, wide, 1e-4 * wide);
+            ck_assert_double_eq_tol(spread.warnings[0].limit, 0.61 * wide, 1e-4 * wide);
+        }
         ck_assert_uint_gt(report.off_lattice, i == 3 ? N / 3 : N / 2);
         ck_assert_uint_eq(vt_coincident(&cloud[2]), vt_coincident(&cloud[1]));
         for (size_t j = 0; j < 3 * N; j++) {
@@ -317,6 +316,7 @@ VT_TEST_FIGURES(restore_leaves_alone_what_it_cannot_tell, 1)
         ck_assert_uint_eq(vt_cloud_hash(&cloud), was);
         ck_assert_uint_eq(report.off_lattice, 0);
         ck_assert_int_eq(report.warnings[0].says, VOR_WARNING_NOT_RESTORED);
+        ck_assert_uint_eq(report.warnings_count, 1);
         vor_cloud_free(&cloud);
     }
 }
