@@ -30,17 +30,11 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
 
 /* Attempts, in order, until one finds layers: among that share of the nearest points, of which
  * every stride-th is taken so that about that share of WIDE_LEAST is left. The first has enough
- * points of each of two sheets for a fit of its own. With one / two / all five: shell 8.6e-4
- * / 8.6e-4 / 7.4e-4, points off both squares 6 / 0 / 0. */
-static const double attempts[] = {0.67, 1, 0.46, 0.83, 0.56};
-enum { ATTEMPTS = sizeof attempts / sizeof *attempts };
-
-/* Attempts for a list, if there are no layers like those found last. The first / these two / all
- * five find 34.1 / 45.1 / 46.6 thousand of arma2's layers (input/adjacency.h) in 21.9 / 21.6 / 29.5
- * CPU s of one iteration to 480,000; without looking for layers like the last, all five find 46.1
- * thousand in 30.4 s. delta_sheet 0.097 and 0.100 with two and with all. */
-static const unsigned first[] = {0, 2};
-enum { FIRST = sizeof first / sizeof *first, RECENT = VOR_SHEETS_RECENT };
+ * points of each of two sheets for a fit of its own. The second is not tried for a list: the first
+ * / two / five find 34.1 / 45.1 / 46.6 thousand of arma2's layers (input/adjacency.h) in 21.9 /
+ * 21.6 / 29.5 CPU s of one iteration to 480,000. */
+static const double attempts[] = {0.67, 1, 0.46};
+enum { ATTEMPTS = sizeof attempts / sizeof *attempts, RECENT = VOR_SHEETS_RECENT };
 
 static unsigned least(unsigned a, size_t b)
 {
@@ -132,9 +126,9 @@ unsigned vor_sheets_list(uint32_t *list, const struct vor_domain *domain, const 
 
     gather_wide(&wide, domain, x, k);
     attempt = find_like(&layers, recent, &wide);
-    for (unsigned i = 0; i < FIRST && attempt == ATTEMPTS; i++)
-        if (attempt_it(&layers, wide.near, wide.most, first[i]))
-            attempt = first[i];
+    for (unsigned i = 0; i < ATTEMPTS && attempt == ATTEMPTS; i += 2)
+        if (attempt_it(&layers, wide.near, wide.most, i))
+            attempt = i;
     if (attempt == ATTEMPTS)
         return 0;
     recent->layers[recent->next] = layers;
