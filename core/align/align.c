@@ -11,7 +11,7 @@ enum {
     /* Poses that every third sample refines, of those that every fourth sample finds good, and
      * poses that all samples refine. */
     MIDDLING = 16,
-    LAST = 3,
+    LAST = 8,
     FEWEST = 6
 };
 
@@ -31,9 +31,10 @@ enum {
 #define WITHIN_LEAST 0.15
 #define WITHIN_MEDIANS 6.0
 
-/* Where trust is 0.5. By what the score of the runner-up is lower: right poses of halves of office1
- * and scannet have 0.18 to 1, wrong ones of autzen and kitti 0.01 to 0.18 and, where less than a
- * third overlaps, up to 0.33. Median distance of samples to what they lie on, over the roughness of
+/* A rival that overlaps by as much of the best pose's overlap counts whole. */
+#define RIVAL 0.5
+
+/* Where trust is 0.5. Median distance of samples to what they lie on, over the roughness of
  * the rougher cloud: right poses 0.2 to 0.6, also at noise of 0.3 spacings; wrong ones of autzen,
  * kitti and redrocks mostly 0.75 to 4. Conflict: at most 0.23 but for 3 of 20 against 0.25 to 0.5.
  * Firmness: igea and its halves 0.011 and more, spheres, tori and cylinders at most 0.0005. */
@@ -182,7 +183,37 @@ static void narrow(struct align *align)
     align->within = fmax(within, WITHIN_LEAST * gap);
 }
 
-/* Finds the best poses: the first fits, in order. */
+/* How much a pose speaks against the best one, 0 to 1: as far as the clouds agree as well where
+ * they overlap, even if they overlap less. Halves of a body that is nearly its own image when it is
+ * turned lie on each other wholly in a wrong pose, and by half in the right one. */
+static double rival(const struct vor_align_fit *fit, const struct vor_align_fit *best)
+{
+    double overlap = fit->overlap[0] + fit->overlap[1];
+    double most = best->overlap[0] + best->overlap[1];
+
+    if (!(best->agree > 0 && most > 0))
+        return 1;
+    return fmin(1, vor_power(fit->agree / best->agree, 3) * fmin(1, overlap / (RIVAL * most)));
+}
+
+/* Makes the second one the pose that speaks most against the first. */
+static void choose_runner_up(struct align *align)
+{
+    struct vor_align_fit *fit = align->fit;
+    unsigned most = 1;
+
+    for (unsigned i = 2; i < align->count; i++)
+        if (rival(&fit[i], fit) > rival(&fit[most], fit))
+            most = i;
+    if (align->count > 1 && most != 1) {
+        struct vor_align_fit second = fit[1];
+
+        fit[1] = fit[most];
+        fit[most] = second;
+    }
+}
+
+/* Finds the best poses: the first fits, the best one and the runner-up before all others. */
 static vor_status find_poses(struct align *align, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_align_samples *samples = align->samples;
@@ -208,6 +239,7 @@ static vor_status find_poses(struct align *align, const struct vor_run *run, str
     if (status == VOR_OK)
         status = run_step(align, judge, 1, run, err);
     keep_best(align, LAST);
+    choose_runner_up(align);
     return status;
 }
 
@@ -242,8 +274,7 @@ static void set_matrix(double out[16], const struct vor_pose *pose)
 static void set_trust(struct vor_report *report, const struct align *align)
 {
     const struct vor_align_fit *fit = &align->fit[0];
-    double rival = align->count > 1 ? fmax(align->fit[1].score, 0) : 0;
-    double margin = fit->score > 0 ? 1 - rival / fit->score : 0;
+    double margin = 1 - (align->count > 1 ? rival(&align->fit[1], fit) : 0);
     double overlap = fmax(fit->overlap[0], fit->overlap[1]);
     double conflict = report->pose_conflict / CONFLICT;
     double rough = fmax(vor_align_roughness(&align->samples[0]) * fit->pose.scale,

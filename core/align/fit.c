@@ -7,6 +7,7 @@ enum {
     FEW_STEPS = 12,
     STEPS = 30,
     UNKNOWNS = 7, /* turn, shift, scale */
+    AGAINST = 5,  /* the power of what is not in conflict, in a score */
     BINS = 256    /* of a histogram */
 };
 
@@ -379,7 +380,7 @@ static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *
 
 void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *of, double within)
 {
-    double score = 0;
+    double score = 0, agree = 0;
     struct vor_align_fit back = *fit;
     struct side side[2];
 
@@ -392,9 +393,11 @@ void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *o
 
         fit->overlap[k] = (double)side[k].on / n;
         fit->conflict[k] = seen > 0 ? (double)side[k].conflict / seen : 1;
-        score += side[k].sum / n / 2 * (1 - fit->conflict[k]);
+        agree += seen > 0 ? side[k].sum / seen / 2 : 0;
+        score += side[k].sum / n / 2 * vor_power(1 - fit->conflict[k], AGAINST);
     }
     fit->score = score;
+    fit->agree = agree;
     fit->rms = side[0].on > 0 ? sqrt(side[0].sum2 / (double)side[0].on) : 0;
     fit->median = ranked(&side[0].off, side[0].off.all / 2.0);
     fit->slide = fit->turn = fit->grow = 0;

@@ -23,6 +23,7 @@ struct vor_align_fit {
     struct vor_pose pose;
     int flip;
     double score;             /**< share of both clouds' samples that lie on the other one */
+    double agree;             /**< how well those lie on it that are near it, 0 to 1 */
     double overlap[2];        /**< of the cloud's, of the reference's */
     double conflict[2];       /**< share of those that are near the other cloud, but not on it */
     double rms;               /**< distance of the cloud's samples to the planes that they lie on */

@@ -304,10 +304,10 @@ struct vor_runner_up {
     X(DOUBT, pose_doubt, "registration.reason", "",                                                \
       "Why trust is below 0.5, or none if trust is 0.5 or more. free-slide: the cloud can slide "  \
       "along the direction in the member `axis` and fits equally well; free-turn: it can turn "    \
-      "about this axis; free-scale: it fits equally well at another scale; another-pose: the "     \
-      "pose in runner_up fits nearly as well; conflict: overlapping parts differ; "                \
-      "little-overlap: too little of the clouds overlaps; imprecise: parts of the points "         \
-      "lead to other poses than all of them, as there are too few or too sparse ones")             \
+      "about this axis; free-scale: it fits equally well at another scale; another-pose: where "   \
+      "the clouds overlap, the pose in runner_up fits nearly as well; conflict: overlapping "      \
+      "parts differ; little-overlap: too little of the clouds overlaps; imprecise: parts of the "  \
+      "points lead to other poses than all of them, as there are too few or too sparse ones")      \
     X(AXIS, pose_axis, "registration.axis", "",                                                    \
       "Direction in which the cloud can slide, or axis about which it can turn: a unit vector "    \
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
@@ -317,7 +317,8 @@ struct vor_runner_up {
       "lies on the reference and the share of the reference's surface that lies on the cloud. "    \
       "It is reduced if parts of the surfaces are far from each other or contradict each other")   \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
-      "The second best pose that was found; all members are 0 if there is no such pose")
+      "Of the other poses that were found, the one that casts most doubt on this pose; all "       \
+      "members are 0 if there is no such pose")
 
 /** How even the points of a simple method are, and how far from the input. */
 #define VOR_BASELINE_TABLE(X)                                                                      \

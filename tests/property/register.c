@@ -13,7 +13,9 @@ enum { CLOUD = 3000, REFERENCE = 9000 };
 static const double bump[4][4] = {
     {1, 0, 0, 0.5}, {0, 0.8, 0.6, 0.35}, {-0.6, 0, 0.8, -0.25}, {0, -0.8, -0.6, 0.6}};
 
-enum shape { BUMPS, SPHERE, PLANE, CYLINDER, ELLIPSOID };
+static const struct vor_pose still = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .scale = 1};
+
+enum shape { BUMPS, SPHERE, PLANE, CYLINDER, ELLIPSOID, TWINS };
 
 /* A random place of a shape. */
 static void place(double x[3], enum shape shape, uint64_t seed, uint64_t i)
@@ -35,17 +37,19 @@ static void place(double x[3], enum shape shape, uint64_t seed, uint64_t i)
     for (int c = 0; c < 3 && shape == ELLIPSOID; c++)
         x[c] *= 1 - 0.25 * c;
     length = 1;
-    for (int k = 0; k < 4 && shape == BUMPS; k++) {
+    for (int k = 0; k < 4 && (shape == BUMPS || shape == TWINS); k++) {
         double along = fmax(vor_dot(x, bump[k]), 0);
 
+        if (shape == TWINS)
+            along = fmax(along, x[2] * bump[k][2] - x[0] * bump[k][0] - x[1] * bump[k][1]);
         length += bump[k][3] * along * along * along;
     }
     for (int c = 0; c < 3; c++)
         x[c] *= length;
 }
 
-/* Makes n points, those on one side of a plane if `half`, moved by the pose. Normals lead from the
- * middle. */
+/* Makes n points, those below `half` tenths if > 0, above if < 0, moved by the pose. Normals lead
+ * from the middle. */
 static void make(struct vor_cloud *cloud, enum shape shape, size_t n, uint64_t seed, int half,
                  const struct vor_pose *pose)
 {
@@ -60,7 +64,7 @@ static void make(struct vor_cloud *cloud, enum shape shape, size_t n, uint64_t s
 
         do
             place(x, shape, seed, next++);
-        while (half && x[seed % 3] > 0.1);
+        while (half && x[seed % 3] * half > 0.1 * half * half);
         vor_pose_move(pose, x, moved);
         vor_to_floats(&cloud->xyz[3 * i], moved);
         vor_pose_turn(pose, x, moved);
@@ -116,8 +120,6 @@ static vor_status put(struct vor_cloud *out, struct vor_report *report,
  * the size. With scale=free the reference is whole, too. */
 VT_TEST_FIGURES(a_known_pose_is_found, VT_FEWER(4))
 {
-    static const struct vor_pose still = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .scale = 1};
-
     for (int half = 0; half < 2; half++) {
         struct vor_pose pose = a_pose((uint64_t)_i, half ? 1 : 3.7);
         struct vor_cloud cloud, truth, reference, one, three;
@@ -148,21 +150,20 @@ VT_TEST_FIGURES(a_known_pose_is_found, VT_FEWER(4))
     }
 }
 
-/* Found: 0.05, 0, 0, 0.01 of trust. */
-VT_TEST_FIGURES(a_shape_that_fits_itself_in_many_ways_is_not_trusted, 4)
+/* The last one's parts lie wholly on each other, turned. Found: 0.05, 0, 0, 0.01, 0.33 of trust. */
+VT_TEST_FIGURES(a_shape_that_fits_itself_in_many_ways_is_not_trusted, 5)
 {
-    static const enum vor_doubt doubt[] = {
-        [SPHERE] = VOR_DOUBT_TURN, VOR_DOUBT_SLIDE, VOR_DOUBT_SLIDE, VOR_DOUBT_POSE};
     enum shape shape = SPHERE + (enum shape)_i;
+    enum vor_doubt free = shape == SPHERE ? VOR_DOUBT_TURN : VOR_DOUBT_SLIDE;
     struct vor_pose pose = a_pose(3, 1);
     struct vor_cloud cloud, reference, out;
     struct vor_report report;
 
-    make(&cloud, shape, CLOUD, 1, 0, &pose);
-    make(&reference, shape, REFERENCE, 2, 0, &pose);
+    make(&cloud, shape, CLOUD, 1, shape == TWINS ? 6 : 0, &pose);
+    make(&reference, shape, REFERENCE, 4, shape == TWINS ? -6 : 0, &pose);
     vt_assert_ok(put(&out, &report, &cloud, &reference, "free", 2));
-    ck_assert_double_lt(report.pose_trust, 0.2);
-    ck_assert_int_eq(report.pose_doubt, doubt[shape]);
+    ck_assert_double_lt(report.pose_trust, shape == TWINS ? 0.5 : 0.2);
+    ck_assert_int_eq(report.pose_doubt, shape < ELLIPSOID ? free : VOR_DOUBT_POSE);
     ck_assert_double_eq_tol(vor_dot(report.pose_axis, report.pose_axis),
                             report.pose_doubt == VOR_DOUBT_POSE ? 0 : 1, 1e-9);
     if (shape == CYLINDER)
@@ -191,18 +192,17 @@ VT_TEST(a_cloud_that_lies_loosely_is_not_trusted)
     vt_free_last(&cloud, &reference);
 }
 
-/* Parts of which each has 80 samples lie on each other in wrong poses, too, that nothing else
- * speaks against. Found: 2.3 and more off, 0.04 of trust and less. */
+/* Parts of which each has 113 samples lie on each other in wrong poses, too, that nothing else
+ * speaks against. Found: 0.03 to 0.2 off, 0.06 of trust and less. */
 VT_TEST_FIGURES(where_parts_of_the_points_lead_elsewhere_nothing_is_trusted, 4)
 {
-    static const uint64_t seeds[] = {4, 8, 9, 11};
+    static const uint64_t seeds[] = {16, 18, 28, 35};
     struct vor_pose pose = a_pose(seeds[_i], 1);
-    struct vor_pose still = {.turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .scale = 1};
     struct vor_cloud cloud, reference, out;
     struct vor_report report;
 
-    make(&cloud, BUMPS, 240, 10 + 3 * seeds[_i], 1, &pose);
-    make(&reference, BUMPS, 240, 92 + 3 * seeds[_i], 1, &still);
+    make(&cloud, BUMPS, 340, 10 + 3 * seeds[_i], 1, &pose);
+    make(&reference, BUMPS, 340, 92 + 3 * seeds[_i], 1, &still);
     vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
     ck_assert_double_lt(report.pose_trust, 0.2);
     ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_IMPRECISE);
