@@ -181,8 +181,6 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         .faults_max = FAULTS_MAX,
         .keep = (uint64_t)config->number[VOR_SET_KEEP_INPUTS],
         .results = results_bytes(daemon),
-        .lost_seconds = config->number[VOR_SET_LOST_TTL],
-        .lost_bytes = (uint64_t)config->number[VOR_SET_LOST_BYTES],
         .failed = fail,
         .failed_ctx = daemon,
     };

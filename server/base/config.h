@@ -90,12 +90,6 @@
       "Largest total size of results that are kept. If the total exceeds this size, results of "   \
       "the jobs that ended first are deleted first. 0: half the size of the disk that holds the "  \
       "folder --blobs")                                                                            \
-    X(LOST_TTL, "lost-ttl", TIME, "seconds", 0, 31536000, "604800",                                \
-      "Time after which files in the folder lost/ of --blobs are deleted. If a damaged --store "   \
-      "has lost jobs, their files are moved to this folder")                                       \
-    X(LOST_BYTES, "lost-bytes", BYTES, "bytes", 0, 1e15, "1G",                                     \
-      "Largest total size of the files in lost/, a subfolder of the folder in --blobs. If the "    \
-      "total exceeds this size, the oldest files are deleted first")                               \
     X(DISK_RESERVE, "disk-reserve", BYTES, "bytes", 0, 1e15, "16M",                                \
       "Size of the reserve file, which keeps disk space free in the folder of the job store. "     \
       "When the disk is full, the daemon gives this space up, so that jobs can still be "          \

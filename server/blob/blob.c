@@ -573,17 +573,3 @@ vor_status vor_blobs_claim(struct vor_blobs *blobs, const char *store, int is_jo
                                 "--blobs must be the folder that they all share");
     return store[0] != '\0' ? note_store(blobs, etag, err) : VOR_OK;
 }
-
-vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
-                              struct vor_error *err)
-{
-    char file[VOR_BLOB_FILE_SIZE];
-
-    return blobs->driver->set_aside(blobs, file_of(id, name, file), err);
-}
-
-vor_status vor_blobs_trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
-                               struct vor_error *err)
-{
-    return blobs->driver->trim_lost(blobs, bounds, err);
-}

@@ -280,20 +280,6 @@ VOR_NODISCARD vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor
 VOR_NODISCARD vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id,
                                        const char *name, struct vor_error *err);
 
-/** Takes a blob whose job is not known any more out of the way without dropping it: for people to
- *  look at, as file ID.NAME in the folder "lost" of the driver "dir".
- *
- *  @retval VOR_E_IO */
-VOR_NODISCARD vor_status vor_blob_set_aside(struct vor_blobs *blobs, const struct vor_uuid *id,
-                                            const char *name, struct vor_error *err);
-
-/** Drops what was set aside too long ago, and the oldest of what is too much.
- *
- *  @retval VOR_E_IO, VOR_E_NOMEM */
-VOR_NODISCARD vor_status vor_blobs_trim_lost(struct vor_blobs *blobs,
-                                             const struct vor_lost_bounds *bounds,
-                                             struct vor_error *err);
-
 /** Calls each for every blob that there is, in any order; each must not call the blobs.
  *
  *  @retval VOR_E_IO the blobs cannot be listed */

@@ -1,7 +1,6 @@
 #include "server/blob/dir.h"
 
 #include "server/base/disk.h"
-#include "server/blob/aged.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -395,100 +394,6 @@ static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_err
     return VOR_OK;
 }
 
-/* --- lost files -------------------------------------------------------------------------------
- *
- * Bytes whose jobs are not known any more, because the table of jobs was damaged, are kept in a
- * folder beside the others for people to look at, for some time and up to some size. */
-
-/* Opens the folder; -1 and an errno when it cannot be, or is missing and shall not be made. */
-static int open_lost(const struct vor_blob_directory *directory, int make)
-{
-    if (make && mkdirat(directory->parent, "lost", 0700) != 0 && errno != EEXIST)
-        return -1;
-    return openat(directory->parent, "lost", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-}
-
-static vor_status set_aside(struct vor_blobs *blobs, const char *file, struct vor_error *err)
-{
-    struct vor_blob_directory *directory = (struct vor_blob_directory *)blobs;
-    uint64_t size = size_of(directory, file);
-    int lost = open_lost(directory, 1);
-    vor_status status = VOR_OK;
-
-    if (lost < 0)
-        return vor_fail_errno(err, errno, "the folder blobs/lost");
-    if (renameat(directory->keep, file, lost, file) != 0)
-        status = vor_fail_errno(err, errno, file);
-    else
-        (void)utimensat(lost, file, NULL, 0); /* else it counts from when it was written */
-    close(lost);
-    if (status == VOR_OK)
-        count_less(blobs, size);
-    return status;
-}
-
-static void note(struct vor_aged *list, int folder, const char *file)
-{
-    struct stat info;
-
-    if (fstatat(folder, file, &info, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(info.st_mode))
-        vor_aged_add(list, file, (uint64_t)info.st_size,
-                     (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000);
-}
-
-static void shift_date(int folder, const struct vor_aged_file *lost, int64_t shift_ms)
-{
-    int64_t now = lost->since_ms + shift_ms;
-    const struct timespec times[2] = {{.tv_nsec = UTIME_OMIT},
-                                      {.tv_sec = now / 1000, .tv_nsec = now % 1000 * 1000000}};
-
-    (void)utimensat(folder, lost->name, times, 0);
-}
-
-static void trim(int folder, const struct vor_aged *list, const struct vor_lost_bounds *bounds)
-{
-    uint64_t bytes = 0;
-
-    for (size_t i = 0; i < list->count; i++) {
-        const struct vor_aged_file *lost = &list->item[i];
-
-        bytes += lost->size;
-        if (lost->since_ms < bounds->oldest_ms || bytes > bounds->bytes)
-            (void)unlinkat(folder, lost->name, 0);
-        else if (bounds->shift_ms != 0)
-            shift_date(folder, lost, bounds->shift_ms);
-    }
-}
-
-static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
-                            struct vor_error *err)
-{
-    int folder = open_lost((struct vor_blob_directory *)blobs, 0);
-    DIR *stream = folder >= 0 ? fdopendir(folder) : NULL;
-    struct vor_aged list = {0};
-    struct dirent *entry;
-    int is_short;
-
-    if (stream == NULL) {
-        int number = errno;
-
-        if (folder >= 0)
-            close(folder);
-        return number == ENOENT ? VOR_OK : vor_fail_errno(err, number, "the folder blobs/lost");
-    }
-    while ((entry = readdir(stream)) != NULL)
-        note(&list, folder, entry->d_name);
-    vor_aged_sort(&list);
-    is_short = list.is_short;
-    if (!is_short)
-        trim(folder, &list, bounds);
-    vor_aged_free(&list);
-    closedir(stream);
-    return is_short ? vor_fail(err, VOR_E_NOMEM, "the list of lost files") : VOR_OK;
-}
-
-/* ---------------------------------------------------------------------------------------------- */
-
 static vor_status list(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err)
 {
@@ -507,7 +412,5 @@ const struct vor_blob_driver vor_blob_dir = {
     .discard = discard,
     .get = get,
     .drop = drop,
-    .set_aside = set_aside,
-    .trim_lost = trim_lost,
     .list = list,
 };

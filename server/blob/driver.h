@@ -37,13 +37,6 @@ struct vor_blob_source {
     char sha256[VOR_DIGEST_SIZE];
 };
 
-/** What of the lost bytes is kept (vor_blobs_trim_lost). */
-struct vor_lost_bounds {
-    int64_t oldest_ms; /**< wall clock: dropped when set aside before */
-    uint64_t bytes;    /**< in all; the oldest go first */
-    int64_t shift_ms;  /**< the wall clock moved by that: the dates of what is left follow */
-};
-
 /** Who waits for a commit; all may be NULL. */
 struct vor_blob_patience {
     /** Lets time pass while the blobs are away: true when it is to be tried again. NULL: it is not.
@@ -140,9 +133,6 @@ struct vor_blob_driver {
                        const struct vor_blob_reading *reading, struct vor_text *out,
                        struct vor_error *err);
     vor_status (*drop)(struct vor_blobs *blobs, const char *file, struct vor_error *err);
-    vor_status (*set_aside)(struct vor_blobs *blobs, const char *file, struct vor_error *err);
-    vor_status (*trim_lost)(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
-                            struct vor_error *err);
     vor_status (*list)(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err);
 };

@@ -46,12 +46,6 @@ struct vor_object_reader {
     void *ctx;
 };
 
-struct vor_object {
-    const char *key; /**< behind what was listed */
-    uint64_t size;
-    int64_t modified_ms; /**< since 1970 */
-};
-
 struct vor_objects_kind {
     const char *scheme; /**< for the metrics */
     /** Asks nobody. */
@@ -64,15 +58,12 @@ struct vor_objects_kind {
     vor_status (*get)(struct vor_objects *objects, const char *key,
                       const struct vor_object_reader *reader, uint64_t *size, int *found,
                       struct vor_error *err);
-    vor_status (*move)(struct vor_objects *objects, const char *from, const char *to,
-                       struct vor_error *err);
     /** It is no error when there is none. */
     vor_status (*remove)(struct vor_objects *objects, const char *key, struct vor_error *err);
-    /** Calls each for every object whose key begins so, in the order of keys. each may call these
-     *  functions. */
+    /** Calls each for every object whose key begins so, in the order of keys, with the rest of its
+     *  key. each may call these functions. */
     vor_status (*list)(struct vor_objects *objects, const char *begin,
-                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
-                       struct vor_error *err);
+                       void (*each)(void *ctx, const char *key), void *ctx, struct vor_error *err);
     /** Asks whether they are there: once, and soon over. */
     vor_status (*probe)(struct vor_objects *objects, struct vor_error *err);
     /** As vor_blob_link, for the bucket at `base`; or NULL. */

@@ -281,26 +281,6 @@ static vor_status put(struct vor_objects *objects, const char *key,
     return finish(&call, put_once, err);
 }
 
-static vor_status move_once(struct call *call, struct vor_error *err)
-{
-    vor_status status = ask(call, NULL, 0, err, "BEGIN");
-
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->to);
-    if (status == VOR_OK)
-        status = ask(call, NULL, 0, err,
-                     "UPDATE voronoid_file SET key = '%s', modified = " NOW_MS " WHERE key = '%s'",
-                     call->to, call->key);
-    return status == VOR_OK ? ask(call, NULL, 0, err, "COMMIT") : status;
-}
-
-static vor_status move(struct vor_objects *objects, const char *from, const char *to,
-                       struct vor_error *err)
-{
-    struct call call = {.db = of(objects), .verb = "move", .key = from, .to = to};
-    return finish(&call, move_once, err);
-}
-
 static vor_status remove_once(struct call *call, struct vor_error *err)
 {
     return ask(call, NULL, 0, err, "DELETE FROM voronoid_file WHERE key = '%s'", call->key);
@@ -370,14 +350,13 @@ static vor_status get(struct vor_objects *objects, const char *key,
 static vor_status list_once(struct call *call, struct vor_error *err)
 {
     return ask(call, NULL, 0, err,
-               "SELECT key, size::text, modified::text FROM voronoid_file WHERE key > '%s'"
+               "SELECT key FROM voronoid_file WHERE key > '%s'"
                " AND key < '%s~' ORDER BY key LIMIT %d",
                call->key, call->to, PAGE);
 }
 
 static vor_status list(struct vor_objects *objects, const char *begin,
-                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
-                       struct vor_error *err)
+                       void (*each)(void *ctx, const char *key), void *ctx, struct vor_error *err)
 {
     char last[VOR_OBJECT_KEY_MAX + 1];
     struct call call = {.db = of(objects), .verb = "list", .key = last, .to = begin};
@@ -391,13 +370,9 @@ static vor_status list(struct vor_objects *objects, const char *begin,
         rows = status == VOR_OK ? pg->ntuples(call.result) : 0;
         for (int i = 0; i < rows; i++) {
             const char *key = pg->getvalue(call.result, i, 0);
-            struct vor_object object = {.key = key + strlen(begin),
-                                        .size = strtoull(pg->getvalue(call.result, i, 1), NULL, 10),
-                                        .modified_ms =
-                                            strtoll(pg->getvalue(call.result, i, 2), NULL, 10)};
 
             (void)snprintf(last, sizeof last, "%s", key);
-            each(ctx, &object);
+            each(ctx, key + strlen(begin));
         }
     }
     clear(&call);
@@ -482,7 +457,6 @@ const struct vor_objects_kind vor_postgres_objects = {
     .close = close_database,
     .put = put,
     .get = get,
-    .move = move,
     .remove = remove_one,
     .list = list,
     .probe = probe,

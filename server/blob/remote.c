@@ -1,7 +1,6 @@
 #include "server/blob/remote.h"
 
 #include "server/base/disk.h"
-#include "server/blob/aged.h"
 #include "server/blob/dir.h"
 #include "server/blob/drops.h"
 #include "server/blob/pieces.h"
@@ -18,7 +17,6 @@
 #include <unistd.h>
 
 #define KEEP "keep/"
-#define LOST "lost/"
 #define PIECES "piece/" /* of those in KEEP */
 
 struct remote {
@@ -113,19 +111,51 @@ static struct vor_objects *objects_of(struct vor_blobs *blobs)
 
 /* --- copies ----------------------------------------------------------------------------------- */
 
-struct copies {
-    struct remote *remote;
-    struct vor_aged files;
+struct copy {
+    char name[VOR_BLOB_FILE_SIZE];
+    uint64_t size;
+    struct timespec since;
 };
 
+struct copies {
+    struct remote *remote;
+    struct copy *copy;
+    size_t count, capacity;
+};
+
+/* One that there is no memory for is not looked at: some may do. */
 static void note_copy(void *ctx, const char *file)
 {
     struct copies *copies = ctx;
+    struct copy *copy;
     struct stat info;
 
-    if (fstatat(copies->remote->copies.keep, file, &info, 0) == 0)
-        vor_aged_add(&copies->files, file, (uint64_t)info.st_size,
-                     (int64_t)info.st_mtim.tv_sec * 1000 + info.st_mtim.tv_nsec / 1000000);
+    if (fstatat(copies->remote->copies.keep, file, &info, 0) != 0)
+        return;
+    if (copies->count == copies->capacity) {
+        size_t capacity = copies->capacity > 0 ? 2 * copies->capacity : 64;
+
+        copy = realloc(copies->copy, capacity * sizeof *copy);
+        if (copy == NULL)
+            return;
+        copies->copy = copy;
+        copies->capacity = capacity;
+    }
+    copy = &copies->copy[copies->count++];
+    (void)snprintf(copy->name, sizeof copy->name, "%s", file);
+    copy->size = (uint64_t)info.st_size;
+    copy->since = info.st_mtim;
+}
+
+static int oldest_first(const void *a, const void *b)
+{
+    const struct copy *x = a, *y = b;
+
+    if (x->since.tv_sec != y->since.tv_sec)
+        return x->since.tv_sec < y->since.tv_sec ? -1 : 1;
+    if (x->since.tv_nsec != y->since.tv_nsec)
+        return x->since.tv_nsec < y->since.tv_nsec ? -1 : 1;
+    return strcmp(x->name, y->name);
 }
 
 /* Removes the oldest copies once there are more than there may be, down to three quarters, but
@@ -137,13 +167,14 @@ static void trim_copies(struct remote *remote, const char *file)
 
     if (blobs->bytes <= remote->copies_max || pthread_mutex_trylock(&remote->trimming) != 0)
         return;
-    (void)vor_blob_dir.list(blobs, note_copy, &copies, NULL); /* some may do */
-    vor_aged_sort(&copies.files);
-    for (size_t i = copies.files.count; i > 0 && blobs->bytes > remote->copies_max / 4 * 3; i--)
-        if (strcmp(copies.files.item[i - 1].name, file) != 0 &&
-            unlinkat(remote->copies.keep, copies.files.item[i - 1].name, 0) == 0)
-            blobs->bytes -= copies.files.item[i - 1].size;
-    vor_aged_free(&copies.files);
+    (void)vor_blob_dir.list(blobs, note_copy, &copies, NULL);
+    if (copies.count > 0)
+        qsort(copies.copy, copies.count, sizeof *copies.copy, oldest_first);
+    for (size_t i = 0; i < copies.count && blobs->bytes > remote->copies_max / 4 * 3; i++)
+        if (strcmp(copies.copy[i].name, file) != 0 &&
+            unlinkat(remote->copies.keep, copies.copy[i].name, 0) == 0)
+            blobs->bytes -= copies.copy[i].size;
+    free(copies.copy);
     pthread_mutex_unlock(&remote->trimming);
 }
 
@@ -397,64 +428,10 @@ static vor_status drop(struct vor_blobs *blobs, const char *file, struct vor_err
     return status == VOR_OK ? vor_blob_dir.drop(blobs, file, err) : status;
 }
 
-static vor_status set_aside(struct vor_blobs *blobs, const char *file, struct vor_error *err)
-{
-    const struct vor_objects_kind *kind = objects_of(blobs)->kind;
-    char from[VOR_OBJECT_KEY_MAX + 1], to[VOR_OBJECT_KEY_MAX + 1];
-    vor_status status = kind->remove(objects_of(blobs), key_of(from, PIECES, file), err);
-
-    if (status == VOR_OK)
-        status =
-            kind->move(objects_of(blobs), key_of(from, KEEP, file), key_of(to, LOST, file), err);
-    return status == VOR_OK ? vor_blob_dir.drop(blobs, file, err) : status;
-}
-
-static void note_lost(void *ctx, const struct vor_object *object)
-{
-    vor_aged_add(ctx, object->key, object->size, object->modified_ms);
-}
-
-static vor_status trim_lost(struct vor_blobs *blobs, const struct vor_lost_bounds *bounds,
-                            struct vor_error *err)
-{
-    struct vor_objects *objects = objects_of(blobs);
-    struct vor_aged list = {0};
-    vor_status status = objects->kind->list(objects, LOST, note_lost, &list, err);
-    uint64_t bytes = 0;
-
-    if (status == VOR_OK && list.is_short)
-        status = vor_fail(err, VOR_E_NOMEM, "the list of lost files");
-    vor_aged_sort(&list);
-    for (size_t i = 0; status == VOR_OK && i < list.count; i++) {
-        char key[VOR_OBJECT_KEY_MAX + 1];
-
-        bytes += list.item[i].size;
-        (void)snprintf(key, sizeof key, LOST "%.*s", VOR_OBJECT_KEY_MAX - 5, list.item[i].name);
-        if (list.item[i].since_ms < bounds->oldest_ms || bytes > bounds->bytes)
-            status = objects->kind->remove(objects, key, err);
-    }
-    vor_aged_free(&list);
-    return status;
-}
-
-struct listing {
-    void (*each)(void *ctx, const char *file);
-    void *ctx;
-};
-
-static void list_one(void *ctx, const struct vor_object *object)
-{
-    const struct listing *listing = ctx;
-
-    listing->each(listing->ctx, object->key);
-}
-
 static vor_status list(struct vor_blobs *blobs, void (*each)(void *ctx, const char *file),
                        void *ctx, struct vor_error *err)
 {
-    struct listing listing = {each, ctx};
-
-    return objects_of(blobs)->kind->list(objects_of(blobs), KEEP, list_one, &listing, err);
+    return objects_of(blobs)->kind->list(objects_of(blobs), KEEP, each, ctx, err);
 }
 
 static vor_status reach(struct vor_blobs *blobs, struct vor_error *err)
@@ -488,7 +465,7 @@ static void discard(struct vor_blob_writer *writer)
 #define REMOTE                                                                                     \
     .close = close_blobs, .space = space, .create = create, .reopen = reopen, .commit = commit,    \
     .discard = discard, .get = get, .bring = bring, .is_near = is_near, .reach = reach,            \
-    .hurry = hurry, .drop = drop, .set_aside = set_aside, .trim_lost = trim_lost, .list = list
+    .hurry = hurry, .drop = drop, .list = list
 
 const struct vor_blob_driver vor_blob_s3 = {.scheme = "s3",
                                             .place = "https://HOST/BUCKET/PREFIX",

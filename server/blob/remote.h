@@ -1,6 +1,5 @@
-/** Blobs as objects on another machine: keep/ID.NAME, the digests of its pieces piece/ID.NAME, and
- *  what was set aside lost/ID.NAME. A folder of this process has the files under way and copies of
- * what was written or read recently.
+/** Blobs as objects on another machine: keep/ID.NAME, and the digests of its pieces piece/ID.NAME.
+ * A folder of this process has the files under way and copies of what was written or read recently.
  *
  *  A commit is durable once the other machine has answered. */
 #ifndef VOR_SERVER_BLOB_REMOTE_H

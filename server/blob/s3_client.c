@@ -222,25 +222,6 @@ static vor_status remove_one(struct vor_objects *objects, const char *key, struc
     return ask(&call, key, &found, err);
 }
 
-static vor_status move(struct vor_objects *objects, const char *from, const char *to,
-                       struct vor_error *err)
-{
-    char source[PATH_SIZE + 32];
-    struct vor_s3_call call = {.s3 = of(objects),
-                               .verb = "copy",
-                               .method = "PUT",
-                               .is_put = 1,
-                               .fd = -1,
-                               .ends = "</CopyObjectResult>",
-                               .header = {UNSIGNED, source}};
-    vor_status status;
-
-    (void)snprintf(source, sizeof source, "x-amz-copy-source: /%s/%s%.*s", call.s3->name,
-                   call.s3->prefix, VOR_OBJECT_KEY_MAX, from);
-    status = ask(&call, to, NULL, err);
-    return status == VOR_OK ? remove_one(objects, from, err) : status;
-}
-
 static vor_status get(struct vor_objects *objects, const char *key,
                       const struct vor_object_reader *reader, uint64_t *size, int *found,
                       struct vor_error *err)
@@ -299,38 +280,18 @@ static vor_status link_to(struct vor_objects *objects, const char *base, const c
     return vor_text_status(out, err);
 }
 
-/* The time of "2026-11-27T04:58:22.000Z"; 0 when it is none. */
-static int64_t read_time(const char *text)
-{
-    struct tm tm = {0};
-
-    if (sscanf(text, "%4d-%2d-%2dT%2d:%2d:%2d", &tm.tm_year, &tm.tm_mon, &tm.tm_mday, &tm.tm_hour,
-               &tm.tm_min, &tm.tm_sec) != 6)
-        return 0;
-    tm.tm_year -= 1900;
-    tm.tm_mon -= 1;
-    return (int64_t)timegm(&tm) * 1000;
-}
-
 /* Calls each for the objects of one answer. */
-static void read_page(const char *xml, size_t hidden,
-                      void (*each)(void *ctx, const struct vor_object *object), void *ctx)
+static void read_page(const char *xml, size_t hidden, void (*each)(void *ctx, const char *key),
+                      void *ctx)
 {
     static const char begin[] = "<Contents>";
-    char key[PATH_SIZE], text[64];
+    char key[PATH_SIZE];
 
     for (const char *at = xml; (at = strstr(at, begin)) != NULL; at += sizeof begin - 1) {
-        struct vor_object object = {.key = key + hidden};
-
         vor_s3_element(at, "Key", key, sizeof key);
-        if (strlen(key) < hidden || strlen(object.key) > VOR_OBJECT_KEY_MAX ||
-            strspn(object.key, PLAIN) != strlen(object.key))
-            continue;
-        vor_s3_element(at, "Size", text, sizeof text);
-        object.size = strtoull(text, NULL, 10);
-        vor_s3_element(at, "LastModified", text, sizeof text);
-        object.modified_ms = read_time(text);
-        each(ctx, &object);
+        if (strlen(key) >= hidden && strlen(key + hidden) <= VOR_OBJECT_KEY_MAX &&
+            strspn(key + hidden, PLAIN) == strlen(key + hidden))
+            each(ctx, key + hidden);
     }
 }
 
@@ -368,8 +329,7 @@ static vor_status list_page(struct vor_s3_call *call, const char *prefix,
 }
 
 static vor_status list(struct vor_s3_call *call, const char *begin,
-                       void (*each)(void *ctx, const struct vor_object *object), void *ctx,
-                       struct vor_error *err)
+                       void (*each)(void *ctx, const char *key), void *ctx, struct vor_error *err)
 {
     char prefix[PATH_SIZE], token[VOR_S3_URL_SIZE] = "";
     vor_status status = VOR_OK;
@@ -389,7 +349,7 @@ static vor_status list(struct vor_s3_call *call, const char *begin,
     .verb = "list", .method = "GET", .fd = -1, .ends = "</ListBucketResult>", .header = {UNSIGNED}
 
 static vor_status list_all(struct vor_objects *objects, const char *begin,
-                           void (*each)(void *ctx, const struct vor_object *object), void *ctx,
+                           void (*each)(void *ctx, const char *key), void *ctx,
                            struct vor_error *err)
 {
     struct vor_s3_call call = {.s3 = of(objects), LIST_CALL};
@@ -397,7 +357,7 @@ static vor_status list_all(struct vor_objects *objects, const char *begin,
     return list(&call, begin, each, ctx, err);
 }
 
-static void ignore(VOR_UNUSED void *ctx, VOR_UNUSED const struct vor_object *object)
+static void ignore(VOR_UNUSED void *ctx, VOR_UNUSED const char *key)
 {
 }
 
@@ -414,7 +374,6 @@ const struct vor_objects_kind vor_s3_objects = {
     .close = close_s3,
     .put = put,
     .get = get,
-    .move = move,
     .remove = remove_one,
     .list = list_all,
     .probe = probe,

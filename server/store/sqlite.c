@@ -3,7 +3,6 @@
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/store/sql_verbs.h"
-#include "server/store/sqlite_wal.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -317,7 +316,6 @@ static vor_status open_file(struct sqlite *db, const char *path, long *holder,
         status = vor_storage_lock(&db->lock, name, holder, err);
     if (status != VOR_OK)
         return status;
-    db->base.base.is_damaged = vor_sqlite_wal_is_damaged(path);
     status = connect(db, &db->writer, path, PRAGMAS_OF_WRITER, err);
     for (int i = 0; i < VOR_SQL_READERS && status == VOR_OK; i++)
         status = connect(db, &db->reader[i], path, "PRAGMA query_only=ON;", err);

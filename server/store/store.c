@@ -124,8 +124,3 @@ vor_status vor_store_check_reserve(struct vor_store *store, struct vor_error *er
 {
     return vor_reserve_check(store->reserve, err);
 }
-
-int vor_store_is_damaged(const struct vor_store *store)
-{
-    return store->is_damaged;
-}

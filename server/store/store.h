@@ -56,10 +56,6 @@ VOR_NODISCARD vor_status vor_store_check_reserve(struct vor_store *store, struct
 /** store may be NULL; no call may be under way. */
 void vor_store_close(struct vor_store *store);
 
-/** True when changes were lost since the store was last open: rows may be missing, or be as they
- * were before. A driver that cannot know says no. */
-int vor_store_is_damaged(const struct vor_store *store);
-
 /** Is it in working order? For /readyz.
  *
  *  @param[out] is_lost  where it is not: only a start of the daemon helps, because its disk failed

@@ -30,7 +30,8 @@ struct vor_found {
     size_t count, capacity;
     int is_first;           /**< before this daemon wrote any, and there is no other */
     size_t counted, looked; /**< so many were looked at: for orphans; whether to drop them */
-    size_t orphans, files;  /**< results without a row; what was put away, and its bytes */
+    size_t orphans, files;  /**< results without a row; what no row needs */
+    size_t kept;            /**< of files, because the table of jobs is damaged; their bytes */
     uint64_t bytes;
 };
 

@@ -21,8 +21,7 @@
  * When results expire, whatever is done to the wall clock. Rows say it in wall time, which jumps.
  *
  * While the daemon lives it knows how much time has passed: when the wall clock moves by more than
- * that, the expiry of every row, and the date of every lost file, is moved along, so that each
- * keeps the time that it had left.
+ * that, the expiry of every row is moved along, so that each keeps the time that it had left.
  *
  * A start knows only the newest time in the store. If the clock is an hour ahead of that, the
  * daemon was down that long, or the clock is wrong; if it is behind, it is wrong. Then nothing
@@ -33,18 +32,6 @@
  * that has expired harms nobody. */
 static const int64_t jump_ms = 30000, unsure_ms = 3600000;
 
-/* Drops lost bytes that are too old or too many; shift_ms as in struct vor_lost_bounds. */
-static void trim_lost(struct vor_worker *worker, int64_t shift_ms)
-{
-    struct vor_lost_bounds bounds = {.bytes = worker->config.lost_bytes, .shift_ms = shift_ms};
-    struct vor_error err;
-
-    bounds.oldest_ms =
-        vor_clock_wall_ms() - shift_ms - (int64_t)(worker->config.lost_seconds * 1000);
-    if (vor_blobs_trim_lost(worker->config.blobs, &bounds, &err) != VOR_OK)
-        vor_log(VOR_LOG_WARN, "the folder of lost files cannot be read",
-                VOR_TEXT("error", err.message));
-}
 /* At the start, before the first row is changed. */
 static vor_status begin_calendar(struct vor_worker *worker, struct vor_error *err)
 {
@@ -78,7 +65,6 @@ static int move_rows(struct vor_worker *worker, int64_t by)
                 VOR_TEXT("error", err.message));
         return 0;
     }
-    trim_lost(worker, by);
     vor_log(VOR_LOG_WARN, "the clock jumped: expiry times are adjusted",
             VOR_REAL("by_s", (double)by / 1000));
     return 1;
@@ -173,8 +159,8 @@ static void look_at_disk(struct vor_worker *worker)
 }
 
 /* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
- * the worker removes at a time, which is 2, and each may have results in two formats; what a crash
- * of the machine brings back beyond that is set aside as well. More is a damaged table. */
+ * the worker removes at a time, which is 2, and each may have results in two formats. More is a
+ * damaged table, or another one: then files stay as long as results do. */
 enum { ORPHANS_OF_CRASH = 8 };
 
 /* A look at strays may take so long: a part of the time between two looks of the sweeper. */
@@ -248,17 +234,13 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
             !vor_blob_is_superseded(worker->config.blobs, &blob->id, output->name, row.attempt));
 }
 
-/* A file may come before its row, at the most as long before it as an upload takes. The first
- * twelve digits of an identifier are its milliseconds since 1970. */
-static int is_young(const struct vor_worker *worker, const struct vor_uuid *id)
+/* The first twelve digits of an identifier are its milliseconds since 1970. */
+static int is_younger(const struct vor_uuid *id, double seconds)
 {
-    static const int64_t upload_ms = 3600 * 1000;
     char digits[13];
 
-    if (worker->found.is_first)
-        return 0;
     (void)snprintf(digits, sizeof digits, "%.8s%.4s", id->text, id->text + 9);
-    return (int64_t)strtoll(digits, NULL, 16) > vor_clock_wall_ms() - upload_ms;
+    return (double)strtoll(digits, NULL, 16) > (double)vor_clock_wall_ms() - seconds * 1000;
 }
 
 /* A result whose job has no row at all; who removes a job removes its row first. */
@@ -274,22 +256,6 @@ static int is_orphan(struct vor_worker *worker, const struct vor_found_blob *blo
     return vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) ==
                VOR_OK &&
            found;
-}
-
-/* Dropped, or set aside when the table of jobs has lost rows. */
-static int put_away(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
-{
-    struct vor_error err;
-
-    if (!is_lost) {
-        vor_drop_file(worker->config.blobs, &blob->id, blob->name);
-        return 1;
-    }
-    if (vor_blob_set_aside(worker->config.blobs, &blob->id, blob->name, &err) == VOR_OK)
-        return 1;
-    vor_log(VOR_LOG_WARN, "files not moved to the folder lost", VOR_TEXT("job", blob->id.text),
-            VOR_TEXT("error", err.message));
-    return 0;
 }
 
 /* --- uploads that a crash of the machine took --------------------------------------------------
@@ -356,19 +322,22 @@ static void forget_missing(struct vor_worker *worker)
 
 static void drop_if_stray(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
 {
+    static const double upload_seconds = 3600; /* as long before its row a file may come */
     struct vor_found *found = &worker->found;
     uint64_t size = 0;
     int is_there;
 
-    if (is_young(worker, &blob->id) || is_needed(worker, blob))
+    if ((!found->is_first && is_younger(&blob->id, upload_seconds)) || is_needed(worker, blob))
         return;
-    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there, NULL) !=
-        VOR_OK)
-        size = 0;
-    if (!put_away(worker, blob, is_lost))
-        return;
-    found->bytes += size;
     found->files++;
+    if (!is_lost || !is_younger(&blob->id, worker->config.ttl_seconds)) {
+        vor_drop_file(worker->config.blobs, &blob->id, blob->name);
+        return;
+    }
+    found->kept++;
+    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there, NULL) ==
+        VOR_OK)
+        found->bytes += size;
 }
 
 static int may_go_on(struct vor_worker *worker, double until)
@@ -377,9 +346,9 @@ static int may_go_on(struct vor_worker *worker, double until)
 }
 
 /* Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
- * second: the next call goes on, while found.count is not 0. Or sets them aside, with a warning,
- * when the store has lost rows: it says so itself, or there are more results without any row than a
- * crash leaves. Ends early when the daemon goes down; the next start does the rest. */
+ * second: the next call goes on, while found.count is not 0. Where more results have no row than a
+ * crash leaves, the younger ones stay, with a warning. Ends early when the daemon goes down; the
+ * next start does the rest. */
 static void drop_strays(struct vor_worker *worker)
 {
     struct vor_found *found = &worker->found;
@@ -390,18 +359,18 @@ static void drop_strays(struct vor_worker *worker)
         found->orphans += (size_t)is_orphan(worker, &found->blobs[found->counted]);
     if (found->counted < found->count)
         return;
-    is_lost = vor_store_is_damaged(worker->config.store) || found->orphans > ORPHANS_OF_CRASH;
+    is_lost = found->orphans > ORPHANS_OF_CRASH;
     for (; found->looked < found->count && may_go_on(worker, until); found->looked++)
         drop_if_stray(worker, &found->blobs[found->looked], is_lost);
     if (found->looked < found->count)
         return;
-    if (found->files > 0 && is_lost)
+    if (found->kept > 0)
         vor_log(VOR_LOG_WARN,
-                "JOBS ARE MISSING FROM THE DATABASE: their files are moved to the folder lost in "
-                "--blobs, for --lost-ttl and up to --lost-bytes",
-                VOR_COUNT("files", found->files), VOR_COUNT("bytes", found->bytes));
-    else if (found->files > 0)
-        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", found->files));
+                "JOBS ARE MISSING FROM THE DATABASE: their files stay in --blobs until they are as "
+                "old as --result-ttl",
+                VOR_COUNT("files", found->kept), VOR_COUNT("bytes", found->bytes));
+    if (found->files > found->kept)
+        vor_log(VOR_LOG_INFO, "strays removed", VOR_COUNT("files", found->files - found->kept));
     vor_found_free(found);
 }
 
@@ -411,7 +380,6 @@ vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
 
     vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
     vor_worker_keep_quota(worker, VOR_EVICT_RESULTS);
-    trim_lost(worker, 0);
     return status;
 }
 

@@ -30,8 +30,6 @@ struct vor_worker_config {
     uint64_t results;         /**< bytes of results that are kept; of those that ended first,
                                    less */
     uint64_t keep;            /**< bytes of uploads that are kept; 0 for none */
-    double lost_seconds;      /**< bytes without a job are kept so long, if rows were lost */
-    uint64_t lost_bytes;      /**< and up to so many */
     uint64_t budget;          /**< bytes all running jobs may have, as estimated; 0 for any */
     uint64_t checkpoint_work; /**< as vor_run.every, and vor_keeper_open: 0 but for tests */
     double checkpoint_seconds;

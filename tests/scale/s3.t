@@ -53,12 +53,12 @@ $next->stop;
 $next = Vt->start(dir => $daemon->{dir}, blobs => $place);
 is_problem($next->get("/v1/jobs/$ids[5]/results/cloud"), 500, 'damaged-bytes', 'a damaged object is not sent');
 
-# Results of which the database knows no job are set aside, and the oldest of them are dropped where they are too much.
+# Of many results of which the database knows no job those stay that are no older than results become.
 $next->stop;
-Scale::put_object("some/prefix/keep/0193b5f2-7c1e-7f7a-9d3e-2a6c1f0b8e1$_.cloud", 'ten bytes.') for 0 .. 9;
-$next = Vt->start(dir => $daemon->{dir}, blobs => $place, 'lost-bytes' => 35, 'admin-listen' => '127.0.0.1:0');
-ok wait_until(sub { my @all = objects(); 3 == grep({ m{^some/prefix/lost/.*\.cloud$} } @all) && !grep { m{keep/0193b5f2} } @all }),
-    'results without a job are set aside, as many as may be';
+my @strays = map { my $made = $_; map { "$made-7f7a-9d3e-2a6c1f0b8e1$_.cloud" } 0 .. 9 } substr($ids[5], 0, 13), '0193b5f2-7c1e';
+Scale::put_object("some/prefix/keep/$_", 'ten bytes.') for @strays;
+$next = Vt->start(dir => $daemon->{dir}, blobs => $place, 'admin-listen' => '127.0.0.1:0');
+ok wait_until(sub { join(' ', @strays[0 .. 9]) eq join ' ', sort map { m{keep/(.*-2a6c1f0b8e.*)} } objects() }), 'young results without a job stay where there are many, old ones go';
 
 # A number of a daemon; the most bytes that wait for who listens at a port.
 sub counted { return HTTP::Tiny->new->get('http://' . ($_[1] // $next)->{admin} . '/metrics')->{content} =~ /^voronoid_\Q$_[0]\E (\d+)/m ? $1 : 0 }

@@ -28,7 +28,8 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
 {
     static const struct vt_daemon_options defaults;
     struct vor_worker_config config = {
-        .faults_max = 3, .lost_seconds = 3600, .lost_bytes = 1 << 20};
+        .faults_max = 3,
+    };
 
     if (options == NULL)
         options = &defaults;
