@@ -45,12 +45,10 @@ int vor_blob_is_upload(const char *name)
     return strcmp(name, "upload") == 0 || strncmp(name, "upload-", 7) == 0;
 }
 
-#define TRY "-try-"
-
 const char *vor_blob_of_output(const char *output, uint32_t attempt,
                                char out[VOR_BLOB_NAME_MAX + 1])
 {
-    int length = attempt > 1 ? snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s" TRY "%u", output, attempt)
+    int length = attempt > 1 ? snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s-try-%u", output, attempt)
                              : snprintf(out, VOR_BLOB_NAME_MAX + 1, "%s", output);
 
     assert(length <= VOR_BLOB_NAME_MAX);
@@ -61,17 +59,6 @@ static const char *file_of(const struct vor_uuid *id, const char *name,
                            char out[VOR_BLOB_FILE_SIZE])
 {
     (void)snprintf(out, VOR_BLOB_FILE_SIZE, "%s.%s", id->text, name);
-    return out;
-}
-
-/* Where former versions have what is not there in this file; NULL: nowhere else. */
-static const char *former(const char *file, char out[VOR_BLOB_FILE_SIZE])
-{
-    const char *at = strstr(file, TRY);
-
-    if (at == NULL)
-        return NULL;
-    (void)snprintf(out, VOR_BLOB_FILE_SIZE, "%.*s", (int)(at - file), file);
     return out;
 }
 
@@ -233,14 +220,12 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
 vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source *from,
                            struct vor_blob_writer **out, int *found, struct vor_error *err)
 {
-    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
+    char file[VOR_BLOB_FILE_SIZE];
     vor_status status;
 
     *out = NULL;
     *found = 0;
     status = blobs->driver->reopen(blobs, file_of(&from->id, from->name, file), out, found, err);
-    if (status == VOR_OK && !*found && former(file, before) != NULL)
-        status = blobs->driver->reopen(blobs, before, out, found, err);
     if (status != VOR_OK || !*found)
         return status;
     (*out)->blobs = blobs;
@@ -434,54 +419,32 @@ void vor_blob_discard(struct vor_blob_writer *writer)
 vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                         int *fd, uint64_t *size, int *found, struct vor_error *err)
 {
-    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
-    vor_status status;
+    char file[VOR_BLOB_FILE_SIZE];
 
     if (fd != NULL)
         *fd = -1;
     *size = 0;
     *found = 0;
-    status = blobs->driver->get(blobs, file_of(id, name, file), fd, size, found, err);
-    return status == VOR_OK && !*found && former(file, before) != NULL
-               ? blobs->driver->get(blobs, before, fd, size, found, err)
-               : status;
-}
-
-int vor_blob_is_superseded(struct vor_blobs *blobs, const struct vor_uuid *id, const char *output,
-                           uint32_t attempt)
-{
-    char own[VOR_BLOB_NAME_MAX + 1], file[VOR_BLOB_FILE_SIZE];
-    uint64_t size;
-    int found = 0;
-
-    (void)file_of(id, vor_blob_of_output(output, attempt, own), file);
-    return attempt > 1 && blobs->driver->get(blobs, file, NULL, &size, &found, NULL) == VOR_OK &&
-           found;
+    return blobs->driver->get(blobs, file_of(id, name, file), fd, size, found, err);
 }
 
 vor_status vor_blob_bring(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,
                           const struct vor_blob_watch *watch, int *found, struct vor_error *err)
 {
-    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
+    char file[VOR_BLOB_FILE_SIZE];
     uint64_t size;
-    vor_status status;
 
     if (blobs->driver->bring == NULL)
         return vor_blob_get(blobs, id, name, NULL, &size, found, err);
     *found = 0;
-    status = blobs->driver->bring(blobs, file_of(id, name, file), watch, found, err);
-    return status == VOR_OK && !*found && former(file, before) != NULL
-               ? blobs->driver->bring(blobs, before, watch, found, err)
-               : status;
+    return blobs->driver->bring(blobs, file_of(id, name, file), watch, found, err);
 }
 
 int vor_blob_is_near(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name)
 {
-    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
+    char file[VOR_BLOB_FILE_SIZE];
 
-    return blobs->driver->is_near == NULL ||
-           blobs->driver->is_near(blobs, file_of(id, name, file)) ||
-           (former(file, before) != NULL && blobs->driver->is_near(blobs, before));
+    return blobs->driver->is_near == NULL || blobs->driver->is_near(blobs, file_of(id, name, file));
 }
 
 void vor_blobs_set_public_url(struct vor_blobs *blobs, const char *url)
@@ -493,13 +456,11 @@ vor_status vor_blob_link(struct vor_blobs *blobs, const struct vor_uuid *id, con
                          const struct vor_blob_reading *reading, struct vor_text *out,
                          struct vor_error *err)
 {
-    char file[VOR_BLOB_FILE_SIZE], before[VOR_BLOB_FILE_SIZE];
+    char file[VOR_BLOB_FILE_SIZE];
 
-    /* Under which of two names a file is, only the bucket knows: the daemon sends it itself. */
-    if (blobs->driver->link == NULL || blobs->public_url == NULL || blobs->public_url[0] == '\0' ||
-        former(file_of(id, name, file), before) != NULL)
+    if (blobs->driver->link == NULL || blobs->public_url == NULL || blobs->public_url[0] == '\0')
         return VOR_OK;
-    return blobs->driver->link(blobs, file, reading, out, err);
+    return blobs->driver->link(blobs, file_of(id, name, file), reading, out, err);
 }
 
 vor_status vor_blob_drop(struct vor_blobs *blobs, const struct vor_uuid *id, const char *name,

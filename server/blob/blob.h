@@ -1,7 +1,7 @@
 /** Bytes that outlive a request, by job and name: decoded uploads and results. The door to
  *  whichever driver --blobs names.
  *
- *  Which blob of a job is which of its artefacts, in directories of all versions:
+ *  Which blob of a job is which of its artefacts:
  *
  *    "input"       the input cloud: decoded and checked (vor_dump_write), kept until the job ends
  *    "input-NAME"  the input of that name, likewise
@@ -10,7 +10,7 @@
  *    "upload-NAME" the input of that name, likewise
  *    "NAME"        the output of that name: a cloud in its format or a document in JSON, kept until
  *                  the job expires or is removed
- *    "NAME-try-K"  the same of attempt K, from 2 on; former versions wrote all as NAME
+ *    "NAME-try-K"  the same of attempt K, from 2 on
  *    "store" of the job whose identifier is all zeros: whose blobs these are (vor_blobs_claim)
  *    "NAME-as-FORMAT"  that cloud in another format, and behind it the SHA-256 of its bytes in 64
  *                  digits; kept as long, and made anew when asked for
@@ -238,11 +238,6 @@ void vor_blob_discard(struct vor_blob_writer *writer);
 VOR_NODISCARD vor_status vor_blob_get(struct vor_blobs *blobs, const struct vor_uuid *id,
                                       const char *name, int *fd, uint64_t *size, int *found,
                                       struct vor_error *err);
-
-/** Whether what the first attempt of a job wrote is not the output of this one: that has a blob of
- *  its own. Former versions gave all attempts one name, under which vor_blob_get looks next. */
-int vor_blob_is_superseded(struct vor_blobs *blobs, const struct vor_uuid *id, const char *output,
-                           uint32_t attempt);
 
 /** False when vor_blob_get would wait for another machine, as it does for a blob that was not read
  *  here lately: then it is not for HTTP threads. */

@@ -75,7 +75,6 @@ enum { SCHEMA_VERSION = 6 };
     "CREATE TABLE idempotency (principal text NOT NULL, idem_key text NOT NULL, seq bigint NOT NULL," \
     " PRIMARY KEY (principal, idem_key));"                                                         \
     "CREATE INDEX idempotency_job ON idempotency (seq);"
-#define JOBS JOB VOR_SQL_TABLES_BESIDE("bigint PRIMARY KEY")
 
 #define INDEXES_AND_TRIGGERS                                                                       \
     VOR_SQL_INDEXES                                                                                \
@@ -118,32 +117,24 @@ enum { SCHEMA_VERSION = 6 };
     "ALTER TABLE job_run SET (fillfactor = 50, autovacuum_vacuum_scale_factor = 0.02);"
 
 static const char first[] =
-    FUNCTIONS BESIDE JOBS INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (6);";
-
-#define NUMBER_ON                                                                                  \
-    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"                                          \
-    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"
-#define KEYS                                                                                       \
-    "INSERT INTO idempotency SELECT principal, idem_key, seq FROM job WHERE idem_key IS NOT NULL;" \
-    "UPDATE voronoid_schema SET version = 6;"
-
-/* Before, a row of job had all of it. */
-static const char from_4[] =
-    "ALTER TABLE job RENAME TO job_before;" JOBS VOR_SQL_SPLIT NUMBER_ON
-    "DROP TABLE job_before, job_blob;" INDEXES_AND_TRIGGERS KEYS;
+    FUNCTIONS BESIDE JOB VOR_SQL_TABLES_BESIDE("bigint PRIMARY KEY") INDEXES_AND_TRIGGERS "INSERT INTO voronoid_schema (version) VALUES (6);";
 
 /* Before, all jobs were in one table. */
 static const char from_5[] =
     "ALTER TABLE job RENAME TO job_before;" JOB
     "INSERT INTO job (seq, " VOR_SQL_JOB ") SELECT seq, " VOR_SQL_JOB " FROM job_before ORDER BY seq;"
-    NUMBER_ON "DROP TABLE job_before;" INDEXES_AND_TRIGGERS KEYS;
+    "SELECT setval(pg_get_serial_sequence('job', 'seq'),"
+    " nextval(pg_get_serial_sequence('job_before', 'seq')), false);"
+    "DROP TABLE job_before;" INDEXES_AND_TRIGGERS
+    "INSERT INTO idempotency SELECT principal, idem_key, seq FROM job WHERE idem_key IS NOT NULL;"
+    "UPDATE voronoid_schema SET version = 6;";
 
 /* clang-format on */
 
 static const struct {
     int64_t from;
     const char *sql;
-} steps[] = {{4, from_4}, {5, from_5}};
+} steps[] = {{5, from_5}};
 
 static vor_status read_version(struct vor_store *store, int64_t *version, struct vor_error *err)
 {

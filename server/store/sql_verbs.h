@@ -49,17 +49,6 @@
     "progress, output_format, output_points, output_bytes, report_bytes, output_sha256, message,"  \
     " metrics, problem, outputs, report"
 
-/** Fills them from the tables of before, job_before and job_blob. */
-#define VOR_SQL_SPLIT                                                                              \
-    "INSERT INTO job (seq, " VOR_SQL_JOB ") SELECT seq, " VOR_SQL_JOB                              \
-    " FROM job_before ORDER BY seq;"                                                               \
-    "INSERT INTO job_text SELECT seq, " VOR_SQL_TEXT " FROM job_before ORDER BY seq;"              \
-    "INSERT INTO job_end SELECT seq, " VOR_SQL_END                                                 \
-    " FROM job_before LEFT JOIN job_blob USING (seq)"                                              \
-    " WHERE status NOT IN ('accepted', 'running') ORDER BY seq;"                                   \
-    "INSERT INTO job_run SELECT seq, progress, updated, metrics FROM job_before"                   \
-    " WHERE status IN ('accepted', 'running') AND started > 0 ORDER BY seq;"
-
 /** The indexes that every engine has. */
 #define VOR_SQL_INDEXES                                                                            \
     "CREATE INDEX job_ready ON job (turn, seq) WHERE status = 'accepted';"                         \

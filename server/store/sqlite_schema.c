@@ -1,6 +1,6 @@
 #include "server/store/sql_verbs.h"
 
-/* A store of version 6 or 13 is brought up to this one; no others were released. */
+/* No store of an earlier version was released. */
 enum { SCHEMA_VERSION = 14 };
 
 /* What stands beside the tables of jobs (VOR_SQL_TABLE_OF_JOB). ledger is what each principal has,
@@ -26,40 +26,6 @@ enum { SCHEMA_VERSION = 14 };
 /* clang-format off */
 #define WAITS(row) "(" row ".status = 'accepted')"
 #define LIVES(row) "(" row ".status IN ('accepted', 'running'))"
-
-/* A trace has the number of its events at byte 8, little endian; there are less than 65536. */
-#define DIGIT(at) "(instr('0123456789ABCDEF', substr(hex(substr(trace, 9, 2)), " #at ", 1)) - 1)"
-
-#define COUNT_ALL(number)                                                                          \
-    "INSERT INTO round SELECT " number ", count(*), sum(decoded) FROM job"                         \
-    " WHERE status = 'accepted' GROUP BY 1;"
-
-/* The columns and tables of version 13. Jobs that wait take turns from the first on; what a job
- * needs is not known, so that it runs with nothing beside it. */
-static const char from_6[] =
-    "BEGIN;" BESIDE
-    "ALTER TABLE job ADD COLUMN report_bytes INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN turn INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN memory INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN decoded INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN owner TEXT NOT NULL DEFAULT '';"
-    "ALTER TABLE job ADD COLUMN engine TEXT NOT NULL DEFAULT '';"
-    "ALTER TABLE job ADD COLUMN release INTEGER NOT NULL DEFAULT 0;"
-    "ALTER TABLE job ADD COLUMN stop INTEGER NOT NULL DEFAULT 0;"
-    "UPDATE job SET report_bytes = length(CAST(report AS BLOB)) WHERE report IS NOT NULL;"
-    "UPDATE job SET memory = 9223372036854775807 WHERE " LIVES("job") ";"
-    "UPDATE job SET turn = place FROM (SELECT seq AS waiting, row_number() OVER"
-    " (PARTITION BY principal ORDER BY seq) - 1 AS place FROM job WHERE " WAITS("job") ")"
-    " WHERE seq = waiting;"
-    "CREATE TABLE job_blob (seq INTEGER PRIMARY KEY, report TEXT);"
-    "INSERT INTO job_blob SELECT seq, report FROM job WHERE report IS NOT NULL;"
-    "ALTER TABLE job RENAME COLUMN report TO report_before;"
-    "INSERT INTO event SELECT seq, max(1, attempt), " DIGIT(1) " * 16 + " DIGIT(2) " + " DIGIT(3)
-    " * 4096 + " DIGIT(4) " * 256, trace FROM job WHERE length(trace) > 16;"
-    "INSERT INTO ledger (principal, jobs, kept, held)"
-    " SELECT principal, sum(" LIVES("job") "), sum(kept), sum(held) FROM job GROUP BY principal;"
-    COUNT_ALL("turn") COUNT_ALL("-1 - (turn >> 8)")
-    "PRAGMA user_version=13; COMMIT;";
 
 #define COUNT(row, by)                                                                             \
     " INSERT INTO round SELECT place, " by ", (" by ") * " row ".decoded"                          \
@@ -109,20 +75,12 @@ static const char from_6[] =
 
 static const char first[] =
     "BEGIN;" BESIDE JOBS INDEXES TRIGGERS "PRAGMA user_version=14; COMMIT;";
-
-/* Before, a row of job had all of it. The numbers of acceptance go on where they were. */
-static const char from_13[] =
-    "BEGIN; ALTER TABLE job RENAME TO job_before;" JOBS VOR_SQL_SPLIT
-    "DELETE FROM sqlite_sequence WHERE name = 'job';"
-    "UPDATE sqlite_sequence SET name = 'job' WHERE name = 'job_before';"
-    "DROP TABLE job_before; DROP TABLE job_blob;" INDEXES TRIGGERS
-    "PRAGMA user_version=14; COMMIT;";
 /* clang-format on */
 
 static const struct {
     int64_t from, to;
     const char *sql;
-} steps[] = {{0, 14, first}, {6, 13, from_6}, {13, 14, from_13}};
+} steps[] = {{0, SCHEMA_VERSION, first}};
 
 vor_status vor_sqlite_prepare_schema(struct vor_store *store, struct vor_error *err)
 {
@@ -138,8 +96,8 @@ vor_status vor_sqlite_prepare_schema(struct vor_store *store, struct vor_error *
     }
     if (status == VOR_OK && version != SCHEMA_VERSION)
         return vor_fail(err, VOR_E_IO,
-                        "the job database has schema %lld, but this version reads only 6, 13 and "
-                        "%d: start the version that wrote the database, or choose another --data",
+                        "the job database has schema %lld, but this version reads only %d: start "
+                        "the version that wrote the database, or choose another --data",
                         (long long)version, SCHEMA_VERSION);
     return status;
 }

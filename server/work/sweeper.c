@@ -199,8 +199,7 @@ static const struct vor_artefact_info *output_of(const struct vor_process_info *
     char converted[VOR_BLOB_NAME_MAX + 1];
 
     for (const struct vor_artefact_info *o = process->outputs; o->name != NULL; o++) {
-        if (strcmp(o->name, blob) == 0 ||
-            strcmp(vor_blob_of_output(o->name, attempt, converted), blob) == 0)
+        if (strcmp(vor_blob_of_output(o->name, attempt, converted), blob) == 0)
             return o;
         for (unsigned i = 0; o->kind == VOR_ARTEFACT_CLOUD && vor_format(i) != NULL; i++)
             if (strcmp(vor_blob_of_converted(o->name, vor_format(i)->name, converted), blob) == 0)
@@ -229,9 +228,7 @@ static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blo
     if (vor_blob_is_upload(blob->name))
         return row.kept > 0;
     output = output_of(process, row.attempt, blob->name);
-    return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output) &&
-           (strcmp(blob->name, output->name) != 0 ||
-            !vor_blob_is_superseded(worker->config.blobs, &blob->id, output->name, row.attempt));
+    return row.status == VOR_JOB_SUCCESSFUL && output != NULL && !vor_output_in_row(output);
 }
 
 /* The first twelve digits of an identifier are its milliseconds since 1970. */

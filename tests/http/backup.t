@@ -44,6 +44,6 @@ is system("sqlite3 $dir/backup/jobs.sqlite 'PRAGMA user_version=99'") >> 8, 0, '
 my $before = Vt::slurp("$dir/backup/jobs.sqlite");
 my ($exit, $said) = Vt::run('--listen', '127.0.0.1:0', '--data', "$dir/backup");
 is $exit, 1, 'ends a start with 1';
-like $said, qr/\Avoronoid: the job database has schema 99, but this version reads only \d+(?:, \d+)+ and \d+: start the version that wrote the database, [^\n]+\n\z/, 'and a line that says what to do';
+like $said, qr/\Avoronoid: the job database has schema 99, but this version reads only \d+: start the version that wrote the database, [^\n]+\n\z/, 'and a line that says what to do';
 ok $before eq Vt::slurp("$dir/backup/jobs.sqlite"), 'and is left as it is';
 done_testing;
