@@ -122,7 +122,7 @@ BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/
 .DELETE_ON_ERROR:
 # Objects that only rules by pattern name are kept. Of other files none is listed: what is missing is made, even if nothing is newer.
 .SECONDARY: $(patsubst %.c,$(B)/%.o,$(wildcard tests/*/*.c tests/by_hand/*/*.c)) $(KINDS_OBJ) $(POISON_OBJ) $(COUNTED_OBJ) $(KINDS_BIN:$(B)/%=$(B)/kinds/%.o)
-GOALS := all help demo test check gate gate-long soak golden same zoo torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
+GOALS := all help demo test tests check gate gate-long soak golden same zoo torture bench fuzz proxy cross arm64 lint quick static contract format image install uninstall clean
 .PHONY: $(GOALS)
 
 # Every core is used unless -j says otherwise. Of several goals typed together one ends before the next begins.
@@ -329,6 +329,8 @@ gate-long: ## like gate, but with everything: soak, all tests under sanitizers, 
 test: ## install what is missing, build, and run every test (V=1 is verbose)
 	@docker/install.sh build test page
 	@$(MAKE) --no-print-directory check
+
+tests: all $(TEST_BIN) ## build every test program
 
 check: all $(if $(filter release,$(config)),$(EMBEDDED)) $(POISON_BIN) $(TEST_BIN) ## run every test with what is installed
 	@VORONOID=$(BIN) tests/support/check.sh $(B) $(JOBS) $(filter $(TEST_LONG),$(TESTS)) $(filter-out $(TEST_LONG),$(TESTS))

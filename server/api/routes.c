@@ -94,9 +94,7 @@ static void add_cors(struct vor_request *request)
     vor_reply_header(request, "Access-Control-Expose-Headers",
                      "Location, ETag, Retry-After, Content-Range, Accept-Ranges, "
                      "Content-Disposition, Preference-Applied, Voronoid-Origin, X-Request-Id, "
-                     "Idempotent-Replayed, RateLimit, RateLimit-Policy, Upload-Offset, "
-                     "Upload-Length, Tus-Resumable, "
-                     "WWW-Authenticate");
+                     "Idempotent-Replayed, RateLimit, RateLimit-Policy, WWW-Authenticate");
     if (request->method != VOR_OPTIONS)
         return;
     vor_reply_header(request, "Access-Control-Allow-Headers",
