@@ -90,12 +90,36 @@ static int may_repair(const struct making *making)
            seeds->track == NULL && seeds->normal == NULL;
 }
 
+/* Draws in points that hang in the air: before a repair, all of them. In one, those where the mesh
+ * is smooth lie over a gap of the sampling: of an armadillo's 100,000 points to 30,000, such ones
+ * that were drawn in left triangles of 33 and 35 degrees. */
+static vor_status attach_hanging(struct making *making, int repairs, struct vor_error *err)
+{
+    struct vor_seeds *seeds = making->seeds;
+    unsigned char *smooth;
+    vor_status status;
+
+    if (!repairs)
+        return vor_attach_hanging(seeds, NULL, err);
+    smooth = vor_malloc(seeds->run.memory, seeds->n, 1);
+    if (smooth == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    for (uint32_t i = 0; i < seeds->n; i++)
+        smooth[i] = vor_complex_surrounds(&making->complex, i) &&
+                    vor_relax_is_smooth(&making->complex, &making->sheet, i);
+    status = vor_attach_hanging(seeds, smooth, err);
+    vor_free(seeds->run.memory, smooth);
+    return status;
+}
+
 /* Flips edges and moves the corners of the triangles from `since` on, at last onto the input where
- * sheets are near each other. May repair the triangulation before each flip. */
+ * sheets are near each other. May repair the triangulation before each flip; then they move in
+ * twice as many steps: with as many / twice / three times, fandisk to 10,000: mean quality .9692 /
+ * .9703 / .9711, delta .062 / .064 / .065. */
 static vor_status better(struct making *making, size_t since, int repairs, struct vor_error *err)
 {
     const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
-    const struct vor_relax_how how = {.steps = VOR_RELAX_STEPS,
+    const struct vor_relax_how how = {.steps = (unsigned)(1 + repairs) * VOR_RELAX_STEPS,
                                       .fixed = making->how->fixed,
                                       .refine = making->how->refine,
                                       .since = since,
@@ -114,7 +138,7 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
     if (status == VOR_OK)
         status = vor_attach_last(making->seeds, err);
     if (status == VOR_OK)
-        status = vor_attach_hanging(making->seeds, err);
+        status = attach_hanging(making, repairs, err);
     for (int round = 0; round < 2 * ROUNDS_BETTER && repairs && status == VOR_OK; round++)
         status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
                                    making->how->fixed, &recall, err);
@@ -161,7 +185,7 @@ static vor_status make(struct making *making, struct vor_error *err)
     const struct vor_run *run = &seeds->run;
     const struct vor_recall recall = {.slack = VOR_SEEDS_SLACK, .refine = making->how->refine};
     int moves = making->how->moves;
-    vor_status status = moves ? vor_attach_hanging(seeds, err) : VOR_OK;
+    vor_status status = moves ? vor_attach_hanging(seeds, NULL, err) : VOR_OK;
 
     if (status == VOR_OK)
         status = vor_seeds_index(seeds, run, err);

@@ -248,23 +248,32 @@ void vor_relax_axes(double axis[3][3], const struct vor_complex *complex, const 
     vor_eigen3(values, axis, m);
 }
 
-int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i)
+int vor_relax_is_smooth(const struct vor_complex *complex, const struct vor_sheet *sheet,
+                        uint32_t i)
 {
-    const float *m = &sheet->normal[3 * (size_t)i], *xyz = sheet->seeds->xyz;
+    const float *m = &sheet->normal[3 * (size_t)i];
     int smooth = 1;
 
     for (unsigned t = 0; t < complex->degree[i]; t++) {
         uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
-        const uint32_t *corner = &complex->triangle[3 * (size_t)at];
         double n[3], up;
 
-        if (vor_triangle_quality(xyz, corner) < POOR)
-            return 1;
-        vor_triangle_normal(n, xyz, corner);
+        vor_triangle_normal(n, sheet->seeds->xyz, &complex->triangle[3 * (size_t)at]);
         up = fabs(n[0] * (double)m[0] + n[1] * (double)m[1] + n[2] * (double)m[2]);
         smooth &= up >= SMOOTH * sqrt(vor_dot(n, n));
     }
     return smooth;
+}
+
+int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i)
+{
+    for (unsigned t = 0; t < complex->degree[i]; t++) {
+        uint32_t at = complex->around[(size_t)i * VOR_AROUND_MOST + t];
+
+        if (vor_triangle_quality(sheet->seeds->xyz, &complex->triangle[3 * (size_t)at]) < POOR)
+            return 1;
+    }
+    return vor_relax_is_smooth(complex, sheet, i);
 }
 
 static vor_status steps(struct relax *relax, const struct vor_relax_how *how, struct vor_error *err)

@@ -40,8 +40,12 @@ void vor_relax_step(double step[2], const struct vor_relax_pull *pull);
 /** Makes the step one along the first axis. */
 void vor_relax_hold(struct vor_relax_pull *pull);
 
-/** Whether point i may move: its triangles lie along its tangent plane, as they do not on a crease
- *  or a tip, or one of them is poor. O(1). */
+/** Whether the triangles of point i lie along its tangent plane, as they do not on a crease or a
+ *  tip. O(1). */
+int vor_relax_is_smooth(const struct vor_complex *complex, const struct vor_sheet *sheet,
+                        uint32_t i);
+
+/** Whether point i may move: it is smooth there, or one of its triangles is poor. O(1). */
 int vor_relax_is_free(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t i);
 
 /** Axes for the triangles around point i, that along a crease first, their normal last. O(1). */

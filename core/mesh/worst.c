@@ -106,12 +106,10 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
     struct vor_scratch *scratch = &seeds->scratch[worker];
     float *at = &seeds->xyz[3 * (size_t)i];
     double axis[3][3], normal[VOR_AROUND_MOST][3] = {{0}}, best, length;
-    int across;
 
     if (i + worst->fixed >= seeds->n || !vor_complex_surrounds(worst->complex, i) ||
         vor_seeds_recall(seeds, scratch, i, worst->how) == VOR_SURFACE_NONE)
         return;
-    across = vor_relax_is_free(worst->complex, worst->sheet, i);
     length = normals_of(worst, i, normal);
     vor_relax_axes(axis, worst->complex, seeds->xyz, i);
     best = badness_around(worst, i);
@@ -122,7 +120,7 @@ static void move(struct worst *worst, uint32_t i, unsigned worker)
 
         memcpy(from, at, sizeof from);
         for (int u = -1; u <= 1; u++)
-            for (int v = -across; v <= across; v++) {
+            for (int v = -1; v <= 1; v++) {
                 float before[3];
                 double x[3], here;
 
@@ -201,13 +199,15 @@ static void exchange(struct worst *worst, uint32_t i)
     }
 }
 
-/* Whether point i is as far from the input as points that hang (vor_attach_hanging). */
+/* Whether point i is as far from the input as points that hang (vor_attach_hanging), and was not
+ * before the pass. */
 static int hangs(const struct worst *worst, uint32_t i)
 {
     const struct vor_seeds *seeds = worst->seeds;
-    double most = fmax(sqrt(seeds->area / (double)seeds->n), seeds->last_fit[i].surface.spacing);
+    double most = VOR_HOLE_INSIDE *
+                  fmax(sqrt(seeds->area / (double)seeds->n), seeds->last_fit[i].surface.spacing);
 
-    return (double)worst->sheet->near[i] > VOR_HOLE_INSIDE * most;
+    return (double)worst->sheet->near[i] > most && (double)worst->before[7 * (size_t)i + 6] <= most;
 }
 
 /* Takes point i back if it has moved, and hangs or has worse triangles around it than before and

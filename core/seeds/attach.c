@@ -9,11 +9,12 @@
 
 struct attach {
     struct vor_seeds *seeds;
-    int onto_whole;       /* the seeds change to the surface of the whole input */
-    int keep_holes;       /* seeds in holes go back to the rim */
-    int fast;             /* the run has no time, or other means, for vor_attach_near */
-    size_t every;         /* every so many seeds, one is counted */
-    atomic_size_t beyond; /* seeds counted so far that are in a hole */
+    int onto_whole;             /* the seeds change to the surface of the whole input */
+    int keep_holes;             /* seeds in holes go back to the rim */
+    int fast;                   /* the run has no time, or other means, for vor_attach_near */
+    const unsigned char *stays; /* n, or NULL: these do not hang */
+    size_t every;               /* every so many seeds, one is counted */
+    atomic_size_t beyond;       /* seeds counted so far that are in a hole */
 };
 
 /* The run is late: moves seed i to where a result may be, without a fit. */
@@ -287,9 +288,10 @@ static void end_row(void *ctx, size_t i, unsigned worker)
 }
 
 /* Runs a task over all seeds that move, if the border is kept. */
-static vor_status attach_all(struct vor_seeds *seeds, vor_row_task task, struct vor_error *err)
+static vor_status attach_all(struct vor_seeds *seeds, vor_row_task task, const unsigned char *stays,
+                             struct vor_error *err)
 {
-    struct attach attach = {.seeds = seeds};
+    struct attach attach = {.seeds = seeds, .stays = stays};
 
     if (!seeds->policy.keep_border)
         return VOR_OK;
@@ -298,7 +300,7 @@ static vor_status attach_all(struct vor_seeds *seeds, vor_row_task task, struct 
 
 vor_status vor_attach_last(struct vor_seeds *seeds, struct vor_error *err)
 {
-    return attach_all(seeds, end_row, err);
+    return attach_all(seeds, end_row, NULL, err);
 }
 
 /* Moves seed i, if it hangs steeply above the points nearest to it, which are at hand, back to
@@ -358,7 +360,7 @@ static void steep_row(void *ctx, size_t i, unsigned worker)
 
 vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_error *err)
 {
-    return attach_all(seeds, steep_row, err);
+    return attach_all(seeds, steep_row, NULL, err);
 }
 
 /* Whether points within VOR_RIM_RING times the distance from x to the nearest lie more to one side
@@ -392,7 +394,7 @@ static void hanging_row(void *ctx, size_t i, unsigned worker)
     const struct vor_place *here = &scratch->here;
     double x[3], foot[3], way[3], distance, most = sqrt(seeds->area / (double)seeds->n);
 
-    if (vor_run_is_late(&seeds->run) ||
+    if ((attach->stays != NULL && attach->stays[i]) || vor_run_is_late(&seeds->run) ||
         lies_near(seeds, i, VOR_HOLE_INSIDE * VOR_HOLE_INSIDE * most * most) ||
         vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
         return;
@@ -406,9 +408,10 @@ static void hanging_row(void *ctx, size_t i, unsigned worker)
     vor_to_floats(&seeds->xyz[3 * i], x);
 }
 
-vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err)
+vor_status vor_attach_hanging(struct vor_seeds *seeds, const unsigned char *stays,
+                              struct vor_error *err)
 {
-    return attach_all(seeds, hanging_row, err);
+    return attach_all(seeds, hanging_row, stays, err);
 }
 
 vor_status vor_attach_to_whole(struct vor_seeds *seeds, int keep_holes, struct vor_error *err)

@@ -59,10 +59,13 @@ VOR_NODISCARD vor_status vor_attach_steep(struct vor_seeds *seeds, struct vor_er
  * that saw it on one side were .3 to 1.2 spacings off the surface, the others 0 to .3. Does nothing
  * where seeds->policy.keep_border is not set.
  *
+ *  @param[in] stays  n: those that stay; NULL: none
+ *
  *  @retval VOR_E_CANCELLED  as vor_run_for
  *
  *  O(n), on the run's pool. The same positions for any number of threads. */
-VOR_NODISCARD vor_status vor_attach_hanging(struct vor_seeds *seeds, struct vor_error *err);
+VOR_NODISCARD vor_status vor_attach_hanging(struct vor_seeds *seeds, const unsigned char *stays,
+                                            struct vor_error *err);
 
 /** vor_attach that lets seeds lie in holes, which takes most of its time to tell, and does without
  *  vor_attach_near: for a run whose time is over, and for methods that project points on their own.

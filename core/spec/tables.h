@@ -351,7 +351,7 @@ enum vor_method_choice {
       "than six triangles, edges are flipped, and a point is removed in one place and added in "   \
       "another, where that makes the triangles better, and then corners of the worst triangles "   \
       "move. The worst triangles become better. Distances become less even, and the run takes "    \
-      "10 to 35 percent longer. Used only with a polish, density=uniform and metric=isotropic, "   \
+      "up to 30 percent longer. Used only with a polish, density=uniform and metric=isotropic, "   \
       "and not with a previous result, method=ear, or an input of several layers")                 \
     X(BASELINES, baselines, FLAG, OUTPUT, "", 0, 0, 0, "",                                         \
       "Also run four simple methods on the same input and add their figures to the report: "       \

@@ -116,7 +116,7 @@ VT_TEST_LOOP(triangles_become_better, VT_SOAK_LOOPS(2, 20))
         ck_assert_int_eq(mended[0].report.mesh_closed, plain.report.mesh_closed);
         ck_assert_double_eq(mended[0].report.mesh_euler, plain.report.mesh_euler);
         ck_assert_double_gt(mended[0].report.mesh_quality_mean - plain.report.mesh_quality_mean,
-                            make[s] == vt_cloud_box ? 0.008 : 0); /* 0.007 where creases stay */
+                            make[s] == vt_cloud_box ? 0.015 : 0); /* 0.012 from a fine start */
         ck_assert_double_ge(mended[0].report.mesh_angle_min, 37);
         for (unsigned t = 0; t < 3; t++)
             vt_meshed_free(&mended[t]);
