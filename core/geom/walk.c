@@ -36,10 +36,16 @@ static int stays(const struct vor_walk *walk, unsigned a, unsigned b, double l2)
     return across * across <= walk->arc * walk->arc * middle2 * l2;
 }
 
-VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
-                                   double d2[VOR_WALK_MOST])
+enum { LANES = 4 };
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+typedef uint64_t words __attribute__((vector_size(8 * LANES)));
+_Static_assert(VOR_WALK_MOST % LANES == 0, "all points are in lanes");
+
+VOR_CLONES uint64_t vor_walk_near(const struct vor_walk *walk, unsigned of, double within2,
+                                  double d2[VOR_WALK_MOST])
 {
     double x = (double)walk->x[0][of], y = (double)walk->x[1][of], z = (double)walk->x[2][of];
+    words near = {0}, bit = {1, 2, 4, 8};
 
     for (unsigned j = 0; j < walk->most; j++) {
         double u = (double)walk->x[0][j] - x, v = (double)walk->x[1][j] - y,
@@ -47,52 +53,64 @@ VOR_CLONES void vor_walk_distances(const struct vor_walk *walk, unsigned of,
 
         d2[j] = u * u + v * v + w * w;
     }
+    for (unsigned j = walk->most; j < VOR_WALK_MOST; j++)
+        d2[j] = INFINITY;
+    for (unsigned j = 0; j < VOR_WALK_MOST; j += LANES) {
+        lanes some;
+
+        memcpy(&some, &d2[j], sizeof some);
+        near |= (words)(some <= within2) & bit;
+        bit *= 1 << LANES; /* a shift makes -fanalyzer warn wrongly */
+    }
+    return (near[0] | near[1] | near[2] | near[3]) & ~(UINT64_C(1) << of);
+}
+
+/* The nearest of the points met so far, by their ways; `most` if there is none. */
+static unsigned next_of(const struct vor_walk *walk, uint64_t met)
+{
+    double least = INFINITY;
+    unsigned next = walk->most;
+
+    for (; met > 0; met &= met - 1) {
+        unsigned j = vor_walk_first(met);
+
+        if (walk->far[j] < least) {
+            least = walk->far[j];
+            next = j;
+        }
+    }
+    return next;
 }
 
 void vor_walk_go(struct vor_walk *walk)
 {
     double reach2 = REACH * REACH * M_PI * (double)walk->distance2[walk->most - 1] / walk->most;
     double l2[VOR_WALK_MOST] = {0};
-    unsigned open[VOR_WALK_MOST], left = walk->most; /* points that are not settled, in order */
-    unsigned next = 0, sure = 0, found = 0;
+    uint64_t met = 1, done = 0; /* points that a way leads to, and those whose way is settled */
+    unsigned sure = 0, found = 0;
 
-    memset(walk->done, 0, sizeof walk->done);
     memset(walk->reached, 0, sizeof walk->reached);
     for (unsigned j = 0; j < walk->most; j++) {
         walk->far[j] = j == 0 ? 0 : INFINITY;
         walk->limit[j] = STRETCH * sqrt((double)walk->distance2[j]) + 1e-12;
-        open[j] = j;
     }
-    while (next < walk->most) {
-        unsigned from = next, stay = 0;
-        double least = INFINITY;
-
+    for (unsigned from = 0; from < walk->most; from = next_of(walk, met & ~done)) {
         /* Ways only get longer: what is known of the first `sure` points stays. */
-        while (sure < walk->most && (walk->done[sure] || walk->far[from] > walk->limit[sure]))
+        while (sure < walk->most && (done >> sure & 1 || walk->far[from] > walk->limit[sure]))
             found += walk->reached[sure++];
         if (found >= walk->enough)
             return;
-        vor_walk_distances(walk, from, l2);
-        walk->done[from] = 1;
+        done |= UINT64_C(1) << from;
         walk->reached[from] = walk->far[from] <= walk->limit[from];
-        next = walk->most;
-        for (unsigned i = 0; i < left; i++) {
-            unsigned j = open[i];
+        for (uint64_t near = vor_walk_near(walk, from, reach2, l2) & ~done; near > 0;
+             near &= near - 1) {
+            unsigned j = vor_walk_first(near);
+            double far = walk->far[from] + sqrt(l2[j]);
 
-            if (j == from)
-                continue;
-            open[stay++] = j;
-            if (l2[j] <= reach2) {
-                double far = walk->far[from] + sqrt(l2[j]);
-
-                if (far < walk->far[j] && stays(walk, from, j, l2[j]))
-                    walk->far[j] = far;
-            }
-            if (walk->far[j] < least) {
-                least = walk->far[j];
-                next = j;
+            if (far < walk->far[j] && stays(walk, from, j, l2[j])) {
+                walk->far[j] = far;
+                met |= UINT64_C(1) << j;
             }
         }
-        left = stay;
     }
 }

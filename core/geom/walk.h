@@ -9,6 +9,7 @@
 
 /** Most points of a walk: three times those of a list, so that one of three sheets has enough. */
 enum { VOR_WALK_MOST = 3 * VOR_NEIGHBORS_FEWEST };
+_Static_assert(VOR_WALK_MOST < 64, "points are bits of a word");
 
 /** A walk from the first of `most` points, the others its nearest in order. */
 struct vor_walk {
@@ -25,12 +26,19 @@ struct vor_walk {
     double far[VOR_WALK_MOST];      /**< set by the walk: length of the way; infinite without */
     unsigned char reached[VOR_WALK_MOST]; /**< set by the walk: 1 where the way is at most 1.5 times
                                                the straight distance */
-    double limit[VOR_WALK_MOST];          /**< scratch of the walk, as done */
-    unsigned char done[VOR_WALK_MOST];
+    double limit[VOR_WALK_MOST];          /**< scratch of the walk */
 };
 
-/** Squared distances of all its points from point `of` of them. O(most). */
-void vor_walk_distances(const struct vor_walk *walk, unsigned of, double d2[VOR_WALK_MOST]);
+/** Squared distances of all its points from point `of` of them. Returns a bit for each that is at
+ *  most so far, but not for `of`. O(most). */
+uint64_t vor_walk_near(const struct vor_walk *walk, unsigned of, double within2,
+                       double d2[VOR_WALK_MOST]);
+
+/** The first of some points, of which there is one: the number of the lowest bit. */
+static inline unsigned vor_walk_first(uint64_t points)
+{
+    return (unsigned)__builtin_ctzll(points);
+}
 
 /** Finds the shortest ways (Dijkstra 1959) along edges that stay on the surface: at most 2.2
  *  spacings of the points long, between normals that agree, no steeper over the surface than arc.

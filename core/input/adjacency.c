@@ -399,10 +399,9 @@ static void probe_normals(struct vor_walk *walk, const struct vor_domain *domain
         double here, best = KEEP * vor_plane_cost(&at[j].plane, x, at[j].r2);
         unsigned take = j;
 
-        vor_walk_distances(walk, j, d2);
-        for (unsigned other = 0; other < walk->most; other++) {
-            if (d2[other] > at[j].r2 || other == j)
-                continue;
+        for (uint64_t near = vor_walk_near(walk, j, at[j].r2, d2); near > 0; near &= near - 1) {
+            unsigned other = vor_walk_first(near);
+
             here = vor_plane_cost(&at[other].plane, x, at[j].r2);
             take = here < best ? other : take;
             best = here < best ? here : best;
