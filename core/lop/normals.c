@@ -118,8 +118,6 @@ static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     }
 }
 
-/* Mean square of the distances of points to a place. */
-
 /* How badly a plane stands for the surface at x: its flatness, and how far it passes beyond TRUSTED
  * times what its own points are off, squared over r2. */
 static double cost_of(const struct vor_plane *plane, const float x[3], double r2)
@@ -130,6 +128,18 @@ static double cost_of(const struct vor_plane *plane, const float x[3], double r2
         height += ((double)x[c] - (double)plane->middle[c]) * (double)plane->normal[c];
     beyond = fmax(fabs(height) - TRUSTED * sqrt((double)plane->flatness * r2), 0);
     return (double)plane->flatness + beyond * beyond / r2;
+}
+
+/* Whether the plane of point j, on the side that the surface faces there, faces away from point i:
+ * it is that of a wall's other face, which may pass nearer. Not known where sides were found on
+ * fewer points. */
+static int faces_away(const struct normals *normals, size_t i, size_t j)
+{
+    const struct vor_orientation *sides = normals->how->orientation;
+    const float *n = normals->plane[j].normal;
+
+    return sides->thin.n == 0 &&
+           vor_dotf(n, &sides->normal[3 * i]) * vor_dotf(n, &sides->normal[3 * j]) < 0;
 }
 
 /* Takes for each point the best of the planes around it. */
@@ -152,7 +162,7 @@ static void choose_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
         for (unsigned j = 0; j < k; j++) {
             double cost = cost_of(&normals->plane[index[j]], x, r2);
 
-            if (cost < best) {
+            if (cost < best && !faces_away(normals, i, index[j])) {
                 best = cost;
                 taken = index[j];
             }
@@ -334,16 +344,17 @@ static vor_status work(struct normals *normals, const struct vor_run *run, struc
     return status;
 }
 
-/* Finds the sides of the normals. */
-static vor_status sign(struct normals *normals, const struct vor_run *run, struct vor_error *err)
+/* Finds the sides of the surface, and takes planes and their sides by them. */
+static vor_status choose(struct normals *normals, const struct vor_run *run, struct vor_error *err)
 {
     struct vor_orient_how how = {
         .points = normals->how->points, .area = normals->how->area, .plain = normals->how->plain};
+    size_t n = normals->domain->n;
     vor_status status = vor_orient(normals->how->orientation, normals->domain, &how, run, err);
 
-    if (status != VOR_OK)
-        return status;
-    return vor_run_for(run, normals->domain->n, BLOCK, sign_block, normals, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, n, BLOCK, choose_block, normals, err);
+    return status == VOR_OK ? vor_run_for(run, n, BLOCK, sign_block, normals, err) : status;
 }
 
 /* Puts data that none of their side are around beside the others. */
@@ -369,9 +380,7 @@ static vor_status find(struct normals *normals, const struct vor_run *run, struc
     vor_status status = vor_run_for(run, n, BLOCK, plane_block, normals, err);
 
     if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, choose_block, normals, err);
-    if (status == VOR_OK)
-        status = sign(normals, run, err);
+        status = choose(normals, run, err);
     if (status == VOR_OK)
         status = work(normals, run, err);
     if (status != VOR_OK || normals->how->rounds == 0 || !normals->how->edges)

@@ -9,15 +9,16 @@
  *  alone. Near an edge such normals lie between those of both sides, and smoothing keeps some: one
  *  point in ten next to an edge of 90 degrees. Here each point takes the best plane among those
  *  through the neighbourhoods around it, which near an edge is one that does not cross it: flat,
- * and through the point. Then neighbours count by how near their own planes pass to the point
- * (beside theta and psi), and the normal starts anew from that of a neighbour which most of these
- * agree with. Departure: the points move along their normals onto their side. A neighbour is seen
- * along the mean of both normals, to which the chord of a circle is perpendicular: curvature then
- * moves no point, as it does with the normal of either. Departure: points on fillets about as
- *  wide as the fits are put onto these (lop/fillets.h). Departure: where the input has edges, a
- *  point that none of its own side are around goes beside the others (lop/beside.h). Departure: the
- * neighbours are as many as a fit takes there, whatever sigmaP: planes through more of them make
- * facets of a surface that bends. sigmaP is the reach of the projection and of insertion. */
+ * through the point, and not facing away from it, as the other face of a wall does. Then neighbours
+ * count by how near their own planes pass to the point (beside theta and psi), and the normal
+ * starts anew from that of a neighbour which most of these agree with. Departure: the points move
+ * along their normals onto their side. A neighbour is seen along the mean of both normals, to which
+ * the chord of a circle is perpendicular: curvature then moves no point, as it does with the normal
+ * of either. Departure: points on fillets about as wide as the fits are put onto these
+ * (lop/fillets.h). Departure: where the input has edges, a point that none of its own side are
+ * around goes beside the others (lop/beside.h). Departure: the neighbours are as many as a fit
+ * takes there, whatever sigmaP: planes through more of them make facets of a surface that bends.
+ * sigmaP is the reach of the projection and of insertion. */
 #ifndef VOR_LOP_NORMALS_H
 #define VOR_LOP_NORMALS_H
 
