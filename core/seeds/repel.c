@@ -45,9 +45,9 @@ enum {
     RECORD_EVERY = 10
 };
 
-/* Spacings: nearer pairs part along the surface, and by a force of that length. It matters where
- * points coincide; 0.05 and 0.2 move no figure. */
-#define OVERLAP 0.1
+/* Spacings: nearer pairs, which two steps take apart, part along the surface, and by a force of
+ * that length. It matters where points coincide; half and double move no figure. */
+#define OVERLAP (2 * VOR_REPEL_STEP_MAX)
 /* With a density: neighbours are looked for so much farther than the force extends by the seed's
  * own spacing. Where that grows by the usual 0.2 of the way, one 1.5 spacings away has a spacing
  * larger by less than that. */
@@ -95,8 +95,8 @@ static const struct aim short_steps = {VOR_REPEL_HARD, CELLS_EVEN, QUIET_SHORT,
  * Not where the input has sheets: longer steps lead more points onto the other one (two wavy
  * sheets, triangles that join them: 10 / 23). Nor with a metric: mean distance of fandisk from its
  * anisotropic mesh of 5,000 points 1.70e-4 / 1.95e-4 of the diagonal. */
-static const struct aim six_around = {8,  QUIET_SHORT, QUIET_SHORT, 0.4, VOR_REPEL_MOMENTUM_FIRST,
-                                      1.5};
+static const struct aim six_around = {
+    8, QUIET_SHORT, QUIET_SHORT, 0.4, VOR_REPEL_MOMENTUM_FIRST, VOR_HARD_REACH};
 
 struct polish {
     struct vor_seeds *seeds;
