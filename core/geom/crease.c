@@ -24,9 +24,9 @@ enum {
 /* The points in the frame of the fit, in spacings. */
 struct fit {
     unsigned k;
-    double u[VOR_CREASE_MAX], v[VOR_CREASE_MAX], w[VOR_CREASE_MAX];
-    double q[SHARED_TERMS][VOR_CREASE_MAX]; /* orthonormal columns of 1, u, v, uv, vv */
-    double rest[VOR_CREASE_MAX];            /* w without its part in them */
+    double u[VOR_NEIGHBORS_MAX], v[VOR_NEIGHBORS_MAX], w[VOR_NEIGHBORS_MAX];
+    double q[SHARED_TERMS][VOR_NEIGHBORS_MAX]; /* orthonormal columns of 1, u, v, uv, vv */
+    double rest[VOR_NEIGHBORS_MAX];            /* w without its part in them */
 };
 
 /* Where the kink is, u = at + slant v, its change of slope, and by how much it lowers the sum of
@@ -96,7 +96,7 @@ static double beyond(const struct fit *fit, const struct kink *kink, unsigned j)
 /* Sets gain and slope of a kink whose place is known. */
 static void weigh(struct kink *kink, const struct fit *fit)
 {
-    double column[VOR_CREASE_MAX];
+    double column[VOR_NEIGHBORS_MAX];
 
     for (unsigned j = 0; j < fit->k; j++)
         column[j] = fmax(0, beyond(fit, kink, j));
@@ -107,7 +107,7 @@ static void weigh(struct kink *kink, const struct fit *fit)
  * line near the first point, which is the next kink's place. */
 static int meet(struct kink *next, const struct fit *fit, const struct kink *kink)
 {
-    double column[SIDE_TERMS][VOR_CREASE_MAX], part[SIDE_TERMS][SHARED_TERMS],
+    double column[SIDE_TERMS][VOR_NEIGHBORS_MAX], part[SIDE_TERMS][SHARED_TERMS],
         a[SIDE_TERMS * SIDE_TERMS], b[SIDE_TERMS];
 
     for (unsigned j = 0; j < fit->k; j++) {
@@ -191,7 +191,7 @@ void vor_crease_fit(struct vor_crease *out, const float *near, unsigned k, doubl
 {
     struct fit fit;
     struct kink kink;
-    double rest2, length, slope, height, foot[3], parabola[VOR_CREASE_MAX], coefficient;
+    double rest2, length, slope, height, foot[3], parabola[VOR_NEIGHBORS_MAX], coefficient;
 
     fit.k = k;
     for (unsigned j = 0; j < k; j++) {

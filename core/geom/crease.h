@@ -11,9 +11,8 @@
 
 #include "core/geom/surface.h"
 
-/** Most points that a crease is fitted to, and fewest: twice the coefficients of the fit, less two
- *  for the point itself and the place. */
-#define VOR_CREASE_MAX 256
+/** Fewest points that a crease is fitted to: twice the coefficients of the fit, less two for the
+ *  point itself and the place. */
 #define VOR_CREASE_MIN (2 * VOR_QUADRIC_TERMS - 2)
 
 struct vor_crease {
@@ -28,7 +27,7 @@ struct vor_crease {
 /** Fits a crease and a quadric.
  *
  *  @param[in] near     k x 3 floats; the crease is looked for within two spacings of the first
- *  @param[in] k        VOR_CREASE_MIN .. VOR_CREASE_MAX
+ *  @param[in] k        VOR_CREASE_MIN .. VOR_NEIGHBORS_MAX
  *  @param[in] axis     rows, orthonormal: about along the edge, across it, and up
  *  @param[in] spacing  > 0: unit of the results
  *

@@ -23,7 +23,7 @@ enum {
 /* Points in the frame of a fillet. */
 struct points {
     unsigned k;
-    double u[VOR_FILLET_MAX], v[VOR_FILLET_MAX], w[VOR_FILLET_MAX];
+    double u[VOR_NEIGHBORS_MAX], v[VOR_NEIGHBORS_MAX], w[VOR_NEIGHBORS_MAX];
 };
 
 /* The height over a rounded wedge, by those over its sides, and how it grows with these and with

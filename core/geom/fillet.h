@@ -7,12 +7,13 @@
 #ifndef VOR_GEOM_FILLET_H
 #define VOR_GEOM_FILLET_H
 
+#include "core/geom/surface.h"
+
 /** Parameters of a side, which are height, slope, slope and bend along, and of all: the radius too.
  */
 enum { VOR_FILLET_SIDE_TERMS = 4, VOR_FILLET_TERMS = 2 * VOR_FILLET_SIDE_TERMS + 1 };
 
-/** Most points that one is fitted to, and fewest. */
-#define VOR_FILLET_MAX 512
+/** Fewest points that one is fitted to. */
 #define VOR_FILLET_MIN (2 * VOR_FILLET_TERMS)
 
 /** Square of the sine between sides that do not meet: 2 degrees. */
@@ -34,7 +35,7 @@ struct vor_fillet {
 /** Fits one.
  *
  *  @param[in] near    k x 3 floats
- *  @param[in] k       VOR_FILLET_MIN .. VOR_FILLET_MAX
+ *  @param[in] k       VOR_FILLET_MIN .. VOR_NEIGHBORS_MAX
  *  @param[in] place   points on both sides, about
  *  @param[in] normal  unit normals of both, not parallel; the solid is on the other side of both
  *  @param[in] reach   > 0: of the points around the edge

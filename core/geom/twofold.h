@@ -19,8 +19,11 @@ enum { VOR_TWOFOLD_USUAL = 62 };
 /** Coefficients of q, of which the first are those of h, a quadratic. */
 enum { VOR_TWOFOLD_COMMON = 10, VOR_TWOFOLD_APART = VOR_QUADRIC_TERMS };
 
-/** Most points, and fewest: as many as two sheets have coefficients. */
-enum { VOR_TWOFOLD_MOST = 72, VOR_TWOFOLD_LEAST = VOR_TWOFOLD_COMMON + VOR_TWOFOLD_APART };
+/** Most points, whole vectors of them, and fewest: as many as two sheets have coefficients. */
+enum {
+    VOR_TWOFOLD_MOST = (VOR_TWOFOLD_USUAL + 7) / 8 * 8,
+    VOR_TWOFOLD_LEAST = VOR_TWOFOLD_COMMON + VOR_TWOFOLD_APART
+};
 
 /** Two sheets. Lengths are in the unit of the points. */
 struct vor_twofold {

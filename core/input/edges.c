@@ -90,8 +90,8 @@ struct around {
     struct vor_knn_last last; /* of a row of them */
     unsigned k;
     double spacing; /* of a square lattice as dense */
-    uint32_t index[VOR_CREASE_MAX];
-    float near[3 * VOR_CREASE_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    float near[3 * VOR_NEIGHBORS_MAX];
 };
 
 /* `few` points around x, or more where fits take more. */
@@ -99,12 +99,12 @@ static void search(struct around *out, const struct vor_domain *domain, const fl
                    unsigned few)
 {
     unsigned fit = vor_neighbors_at(&domain->known.neighbors, x), k = few;
-    float distance2[VOR_CREASE_MAX];
+    float distance2[VOR_NEIGHBORS_MAX];
 
     if (fit > VOR_NEIGHBORS_FEWEST)
         k = few * fit / VOR_NEIGHBORS_FEWEST;
-    if (k > VOR_CREASE_MAX)
-        k = VOR_CREASE_MAX;
+    if (k > VOR_NEIGHBORS_MAX)
+        k = VOR_NEIGHBORS_MAX;
     if (k > domain->n)
         k = (unsigned)domain->n;
     vor_knn_search_next(domain->knn, &out->last, x, k, out->index, distance2);

@@ -227,11 +227,11 @@ static void fit(struct signed_fillet *out, const struct fillets *fillets, size_t
 {
     const struct vor_domain *domain = fillets->domain;
     const float *x = &domain->xyz[3 * i], *like[2];
-    unsigned k = (unsigned)fmin(fmin(WIDE * fillets->lists->count[i], VOR_FILLET_MAX),
+    unsigned k = (unsigned)fmin(fmin(WIDE * fillets->lists->count[i], VOR_NEIGHBORS_MAX),
                                 (double)domain->n),
              used = 0;
-    uint32_t index[VOR_FILLET_MAX];
-    float distance2[VOR_FILLET_MAX], near[3 * VOR_FILLET_MAX];
+    uint32_t index[VOR_NEIGHBORS_MAX];
+    float distance2[VOR_NEIGHBORS_MAX], near[3 * VOR_NEIGHBORS_MAX];
     struct sides sides;
     double reach2 = 0;
 
