@@ -11,7 +11,8 @@
  *  @param[in] inputs, input  as struct vor_job_view has them
  *
  *  Beside what runs took (need.c): 0.9 to 2 times as much, 1.5 at most where the input is not
- *  much larger than the result. */
+ *  much larger than the result; inspect and denoise, which noise makes dearer, 0.9 to 2.4. Other
+ * runs on noise may take twice as much. */
 uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
                         const struct vor_job_input input[VOR_INPUTS_MAX]);
 

@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DOUBLES = 2 };
+enum { DOUBLES = 2, NOISY = 3 };
 
 /* A request, the shape and size of its input, and the estimate over the peak at least and at most:
  * 0.8 and 1.5 wherever the input alone does not decide. */
 struct need_case {
     const char *process;
-    int noise; /* or DOUBLES */
+    int noise; /* or DOUBLES or NOISY */
     size_t points;
     const char *query;
     double least, most;
@@ -46,6 +46,10 @@ static const struct need_case cases[] = {
     {"restore", 0, 100000, "", 0.8, 2.0},
     {"convert", DOUBLES, 100000, "", 0.9, 1.5},
     {"denoise", DOUBLES, 10000, "filters=outliers", 0.9, 2.0},
+    {"denoise", NOISY, 20000, "ratio=1", 0.9, 2.4},
+    {"denoise", 0, 20000, "ratio=1", 0.9, 2.4},
+    {"inspect", NOISY, 20000, "", 0.9, 2.4},
+    {"inspect", 0, 20000, "", 0.9, 2.4},
 };
 
 static void noise_cloud(struct vor_cloud *cloud, size_t n)
@@ -103,6 +107,8 @@ VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
     (of->noise == 1 ? noise_cloud(&cloud, of->points) : vt_cloud_sphere(&cloud, 5, of->points));
     if (of->noise == DOUBLES)
         keep_doubles(&cloud);
+    for (size_t i = 0; of->noise == NOISY && i < 3 * cloud.n; i++)
+        cloud.xyz[i] += 0.05F * (float)(vt_unit(3, i) - 0.5);
     row.input[0].points = of->points;
     row.input[0].bytes = (of->noise == DOUBLES ? 24 : 12) * of->points;
     vor_artefacts_init(&in, &vt_memory);
