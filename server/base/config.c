@@ -188,26 +188,11 @@ static const char *config_place(const struct vor_config *config)
     return path[0] != '\0' ? path : VOR_CONFIG_PLACE;
 }
 
-static const char blanks[] = " \t\r\n";
-
-/* Cuts blanks off both ends. */
-static char *trim(char *text)
-{
-    size_t size;
-
-    text += strspn(text, blanks);
-    size = strlen(text);
-    while (size > 0 && strchr(blanks, text[size - 1]) != NULL)
-        size--;
-    text[size] = '\0';
-    return text;
-}
-
 /* One line, which is changed; empty ones and those that begin with # or ; are passed over. */
 static vor_status take_line(char *line, unsigned number, struct vor_config *config,
                             struct vor_error *err)
 {
-    char *name = trim(line), *equals = strchr(name, '=');
+    char *name = vor_trim(line), *equals = strchr(name, '=');
 
     if (name[0] == '\0' || name[0] == '#' || name[0] == ';')
         return VOR_OK;
@@ -216,7 +201,7 @@ static vor_status take_line(char *line, unsigned number, struct vor_config *conf
     if (equals == NULL || equals == name)
         return vor_fail(err, VOR_E_PARAM, "\"%.60s\" is not of the form name = value", name);
     *equals = '\0';
-    return take_setting(config, number, trim(name), trim(equals + 1), err);
+    return take_setting(config, number, vor_trim(name), vor_trim(equals + 1), err);
 }
 
 /* Puts "FILE line N: " before a message. Returns its status. */

@@ -192,17 +192,11 @@ static vor_status read_line(struct key_line *out, const char *line, struct vor_e
 /* A line of the file, with whatever ends it. */
 static vor_status take_line(struct list *list, char *text, struct vor_error *err)
 {
-    static const char blanks[] = " \t\r\n";
     struct key_line line;
-    size_t length;
     vor_status status;
 
-    text += strspn(text, blanks);
-    length = strlen(text);
-    while (length > 0 && strchr(blanks, text[length - 1]) != NULL)
-        length--;
-    text[length] = '\0';
-    if (length == 0 || text[0] == '#')
+    text = vor_trim(text);
+    if (text[0] == '\0' || text[0] == '#')
         return VOR_OK;
     status = read_line(&line, text, err);
     if (status != VOR_OK)

@@ -88,6 +88,19 @@ double vor_number_read(const char *text, size_t length, int may_scale)
     return suffix != NULL ? ldexp(number, 10 * (int)(suffix - suffixes + 1)) : number;
 }
 
+char *vor_trim(char *text)
+{
+    static const char blanks[] = " \t\r\n";
+    size_t size;
+
+    text += strspn(text, blanks);
+    size = strlen(text);
+    while (size > 0 && strchr(blanks, text[size - 1]) != NULL)
+        size--;
+    text[size] = '\0';
+    return text;
+}
+
 int vor_whole_read(unsigned *out, const char *text, unsigned least, unsigned most)
 {
     double number;

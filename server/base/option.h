@@ -49,6 +49,11 @@ VOR_NODISCARD vor_status vor_option_read(double *out, const struct vor_option_ro
  *  may_scale. NAN for anything else. */
 double vor_number_read(const char *text, size_t length, int may_scale);
 
+/** Cuts blanks and line breaks off both ends of a text, which is changed; returns its new
+ * beginning.
+ */
+char *vor_trim(char *text);
+
 /** True when a text is a whole number from least to most, in digits alone; *out is untouched else.
  */
 int vor_whole_read(unsigned *out, const char *text, unsigned least, unsigned most);
