@@ -357,8 +357,12 @@ unsigned vor_neighbors_at(const struct vor_neighbors *neighbors, const float x[3
     unsigned k = neighbors->most;
 
     for (unsigned i = 0; i < neighbors->places; i++) {
-        double distance2 = vor_distance2f(&neighbors->xyz[3 * i], x);
+        const float *place = &neighbors->xyz[3 * i];
+        double across = (double)place[0] - (double)x[0], distance2;
 
+        if (across * across >= least) /* most are */
+            continue;
+        distance2 = vor_distance2f(place, x);
         k = distance2 < least ? neighbors->k[i] : k;
         least = distance2 < least ? distance2 : least;
     }
