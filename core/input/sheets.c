@@ -33,7 +33,7 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
  * points of each of two sheets for a fit of its own. The second is not tried for a list: the first
  * / two / five find 34.1 / 45.1 / 46.6 thousand of arma2's layers (input/adjacency.h) in 21.9 /
  * 21.6 / 29.5 CPU s of one iteration to 480,000. */
-static const double attempts[] = {0.67, 1, 0.46};
+static const double attempts[] = {0.67, 1, 0.46, 0.83};
 enum { ATTEMPTS = sizeof attempts / sizeof *attempts, RECENT = VOR_SHEETS_RECENT };
 
 static unsigned least(unsigned a, size_t b)

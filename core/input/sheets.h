@@ -55,7 +55,7 @@ struct vor_sheets_recent {
 };
 
 /** Looks for layers as vor_sheets_gather does, but first for layers like those found last, and then
- *  in two of its three ways.
+ *  in two of its four ways.
  *
  *  @param[out]    list    room for k: the points nearest to x of the layer that x is nearest to,
  * the nearest first
