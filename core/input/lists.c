@@ -9,6 +9,11 @@
 #include <math.h>
 #include <string.h>
 
+/* Square of the cosine of normals along one line. At 0.75 / 0.97 / 0.9936, waves 2.5 spacings apart
+ * are .011 / .033 / .052 spacings off (.076 without), of a plate 2.4 spacings thick 143 / 143 / 147
+ * of 6,000 points lie inside (244 without); at 0.75 a gear's mesh and a screw's have holes. */
+#define ALIKE 0.97
+
 static vor_status make_local(struct vor_domain *domain, const struct vor_run *run,
                              struct vor_error *err)
 {
@@ -86,6 +91,18 @@ static uint32_t other_sheet(const struct vor_domain *domain, const uint32_t *ind
     return found;
 }
 
+/* Whether two points' normals are along one line, as on both faces of a wall, and not beside a
+ * crease. */
+static int is_alike(const struct vor_domain *domain, uint32_t i, uint32_t j)
+{
+    double m[3], n[3], along;
+
+    vor_to_doubles(m, &domain->graph.normal[3 * (size_t)i]);
+    vor_to_doubles(n, &domain->graph.normal[3 * (size_t)j]);
+    along = vor_dot(m, n);
+    return along * along > ALIKE;
+}
+
 /* Distance of x from a surface, along its normal. */
 static double off(const struct vor_surface *s, const double x[3])
 {
@@ -130,7 +147,14 @@ struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
     }
     if (!domain->graph.own[index[0]]) {
         vor_surface_fit(out, near, k);
-        return fitted;
+        if (!vor_layers_possible(out))
+            return fitted;
+        /* Those nearest to x may reach over to another sheet where those nearest to its input point
+         * do not. Whatever the normals: points of a block 1.16 spacings off for 0.73. */
+        fit_to(&second, domain, index[0], k);
+        if (vor_layers_possible(&second) || second.off2 > VOR_LAYERS_POSSIBLE2 * out->off2 ||
+            !is_alike(domain, index[0], other_sheet(domain, index, k, x)))
+            return fitted;
     }
     fitted.sheet = 1;
     fitted.root = index[0];

@@ -37,9 +37,9 @@ struct vor_lists_fitted {
 int vor_lists_are(const struct vor_domain *domain, unsigned k);
 
 /** vor_surface_fit to k points around x, which lie on one sheet if vor_lists_are: where the list of
- * the input point nearest to x is its own, to that list; and where points of another sheet are
- * near, to the sheet that x is nearer to, because between sheets nearer than the spacing the
- * nearest input point is often one of the other. Without lists, as vor_sheets_fit.
+ * the input point nearest to x is its own or fits far better, to that list; and where points of
+ * another sheet are near, to the sheet that x is nearer to, because between sheets nearer than the
+ * spacing the nearest input point is often one of the other. Without lists, as vor_sheets_fit.
  *
  *  @param[in,out] near   k x 3 floats, nearest first; those of the sheet if there is one, repeated
  *                        if they are fewer

@@ -291,7 +291,7 @@ static const struct {
     {FOLD, 8000, 3, 0, "points=1500 iterations=6 polish=8", 1e-4, 0, 0},
     {CROSSING, 6000, 0, 0, "points=6000 iterations=2 polish=8", 0.06, 0, 7},
     {WAVES, 8000, 0.4, 0, "points=1500 iterations=6 polish=8", 0.0054, 0, 0},
-    {WAVES, 8000, 3, 0, "points=1500 iterations=6 polish=8", 0.066, 7, 2},
+    {WAVES, 8000, 2.5, 0, "points=3200 iterations=6 polish=8", 0.045, 5, 1},
     {WEDGE, 4000, 0.3, 0.3, "points=1500 method=ear polish=8", 0.094, 0, 0},
     {WEDGE, 4000, 0, 0.3, "points=1500 method=ear polish=8", 0.039, 0, 17},
 };
