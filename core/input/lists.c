@@ -93,12 +93,12 @@ static uint32_t other_sheet(const struct vor_domain *domain, const uint32_t *ind
 
 /* Whether two points' normals are along one line, as on both faces of a wall, and not beside a
  * crease. */
-static int is_alike(const struct vor_domain *domain, uint32_t i, uint32_t j)
+static int is_alike(const struct vor_graph *graph, uint32_t i, uint32_t j)
 {
     double m[3], n[3], along;
 
-    vor_to_doubles(m, &domain->graph.normal[3 * (size_t)i]);
-    vor_to_doubles(n, &domain->graph.normal[3 * (size_t)j]);
+    vor_to_doubles(m, &graph->normal[3 * (size_t)i]);
+    vor_to_doubles(n, &graph->normal[3 * (size_t)j]);
     along = vor_dot(m, n);
     return along * along > ALIKE;
 }
@@ -153,7 +153,7 @@ struct vor_lists_fitted vor_lists_fit(struct vor_surface *out, float *near,
          * do not. Whatever the normals: points of a block 1.16 spacings off for 0.73. */
         fit_to(&second, domain, index[0], k);
         if (vor_layers_possible(&second) || second.off2 > VOR_LAYERS_POSSIBLE2 * out->off2 ||
-            !is_alike(domain, index[0], other_sheet(domain, index, k, x)))
+            !is_alike(&domain->graph, index[0], other_sheet(domain, index, k, x)))
             return fitted;
     }
     fitted.sheet = 1;
