@@ -97,8 +97,8 @@ SANITIZE ?= some
 ENGINE_INSIDE = $(shell grep -lE 'include "core/(geom|input|metrics|opt|seeds|cvt|kmeans|lop|mesh|remesh|output|baselines)/' $(TEST_SRC))
 DRIVERS := $(addprefix tests/,property/methods_interrupted.c property/methods_threads.c unit/stages_test.c)
 THREADED := tests/unit/base_parallel.c tests/property/methods_threads.c
-# Their threads are those of worker_jobs and store_model; what they judge is files, and figures.
-FILES_JUDGED := damage_test need_test self_test_test serve_disk storage_full store_work worker_artefacts worker_crash
+# Their threads are those of job_service_jobs and store_model; what they judge is files, and figures.
+FILES_JUDGED := damage_test memory_estimate_test self_test_test serve_disk storage_full store_work job_service_artefacts job_service_crash
 MET := life events events_many events_poll cancel daemon slow auth signals again
 RELEASE_ALONE := $(BINARY_LAWS) $(wildcard tests/page/*.t)
 SANITIZED.asan.all = $(filter-out $(RELEASE_ALONE),$(TEST_SCRIPTS)) $(TEST_SRC)
@@ -115,7 +115,7 @@ TEST_BIN := $(filter $(B)/%,$(TESTS))
 endif
 # These take longest, or wait most: they begin first, and no core is idle at the end.
 TEST_LONG := %/methods_interrupted %/methods_threads tests/http/bytes.t tests/page/page.t \
-    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/worker_artefacts %/growth
+    tests/http/slow.t tests/http/readme.t tests/cli/remote.t tests/golden/golden.t %/mesh_test %/job_service_artefacts %/growth
 BENCH_SRC := $(sort $(wildcard tests/by_hand/bench/*.c))
 BENCH_BIN := $(addprefix $(B)/,$(basename $(BENCH_SRC))) $(addprefix $(B)/tests/by_hand/bench/,wlop orient front ear register)
 
@@ -260,8 +260,8 @@ $(B)/tests/%: $(B)/tests/%.o $(SUPPORT) $(LIB)
 # These know which place of the product asks for memory.
 $(addprefix $(B)/tests/,unit/stages_test property/methods_interrupted property/methods_resumed property/methods_threads): \
     TEST_LIBS += -Wl,--wrap=vor_malloc,--wrap=vor_calloc,--wrap=vor_realloc
-$(B)/tests/unit/worker_recover: TEST_LIBS += -Wl,--wrap=vor_job_create,--wrap=vor_store_reap,--wrap=vor_store_waiting,--wrap=vor_store_hand_back
-$(B)/tests/unit/worker_jobs: TEST_LIBS += -Wl,--wrap=vor_store_get,--wrap=vor_store_events
+$(B)/tests/unit/job_service_recover: TEST_LIBS += -Wl,--wrap=vor_job_create,--wrap=vor_store_reap,--wrap=vor_store_waiting,--wrap=vor_store_hand_back
+$(B)/tests/unit/job_service_jobs: TEST_LIBS += -Wl,--wrap=vor_store_get,--wrap=vor_store_events
 
 # What other programs make of the same.
 $(B)/tests/oracle/lbfgs_liblbfgs: TEST_LIBS += -llbfgs
@@ -384,7 +384,7 @@ proxy: ## install what is missing, build, and run the help's examples for nginx,
 # Objects alone: libraries of arm64 are not asked for.
 FOR_ARM64 := config=arm64 CC=aarch64-linux-gnu-gcc CXX=aarch64-linux-gnu-g++ AR=aarch64-linux-gnu-ar
 
-SCALE_TESTS := unit/blob_any unit/store_rows unit/store_queue unit/store_tenants unit/worker_crash property/store_model
+SCALE_TESTS := unit/blob_any unit/store_rows unit/store_queue unit/store_tenants unit/job_service_crash property/store_model
 
 scale: ## install what is missing, build, and run the tests of jobs in PostgreSQL and of files in S3, with servers that are started here
 	@docker/install.sh build test scale

@@ -1,5 +1,5 @@
-/* The order of life: settings, processes, store, blobs, socket, worker, jobs, admission, HTTP; then
- * wait for a signal; then the same backwards. */
+/* The order of life: settings, processes, store, blobs, socket, job service, jobs, admission, HTTP;
+ * then wait for a signal; then the same backwards. */
 #include "server/serve.h"
 
 #include "server/api/app.h"
@@ -17,9 +17,9 @@
 #include "server/work/admit.h"
 #include "server/work/codec_child.h"
 #include "server/work/conversion.h"
-#include "server/work/station.h"
 #include "server/work/supervisor.h"
 #include "server/work/verify.h"
+#include "server/work/worker_main.h"
 
 #include <errno.h>
 #include <math.h>
@@ -55,7 +55,7 @@ enum { CHILD_CODEC, CHILD_WORKER, CHILD_KINDS };
 
 static const struct vor_child_kind child_kinds[CHILD_KINDS] = {
     [CHILD_CODEC] = {"vor-codec", vor_codec_child},
-    [CHILD_WORKER] = {"vor-worker", vor_station_run},
+    [CHILD_WORKER] = {"vor-worker", vor_worker_main},
 };
 
 /* The parts, in the order in which they start. */
@@ -102,7 +102,7 @@ static void pause_for(double seconds)
 }
 
 /* A disk has failed: only a start finds out what is on it; or the store is another daemon's. Called
- * on a thread of the worker. Answers under way get a moment, jobs none: rows cannot change. */
+ * on a thread of the job service. Answers under way get a moment, jobs none: rows cannot change. */
 static void fail(void *ctx, const struct vor_error *why)
 {
     struct daemon *daemon = ctx;
@@ -166,7 +166,7 @@ static uint64_t results_bytes(const struct daemon *daemon)
 static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
 {
     const struct vor_config *config = &daemon->config;
-    struct vor_worker_config worker = {
+    struct vor_job_service_config service = {
         .store = daemon->app.store,
         .blobs = daemon->app.blobs,
         .jobs = vor_config_runners(config),
@@ -187,13 +187,13 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     struct vor_admit_limits limits = {.place = place_of(daemon),
                                       .codec = VOR_LIMITS_DEFAULT,
                                       .memory = job_memory(config),
-                                      .keep = worker.keep};
+                                      .keep = service.keep};
     const struct vor_supervisor_config runs = {.zygote = &daemon->zygote,
                                                .kind = CHILD_WORKER,
                                                .codec = place_of(daemon),
                                                .threads = thread_count(config),
                                                .memory = (size_t)config->number[VOR_SET_JOBS] *
-                                                         worker.memory};
+                                                         service.memory};
     /* Uploads read at a time: two on a machine with one core, so that a caller leaves one. */
     const unsigned readers = vor_machine_cores() > 2 ? vor_machine_cores() : 2;
     vor_status status = vor_supervisor_create(&daemon->supervisor, &runs, err);
@@ -205,8 +205,8 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     if (daemon->app.inflight == NULL && status == VOR_OK)
         status = vor_fail(err, VOR_E_NOMEM, "the Idempotency-Keys");
     if (status == VOR_OK) {
-        worker.executor = vor_supervisor_executor(daemon->supervisor);
-        status = vor_worker_create(&daemon->app.worker, &worker, err);
+        service.executor = vor_supervisor_executor(daemon->supervisor);
+        status = vor_job_service_create(&daemon->app.service, &service, err);
     }
     if (status == VOR_OK)
         status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers,
@@ -214,13 +214,13 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
     if (status == VOR_OK)
         status = vor_verify_create(&daemon->app.verify, daemon->app.blobs, err);
     if (status == VOR_OK) { /* results are converted where uploads are decoded */
-        const struct vor_conversions_config conversions = {.store = daemon->app.store,
-                                                           .blobs = daemon->app.blobs,
-                                                           .worker = daemon->app.worker,
-                                                           .crew =
-                                                               vor_admit_crew(daemon->app.admit),
-                                                           .place = limits.place,
-                                                           .memory = limits.memory};
+        const struct vor_conversions_config conversions = {
+            .store = daemon->app.store,
+            .blobs = daemon->app.blobs,
+            .service = daemon->app.service,
+            .pool = vor_admit_thread_pool(daemon->app.admit),
+            .place = limits.place,
+            .memory = limits.memory};
 
         status = vor_conversions_create(&daemon->app.conversions, &conversions, err);
     }
@@ -322,7 +322,7 @@ static void stop(struct daemon *daemon)
     vor_verify_destroy(daemon->app.verify);
     vor_admit_destroy(daemon->app.admit);
     vor_conversions_destroy(daemon->app.conversions);
-    vor_worker_destroy(daemon->app.worker);
+    vor_job_service_destroy(daemon->app.service);
     vor_inflight_destroy(daemon->app.inflight);
     vor_supervisor_destroy(daemon->supervisor);
     vor_zygote_stop(&daemon->zygote);
@@ -353,9 +353,9 @@ static void *drain(void *ctx)
     until = vor_clock_seconds() + seconds;
     atomic_store(&daemon->app.draining, true);
     vor_http_wake_all(daemon->app.http);
-    vor_worker_drain(daemon->app.worker, seconds);
+    vor_job_service_drain(daemon->app.service, seconds);
     vor_http_quiesce(daemon->app.http);
-    vor_worker_settle(daemon->app.worker, SETTLE_SECONDS);
+    vor_job_service_settle(daemon->app.service, SETTLE_SECONDS);
     vor_http_close_waiting(daemon->app.http);
     pause_for(farewell_seconds);
     if (until < vor_clock_seconds() + SETTLE_SECONDS)

@@ -93,7 +93,7 @@ static enum vor_next reply_metrics(struct vor_request *request)
     struct vor_app *app = request->app;
     struct vor_text text;
     const struct vor_build build = vor_build_own();
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     uint64_t available, total;
     double waited = 0;
     static const enum vor_metric counters[] = {VOR_METRIC_STREAM_EVENTS, VOR_METRIC_STREAM_DROPPED,
@@ -110,7 +110,7 @@ static enum vor_next reply_metrics(struct vor_request *request)
     vor_metric_set(VOR_METRIC_CONNECTIONS_MOST, app->config->number[VOR_SET_CONNECTIONS], NULL);
     vor_metric_set(VOR_METRIC_STREAMS, atomic_load(&app->streams), NULL);
     vor_metric_set(VOR_METRIC_LOG_DROPPED, (double)vor_log_dropped(), NULL);
-    vor_worker_load(app->worker, &load);
+    vor_job_service_load(app->service, &load);
     if (load.oldest_ms > 0)
         waited = (double)(vor_clock_wall_ms() - load.oldest_ms) / 1000;
     vor_metric_set(VOR_METRIC_QUEUE, (double)load.waiting, VOR_LABELS("waiting"));

@@ -6,7 +6,7 @@
 #include "server/base/config.h"
 #include "server/http/http.h"
 #include "server/jobs/inflight.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 
 #include <stdatomic.h>
 
@@ -20,7 +20,7 @@ struct vor_app {
     const struct vor_config *config;
     struct vor_store *store;
     struct vor_blobs *blobs;
-    struct vor_worker *worker;
+    struct vor_job_service *service;
     struct vor_admit *admit;
     struct vor_inflight *inflight;
     struct vor_keys *keys;       /**< NULL: anybody may call */

@@ -138,7 +138,7 @@ static int on_event(void *ctx, const struct vor_sse_arrival *event)
     if (strcmp(event->name, "progress") == 0) {
         vor_progress_event(&follow->progress, json);
     } else if (strcmp(event->name, "replaced") == 0) {
-        follow->progress.pace = (struct vor_pace){0};
+        follow->progress.eta = (struct vor_eta){0};
     } else if (strcmp(event->name, "status") == 0) {
         const struct vor_json *own = vor_json_get(json, "voronoid");
         const char *words = vor_follow_text(json, "message");

@@ -64,7 +64,7 @@ static void add_bar(struct vor_text *line, int width, double fraction)
 void vor_progress_record(struct vor_progress *progress, const struct vor_record *record)
 {
     double now = vor_clock_seconds();
-    int is_first = !progress->pace.began;
+    int is_first = !progress->eta.began;
     const struct vor_spec *spec;
     double fraction;
     double left;
@@ -81,13 +81,13 @@ void vor_progress_record(struct vor_progress *progress, const struct vor_record 
         fflush(progress->lines);
         vor_text_free(&text);
     }
-    vor_pace_add(&progress->pace, record);
+    vor_eta_add(&progress->eta, record);
     if (progress->bar == NULL || (!is_first && now < progress->drawn_at + REDRAW_SECONDS))
         return;
     progress->drawn_at = now;
     spec = &progress->cli->spec;
-    fraction = vor_pace_done(&progress->pace, spec);
-    left = vor_pace_left(&progress->pace, spec);
+    fraction = vor_eta_done(&progress->eta, spec);
+    left = vor_eta_left(&progress->eta, spec);
     vor_text_init(&line, 0);
     /* Adds "iterate   20/50   ", without the limit when it is not known. */
     vor_text_printf(&line, "%s %4u", vor_run_stage_info(record->stage)->name,

@@ -6,7 +6,7 @@
 #include "core/report.h"
 #include "proto/json/json.h"
 #include "server/cli/options.h"
-#include "server/jobs/pace.h"
+#include "server/jobs/eta.h"
 
 #include <stdio.h>
 
@@ -16,8 +16,8 @@ struct vor_progress {
     FILE *lines;      /**< NDJSON; NULL for none */
     FILE *bar;        /**< stderr when it is a terminal; NULL for none */
     int columns;
-    double drawn_at;      /**< seconds of vor_clock; a bar is drawn ten times a second at most */
-    struct vor_pace pace; /**< what the time left is reckoned from */
+    double drawn_at;    /**< seconds of vor_clock; a bar is drawn ten times a second at most */
+    struct vor_eta eta; /**< what the time left is reckoned from */
 };
 
 /** Sets up what the command's options, its output and the terminal ask for. cli is borrowed. */

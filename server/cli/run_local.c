@@ -209,8 +209,8 @@ static vor_status run(struct local_run *r, struct vor_error *err)
         vor_artefacts_cloud(&r->in, r->cli->spec.process->inputs[0].name);
     vor_status status;
 
-    r->progress.pace.work =
-        vor_pace_work_of(&r->cli->spec, cloud->n, vor_pool_threads(r->work.run.pool));
+    r->progress.eta.work =
+        vor_eta_work_of(&r->cli->spec, cloud->n, vor_pool_threads(r->work.run.pool));
     vor_progress_note(&r->progress, "preparing");
     if (r->spec.process->methods != 0)
         vor_interrupt_keep_best();

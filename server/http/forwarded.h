@@ -22,7 +22,8 @@
 
 enum { VOR_HOPS_MAX = 16 /**< entries that are looked at, from the last one */ };
 
-/** Fills *out for a request with this head, which has passed the gate, that came from `peer`.
+/** Fills *out for a request with this head, which has passed the request check, that came from
+ * `peer`.
  *
  *  x-forwarded: X-Forwarded-For is walked; of -Proto, -Host and -Prefix the last entry counts,
  * which is the one that the peer itself wrote or let through. forwarded (RFC 7239): of `proto` and

@@ -4,7 +4,7 @@
  *  A handler is a function called one step after another, always on one of the HTTP threads, never
  *  twice at a time for one request, and never allowed to block:
  *
- *    HEAD  the header block is in and passed the gate (framing, Host, Origin, limits)
+ *    HEAD  the header block is in and passed the request check (framing, Host, Origin, limits)
  *    BODY  the body is in, if the answer to HEAD was VOR_NEXT_BODY
  *    WAKE  vor_waker_wake was called, or the peer left, after VOR_NEXT_WAIT or VOR_NEXT_STAY
  *

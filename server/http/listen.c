@@ -189,8 +189,8 @@ static struct MHD_Daemon *start_daemon(struct vor_http *http, int fd)
 #if MHD_VERSION >= 0x01000000
         MHD_OPTION_CLIENT_DISCIPLINE_LVL, 1,
 #else
-        MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the gate
-                                            does with a problem, once */
+        MHD_OPTION_STRICT_FOR_CLIENT, 0, /* all it adds is to refuse a missing Host, which the
+                                            request check does with a problem, once */
 #endif
         MHD_OPTION_CONNECTION_LIMIT, most * (options->threads > 1 ? options->threads : 1),
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)STUCK_SECONDS, MHD_OPTION_CONNECTION_MEMORY_LIMIT,

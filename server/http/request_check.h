@@ -38,7 +38,7 @@ const char *vor_head_find(const struct vor_head *head, const char *name);
  *  seen all the same. The end of the last line is not. */
 const char *vor_head_check(const struct vor_head *head, const char **detail);
 
-/** Declared length of the body: -1 chunked, 0 none. head has passed the gate. */
+/** Declared length of the body: -1 chunked, 0 none. head has passed the request check. */
 int64_t vor_head_length(const struct vor_head *head);
 
 /** Splits and decodes the query in place: pairs point into text. Returns how many there are, or -1

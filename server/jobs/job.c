@@ -1,7 +1,7 @@
 #include "server/jobs/job.h"
 
 #include "server/base/machine.h"
-#include "server/jobs/pace.h"
+#include "server/jobs/eta.h"
 
 #include <ctype.h>
 #include <pthread.h>
@@ -17,7 +17,7 @@ struct vor_job {
     pthread_mutex_t change; /* a change of state and its event are one; taken before `state` */
     pthread_mutex_t state;  /* what follows, which only who holds `change` changes */
     struct vor_job_view view;
-    struct vor_pace pace;    /* of this attempt, for the estimate */
+    struct vor_eta eta;      /* of this attempt, for the estimate */
     uint32_t stored, newest; /* numbers of events of this attempt: that the store has, and of all */
     struct vor_text piece;   /* those between them */
     int is_here;             /* this attempt runs here; else there may be more than is known */
@@ -37,7 +37,7 @@ static double estimate(const struct vor_job *job)
 
     if (job->view.status != VOR_JOB_RUNNING || stage == VOR_STAGE_ENCODE)
         return -1;
-    return vor_pace_left(&job->pace, &job->view.spec);
+    return vor_eta_left(&job->eta, &job->view.spec);
 }
 
 static void wake_all(struct vor_job *job, enum vor_event_kind kind)
@@ -268,8 +268,8 @@ static void begin_pace(struct vor_job *job)
 {
     const struct vor_job_view *view = &job->view;
 
-    job->pace = (struct vor_pace){
-        .work = vor_pace_work_of(&view->spec, view->input[0].points, vor_machine_cores())};
+    job->eta = (struct vor_eta){
+        .work = vor_eta_work_of(&view->spec, view->input[0].points, vor_machine_cores())};
 }
 
 void vor_job_begin(struct vor_job *job, int64_t now_ms)
@@ -341,15 +341,15 @@ void vor_job_progress(struct vor_job *job, const struct vor_record *record, int6
     entered = job->view.stage != VOR_STAGE_OPTIMIZE;
     if (entered)
         begin_pace(job);
-    vor_pace_add(&job->pace, record);
+    vor_eta_add(&job->eta, record);
     job->view.stage = VOR_STAGE_OPTIMIZE;
     job->view.has_record = 1;
     job->view.record = *record;
     job->view.updated = vor_job_now(&job->view, now_ms);
     /* 0.3 of 80 comes to 23.999...; the small addend makes it 24. */
-    raise_progress(&job->view, PREPARED + (int)((OPTIMIZED - PREPARED) *
-                                                    vor_pace_done(&job->pace, &job->view.spec) +
-                                                1e-9));
+    raise_progress(
+        &job->view,
+        PREPARED + (int)((OPTIMIZED - PREPARED) * vor_eta_done(&job->eta, &job->view.spec) + 1e-9));
     pthread_mutex_unlock(&job->state);
     if (entered)
         publish(job, VOR_EVENT_STATUS, now_ms);

@@ -38,7 +38,7 @@ enum { AT_CHANNEL, AT_WATCH, AT_GIVEN };
 enum { FIRST_FD = STDERR_FILENO + 1 };
 
 /* Of the zygote itself. */
-struct nursery {
+struct children {
     const struct vor_child_kind *kinds;
     unsigned kind_count;
     int socket, signals; /* signals: readable when a child has ended */
@@ -95,10 +95,10 @@ static void set_name(const char *name)
     (void)prctl(PR_SET_NAME, name, 0, 0, 0);
 }
 
-static _Noreturn void be_child(const struct nursery *nursery, pid_t parent,
+static _Noreturn void be_child(const struct children *children, pid_t parent,
                                const struct request *request, struct vor_message *message)
 {
-    const struct vor_child_kind *kind = &nursery->kinds[request->kind];
+    const struct vor_child_kind *kind = &children->kinds[request->kind];
     int *fds = &message->fds[AT_WATCH]; /* not for the child: the channel takes its place */
     unsigned count = message->fd_count - AT_WATCH;
     sigset_t none;
@@ -122,41 +122,41 @@ static void tell(int watch, const void *bytes, size_t size)
 }
 
 /* Forks a child; errno, or 0. */
-static int bear(struct nursery *nursery, const struct request *request, struct vor_message *message,
-                pid_t *out)
+static int spawn(struct children *children, const struct request *request,
+                 struct vor_message *message, pid_t *out)
 {
     pid_t self = getpid(), pid;
 
-    if (request->kind >= nursery->kind_count)
+    if (request->kind >= children->kind_count)
         return EINVAL;
-    if (nursery->count == VOR_CHILDREN)
+    if (children->count == VOR_CHILDREN)
         return EAGAIN;
     pid = fork();
     if (pid == 0)
-        be_child(nursery, self, request, message);
+        be_child(children, self, request, message);
     if (pid < 0)
         return errno;
-    nursery->child[nursery->count].pid = pid;
-    nursery->child[nursery->count].killed = 0;
-    nursery->child[nursery->count++].watch = message->fds[AT_WATCH];
+    children->child[children->count].pid = pid;
+    children->child[children->count].killed = 0;
+    children->child[children->count++].watch = message->fds[AT_WATCH];
     *out = pid;
     return 0;
 }
 
 /* Answers one request; false once the front has gone. */
-static int serve_request(struct nursery *nursery)
+static int serve_request(struct children *children)
 {
     struct request request = {0};
     struct vor_message message = {.bytes = &request, .capacity = sizeof request};
     struct started started = {0};
 
-    if (vor_channel_receive(nursery->socket, &message, -1) != VOR_CHANNEL_MESSAGE)
+    if (vor_channel_receive(children->socket, &message, -1) != VOR_CHANNEL_MESSAGE)
         return 0;
     if (message.size != sizeof request || message.fd_count < AT_GIVEN) {
         vor_message_close(&message);
         return 1;
     }
-    started.error = bear(nursery, &request, &message, &started.pid);
+    started.error = spawn(children, &request, &message, &started.pid);
     tell(message.fds[AT_WATCH], &started, sizeof started);
     for (unsigned i = 0; i < message.fd_count; i++)
         if (i != AT_WATCH || started.error != 0)
@@ -165,11 +165,11 @@ static int serve_request(struct nursery *nursery)
 }
 
 /* The index of a child; the count when there is none. */
-static unsigned find(const struct nursery *nursery, pid_t pid)
+static unsigned find(const struct children *children, pid_t pid)
 {
     unsigned i = 0;
 
-    while (i < nursery->count && nursery->child[i].pid != pid)
+    while (i < children->count && children->child[i].pid != pid)
         i++;
     return i;
 }
@@ -180,7 +180,7 @@ static double seconds_of(const struct timeval *time)
 }
 
 /* Tells of the children that have ended, and forgets them. */
-static void reap(struct nursery *nursery)
+static void reap(struct children *children)
 {
     struct rusage used;
     int status;
@@ -189,43 +189,43 @@ static void reap(struct nursery *nursery)
     while ((pid = wait4(-1, &status, WNOHANG, &used)) > 0) {
         struct vor_child_end end = {.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
                                     .status = WIFEXITED(status) ? WEXITSTATUS(status) : 0};
-        unsigned i = find(nursery, pid);
+        unsigned i = find(children, pid);
 
-        if (i == nursery->count)
+        if (i == children->count)
             continue;
         end.cpu_seconds = seconds_of(&used.ru_utime) + seconds_of(&used.ru_stime);
         end.peak = (uint64_t)used.ru_maxrss * 1024;
-        tell(nursery->child[i].watch, &end, sizeof end);
-        (void)close(nursery->child[i].watch);
-        nursery->child[i] = nursery->child[--nursery->count];
+        tell(children->child[i].watch, &end, sizeof end);
+        (void)close(children->child[i].watch);
+        children->child[i] = children->child[--children->count];
     }
 }
 
 /* Looks after children until the front has gone. */
-static void tend(struct nursery *nursery)
+static void supervise(struct children *children)
 {
     static struct pollfd wait[2 + VOR_CHILDREN];
     struct signalfd_siginfo told;
 
     for (;;) {
-        unsigned count = nursery->count;
+        unsigned count = children->count;
 
-        wait[0] = (struct pollfd){.fd = nursery->socket, .events = POLLIN};
-        wait[1] = (struct pollfd){.fd = nursery->signals, .events = POLLIN};
+        wait[0] = (struct pollfd){.fd = children->socket, .events = POLLIN};
+        wait[1] = (struct pollfd){.fd = children->signals, .events = POLLIN};
         /* The front sends nothing on a watch: what shows there is that it was closed. */
         for (unsigned i = 0; i < count; i++)
             wait[2 + i] = (struct pollfd){
-                .fd = nursery->child[i].killed ? -1 : nursery->child[i].watch, .events = POLLIN};
+                .fd = children->child[i].killed ? -1 : children->child[i].watch, .events = POLLIN};
         if (poll(wait, 2 + count, -1) < 0)
             continue;
         for (unsigned i = 0; i < count; i++)
             if (wait[2 + i].revents != 0) {
-                (void)kill(nursery->child[i].pid, SIGKILL);
-                nursery->child[i].killed = 1;
+                (void)kill(children->child[i].pid, SIGKILL);
+                children->child[i].killed = 1;
             }
-        if (wait[1].revents != 0 && read(nursery->signals, &told, sizeof told) > 0)
-            reap(nursery);
-        if (wait[0].revents != 0 && !serve_request(nursery))
+        if (wait[1].revents != 0 && read(children->signals, &told, sizeof told) > 0)
+            reap(children);
+        if (wait[0].revents != 0 && !serve_request(children))
             return;
     }
 }
@@ -243,13 +243,13 @@ static void mute(void)
         (void)close(null);
 }
 
-static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
+static _Noreturn void be_zygote(struct children *children, pid_t parent)
 {
     static const int ignored[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGPIPE};
     sigset_t child;
 
     die_with(parent);
-    keep_fds(&nursery->socket, 1);
+    keep_fds(&children->socket, 1);
     mute();
     for (size_t i = 0; i < sizeof ignored / sizeof ignored[0]; i++)
         (void)signal(ignored[i], SIG_IGN);
@@ -257,12 +257,12 @@ static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
     (void)sigemptyset(&child);
     (void)sigaddset(&child, SIGCHLD);
     (void)sigprocmask(SIG_SETMASK, &child, NULL);
-    nursery->signals = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
+    children->signals = signalfd(-1, &child, SFD_CLOEXEC | SFD_NONBLOCK);
     set_name("vor-zygote");
-    if (nursery->signals >= 0)
-        tend(nursery);
-    for (unsigned i = 0; i < nursery->count; i++)
-        (void)kill(nursery->child[i].pid, SIGKILL);
+    if (children->signals >= 0)
+        supervise(children);
+    for (unsigned i = 0; i < children->count; i++)
+        (void)kill(children->child[i].pid, SIGKILL);
     while (wait(NULL) > 0)
         continue;
     _exit(EXIT_SUCCESS);
@@ -273,7 +273,7 @@ static _Noreturn void be_zygote(struct nursery *nursery, pid_t parent)
 vor_status vor_zygote_start(struct vor_zygote *out, const struct vor_child_kind *kinds,
                             unsigned kind_count, struct vor_error *err)
 {
-    static struct nursery nursery; /* of the zygote; empty in the front */
+    static struct children children; /* of the zygote; empty in the front */
     pid_t self = getpid(), pid;
     int ends[2];
     vor_status status = vor_channel_pair(ends, err);
@@ -288,8 +288,8 @@ vor_status vor_zygote_start(struct vor_zygote *out, const struct vor_child_kind 
         return status;
     }
     if (pid == 0) {
-        nursery = (struct nursery){.kinds = kinds, .kind_count = kind_count, .socket = ends[1]};
-        be_zygote(&nursery, self);
+        children = (struct children){.kinds = kinds, .kind_count = kind_count, .socket = ends[1]};
+        be_zygote(&children, self);
     }
     (void)close(ends[1]);
     *out = (struct vor_zygote){.socket = ends[0], .pid = pid};

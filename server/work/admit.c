@@ -16,7 +16,7 @@
 struct vor_admit {
     struct vor_blobs *blobs;
     struct vor_admit_limits limits;
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
 };
 
 /* What a child wrote is believed once it was seen to be a dump of so many points. */
@@ -213,7 +213,7 @@ static void run_admission(void *ctx)
 {
     struct vor_admission *admission = ctx;
 
-    if (vor_crew_closing(admission->admit->crew))
+    if (vor_thread_pool_is_closing(admission->admit->pool))
         admission->status =
             vor_fail(&admission->error, VOR_E_CANCELLED, "the daemon is shutting down");
     else if (admission->has_left != NULL && admission->has_left(admission->ctx))
@@ -236,12 +236,12 @@ vor_status vor_admit_create(struct vor_admit **out, struct vor_blobs *blobs,
         return vor_fail(err, VOR_E_NOMEM, "a request");
     admit->blobs = blobs;
     admit->limits = *limits;
-    if (vor_crew_create(&admit->crew, threads, waiting_max, err) != VOR_OK) {
+    if (vor_thread_pool_create(&admit->pool, threads, waiting_max, err) != VOR_OK) {
         free(admit);
         return VOR_E_NOMEM;
     }
     if (threads > 1)
-        vor_crew_share(admit->crew, threads - 1, (waiting_max + 3) / 4);
+        vor_thread_pool_share(admit->pool, threads - 1, (waiting_max + 3) / 4);
     *out = admit;
     return VOR_OK;
 }
@@ -250,13 +250,13 @@ void vor_admit_destroy(struct vor_admit *admit)
 {
     if (admit == NULL)
         return;
-    vor_crew_destroy(admit->crew);
+    vor_thread_pool_destroy(admit->pool);
     free(admit);
 }
 
-struct vor_crew *vor_admit_crew(struct vor_admit *admit)
+struct vor_thread_pool *vor_admit_thread_pool(struct vor_admit *admit)
 {
-    return admit->crew;
+    return admit->pool;
 }
 
 /* Bytes; of gzip about what comes of it. */
@@ -281,5 +281,5 @@ enum vor_job_outcome vor_admit_submit(struct vor_admit *admit, struct vor_admiss
                                         .ctx = admission,
                                         .caller = admission->caller,
                                         .weight = weight_of(&admission->uploads)};
-    return vor_crew_take(admit->crew, &admission->task, &admission->error);
+    return vor_thread_pool_submit(admit->pool, &admission->task, &admission->error);
 }

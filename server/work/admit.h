@@ -7,7 +7,7 @@
 #include "server/blob/blob.h"
 #include "server/jobs/job.h"
 #include "server/work/codec_run.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 #include "server/work/upload.h"
 
 #include <stddef.h>
@@ -77,7 +77,7 @@ struct vor_admission {
     struct vor_fairness_key caller;                /**< who shares the threads with others */
     const struct vor_spec *spec;                   /**< kept until done is called */
     void (*done)(struct vor_admission *admission); /**< on an admission thread; may block, e.g. on
-                                                        vor_worker_submit */
+                                                        vor_job_service_submit */
     int (*has_left)(void *ctx); /**< true once nobody waits for it any more, on such a thread: then
                                      the answer is VOR_E_CANCELLED; NULL: somebody stays */
     void *ctx;
@@ -102,7 +102,7 @@ VOR_NODISCARD vor_status vor_admit_create(struct vor_admit **out, struct vor_blo
 void vor_admit_destroy(struct vor_admit *admit);
 
 /** The threads that decode, for conversions. */
-struct vor_crew *vor_admit_crew(struct vor_admit *admit);
+struct vor_thread_pool *vor_admit_thread_pool(struct vor_admit *admit);
 
 /** Hands an upload over.
  *

@@ -1,31 +1,31 @@
 /* What jobs take of the daemon, and taking in new ones. */
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include "proto/codec.h"
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/jobs/cost.h"
-#include "server/jobs/need.h"
+#include "server/jobs/memory_estimate.h"
+#include "server/jobs/time_estimate.h"
 
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
 /* Jobs that wait or have booked a place. The mutex is held, here and in the next. */
-static size_t depth_of(const struct vor_worker *worker)
+static size_t depth_of(const struct vor_job_service *service)
 {
-    int64_t depth = worker->capacity.waiting + worker->capacity.booked;
+    int64_t depth = service->capacity.waiting + service->capacity.booked;
 
     return depth > 0 ? (size_t)depth : 0;
 }
 
-static enum vor_job_outcome room_of(const struct vor_worker *worker)
+static enum vor_job_outcome room_of(const struct vor_job_service *service)
 {
-    if (worker->draining)
+    if (service->draining)
         return VOR_DRAINING;
-    return depth_of(worker) < worker->config.queue ? VOR_DONE : VOR_FULL;
+    return depth_of(service) < service->config.queue ? VOR_DONE : VOR_FULL;
 }
 
 /* Which limit a ledger that is over has passed, and the words for it. */
@@ -46,108 +46,109 @@ static enum vor_job_outcome refuse(const char *tenant, const struct vor_ledger *
     return VOR_OVER_BYTES;
 }
 
-enum vor_job_outcome vor_worker_room(struct vor_worker *worker, const struct vor_job_label *label,
-                                     uint64_t bytes, struct vor_error *err)
+enum vor_job_outcome vor_job_service_room(struct vor_job_service *service,
+                                          const struct vor_job_label *label, uint64_t bytes,
+                                          struct vor_error *err)
 {
     struct vor_job_view view;
     struct vor_ledger ledger;
     enum vor_job_outcome room;
     int found;
 
-    pthread_mutex_lock(&worker->mutex);
-    room = room_of(worker);
-    if (worker->capacity.bytes >= worker->config.queue_bytes && room == VOR_DONE)
+    pthread_mutex_lock(&service->mutex);
+    room = room_of(service);
+    if (service->capacity.bytes >= service->config.queue_bytes && room == VOR_DONE)
         room = VOR_FULL;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     if (label == NULL)
         return room;
     ledger = (struct vor_ledger){.jobs_max = label->jobs_max, .bytes_max = label->bytes_max};
     if (room == VOR_DONE && (ledger.jobs_max > 0 || ledger.bytes_max > 0)) {
         const char *tenant = label->key->principal;
 
-        if (vor_store_ledger(worker->config.store, tenant, &ledger, err) != VOR_OK)
+        if (vor_store_ledger(service->config.store, tenant, &ledger, err) != VOR_OK)
             room = VOR_FAILED;
         else if (!vor_ledger_fits(&ledger, bytes))
             room = refuse(tenant, &ledger, bytes, err);
     }
     if (room != VOR_DONE && room != VOR_FAILED && label->key->text[0] != '\0' &&
-        vor_store_find_key(worker->config.store, label->key, &view, &found, NULL) == VOR_OK &&
+        vor_store_find_key(service->config.store, label->key, &view, &found, NULL) == VOR_OK &&
         found)
         return VOR_DONE;
     return room;
 }
 
-enum vor_job_outcome vor_worker_book(struct vor_worker *worker)
+enum vor_job_outcome vor_job_service_book(struct vor_job_service *service)
 {
     enum vor_job_outcome room;
 
-    pthread_mutex_lock(&worker->mutex);
-    room = room_of(worker);
-    worker->capacity.booked += room == VOR_DONE;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    room = room_of(service);
+    service->capacity.booked += room == VOR_DONE;
+    pthread_mutex_unlock(&service->mutex);
     return room;
 }
 
-void vor_worker_unbook(struct vor_worker *worker)
+void vor_job_service_unbook(struct vor_job_service *service)
 {
-    pthread_mutex_lock(&worker->mutex);
-    worker->capacity.booked--;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    service->capacity.booked--;
+    pthread_mutex_unlock(&service->mutex);
 }
 
-void vor_worker_load(struct vor_worker *worker, struct vor_worker_load *out)
+void vor_job_service_load(struct vor_job_service *service, struct vor_job_service_load *out)
 {
     struct vor_waiting waiting;
 
-    if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
+    if (vor_store_waiting(service->config.store, &waiting, NULL) != VOR_OK)
         waiting.oldest_ms = 0;
     out->oldest_ms = waiting.oldest_ms;
-    pthread_mutex_lock(&worker->mutex);
-    out->waiting = depth_of(worker);
-    out->running = worker->capacity.running;
-    out->reserved = worker->capacity.used;
-    pthread_mutex_unlock(&worker->mutex);
-    out->budget = worker->config.budget;
+    pthread_mutex_lock(&service->mutex);
+    out->waiting = depth_of(service);
+    out->running = service->capacity.running;
+    out->reserved = service->capacity.used;
+    pthread_mutex_unlock(&service->mutex);
+    out->budget = service->config.budget;
 }
 
-void vor_capacity_begin(struct vor_worker *worker, const struct vor_waiting *waiting)
+void vor_capacity_begin(struct vor_job_service *service, const struct vor_waiting *waiting)
 {
-    pthread_mutex_lock(&worker->mutex);
-    worker->capacity.waiting = (int64_t)waiting->jobs;
-    worker->capacity.bytes = waiting->decoded;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    service->capacity.waiting = (int64_t)waiting->jobs;
+    service->capacity.bytes = waiting->decoded;
+    pthread_mutex_unlock(&service->mutex);
 }
 
 /* Makes the row of a job durable that has booked a place, if its inputs still fit into the queue
  * and its principal may have it; it then waits. Unless VOR_DONE is returned it keeps the place. */
-static enum vor_job_outcome insert(struct vor_worker *worker, struct vor_job_view *row,
+static enum vor_job_outcome insert(struct vor_job_service *service, struct vor_job_view *row,
                                    struct vor_ledger *ledger, struct vor_error *err)
 {
-    struct vor_capacity *capacity = &worker->capacity;
-    uint64_t most = worker->config.queue_bytes;
+    struct vor_capacity *capacity = &service->capacity;
+    uint64_t most = service->config.queue_bytes;
     enum vor_job_outcome outcome = VOR_DONE;
     int fits;
 
-    pthread_mutex_lock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
     fits = capacity->bytes <= most && row->decoded <= most - capacity->bytes;
     capacity->bytes += fits ? row->decoded : 0;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     if (!fits)
         return VOR_FULL;
-    if (vor_store_insert(worker->config.store, row, ledger, err) != VOR_OK)
+    if (vor_store_insert(service->config.store, row, ledger, err) != VOR_OK)
         outcome = VOR_FAILED;
     else if (ledger->is_over)
         outcome = refuse(row->key.principal, ledger, row->kept, err);
-    pthread_mutex_lock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
     if (outcome == VOR_DONE) {
         capacity->booked--;
         capacity->waiting++;
-        worker->news++;
-        pthread_cond_signal(&worker->ready);
+        service->news++;
+        pthread_cond_signal(&service->ready);
     } else {
         capacity->bytes -= row->decoded;
     }
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     return outcome;
 }
 
@@ -157,72 +158,72 @@ static void take_bytes(struct vor_capacity *capacity, uint64_t bytes)
     capacity->bytes -= bytes < capacity->bytes ? bytes : capacity->bytes;
 }
 
-void vor_capacity_wait(struct vor_worker *worker, const struct vor_job_view *row, int by)
+void vor_capacity_wait(struct vor_job_service *service, const struct vor_job_view *row, int by)
 {
-    pthread_mutex_lock(&worker->mutex);
-    worker->capacity.waiting += by;
+    pthread_mutex_lock(&service->mutex);
+    service->capacity.waiting += by;
     if (by > 0)
-        worker->capacity.bytes += row->decoded;
+        service->capacity.bytes += row->decoded;
     else
-        take_bytes(&worker->capacity, row->decoded);
-    worker->news++;
-    pthread_cond_signal(&worker->ready);
-    pthread_mutex_unlock(&worker->mutex);
+        take_bytes(&service->capacity, row->decoded);
+    service->news++;
+    pthread_cond_signal(&service->ready);
+    pthread_mutex_unlock(&service->mutex);
 }
 
-int vor_capacity_claim(struct vor_worker *worker, struct vor_claim *claim)
+int vor_capacity_claim(struct vor_job_service *service, struct vor_claim *claim)
 {
-    const struct vor_capacity *capacity = &worker->capacity;
+    const struct vor_capacity *capacity = &service->capacity;
     int may;
 
     *claim = (struct vor_claim){
-        .owner = worker->owner.text, .now_ms = vor_clock_wall_ms(), .build = vor_build_own()};
-    pthread_mutex_lock(&worker->mutex);
-    may = capacity->waiting > 0 && !worker->draining && !atomic_load(&worker->is_late) &&
+        .owner = service->owner.text, .now_ms = vor_clock_wall_ms(), .build = vor_build_own()};
+    pthread_mutex_lock(&service->mutex);
+    may = capacity->waiting > 0 && !service->draining && !atomic_load(&service->is_late) &&
           !(capacity->running > 0 && capacity->runs_alone);
     if (capacity->running == 0)
         claim->memory = UINT64_MAX;
-    else if (capacity->used < worker->config.budget)
-        claim->memory = worker->config.budget - capacity->used;
+    else if (capacity->used < service->config.budget)
+        claim->memory = service->config.budget - capacity->used;
     /* A suspect need not wait where it is apart anyway. */
-    claim->may_be_alone = capacity->running == 0 || worker->config.executor->is_apart;
-    pthread_mutex_unlock(&worker->mutex);
-    return may && vor_blobs_reach(worker->config.blobs, NULL) == VOR_OK;
+    claim->may_be_alone = capacity->running == 0 || service->config.executor->is_apart;
+    pthread_mutex_unlock(&service->mutex);
+    return may && vor_blobs_reach(service->config.blobs, NULL) == VOR_OK;
 }
 
-void vor_capacity_run(struct vor_worker *worker, const struct vor_job_view *row)
+void vor_capacity_run(struct vor_job_service *service, const struct vor_job_view *row)
 {
-    struct vor_capacity *capacity = &worker->capacity;
+    struct vor_capacity *capacity = &service->capacity;
 
     capacity->waiting--;
     take_bytes(capacity, row->decoded);
     capacity->running++;
     capacity->used += row->memory;
-    capacity->runs_alone = row->alone && !worker->config.executor->is_apart;
+    capacity->runs_alone = row->alone && !service->config.executor->is_apart;
 }
 
-void vor_capacity_leave(struct vor_worker *worker, const struct vor_job_view *row)
+void vor_capacity_leave(struct vor_job_service *service, const struct vor_job_view *row)
 {
-    struct vor_capacity *capacity = &worker->capacity;
+    struct vor_capacity *capacity = &service->capacity;
 
     capacity->running--;
     capacity->used -= row->memory;
     capacity->runs_alone = 0; /* who was alone was the only one */
-    worker->news++;
-    pthread_cond_broadcast(&worker->ready);
-    pthread_cond_broadcast(&worker->changed);
+    service->news++;
+    pthread_cond_broadcast(&service->ready);
+    pthread_cond_broadcast(&service->changed);
 }
 
 /* --- new jobs --------------------------------------------------------------------------------- */
 
 /* Likewise what could never run: row has its inputs. A run never has more memory than its cap. */
-static vor_status check_need(const struct vor_worker *worker, struct vor_job_view *row,
+static vor_status check_need(const struct vor_job_service *service, struct vor_job_view *row,
                              struct vor_error *err)
 {
-    uint64_t need = vor_need_bytes(&row->spec, row->inputs, row->input),
-             budget = worker->config.budget;
+    uint64_t need = vor_memory_estimate(&row->spec, row->inputs, row->input),
+             budget = service->config.budget;
 
-    row->memory = need < worker->config.memory ? need : worker->config.memory;
+    row->memory = need < service->config.memory ? need : service->config.memory;
     if (need <= budget)
         return VOR_OK;
     (void)vor_fail(err, VOR_E_NOMEM,
@@ -296,10 +297,10 @@ static vor_status take_inputs(struct vor_job_view *row, const struct vor_admitte
 }
 
 /* Bytes of decoded inputs that would never fit into the queue are no reason to come back later. */
-static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitted *admitted,
+static vor_status check_bytes(struct vor_job_service *service, const struct vor_admitted *admitted,
                               struct vor_job_view *row, struct vor_error *err)
 {
-    uint64_t most = worker->config.queue_bytes;
+    uint64_t most = service->config.queue_bytes;
 
     for (unsigned i = 0; i < admitted->count; i++)
         row->decoded += admitted->item[i].decoded;
@@ -311,7 +312,7 @@ static vor_status check_bytes(struct vor_worker *worker, const struct vor_admitt
 }
 
 /* For a job that has a place in the queue, and keeps it when VOR_DONE is returned. */
-static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_view *row,
+static enum vor_job_outcome submit(struct vor_job_service *service, struct vor_job_view *row,
                                    const struct vor_job_label *label, struct vor_error *err)
 {
     struct vor_ledger ledger = {.jobs_max = label != NULL ? label->jobs_max : 0,
@@ -319,11 +320,11 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
     const char *tenant = row->key.principal;
     enum vor_job_outcome outcome;
 
-    if (atomic_load(&worker->is_late)) {
+    if (atomic_load(&service->is_late)) {
         (void)vor_fail_errno(err, ENOSPC, "recovering earlier jobs");
         return VOR_FAILED;
     }
-    outcome = insert(worker, row, &ledger, err);
+    outcome = insert(service, row, &ledger, err);
     if (outcome != VOR_DONE)
         return outcome;
     vor_metric_add(VOR_METRIC_JOBS_ACCEPTED, 1, VOR_LABELS(row->process));
@@ -335,11 +336,11 @@ static enum vor_job_outcome submit(struct vor_worker *worker, struct vor_job_vie
     return VOR_DONE;
 }
 
-enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
-                                       const struct vor_admitted *admitted,
-                                       const struct vor_spec *spec,
-                                       const struct vor_job_label *label, struct vor_job_view *out,
-                                       struct vor_error *err)
+enum vor_job_outcome vor_job_service_submit(struct vor_job_service *service,
+                                            const struct vor_admitted *admitted,
+                                            const struct vor_spec *spec,
+                                            const struct vor_job_label *label,
+                                            struct vor_job_view *out, struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_FAILED;
     int booked = label != NULL && label->booked;
@@ -347,29 +348,29 @@ enum vor_job_outcome vor_worker_submit(struct vor_worker *worker,
 
     first_row(&row, &admitted->id, spec, label);
     if (take_inputs(&row, admitted, err) == VOR_OK &&
-        check_bytes(worker, admitted, &row, err) == VOR_OK &&
+        check_bytes(service, admitted, &row, err) == VOR_OK &&
         (vor_spec_given(spec, VOR_PARAM_SPACING) ||
          vor_spec_check_target(spec, vor_spec_target(spec, row.input[0].points),
                                row.input[0].points, err) == VOR_OK) &&
-        check_need(worker, &row, err) == VOR_OK &&
-        vor_cost_check(&row.spec, row.input[0].points, worker->config.executor->threads,
-                       worker->config.job_seconds, err) == VOR_OK &&
+        check_need(service, &row, err) == VOR_OK &&
+        vor_time_estimate_check(&row.spec, row.input[0].points, service->config.executor->threads,
+                                service->config.job_seconds, err) == VOR_OK &&
         check_origin(&row, admitted, err) == VOR_OK) {
-        outcome = booked ? VOR_DONE : vor_worker_book(worker);
+        outcome = booked ? VOR_DONE : vor_job_service_book(service);
         booked = outcome == VOR_DONE;
     }
     if (outcome == VOR_DONE)
-        outcome = submit(worker, &row, label, err);
+        outcome = submit(service, &row, label, err);
     if (outcome != VOR_DONE) {
         if (booked)
-            vor_worker_unbook(worker);
+            vor_job_service_unbook(service);
         /* Inputs of one that may be there stay for it, or are found to be strays (sweeper.c). */
         if (outcome != VOR_FAILED || !vor_error_may_be_done(err))
-            vor_admit_drop(worker->config.blobs, admitted);
+            vor_admit_drop(service->config.blobs, admitted);
         return outcome;
     }
     if (row.kept > 0)
-        vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
+        vor_job_service_keep_quota(service, VOR_EVICT_UPLOADS);
     if (out != NULL)
         *out = row;
     return VOR_DONE;

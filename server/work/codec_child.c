@@ -1,6 +1,6 @@
 #include "server/work/codec_child.h"
 
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
 
 #include <limits.h>
 #include <malloc.h>

@@ -4,7 +4,7 @@
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/work/codec_child.h"
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 
 static const size_t MEMORY_FREE = (size_t)64 << 20;
 static const size_t MEMORY_PER_POINT = 40; /* bytes; Draco's decoder takes 27, a cloud 12 */
-static const uint64_t POINTS_PER_BYTE = 64, POINTS_FREE = 100000; /* as of the Draco gate */
+static const uint64_t POINTS_PER_BYTE = 64, POINTS_FREE = 100000; /* as of draco_precheck.c */
 
 enum { SECONDS_FREE = 10, BYTES_PER_SECOND = 4 << 20 };
 static const double WALL_PER_CPU = 4;   /* on a machine that does other things as well */

@@ -151,7 +151,7 @@ static void drop_if_gone(const struct conversion *conversion)
     char name[VOR_BLOB_NAME_MAX + 1];
     struct vor_job_view now;
     enum vor_job_outcome outcome =
-        vor_worker_get(config->worker, &conversion->row.id, NULL, &now, NULL);
+        vor_job_service_get(config->service, &conversion->row.id, NULL, &now, NULL);
 
     if (outcome == VOR_UNKNOWN || (outcome == VOR_DONE && now.expired))
         vor_drop_file(config->blobs, &conversion->row.id,
@@ -166,7 +166,7 @@ static vor_status convert(const struct conversion *conversion, struct vor_error 
     int fd, found;
     vor_status status;
 
-    if (vor_crew_closing(conversion->service->config.crew))
+    if (vor_thread_pool_is_closing(conversion->service->config.pool))
         return vor_fail(err, VOR_E_CANCELLED, "the daemon is shutting down");
     (void)vor_blob_of_output(output_name(conversion), conversion->row.attempt, blob);
     status = vor_blob_get(conversion->service->config.blobs, &conversion->row.id, blob, &fd, &size,
@@ -257,7 +257,7 @@ enum vor_job_outcome vor_convert(struct vor_conversions *conversions,
     pthread_mutex_lock(&conversions->mutex);
     found = find(conversions, row, output, format);
     if (found == NULL)
-        outcome = vor_crew_take(conversions->config.crew, &fresh->task, err);
+        outcome = vor_thread_pool_submit(conversions->config.pool, &fresh->task, err);
     if (found == NULL && outcome == VOR_DONE) {
         found = fresh;
         fresh = NULL;

@@ -5,8 +5,8 @@
 
 #include "proto/origin.h"
 #include "server/work/codec_run.h"
-#include "server/work/crew.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
+#include "server/work/thread_pool.h"
 
 #include <stddef.h>
 
@@ -16,8 +16,8 @@ struct vor_conversions;
 struct vor_conversions_config {
     struct vor_store *store; /**< borrowed, as the next three */
     struct vor_blobs *blobs;
-    struct vor_worker *worker;
-    struct vor_crew *crew;        /**< that decodes */
+    struct vor_job_service *service;
+    struct vor_thread_pool *pool; /**< that decodes */
     struct vor_codec_place place; /**< where that is done */
     size_t memory;                /**< bytes that one may have */
 };
@@ -27,7 +27,7 @@ VOR_NODISCARD vor_status vor_conversions_create(struct vor_conversions **out,
                                                 const struct vor_conversions_config *config,
                                                 struct vor_error *err);
 
-/** The crew has ended. conversions may be NULL. */
+/** The pool has ended. conversions may be NULL. */
 void vor_conversions_destroy(struct vor_conversions *conversions);
 
 /** Begins a conversion, or joins the one of the same job, output and format that is on its way.
@@ -38,7 +38,7 @@ void vor_conversions_destroy(struct vor_conversions *conversions);
  *
  *  @retval VOR_DONE  asker->wake will be called: then look for it (vor_converted_open), and if it
  *                    is not there, ask again
- *  @retval VOR_FULL, VOR_DRAINING  as vor_crew_take
+ *  @retval VOR_FULL, VOR_DRAINING  as vor_thread_pool_submit
  *  @retval VOR_FAILED  as err says: it could not be begun (VOR_E_NOMEM; VOR_E_IO: there is no
  *                      thread for it), or has failed in the last seconds: VOR_E_IO, VOR_E_NOMEM,
  *                      VOR_E_ORIGIN (as vor_origin_resolve), VOR_E_INTERNAL, VOR_E_CANCELLED (the

@@ -37,7 +37,7 @@ struct fetch {
 
 struct vor_fetcher {
     struct vor_blobs *blobs;
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
     pthread_mutex_t mutex;
     struct fetch *list;
 };
@@ -108,11 +108,12 @@ vor_status vor_fetcher_create(struct vor_fetcher **out, struct vor_blobs *blobs,
 {
     struct vor_fetcher *fetcher = calloc(1, sizeof *fetcher);
 
-    if (fetcher == NULL || vor_crew_create(&fetcher->crew, THREADS, WAITING_MAX, err) != VOR_OK) {
+    if (fetcher == NULL ||
+        vor_thread_pool_create(&fetcher->pool, THREADS, WAITING_MAX, err) != VOR_OK) {
         free(fetcher);
         return vor_fail(err, VOR_E_NOMEM, "fetching stored files");
     }
-    vor_crew_share(fetcher->crew, THREADS - 1, WAITING_MAX / 4);
+    vor_thread_pool_share(fetcher->pool, THREADS - 1, WAITING_MAX / 4);
     fetcher->blobs = blobs;
     pthread_mutex_init(&fetcher->mutex, NULL);
     *out = fetcher;
@@ -123,7 +124,7 @@ void vor_fetcher_destroy(struct vor_fetcher *fetcher)
 {
     if (fetcher == NULL)
         return;
-    vor_crew_destroy(fetcher->crew); /* does what waits, so that all have been woken */
+    vor_thread_pool_destroy(fetcher->pool); /* does what waits, so that all have been woken */
     while (fetcher->list != NULL) {
         struct fetch *next = fetcher->list->next;
 
@@ -154,7 +155,7 @@ static void run(void *ctx)
     struct vor_error error;
     int found = 0, has_come, is_near;
     vor_status status =
-        vor_crew_closing(fetcher->crew)
+        vor_thread_pool_is_closing(fetcher->pool)
             ? vor_fail(&error, VOR_E_IO, "the daemon is stopping")
             : vor_blob_bring(fetcher->blobs, &fetch->id, fetch->name, &watch, &found, &error);
 
@@ -241,7 +242,7 @@ static struct fetch *begin(struct vor_fetcher *fetcher, const struct vor_uuid *i
     memcpy(fetch->name, name, strlen(name) + 1);
     fetch->outcome = VOR_FETCH_WAIT;
     fetch->task = (struct vor_task){.run = run, .ctx = fetch, .caller = asker->caller, .weight = 1};
-    if (vor_crew_take(fetcher->crew, &fetch->task, NULL) != VOR_DONE) {
+    if (vor_thread_pool_submit(fetcher->pool, &fetch->task, NULL) != VOR_DONE) {
         free_fetch(fetch);
         (void)vor_fail(err, VOR_E_IO, "too many stored files are being fetched; try again later");
         return NULL;

@@ -4,7 +4,7 @@
 #define VOR_SERVER_WORK_FETCH_H
 
 #include "server/blob/blob.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 
 struct vor_fetcher;
 

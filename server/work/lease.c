@@ -1,7 +1,7 @@
 /* The leases of what runs here: made longer as long as this process lives. */
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include <string.h>
 
@@ -10,24 +10,24 @@ static const double lease_seconds = 30, renew_seconds = 2;
 static const double looked_seconds = 5; /* at points, after a renewal that says so */
 
 /* True when a runner has this attempt; the mutex is held. */
-static int is_run(const struct vor_worker *worker, const struct vor_leased *leased)
+static int is_run(const struct vor_job_service *service, const struct vor_leased *leased)
 {
-    const struct vor_runner *runner = worker->runners;
+    const struct vor_runner *runner = service->runners;
     unsigned i = 0;
 
-    while (i < worker->runner_count &&
+    while (i < service->runner_count &&
            (runner[i].job == NULL || runner[i].attempt != leased->attempt ||
             strcmp(vor_job_id(runner[i].job)->text, leased->id.text) != 0))
         i++;
-    return i < worker->runner_count;
+    return i < service->runner_count;
 }
 
-int vor_worker_hand_back(struct vor_worker *worker, const struct vor_uuid *id,
-                         struct vor_hand_back *back)
+int vor_job_service_hand_back(struct vor_job_service *service, const struct vor_uuid *id,
+                              struct vor_hand_back *back)
 {
     struct vor_error err;
 
-    if (vor_store_hand_back(worker->config.store, id, back, &err) == VOR_OK)
+    if (vor_store_hand_back(service->config.store, id, back, &err) == VOR_OK)
         return 1;
     vor_log(VOR_LOG_ERROR, "a job cannot be returned to the queue", VOR_TEXT("job", id->text),
             VOR_TEXT("error", err.message));
@@ -36,17 +36,17 @@ int vor_worker_hand_back(struct vor_worker *worker, const struct vor_uuid *id,
 
 /* A job that the store counts as ours and no runner has: it was claimed, but the answer did not
  * come. It waits again; nothing is done to one that has just ended. */
-static void return_unheard(struct vor_worker *worker, const struct vor_leased *leased)
+static void return_unheard(struct vor_job_service *service, const struct vor_leased *leased)
 {
-    struct vor_hand_back back = {.lease = {worker->owner.text, leased->attempt},
+    struct vor_hand_back back = {.lease = {service->owner.text, leased->attempt},
                                  .now_ms = vor_clock_wall_ms()};
 
-    if (!vor_worker_hand_back(worker, &leased->id, &back)) {
-        atomic_store(&worker->may_be_unheard, 1);
+    if (!vor_job_service_hand_back(service, &leased->id, &back)) {
+        atomic_store(&service->may_be_unheard, 1);
     } else if (back.changed) {
         vor_log(VOR_LOG_WARN, "a claim was not answered; the job waits again",
                 VOR_TEXT("job", leased->id.text), VOR_COUNT("attempt", leased->attempt));
-        vor_worker_news(worker);
+        vor_job_service_news(service);
     }
 }
 
@@ -68,36 +68,36 @@ static void ask_as_told(const struct vor_renewal *renewal, const struct vor_runn
                                    vor_clock_seconds() + looked_seconds);
 }
 
-void vor_worker_store_late(struct vor_worker *worker)
+void vor_job_service_store_late(struct vor_job_service *service)
 {
-    for (unsigned i = 0; i < worker->config.jobs; i++) {
-        struct vor_lease lease = {.owner = worker->owner.text};
+    for (unsigned i = 0; i < service->config.jobs; i++) {
+        struct vor_lease lease = {.owner = service->owner.text};
         struct vor_job *job = NULL;
         struct vor_error err;
         int changed;
 
-        pthread_mutex_lock(&worker->mutex);
-        if (i < worker->runner_count && worker->runners[i].job != NULL) {
-            job = vor_job_retain(worker->runners[i].job);
-            lease.attempt = worker->runners[i].attempt;
+        pthread_mutex_lock(&service->mutex);
+        if (i < service->runner_count && service->runners[i].job != NULL) {
+            job = vor_job_retain(service->runners[i].job);
+            lease.attempt = service->runners[i].attempt;
         }
-        pthread_mutex_unlock(&worker->mutex);
+        pthread_mutex_unlock(&service->mutex);
         if (job == NULL)
             continue;
         if (!vor_job_is_stored(job) &&
-            vor_worker_store_events(worker, job, &lease, &changed, &err) != VOR_OK)
+            vor_job_service_store_events(service, job, &lease, &changed, &err) != VOR_OK)
             vor_log(VOR_LOG_WARN, "progress not stored", VOR_TEXT("job", vor_job_id(job)->text),
                     VOR_TEXT("error", err.message));
         vor_job_release(job);
-        vor_worker_renew(worker); /* many jobs at a slow server take longer than a lease */
+        vor_job_service_renew(service); /* many jobs at a slow server take longer than a lease */
     }
 }
 
-void vor_worker_renew(struct vor_worker *worker)
+void vor_job_service_renew(struct vor_job_service *service)
 {
-    enum { LEASED_MAX = 2 * VOR_WORKER_JOBS_MAX };
+    enum { LEASED_MAX = 2 * VOR_RUNNING_JOBS_MAX };
     struct vor_leased jobs[LEASED_MAX], *unheard = jobs;
-    struct vor_renewal renewal = {.owner = worker->owner.text,
+    struct vor_renewal renewal = {.owner = service->owner.text,
                                   .lease_ms = (int64_t)(1000 * lease_seconds),
                                   .job = jobs,
                                   .max = LEASED_MAX};
@@ -105,31 +105,31 @@ void vor_worker_renew(struct vor_worker *worker)
     vor_status status;
     int is_wanted; /* others look which daemons there are, and which engines run jobs */
 
-    pthread_mutex_lock(&worker->mutex);
-    is_wanted = worker->capacity.running > 0 || vor_store_is_shared(worker->config.store);
-    pthread_mutex_unlock(&worker->mutex);
-    if (worker->config.jobs > 0)
+    pthread_mutex_lock(&service->mutex);
+    is_wanted = service->capacity.running > 0 || vor_store_is_shared(service->config.store);
+    pthread_mutex_unlock(&service->mutex);
+    if (service->config.jobs > 0)
         renewal.build = vor_build_own();
-    if ((!is_wanted && !atomic_load(&worker->may_be_unheard)) ||
-        vor_clock_seconds() - worker->renewed < renew_seconds)
+    if ((!is_wanted && !atomic_load(&service->may_be_unheard)) ||
+        vor_clock_seconds() - service->renewed < renew_seconds)
         return;
-    worker->renewed = vor_clock_seconds();
-    pthread_mutex_lock(&worker->claim); /* no lease begins meanwhile */
-    status = vor_store_renew(worker->config.store, &renewal, &err);
-    pthread_mutex_lock(&worker->mutex);
+    service->renewed = vor_clock_seconds();
+    pthread_mutex_lock(&service->claim); /* no lease begins meanwhile */
+    status = vor_store_renew(service->config.store, &renewal, &err);
+    pthread_mutex_lock(&service->mutex);
     for (unsigned i = 0;
-         status == VOR_OK && renewal.count <= renewal.max && i < worker->runner_count; i++)
-        if (worker->runners[i].job != NULL)
-            ask_as_told(&renewal, &worker->runners[i]);
+         status == VOR_OK && renewal.count <= renewal.max && i < service->runner_count; i++)
+        if (service->runners[i].job != NULL)
+            ask_as_told(&renewal, &service->runners[i]);
     for (size_t i = 0; status == VOR_OK && i < renewal.count && i < renewal.max; i++)
-        if (!is_run(worker, &jobs[i]))
+        if (!is_run(service, &jobs[i]))
             *unheard++ = jobs[i];
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     if (status == VOR_OK)
-        atomic_store(&worker->may_be_unheard, 0);
+        atomic_store(&service->may_be_unheard, 0);
     while (unheard > jobs)
-        return_unheard(worker, --unheard);
-    pthread_mutex_unlock(&worker->claim);
+        return_unheard(service, --unheard);
+    pthread_mutex_unlock(&service->claim);
     if (status != VOR_OK)
         vor_log(VOR_LOG_WARN, "leases not renewed", VOR_TEXT("error", err.message));
 }

@@ -1,6 +1,6 @@
 /* Where other daemons share the store: what they do to jobs is seen here. A job that somebody here
  * waits for, and that no runner here has, follows its row. */
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -22,27 +22,28 @@ static int take_last(void *ctx, const struct vor_event_piece *piece)
     return 1;
 }
 
-vor_status vor_worker_mirror(struct vor_worker *worker, struct vor_job *job, struct vor_error *err)
+vor_status vor_job_service_mirror(struct vor_job_service *service, struct vor_job *job,
+                                  struct vor_error *err)
 {
     struct vor_job_view row = {.attempt = 0};
     uint32_t last = 0;
     int found = 0;
     vor_status status = VOR_OK;
 
-    pthread_mutex_lock(&worker->claim); /* no runner takes it meanwhile */
-    if (!vor_worker_is_running(worker, job))
-        status = vor_store_get(worker->config.store, vor_job_id(job), NULL, &row, &found, err);
+    pthread_mutex_lock(&service->claim); /* no runner takes it meanwhile */
+    if (!vor_job_service_is_running(service, job))
+        status = vor_store_get(service->config.store, vor_job_id(job), NULL, &row, &found, err);
     if (status == VOR_OK && found && row.status != VOR_JOB_ACCEPTED) {
         struct vor_event_query query = {.attempt = row.attempt, .each = take_last, .ctx = &last};
 
         last = query.after = vor_job_newest(job, row.attempt);
-        status = vor_store_events(worker->config.store, &row.id, &query, err);
+        status = vor_store_events(service->config.store, &row.id, &query, err);
     }
     if (status == VOR_OK && found)
         vor_job_mirror(job, &row, last);
-    pthread_mutex_unlock(&worker->claim);
+    pthread_mutex_unlock(&service->claim);
     if (status == VOR_OK && found && vor_job_is_over(job))
-        vor_worker_forget(worker, job);
+        vor_job_service_forget(service, job);
     return status;
 }
 
@@ -60,8 +61,8 @@ static int take_shown(void *ctx, const struct vor_event_piece *piece)
     return 1;
 }
 
-vor_status vor_worker_mirror_preview(struct vor_worker *worker, struct vor_job *job,
-                                     struct vor_error *err)
+vor_status vor_job_service_mirror_preview(struct vor_job_service *service, struct vor_job *job,
+                                          struct vor_error *err)
 {
     struct vor_event_query query = {.attempt = VOR_STORE_PREVIEW, .each = take_shown};
     struct vor_job_view view;
@@ -71,55 +72,55 @@ vor_status vor_worker_mirror_preview(struct vor_worker *worker, struct vor_job *
     looking.attempt = view.attempt;
     query.after = (uint32_t)vor_preview_unpacked(vor_job_preview(job), view.attempt);
     query.ctx = &looking;
-    return vor_worker_is_running(worker, job) || !vor_store_is_shared(worker->config.store)
+    return vor_job_service_is_running(service, job) || !vor_store_is_shared(service->config.store)
                ? VOR_OK
-               : vor_store_events(worker->config.store, vor_job_id(job), &query, err);
+               : vor_store_events(service->config.store, vor_job_id(job), &query, err);
 }
 
 /* Somebody here looks at the points of a job that another daemon runs: it is told, before what it
  * was told is over, and what it shows is taken in. */
-static void look(struct vor_worker *worker, struct vor_job *job)
+static void look(struct vor_job_service *service, struct vor_job *job)
 {
     struct vor_preview *preview = vor_job_preview(job);
     vor_status status = VOR_OK;
     struct vor_error err;
 
-    if (!vor_preview_is_looked_at_here(preview) || vor_worker_is_running(worker, job))
+    if (!vor_preview_is_looked_at_here(preview) || vor_job_service_is_running(service, job))
         return;
     if (!vor_preview_is_looked_at_elsewhere(preview, told_seconds / 2)) {
-        status = vor_store_look(worker->config.store, vor_job_id(job), &err);
+        status = vor_store_look(service->config.store, vor_job_id(job), &err);
         if (status == VOR_OK)
             vor_preview_look_elsewhere(preview, vor_clock_seconds() + told_seconds);
     }
     if (status == VOR_OK)
-        status = vor_worker_mirror_preview(worker, job, &err);
+        status = vor_job_service_mirror_preview(service, job, &err);
     if (status != VOR_OK)
         vor_log(VOR_LOG_DEBUG, "no preview of a job that another daemon runs",
                 VOR_TEXT("job", vor_job_id(job)->text), VOR_TEXT("error", err.message));
 }
 
 /* What waits in the store, which others add to and take from. */
-static void count_waiting(struct vor_worker *worker)
+static void count_waiting(struct vor_job_service *service)
 {
     struct vor_waiting waiting;
 
-    if (vor_store_waiting(worker->config.store, &waiting, NULL) != VOR_OK)
+    if (vor_store_waiting(service->config.store, &waiting, NULL) != VOR_OK)
         return;
-    vor_capacity_begin(worker, &waiting);
+    vor_capacity_begin(service, &waiting);
     if (waiting.jobs > 0)
-        vor_worker_news(worker);
+        vor_job_service_news(service);
 }
 
-static void reap(struct vor_worker *worker)
+static void reap(struct vor_job_service *service)
 {
     struct vor_error err;
     uint64_t reaped = 0;
 
-    if (vor_clock_seconds() - worker->reaped < reap_seconds ||
-        vor_clock_seconds() - worker->unreached < renewed_seconds)
+    if (vor_clock_seconds() - service->reaped < reap_seconds ||
+        vor_clock_seconds() - service->unreached < renewed_seconds)
         return;
-    worker->reaped = vor_clock_seconds();
-    if (vor_store_reap(worker->config.store, worker->owner.text, 0, vor_clock_wall_ms(), &reaped,
+    service->reaped = vor_clock_seconds();
+    if (vor_store_reap(service->config.store, service->owner.text, 0, vor_clock_wall_ms(), &reaped,
                        &err) != VOR_OK) {
         vor_log(VOR_LOG_WARN, "leases that have ended are not looked for",
                 VOR_TEXT("error", err.message));
@@ -130,26 +131,26 @@ static void reap(struct vor_worker *worker)
     vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)reaped, VOR_LABELS("lease"));
 }
 
-void vor_worker_follow_others(struct vor_worker *worker)
+void vor_job_service_follow_others(struct vor_job_service *service)
 {
     struct vor_job **jobs;
     size_t count;
 
-    if (!vor_store_is_shared(worker->config.store)) {
-        if (vor_store_is_unsure(worker->config.store))
-            count_waiting(worker);
+    if (!vor_store_is_shared(service->config.store)) {
+        if (vor_store_is_unsure(service->config.store))
+            count_waiting(service);
         return;
     }
-    reap(worker);
-    count_waiting(worker);
-    jobs = vor_worker_live(worker, &count);
+    reap(service);
+    count_waiting(service);
+    jobs = vor_job_service_live(service, &count);
     for (size_t i = 0; i < count; i++) {
         struct vor_error err;
 
-        if (vor_worker_mirror(worker, jobs[i], &err) != VOR_OK)
+        if (vor_job_service_mirror(service, jobs[i], &err) != VOR_OK)
             vor_log(VOR_LOG_WARN, "a job that another daemon may run is not followed",
                     VOR_TEXT("job", vor_job_id(jobs[i])->text), VOR_TEXT("error", err.message));
-        look(worker, jobs[i]);
+        look(service, jobs[i]);
         vor_job_release(jobs[i]);
     }
     free(jobs);

@@ -1,13 +1,13 @@
 /* One run of one job: its files, where it runs, its outputs, its last row. */
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
 #include "server/base/log.h"
 #include "server/base/metrics.h"
-#include "server/work/counted.h"
+#include "server/work/ipc_codec.h"
+#include "server/work/job_metrics.h"
 #include "server/work/keeper.h"
-#include "server/work/wire.h"
 
 #include <math.h>
 #include <stdatomic.h>
@@ -25,7 +25,7 @@ static const double retry_seconds_max = 16; /* at most, as encoding costs cores 
 static const double lost_seconds = 30, leaving_seconds = 5;
 
 struct run {
-    struct vor_worker *worker;
+    struct vor_job_service *service;
     struct vor_runner *runner;
     struct vor_job *job;
     struct vor_job_view view; /* when it began */
@@ -79,12 +79,13 @@ static void take_record(struct run *run, const struct vor_record *record)
                 VOR_COUNT("polish", record->polish));
     run->is_resumed = 0;
     vor_job_progress(run->job, record, vor_clock_wall_ms());
-    if (now - run->stored >= store_seconds && !vor_store_is_shared(run->worker->config.store)) {
+    if (now - run->stored >= store_seconds && !vor_store_is_shared(run->service->config.store)) {
         struct vor_error err;
         int changed;
 
         run->stored = now;
-        if (vor_worker_store_events(run->worker, run->job, &run->lease, &changed, &err) != VOR_OK)
+        if (vor_job_service_store_events(run->service, run->job, &run->lease, &changed, &err) !=
+            VOR_OK)
             vor_log(VOR_LOG_WARN, "progress not stored", VOR_OF_JOB(&run->view),
                     VOR_TEXT("error", err.message));
         else if (!changed)
@@ -109,7 +110,7 @@ static void show_elsewhere(struct run *run, int is_running)
 
     piece.data = bytes;
     piece.last = (uint32_t)version;
-    if (vor_store_show(run->worker->config.store, &run->view.id, &run->lease, &piece, &err) !=
+    if (vor_store_show(run->service->config.store, &run->view.id, &run->lease, &piece, &err) !=
         VOR_OK)
         vor_log(VOR_LOG_DEBUG, "preview not stored", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
@@ -178,7 +179,7 @@ static vor_status open_inputs(struct run *run, struct vor_error *err)
 
         if ((run->view.inputs >> i & 1) == 0)
             continue;
-        status = vor_blob_get(run->worker->config.blobs, &run->view.id,
+        status = vor_blob_get(run->service->config.blobs, &run->view.id,
                               vor_blob_of_input(inputs[i].name, blob), &run->order.input[i], &size,
                               &found, err);
         if (status == VOR_OK && !found)
@@ -191,7 +192,7 @@ static vor_status open_inputs(struct run *run, struct vor_error *err)
 static vor_status place_order(struct run *run, struct vor_error *err)
 {
     const struct vor_artefact_info *outputs = run->view.spec.process->outputs;
-    struct vor_blobs *blobs = run->worker->config.blobs;
+    struct vor_blobs *blobs = run->service->config.blobs;
     struct vor_order *order = &run->order;
     char blob[VOR_BLOB_NAME_MAX + 1];
     struct vor_error why;
@@ -200,8 +201,8 @@ static vor_status place_order(struct run *run, struct vor_error *err)
 
     *order = (struct vor_order){.spec = run->view.spec,
                                 .format = run->view.input[0].format,
-                                .memory = run->worker->config.memory,
-                                .every = run->worker->config.checkpoint_work,
+                                .memory = run->service->config.memory,
+                                .every = run->service->config.checkpoint_work,
                                 .is_suspect = run->view.alone};
     vor_order_forget(order);
     for (unsigned i = 0; i < VOR_INPUTS_MAX; i++)
@@ -232,7 +233,7 @@ static int wait_for_room(const struct run *run, double seconds)
 
     /* A job must not take what the reserve is made of. Where none is asked for, it just tries. */
     while (vor_clock_seconds() < until ||
-           vor_store_check_reserve(run->worker->config.store, NULL) != VOR_OK) {
+           vor_store_check_reserve(run->service->config.store, NULL) != VOR_OK) {
         if (vor_job_asked(run->job) == VOR_CANCEL)
             return 0;
         (void)nanosleep(&poll, NULL);
@@ -276,13 +277,13 @@ static vor_status commit_outputs(struct run *run, struct vor_error *err)
     return status;
 }
 
-static int is_aborting(struct vor_worker *worker)
+static int is_aborting(struct vor_job_service *service)
 {
     int aborting;
 
-    pthread_mutex_lock(&worker->mutex);
-    aborting = worker->aborting;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    aborting = service->aborting;
+    pthread_mutex_unlock(&service->mutex);
     return aborting;
 }
 
@@ -291,17 +292,17 @@ static enum vor_run_end try_order(struct run *run, struct vor_error *err)
 {
     const struct vor_listener listener = {
         .ctx = run, .asked = asked, .said = take, .is_looked_at = is_looked_at, .file = file_of};
-    struct vor_run_executor *executor = run->worker->config.executor;
+    struct vor_run_executor *executor = run->service->config.executor;
     enum vor_run_end end = VOR_RUN_FAILED;
 
-    vor_keeper_open(&run->keeper, run->worker->config.blobs, &run->view.id,
-                    run->worker->config.checkpoint_seconds);
+    vor_keeper_open(&run->keeper, run->service->config.blobs, &run->view.id,
+                    run->service->config.checkpoint_seconds);
     if (place_order(run, err) == VOR_OK)
         end = executor->run(executor, &run->order, &listener, &run->result, &run->kept, err);
     run->has_kept |= vor_keeper_close(
-        &run->keeper, end != VOR_RUN_DONE && end != VOR_RUN_FAILED        ? lost_seconds
-                      : end == VOR_RUN_FAILED && is_aborting(run->worker) ? leaving_seconds
-                                                                          : 0);
+        &run->keeper, end != VOR_RUN_DONE && end != VOR_RUN_FAILED         ? lost_seconds
+                      : end == VOR_RUN_FAILED && is_aborting(run->service) ? leaving_seconds
+                                                                           : 0);
     if (end == VOR_RUN_DONE && commit_outputs(run, err) != VOR_OK)
         end = VOR_RUN_FAILED;
     for (unsigned i = 0; i < VOR_OUTPUTS_MAX; i++) {
@@ -344,7 +345,7 @@ static int is_written(const struct run *run, struct vor_job_view *row)
     struct vor_job_view there;
     int found = 0;
 
-    if (vor_store_get(run->worker->config.store, &row->id, NULL, &there, &found, NULL) != VOR_OK ||
+    if (vor_store_get(run->service->config.store, &row->id, NULL, &there, &found, NULL) != VOR_OK ||
         !found || there.status != row->status || there.attempt != run->lease.attempt)
         return 0;
     *row = there;
@@ -363,8 +364,8 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
 
     if (!vor_job_freeze(run->job))
         return VOR_OK; /* dismissed: its row is written */
-    vor_worker_ending(run->worker, run->job, problem != NULL ? VOR_JOB_FAILED : VOR_JOB_SUCCESSFUL,
-                      &row);
+    vor_job_service_ending(run->service, run->job,
+                           problem != NULL ? VOR_JOB_FAILED : VOR_JOB_SUCCESSFUL, &row);
     (void)snprintf(row.message, sizeof row.message, "%.*s", (int)sizeof row.message - 1,
                    problem != NULL ? problem->message : result->message);
     if (problem != NULL) {
@@ -379,7 +380,7 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
         row.record.sigma = result->report.sigma;
         row.record.epsilon = result->report.epsilon;
     }
-    status = vor_worker_finish(run->worker, run->job, &row, &run->lease, kept, &changed, err);
+    status = vor_job_service_finish(run->service, run->job, &row, &run->lease, kept, &changed, err);
     if (status == VOR_OK && !changed && is_written(run, &row)) {
         vor_job_end(run->job, &row);
     } else if (status == VOR_OK && !changed) {
@@ -387,7 +388,7 @@ static vor_status finish_once(struct run *run, const struct vor_error *problem,
                 VOR_OF_JOB(&row), VOR_COUNT("attempt", run->lease.attempt));
         run->is_lost = 1;
         row.status = VOR_JOB_DISMISSED; /* here, as readers must not wait for ever */
-        if (!vor_store_is_shared(run->worker->config.store)) /* else they follow its row */
+        if (!vor_store_is_shared(run->service->config.store)) /* else they follow its row */
             vor_job_end(run->job, &row);
     }
     vor_job_thaw(run->job);
@@ -403,7 +404,7 @@ static void finish(struct run *run, const struct vor_error *problem)
     while (finish_once(run, problem, &err) != VOR_OK) {
         vor_log(VOR_LOG_ERROR, "the end of a job cannot be stored", VOR_OF_JOB(&run->view),
                 VOR_TEXT("error", err.message));
-        if (vor_worker_pause(run->worker, retry_seconds))
+        if (vor_job_service_pause(run->service, retry_seconds))
             break;
     }
 }
@@ -416,28 +417,28 @@ static int conclude_lost(struct run *run, enum vor_run_end end, struct vor_error
                                  .now_ms = vor_clock_wall_ms(),
                                  .is_crash = end != VOR_RUN_DISTURBED,
                                  .was_alone = end == VOR_RUN_CRASHED_ALONE,
-                                 .most = run->worker->config.faults_max};
-    struct vor_worker *worker = run->worker;
+                                 .most = run->service->config.faults_max};
+    struct vor_job_service *service = run->service;
     int again;
 
     vor_log(VOR_LOG_WARN, "run lost", VOR_OF_JOB(&run->view),
             VOR_COUNT("attempt", run->lease.attempt), VOR_TEXT("error", problem->message));
     if (problem->status != VOR_E_INTERNAL) /* there is no worker, and may be none at once */
-        (void)vor_worker_pause(worker, retry_seconds);
+        (void)vor_job_service_pause(service, retry_seconds);
     do {
         /* running -> accepted in the store, and in the live job unless it has crashed too often */
-        pthread_mutex_lock(&worker->claim);
-        if (!vor_worker_hand_back(worker, &run->view.id, &back))
+        pthread_mutex_lock(&service->claim);
+        if (!vor_job_service_hand_back(service, &run->view.id, &back))
             again = -1;
         else
             again = back.changed && !back.is_over &&
                     vor_job_restart(run->job, back.is_crash, vor_clock_wall_ms());
         if (again > 0) {
-            vor_worker_let_go(run->runner); /* another runner may have it at once */
-            vor_capacity_wait(worker, &run->view, 1);
+            vor_job_service_let_go(run->runner); /* another runner may have it at once */
+            vor_capacity_wait(service, &run->view, 1);
         }
-        pthread_mutex_unlock(&worker->claim);
-    } while (again < 0 && !vor_worker_pause(worker, retry_seconds));
+        pthread_mutex_unlock(&service->claim);
+    } while (again < 0 && !vor_job_service_pause(service, retry_seconds));
     if (again < 0)
         return 0;
     if (again) {
@@ -463,15 +464,15 @@ static int conclude(struct run *run, enum vor_run_end end, struct vor_error *pro
         finish(run, NULL);
     } else if (end != VOR_RUN_FAILED) {
         return conclude_lost(run, end, problem);
-    } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->worker)) {
+    } else if (problem->status == VOR_E_CANCELLED && is_aborting(run->service)) {
         /* The daemon goes down: the next one runs the job again. */
-        if (vor_worker_hand_back(run->worker, &run->view.id, &back) && back.changed)
+        if (vor_job_service_hand_back(run->service, &run->view.id, &back) && back.changed)
             vor_log(VOR_LOG_INFO, "job returned to the queue", VOR_OF_JOB(&run->view));
     } else {
         if (problem->status == VOR_E_CANCELLED && atomic_load(&run->late))
             (void)vor_fail(problem, VOR_E_DEADLINE,
                            "the job ran for %g seconds, the longest time that is allowed",
-                           run->worker->config.job_seconds);
+                           run->service->config.job_seconds);
         finish(run, problem);
     }
     return 0;
@@ -495,13 +496,13 @@ static void clean_up(struct run *run, double began)
     if (!vor_job_status_over(view.status))
         return;
     gone = attempts_gone(view.status, view.attempt);
-    vor_worker_drop_all(run->worker, &view.id, view.process, gone,
-                        vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
-                            (gone > 0 ? VOR_HAS_OUTPUTS : 0));
+    vor_job_service_drop_all(run->service, &view.id, view.process, gone,
+                             vor_has_inputs(&view) | (run->has_kept ? VOR_HAS_CHECKPOINT : 0) |
+                                 (gone > 0 ? VOR_HAS_OUTPUTS : 0));
     if (view.kept > 0)
-        vor_worker_keep_quota(run->worker, VOR_EVICT_UPLOADS);
+        vor_job_service_keep_quota(run->service, VOR_EVICT_UPLOADS);
     if (view.status == VOR_JOB_SUCCESSFUL)
-        vor_worker_keep_quota(run->worker, VOR_EVICT_RESULTS);
+        vor_job_service_keep_quota(run->service, VOR_EVICT_RESULTS);
     vor_log(VOR_LOG_INFO, "job ended", VOR_OF_JOB(&view),
             VOR_TEXT("status", vor_job_status_word(view.status)), VOR_TEXT("message", view.message),
             VOR_COUNT("attempt", view.attempt), VOR_COUNT("points", view.output[0].points),
@@ -512,27 +513,27 @@ static void clean_up(struct run *run, double began)
 /* What was stored after the job had ended elsewhere: who ended it did not find that. */
 static void clean_up_lost(const struct run *run)
 {
-    const struct vor_worker_config *config = &run->worker->config;
+    const struct vor_job_service_config *config = &run->service->config;
     struct vor_job_brief row = {.status = VOR_JOB_DISMISSED, .attempt = run->lease.attempt};
     int found;
 
     if (vor_store_brief(config->store, &run->view.id, &row, &found, NULL) != VOR_OK)
         return;
-    vor_worker_drop_all(
-        run->worker, &run->view.id, run->view.process, attempts_gone(row.status, row.attempt),
+    vor_job_service_drop_all(
+        run->service, &run->view.id, run->view.process, attempts_gone(row.status, row.attempt),
         VOR_HAS_OUTPUTS |
             (run->has_kept && vor_job_status_over(row.status) ? VOR_HAS_CHECKPOINT : 0));
 }
 
-void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
+void vor_job_service_run(struct vor_runner *runner, const struct vor_job_view *row)
 {
-    struct vor_worker *worker = runner->worker;
-    double began = vor_clock_seconds(), may = worker->config.job_seconds;
-    struct run run = {.worker = worker,
+    struct vor_job_service *service = runner->service;
+    double began = vor_clock_seconds(), may = service->config.job_seconds;
+    struct run run = {.service = service,
                       .runner = runner,
                       .job = runner->job,
                       .view = *row,
-                      .lease = {worker->owner.text, row->attempt},
+                      .lease = {service->owner.text, row->attempt},
                       .stored = began,
                       .deadline = may > 0 ? began + may : (double)INFINITY};
     struct vor_error problem;
@@ -543,7 +544,7 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     atomic_init(&run.stops, 0);
     vor_log(VOR_LOG_INFO, "job started", VOR_OF_JOB(row), VOR_COUNT("attempt", row->attempt));
     vor_job_begin(run.job, vor_clock_wall_ms());
-    vor_count_begun(row, row->attempt, worker->config.memory);
+    vor_count_begun(row, row->attempt, service->config.memory);
     if (row->request_lost || vor_spec_check(&row->spec, NULL) != VOR_OK ||
         vor_spec_check_inputs(&row->spec, row->inputs, NULL) != VOR_OK)
         (void)vor_fail(&problem, VOR_E_INTERNAL,
@@ -551,7 +552,7 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
     else
         end = execute(&run, &problem);
     vor_count_ended(row, end == VOR_RUN_DONE && run.result.has_report ? &run.result.report : NULL,
-                    worker->config.memory, vor_clock_seconds() - began);
+                    service->config.memory, vor_clock_seconds() - began);
     if (run.has_shown)
         show_elsewhere(&run, 0);
     if (!conclude(&run, end, &problem)) {
@@ -560,7 +561,7 @@ void vor_worker_run(struct vor_runner *runner, const struct vor_job_view *row)
         else
             clean_up(&run, began);
         if (!run.is_lost || vor_job_is_over(run.job))
-            vor_worker_forget(worker, run.job);
+            vor_job_service_forget(service, run.job);
     }
     vor_text_free(&run.kept);
 }

@@ -11,8 +11,8 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/base/metrics.h"
-#include "server/work/station.h"
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
+#include "server/work/worker_main.h"
 
 #include <errno.h>
 #include <pthread.h>
@@ -39,9 +39,9 @@ enum { STARTS = 3 }; /* tries to start a worker for a run */
 
 enum { NOBODY = -1 };
 
-/* A seat belongs to one life of its worker. When that ends, its runs find their channels closed,
+/* A slot belongs to one life of its worker. When that ends, its runs find their channels closed,
  * and here how it ended. */
-struct seat {
+struct slot {
     int taken;
     uint64_t life;
     int is_innocent; /* it was ended because of another run */
@@ -49,18 +49,18 @@ struct seat {
     char how[64];    /* "signal 11" */
 };
 
-/* A worker process, and a seat for each run there. It has lives: from its start until it ends, by
+/* A worker process, and a slot for each run there. It has lives: from its start until it ends, by
  * itself or by us. */
 struct worker {
-    struct vor_board *board;
-    int board_fd;
+    struct vor_shared_state *state;
+    int state_fd;
     int is_up;
     int is_changing;        /* it is being started or ended */
     struct vor_child child; /* while it is up */
     uint64_t life;          /* number of the last one, from 1 */
     unsigned beats;         /* when they were last looked at */
     double beat;            /* when they had changed */
-    struct seat seat[VOR_SEATS];
+    struct slot slot[VOR_RUN_SLOTS];
 };
 
 struct vor_supervisor {
@@ -80,26 +80,26 @@ static vor_status init_worker(const struct vor_supervisor *supervisor, struct wo
 {
     const struct vor_supervisor_config *config = &supervisor->config;
 
-    worker->board = vor_share(&worker->board_fd, sizeof *worker->board, PROT_READ | PROT_WRITE, 0);
-    if (worker->board == NULL)
+    worker->state = vor_share(&worker->state_fd, sizeof *worker->state, PROT_READ | PROT_WRITE, 0);
+    if (worker->state == NULL)
         return vor_fail_errno(err, errno, "creating memory that two processes share");
-    worker->board->threads = threads;
-    worker->board->memory = config->memory;
-    worker->board->has_codec = config->codec.zygote != NULL;
-    worker->board->codec_kind = config->codec.kind;
-    worker->board->sandbox = config->codec.sandbox;
+    worker->state->threads = threads;
+    worker->state->memory = config->memory;
+    worker->state->has_codec = config->codec.zygote != NULL;
+    worker->state->codec_kind = config->codec.kind;
+    worker->state->sandbox = config->codec.sandbox;
     return VOR_OK;
 }
 
-/* Ends its process, if there is one. worker may be NULL, or all zero. */
+/* Ends its process, if there is one. service may be NULL, or all zero. */
 static void free_worker(struct worker *worker)
 {
-    if (worker == NULL || worker->board == NULL)
+    if (worker == NULL || worker->state == NULL)
         return;
     if (worker->is_up)
         vor_child_free(&worker->child);
-    (void)munmap(worker->board, sizeof *worker->board);
-    (void)close(worker->board_fd);
+    (void)munmap(worker->state, sizeof *worker->state);
+    (void)close(worker->state_fd);
 }
 
 /* Runs of the life at hand. */
@@ -107,8 +107,8 @@ static unsigned runs_of(const struct worker *worker)
 {
     unsigned count = 0;
 
-    for (unsigned i = 0; i < VOR_SEATS; i++)
-        count += worker->seat[i].taken && worker->seat[i].life == worker->life;
+    for (unsigned i = 0; i < VOR_RUN_SLOTS; i++)
+        count += worker->slot[i].taken && worker->slot[i].life == worker->life;
     return count;
 }
 
@@ -116,7 +116,7 @@ static void describe_end(char out[64], const struct vor_child_end *end)
 {
     if (end->signal != 0)
         (void)snprintf(out, 64, "signal %d", end->signal);
-    else if (end->status == VOR_STATION_NO_MEMORY)
+    else if (end->status == VOR_WORKER_NO_MEMORY)
         (void)snprintf(out, 64, "memory ran out");
     else
         (void)snprintf(out, 64, "exit status %d", end->status);
@@ -139,7 +139,7 @@ static vor_status wait_ready(struct vor_child *child, struct vor_error *err)
     if (message.size > 0)
         return vor_fail(err, VOR_E_INTERNAL, "the engine fails its self-test: %.*s",
                         (int)sizeof why.message, why.message);
-    if (end.status == VOR_STATION_NO_POOL)
+    if (end.status == VOR_WORKER_NO_POOL)
         return vor_fail(err, VOR_E_NOMEM,
                         "cannot start the threads of the worker: too little memory, or a limit on "
                         "the number of processes");
@@ -172,13 +172,13 @@ static vor_status begin_worker(struct vor_supervisor *supervisor, struct worker 
                                struct vor_error *err)
 {
     struct vor_zygote *zygote = supervisor->config.zygote;
-    const int fds[] = {worker->board_fd, zygote->socket};
+    const int fds[] = {worker->state_fd, zygote->socket};
     struct vor_child child;
     vor_status status;
 
     begin_change(supervisor, worker);
     status = vor_zygote_spawn(&child, zygote, supervisor->config.kind, fds,
-                              worker->board->has_codec ? 2 : 1, err);
+                              worker->state->has_codec ? 2 : 1, err);
     if (status == VOR_OK) {
         status = wait_ready(&child, err);
         if (status != VOR_OK)
@@ -189,7 +189,7 @@ static vor_status begin_worker(struct vor_supervisor *supervisor, struct worker 
         worker->child = child;
         worker->is_up = 1;
         worker->life++;
-        worker->beats = atomic_load(&worker->board->beats);
+        worker->beats = atomic_load(&worker->state->beats);
         worker->beat = vor_clock_seconds();
         vor_log(VOR_LOG_INFO, "worker started", VOR_COUNT("pid", child.pid));
     }
@@ -197,7 +197,7 @@ static vor_status begin_worker(struct vor_supervisor *supervisor, struct worker 
     return status;
 }
 
-/* why: we end it; NULL where it has ended by itself, or nearly so. blamed: the seat because of
+/* why: we end it; NULL where it has ended by itself, or nearly so. blamed: the slot because of
  * which we do, or NOBODY. */
 static void end_worker(struct vor_supervisor *supervisor, struct worker *worker, const char *why,
                        int blamed)
@@ -218,14 +218,14 @@ static void end_worker(struct vor_supervisor *supervisor, struct worker *worker,
     vor_child_free(&worker->child);
     worker->is_up = 0;
     runs = runs_of(worker);
-    for (unsigned i = 0; i < VOR_SEATS; i++) {
-        struct seat *seat = &worker->seat[i];
+    for (unsigned i = 0; i < VOR_RUN_SLOTS; i++) {
+        struct slot *slot = &worker->slot[i];
 
-        if (!seat->taken || seat->life != worker->life)
+        if (!slot->taken || slot->life != worker->life)
             continue;
-        seat->is_only = runs == 1;
-        seat->is_innocent = blamed != NOBODY && blamed != (int)i;
-        memcpy(seat->how, how, sizeof seat->how);
+        slot->is_only = runs == 1;
+        slot->is_innocent = blamed != NOBODY && blamed != (int)i;
+        memcpy(slot->how, how, sizeof slot->how);
     }
     vor_log(VOR_LOG_ERROR, "worker ended", VOR_TEXT("how", how),
             VOR_COUNT("pid", worker->child.pid), VOR_COUNT("jobs", runs),
@@ -269,11 +269,11 @@ static struct worker *worker_for(struct vor_supervisor *supervisor, const struct
 
 /* --- a run ------------------------------------------------------------------------------------ */
 
-struct sitting {
+struct run {
     struct vor_supervisor *supervisor;
     struct worker *worker;
     const struct vor_listener *listener;
-    int seat, channel;
+    int slot, channel;
     uint64_t life;
     float *xyz;                    /* room for them; NULL as long as nobody has looked */
     double cancelled;              /* when the listener was first seen to cancel; 0 for not yet */
@@ -283,13 +283,13 @@ struct sitting {
     struct vor_error *err;
 };
 
-static void leave_seat(struct sitting *sitting)
+static void leave_slot(struct run *run)
 {
-    (void)close(sitting->channel);
-    free(sitting->xyz);
-    pthread_mutex_lock(&sitting->supervisor->mutex);
-    sitting->worker->seat[sitting->seat].taken = 0;
-    pthread_mutex_unlock(&sitting->supervisor->mutex);
+    (void)close(run->channel);
+    free(run->xyz);
+    pthread_mutex_lock(&run->supervisor->mutex);
+    run->worker->slot[run->slot].taken = 0;
+    pthread_mutex_unlock(&run->supervisor->mutex);
 }
 
 /* Whether an error of sending says that the other side has gone, and not that we have no means. */
@@ -298,140 +298,139 @@ static int is_gone(const struct vor_error *err)
     return err->got == EPIPE || err->got == ECONNRESET;
 }
 
-/* Begins a run at the worker, which is started where it is not up: takes a free seat and sends the
+/* Begins a run at the worker, which is started where it is not up: takes a free slot and sends the
  * worker a channel for it. The mutex is held. */
-static vor_status try_to_sit(struct sitting *sitting, struct vor_error *err)
+static vor_status try_to_sit(struct run *run, struct vor_error *err)
 {
-    struct worker *worker = sitting->worker;
-    struct vor_summons summons = {.seat = 0};
+    struct worker *worker = run->worker;
+    struct vor_run_request request = {.slot = 0};
     vor_status status = VOR_OK;
     int ends[2];
 
-    settle(sitting->supervisor, worker);
+    settle(run->supervisor, worker);
     if (!worker->is_up)
-        status = begin_worker(sitting->supervisor, worker, err);
-    while (summons.seat < VOR_SEATS && worker->seat[summons.seat].taken)
-        summons.seat++;
-    if (status == VOR_OK && summons.seat == VOR_SEATS)
-        status =
-            vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time", VOR_SEATS);
+        status = begin_worker(run->supervisor, worker, err);
+    while (request.slot < VOR_RUN_SLOTS && worker->slot[request.slot].taken)
+        request.slot++;
+    if (status == VOR_OK && request.slot == VOR_RUN_SLOTS)
+        status = vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time",
+                          VOR_RUN_SLOTS);
     if (status == VOR_OK)
         status = vor_channel_pair(ends, err);
     if (status != VOR_OK)
         return status;
-    worker->seat[summons.seat] = (struct seat){.taken = 1, .life = worker->life};
-    atomic_store(&worker->board->asked[summons.seat], VOR_CONTINUE);
-    sitting->seat = (int)summons.seat;
-    sitting->life = worker->life;
-    sitting->channel = ends[0];
-    status = vor_channel_send(worker->child.channel, &summons, sizeof summons, &ends[1], 1, err);
+    worker->slot[request.slot] = (struct slot){.taken = 1, .life = worker->life};
+    atomic_store(&worker->state->asked[request.slot], VOR_CONTINUE);
+    run->slot = (int)request.slot;
+    run->life = worker->life;
+    run->channel = ends[0];
+    status = vor_channel_send(worker->child.channel, &request, sizeof request, &ends[1], 1, err);
     (void)close(ends[1]);
     if (status == VOR_OK)
         return VOR_OK;
     (void)close(ends[0]);
-    worker->seat[sitting->seat].taken = 0;
+    worker->slot[run->slot].taken = 0;
     if (is_gone(err))
-        end_worker(sitting->supervisor, worker, NULL, NOBODY);
+        end_worker(run->supervisor, worker, NULL, NOBODY);
     return status;
 }
 
 /* The same. A worker that has died since its last run shows when it is spoken to. */
-static vor_status sit_down(struct sitting *sitting, struct vor_error *err)
+static vor_status sit_down(struct run *run, struct vor_error *err)
 {
     vor_status status = VOR_E_IO;
 
-    pthread_mutex_lock(&sitting->supervisor->mutex);
+    pthread_mutex_lock(&run->supervisor->mutex);
     for (int i = 0; i < STARTS && status != VOR_OK; i++) {
-        status = try_to_sit(sitting, err);
-        if (status != VOR_OK && sitting->worker->is_up)
+        status = try_to_sit(run, err);
+        if (status != VOR_OK && run->worker->is_up)
             break; /* it is not the worker */
     }
-    pthread_mutex_unlock(&sitting->supervisor->mutex);
+    pthread_mutex_unlock(&run->supervisor->mutex);
     return status;
 }
 
 /* Tells the run what is asked of it, and looks whether it and its worker are in order. */
-static void look_after(struct sitting *sitting)
+static void look_after(struct run *run)
 {
-    const struct vor_supervisor_config *config = &sitting->supervisor->config;
-    const struct vor_listener *listener = sitting->listener;
+    const struct vor_supervisor_config *config = &run->supervisor->config;
+    const struct vor_listener *listener = run->listener;
     enum vor_answer answer = listener->asked(listener->ctx);
     int is_looked_at = listener->is_looked_at != NULL && listener->is_looked_at(listener->ctx);
-    struct worker *worker = sitting->worker;
-    unsigned beats = atomic_load(&worker->board->beats);
+    struct worker *worker = run->worker;
+    unsigned beats = atomic_load(&worker->state->beats);
     double now = vor_clock_seconds(), share;
 
-    if (is_looked_at && sitting->xyz == NULL)
-        sitting->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *sitting->xyz);
-    atomic_store(&worker->board->is_looked_at[sitting->seat], is_looked_at && sitting->xyz != NULL);
-    atomic_store(&worker->board->asked[sitting->seat], (int)answer);
-    if (answer == VOR_CANCEL && sitting->cancelled == 0)
-        sitting->cancelled = now;
-    pthread_mutex_lock(&sitting->supervisor->mutex);
-    if (worker->life == sitting->life) {
+    if (is_looked_at && run->xyz == NULL)
+        run->xyz = malloc((size_t)VOR_PREVIEW_POINTS_MAX * 3 * sizeof *run->xyz);
+    atomic_store(&worker->state->is_looked_at[run->slot], is_looked_at && run->xyz != NULL);
+    atomic_store(&worker->state->asked[run->slot], (int)answer);
+    if (answer == VOR_CANCEL && run->cancelled == 0)
+        run->cancelled = now;
+    pthread_mutex_lock(&run->supervisor->mutex);
+    if (worker->life == run->life) {
         share = runs_of(worker) == 1 ? cancel_alone_share : 1;
-        if (sitting->cancelled > 0 && now - sitting->cancelled > share * config->cancel_seconds)
-            end_worker(sitting->supervisor, worker, "a cancelled run did not end", sitting->seat);
+        if (run->cancelled > 0 && now - run->cancelled > share * config->cancel_seconds)
+            end_worker(run->supervisor, worker, "a cancelled run did not end", run->slot);
         if (beats != worker->beats) {
             worker->beats = beats;
             worker->beat = now;
         } else if (now - worker->beat > config->stall_seconds) {
-            end_worker(sitting->supervisor, worker, "it does not respond", NOBODY);
+            end_worker(run->supervisor, worker, "it does not respond", NOBODY);
         }
     }
-    pthread_mutex_unlock(&sitting->supervisor->mutex);
+    pthread_mutex_unlock(&run->supervisor->mutex);
 }
 
 /* The run's worker has ended, or does not speak sense. */
-static enum vor_run_end lose(struct sitting *sitting)
+static enum vor_run_end lose(struct run *run)
 {
-    struct worker *worker = sitting->worker;
-    const struct seat *seat = &worker->seat[sitting->seat];
+    struct worker *worker = run->worker;
+    const struct slot *slot = &worker->slot[run->slot];
     enum vor_run_end end;
 
-    pthread_mutex_lock(&sitting->supervisor->mutex);
-    if (worker->life == sitting->life)
-        end_worker(sitting->supervisor, worker, NULL, NOBODY);
-    settle(sitting->supervisor, worker);
-    end = seat->is_innocent ? VOR_RUN_DISTURBED
-          : seat->is_only   ? VOR_RUN_CRASHED_ALONE
+    pthread_mutex_lock(&run->supervisor->mutex);
+    if (worker->life == run->life)
+        end_worker(run->supervisor, worker, NULL, NOBODY);
+    settle(run->supervisor, worker);
+    end = slot->is_innocent ? VOR_RUN_DISTURBED
+          : slot->is_only   ? VOR_RUN_CRASHED_ALONE
                             : VOR_RUN_CRASHED;
-    (void)vor_fail(sitting->err, VOR_E_INTERNAL, "the worker crashed (%s)", seat->how);
-    pthread_mutex_unlock(&sitting->supervisor->mutex);
-    if (sitting->listener->asked(sitting->listener->ctx) != VOR_CANCEL)
+    (void)vor_fail(run->err, VOR_E_INTERNAL, "the worker crashed (%s)", slot->how);
+    pthread_mutex_unlock(&run->supervisor->mutex);
+    if (run->listener->asked(run->listener->ctx) != VOR_CANCEL)
         return end;
-    (void)vor_fail(sitting->err, VOR_E_CANCELLED, "cancelled by the caller");
+    (void)vor_fail(run->err, VOR_E_CANCELLED, "cancelled by the caller");
     return VOR_RUN_FAILED;
 }
 
-static int leave_over(struct sitting *sitting);
+static int leave_over(struct run *run);
 
 /* Takes in what the run says; true when it was its last word, and *end then says which. */
-static int take_in(const struct sitting *sitting, const struct vor_message_said *said, size_t size,
+static int take_in(const struct run *run, const struct vor_message_said *said, size_t size,
                    enum vor_run_end *end)
 {
     switch (said->what) {
     case VOR_SAID_KEPT:
-        vor_text_append(sitting->kept, said->of.kept, size);
+        vor_text_append(run->kept, said->of.kept, size);
         return 0;
     case VOR_SAID_DONE:
-        *sitting->result = said->of.result;
-        *end =
-            vor_text_status(sitting->kept, sitting->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
+        *run->result = said->of.result;
+        *end = vor_text_status(run->kept, run->err) == VOR_OK ? VOR_RUN_DONE : VOR_RUN_FAILED;
         return 1;
     case VOR_SAID_FAILED:
-        *sitting->err = said->of.error;
+        *run->err = said->of.error;
         *end = VOR_RUN_FAILED;
         return 1;
     default:
-        if (!sitting->is_left_over)
-            sitting->listener->said(sitting->listener->ctx, said->what, &said->of);
+        if (!run->is_left_over)
+            run->listener->said(run->listener->ctx, said->what, &said->of);
         return 0;
     }
 }
 
 /* Listens to a run until its end, or until it is overdue and was left over. */
-static enum vor_run_end listen_to(struct sitting *sitting)
+static enum vor_run_end listen_to(struct run *run)
 {
     struct vor_message_said said;
     enum vor_channel_event event;
@@ -439,16 +438,16 @@ static enum vor_run_end listen_to(struct sitting *sitting)
     size_t size = 0;
 
     for (;;) {
-        vor_offer_send(sitting->channel, sitting->listener);
-        event = vor_hear(&said, &size, sitting->xyz, sitting->channel, look_seconds);
+        vor_offer_send(run->channel, run->listener);
+        event = vor_hear(&said, &size, run->xyz, run->channel, look_seconds);
         if (event == VOR_CHANNEL_GONE)
-            return lose(sitting);
-        if (event == VOR_CHANNEL_MESSAGE && take_in(sitting, &said, size, &end))
+            return lose(run);
+        if (event == VOR_CHANNEL_MESSAGE && take_in(run, &said, size, &end))
             return end;
-        look_after(sitting);
-        if (!sitting->is_left_over && sitting->cancelled > 0 &&
-            vor_clock_seconds() - sitting->cancelled > let_go_seconds && leave_over(sitting)) {
-            (void)vor_fail(sitting->err, VOR_E_CANCELLED, "cancelled by the caller");
+        look_after(run);
+        if (!run->is_left_over && run->cancelled > 0 &&
+            vor_clock_seconds() - run->cancelled > let_go_seconds && leave_over(run)) {
+            (void)vor_fail(run->err, VOR_E_CANCELLED, "cancelled by the caller");
             return VOR_RUN_FAILED;
         }
     }
@@ -466,21 +465,21 @@ static const struct vor_listener nobody = {.asked = answer_cancel};
 /* Waits for the end of a run in nobody's name. */
 static void *see_out(void *arg)
 {
-    struct sitting *sitting = arg;
-    struct vor_supervisor *supervisor = sitting->supervisor;
+    struct run *run = arg;
+    struct vor_supervisor *supervisor = run->supervisor;
     struct vor_run_result result;
     struct vor_error err;
     struct vor_text kept;
 
     vor_text_init(&kept, 0);
-    sitting->result = &result;
-    sitting->kept = &kept;
-    sitting->err = &err;
-    (void)listen_to(sitting);
+    run->result = &result;
+    run->kept = &kept;
+    run->err = &err;
+    (void)listen_to(run);
     vor_text_free(&kept);
-    leave_seat(sitting);
-    leave_worker(supervisor, sitting->worker);
-    free(sitting);
+    leave_slot(run);
+    leave_worker(supervisor, run->worker);
+    free(run);
     pthread_mutex_lock(&supervisor->mutex);
     supervisor->left_over--;
     pthread_cond_broadcast(&supervisor->changed);
@@ -489,27 +488,27 @@ static void *see_out(void *arg)
 }
 
 /* Has another thread see a run out; false when there is none. */
-static int leave_over(struct sitting *sitting)
+static int leave_over(struct run *run)
 {
-    struct vor_supervisor *supervisor = sitting->supervisor;
-    struct sitting *left = malloc(sizeof *left);
+    struct vor_supervisor *supervisor = run->supervisor;
+    struct run *left = malloc(sizeof *left);
     pthread_t thread;
 
     if (left == NULL)
         return 0;
-    sitting->is_left_over = 1;
-    *left = *sitting;
+    run->is_left_over = 1;
+    *left = *run;
     left->listener = &nobody;
     pthread_mutex_lock(&supervisor->mutex);
     if (vor_machine_thread(&thread, "vor-see-out", see_out, left) == 0) {
         (void)pthread_detach(thread);
         supervisor->left_over++;
     } else {
-        sitting->is_left_over = 0;
+        run->is_left_over = 0;
         free(left);
     }
     pthread_mutex_unlock(&supervisor->mutex);
-    return sitting->is_left_over;
+    return run->is_left_over;
 }
 
 static enum vor_run_end run_there(struct vor_run_executor *executor, const struct vor_order *order,
@@ -518,25 +517,25 @@ static enum vor_run_end run_there(struct vor_run_executor *executor, const struc
                                   struct vor_error *err)
 {
     struct vor_supervisor *supervisor = (struct vor_supervisor *)executor;
-    struct sitting sitting = {
+    struct run run = {
         .supervisor = supervisor, .listener = listener, .result = result, .kept = kept, .err = err};
     enum vor_run_end end;
 
-    sitting.worker = worker_for(supervisor, order, err);
-    if (sitting.worker == NULL)
+    run.worker = worker_for(supervisor, order, err);
+    if (run.worker == NULL)
         return VOR_RUN_DISTURBED;
-    if (sit_down(&sitting, err) != VOR_OK) {
-        leave_worker(supervisor, sitting.worker);
+    if (sit_down(&run, err) != VOR_OK) {
+        leave_worker(supervisor, run.worker);
         return VOR_RUN_DISTURBED;
     }
-    look_after(&sitting); /* a short run may end before the next time */
-    if (vor_order_send(sitting.channel, order, err) == VOR_OK)
-        end = listen_to(&sitting);
+    look_after(&run); /* a short run may end before the next time */
+    if (vor_order_send(run.channel, order, err) == VOR_OK)
+        end = listen_to(&run);
     else
-        end = is_gone(err) ? lose(&sitting) : VOR_RUN_DISTURBED;
-    if (!sitting.is_left_over) {
-        leave_seat(&sitting);
-        leave_worker(supervisor, sitting.worker);
+        end = is_gone(err) ? lose(&run) : VOR_RUN_DISTURBED;
+    if (!run.is_left_over) {
+        leave_slot(&run);
+        leave_worker(supervisor, run.worker);
     }
     return end;
 }

@@ -1,5 +1,5 @@
-/** The executor whose runs happen in a worker process (station.h): starts it, watches it, ends it
- *  when it no longer answers, and starts the next. All runs share one but for suspects, each of
+/** The executor whose runs happen in a worker process (worker_main.h): starts it, watches it, ends
+ * it when it no longer answers, and starts the next. All runs share one but for suspects, each of
  *  which has its own for as long as it takes. */
 #ifndef VOR_SERVER_WORK_SUPERVISOR_H
 #define VOR_SERVER_WORK_SUPERVISOR_H
@@ -12,7 +12,7 @@ struct vor_supervisor;
 
 struct vor_supervisor_config {
     struct vor_zygote *zygote;    /**< borrowed */
-    unsigned kind;                /**< number of the kind whose function is vor_station_run */
+    unsigned kind;                /**< number of the kind whose function is vor_worker_main */
     struct vor_codec_place codec; /**< where results are encoded, its zygote the same; without one
                                        that happens in the worker */
     unsigned threads;             /**< of the pool, 1 .. VOR_THREADS_MAX */
@@ -32,7 +32,7 @@ VOR_NODISCARD vor_status vor_supervisor_create(struct vor_supervisor **out,
 /** Ends the worker process. No run may be under way. supervisor may be NULL. */
 void vor_supervisor_destroy(struct vor_supervisor *supervisor);
 
-/** The executor: VOR_SEATS (wire.h) runs at a time. Borrowed.
+/** The executor: VOR_RUN_SLOTS (ipc_codec.h) runs at a time. Borrowed.
  *
  *  What a listener answers is known to the run within 20 ms. A run that was cancelled and does not
  *  end is told as cancelled after 0.3 seconds, and ended with its process: after cancel_seconds,

@@ -2,7 +2,7 @@
  * left, however it ended, is put in order. Jobs come first, before anybody is answered; files are
  * tidied up later. Then, over and over: what is due expires, what no job needs goes, and disks and
  * the clock are looked at. */
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include "server/base/clock.h"
 #include "server/base/disk.h"
@@ -33,22 +33,22 @@
 static const int64_t jump_ms = 30000, unsure_ms = 3600000;
 
 /* At the start, before the first row is changed. */
-static vor_status begin_calendar(struct vor_worker *worker, struct vor_error *err)
+static vor_status begin_expiry_clock(struct vor_job_service *service, struct vor_error *err)
 {
-    struct vor_calendar *calendar = &worker->calendar;
+    struct vor_expiry_clock *expiry_clock = &service->expiry_clock;
     int64_t ahead;
     vor_status status;
 
-    if (vor_store_is_shared(worker->config.store)) /* whose clock it goes by */
+    if (vor_store_is_shared(service->config.store)) /* whose clock it goes by */
         return VOR_OK;
-    status = vor_store_newest(worker->config.store, &calendar->newest, err);
+    status = vor_store_newest(service->config.store, &expiry_clock->newest, err);
     if (status != VOR_OK)
         return status;
-    calendar->wall = vor_clock_wall_ms();
-    calendar->steady = calendar->began = vor_clock_boot_ms();
-    ahead = calendar->wall - calendar->newest;
-    calendar->unsure = calendar->newest > 0 && (ahead > unsure_ms || ahead < -jump_ms);
-    if (calendar->unsure)
+    expiry_clock->wall = vor_clock_wall_ms();
+    expiry_clock->steady = expiry_clock->began = vor_clock_boot_ms();
+    ahead = expiry_clock->wall - expiry_clock->newest;
+    expiry_clock->unsure = expiry_clock->newest > 0 && (ahead > unsure_ms || ahead < -jump_ms);
+    if (expiry_clock->unsure)
         vor_log(VOR_LOG_WARN,
                 "the clock does not agree with the times of the stored jobs: no job expires "
                 "for an hour, or until the clock agrees",
@@ -56,11 +56,11 @@ static vor_status begin_calendar(struct vor_worker *worker, struct vor_error *er
     return VOR_OK;
 }
 
-static int move_rows(struct vor_worker *worker, int64_t by)
+static int move_rows(struct vor_job_service *service, int64_t by)
 {
     struct vor_error err;
 
-    if (vor_store_shift(worker->config.store, by, &err) != VOR_OK) {
+    if (vor_store_shift(service->config.store, by, &err) != VOR_OK) {
         vor_log(VOR_LOG_ERROR, "the clock jumped, and expiry times could not be adjusted",
                 VOR_TEXT("error", err.message));
         return 0;
@@ -71,42 +71,42 @@ static int move_rows(struct vor_worker *worker, int64_t by)
 }
 
 /* Looks for a jump and moves what it would expire. True when rows may expire now. */
-static int look_at_clock(struct vor_worker *worker)
+static int look_at_clock(struct vor_job_service *service)
 {
-    struct vor_calendar *calendar = &worker->calendar;
+    struct vor_expiry_clock *expiry_clock = &service->expiry_clock;
     int64_t wall = vor_clock_wall_ms(), steady = vor_clock_boot_ms();
-    int64_t jump = wall - calendar->wall - (steady - calendar->steady);
-    int64_t passed = steady - calendar->began, ahead = wall - calendar->newest - passed;
+    int64_t jump = wall - expiry_clock->wall - (steady - expiry_clock->steady);
+    int64_t passed = steady - expiry_clock->began, ahead = wall - expiry_clock->newest - passed;
 
-    if (vor_store_is_shared(worker->config.store))
+    if (vor_store_is_shared(service->config.store))
         return 1;
-    if (calendar->unsure) /* until it fits, or an hour has passed */
-        calendar->unsure = passed <= unsure_ms && (ahead > unsure_ms || ahead < -jump_ms);
-    else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(worker, jump))
+    if (expiry_clock->unsure) /* until it fits, or an hour has passed */
+        expiry_clock->unsure = passed <= unsure_ms && (ahead > unsure_ms || ahead < -jump_ms);
+    else if ((jump > jump_ms || jump < -jump_ms) && !move_rows(service, jump))
         return 0;
-    calendar->wall = wall;
-    calendar->steady = steady;
-    return !calendar->unsure;
+    expiry_clock->wall = wall;
+    expiry_clock->steady = steady;
+    return !expiry_clock->unsure;
 }
 /* --- disks ------------------------------------------------------------------------------------ */
 
-vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
+vor_status vor_job_service_ready(struct vor_job_service *service, struct vor_error *err)
 {
     struct vor_error why;
     const char *part = "--store";
     int is_lost;
-    vor_status status = vor_store_check(worker->config.store, &is_lost, &why);
+    vor_status status = vor_store_check(service->config.store, &is_lost, &why);
 
-    if (status == VOR_OK && atomic_load(&worker->is_late))
+    if (status == VOR_OK && atomic_load(&service->is_late))
         status = vor_fail_errno(&why, ENOSPC, "recovering earlier jobs");
     if (status == VOR_OK)
-        status = vor_store_check_reserve(worker->config.store, &why);
+        status = vor_store_check_reserve(service->config.store, &why);
     if (status == VOR_OK) {
         part = "--blobs";
-        status = vor_blobs_reach(worker->config.blobs, &why);
+        status = vor_blobs_reach(service->config.blobs, &why);
     }
     if (status == VOR_OK)
-        status = vor_blobs_room(worker->config.blobs, 1, &why);
+        status = vor_blobs_room(service->config.blobs, 1, &why);
     if (status == VOR_OK)
         return VOR_OK;
     (void)vor_fail(err, status, "%s: %.900s", part, why.message);
@@ -116,51 +116,51 @@ vor_status vor_worker_ready(struct vor_worker *worker, struct vor_error *err)
 
 /* Makes the reserve again once there is room, and tells config.failed, once, that a disk has
  * failed. */
-static void look_at_disk(struct vor_worker *worker)
+static void look_at_disk(struct vor_job_service *service)
 {
     struct vor_error err;
-    int is_away = vor_blobs_reach(worker->config.blobs, &err) != VOR_OK, is_lost = 0;
+    int is_away = vor_blobs_reach(service->config.blobs, &err) != VOR_OK, is_lost = 0;
     vor_status status;
 
     /* While the blobs are away no job begins. */
     vor_metric_set(VOR_METRIC_STORAGE_UP, !is_away, VOR_LABELS("blobs"));
-    if (is_away && !worker->is_away)
+    if (is_away && !service->is_away)
         vor_log(VOR_LOG_ERROR, "files cannot be read or written: no job starts",
                 VOR_TEXT("error", err.message));
-    if (!is_away && worker->is_away) {
+    if (!is_away && service->is_away) {
         vor_log(VOR_LOG_INFO, "files can be read and written again");
-        vor_worker_news(worker);
+        vor_job_service_news(service);
     }
-    worker->is_away = is_away;
-    if (!atomic_load(&worker->is_late)) { /* recovery needs the room more than the reserve does */
-        int had = vor_store_check_reserve(worker->config.store, NULL) == VOR_OK;
-        int has = vor_store_keep_reserve(worker->config.store, &err) == VOR_OK;
+    service->is_away = is_away;
+    if (!atomic_load(&service->is_late)) { /* recovery needs the room more than the reserve does */
+        int had = vor_store_check_reserve(service->config.store, NULL) == VOR_OK;
+        int has = vor_store_keep_reserve(service->config.store, &err) == VOR_OK;
 
         if (has && !had)
             vor_log(VOR_LOG_INFO, "the disk has room again", VOR_TEXT("reserve", "made"));
-        else if (!has && !worker->is_full)
+        else if (!has && !service->is_full)
             vor_log(VOR_LOG_WARN, "no reserve on the disk", VOR_TEXT("error", err.message));
-        worker->is_full = !has;
+        service->is_full = !has;
     }
-    if (worker->has_failed)
+    if (service->has_failed)
         return;
     /* Well as long as no disk has failed and the store is ours; one that is away may come back. */
-    status = vor_store_check(worker->config.store, &is_lost, &err);
+    status = vor_store_check(service->config.store, &is_lost, &err);
     if (status != VOR_OK)
-        worker->unreached = vor_clock_seconds();
+        service->unreached = vor_clock_seconds();
     vor_metric_set(VOR_METRIC_STORAGE_UP, status == VOR_OK, VOR_LABELS("store"));
     if (!is_lost)
-        status = vor_blobs_check(worker->config.blobs, &err);
+        status = vor_blobs_check(service->config.blobs, &err);
     if (status == VOR_OK)
         return;
-    worker->has_failed = 1;
-    if (worker->config.failed != NULL)
-        worker->config.failed(worker->config.failed_ctx, &err);
+    service->has_failed = 1;
+    if (service->config.failed != NULL)
+        service->config.failed(service->config.failed_ctx, &err);
 }
 
 /* A crash between the removal of a job's row and that of its bytes leaves those of as many jobs as
- * the worker removes at a time, which is 2, and each may have results in two formats. More is a
- * damaged table, or another one: then files stay as long as results do. */
+ * the job service removes at a time, which is 2, and each may have results in two formats. More is
+ * a damaged table, or another one: then files stay as long as results do. */
 enum { ORPHANS_OF_CRASH = 8 };
 
 /* A look at strays may take so long: a part of the time between two looks of the sweeper. */
@@ -170,7 +170,7 @@ static const double portion_seconds = 0.25;
 
 static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
 {
-    struct vor_found *found = &((struct vor_worker *)ctx)->found;
+    struct vor_found *found = &((struct vor_job_service *)ctx)->found;
 
     if (found->count == found->capacity) {
         size_t capacity = found->capacity > 0 ? 2 * found->capacity : 256;
@@ -187,9 +187,9 @@ static void note_blob(void *ctx, const struct vor_uuid *id, const char *name)
 }
 
 /* Looks which blobs there are now. */
-static vor_status find_blobs(struct vor_worker *worker, struct vor_error *err)
+static vor_status find_blobs(struct vor_job_service *service, struct vor_error *err)
 {
-    return vor_blobs_list(worker->config.blobs, note_blob, worker, err);
+    return vor_blobs_list(service->config.blobs, note_blob, service, err);
 }
 
 /* The output of an attempt that a blob is of, be it converted; NULL for none. */
@@ -211,14 +211,14 @@ static const struct vor_artefact_info *output_of(const struct vor_process_info *
 /* A job that is not over needs all its blobs; it may be writing its outputs just now. A job that is
  * over needs only its outputs, if it was successful, and its uploads as long as its row counts
  * them. When the store cannot be read, or the process is not known, a blob counts as needed. */
-static int is_needed(struct vor_worker *worker, const struct vor_found_blob *blob)
+static int is_needed(struct vor_job_service *service, const struct vor_found_blob *blob)
 {
     const struct vor_process_info *process;
     const struct vor_artefact_info *output;
     struct vor_job_brief row;
     int found;
 
-    if (vor_store_brief(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK)
+    if (vor_store_brief(service->config.store, &blob->id, &row, &found, NULL) != VOR_OK)
         return 1;
     if (!found || row.expired)
         return 0;
@@ -241,16 +241,16 @@ static int is_younger(const struct vor_uuid *id, double seconds)
 }
 
 /* A result whose job has no row at all; who removes a job removes its row first. */
-static int is_orphan(struct vor_worker *worker, const struct vor_found_blob *blob)
+static int is_orphan(struct vor_job_service *service, const struct vor_found_blob *blob)
 {
     struct vor_job_brief row;
     uint64_t size;
     int found;
 
     if (strncmp(blob->name, "input", 5) == 0 || vor_blob_is_upload(blob->name) ||
-        vor_store_brief(worker->config.store, &blob->id, &row, &found, NULL) != VOR_OK || found)
+        vor_store_brief(service->config.store, &blob->id, &row, &found, NULL) != VOR_OK || found)
         return 0;
-    return vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) ==
+    return vor_blob_get(service->config.blobs, &blob->id, blob->name, NULL, &size, &found, NULL) ==
                VOR_OK &&
            found;
 }
@@ -260,7 +260,7 @@ static int is_orphan(struct vor_worker *worker, const struct vor_found_blob *blo
 
 /* Jobs whose uploads are not there, or not whole. */
 struct missing {
-    struct vor_worker *worker;
+    struct vor_job_service *service;
     struct vor_evicted job[16];
     size_t count, seen;
     int64_t seq; /* of the row seen last */
@@ -279,7 +279,7 @@ static int note_missing(void *ctx, const struct vor_job_view *row)
     for (; input->name != NULL && status == VOR_OK; input++) {
         char blob[VOR_BLOB_NAME_MAX + 1];
 
-        status = vor_blob_get(missing->worker->config.blobs, &row->id,
+        status = vor_blob_get(missing->service->config.blobs, &row->id,
                               vor_blob_of_upload(input->name, blob), NULL, &size, &found, NULL);
         bytes += size;
     }
@@ -294,71 +294,72 @@ static int note_missing(void *ctx, const struct vor_job_view *row)
 
 /* A kept upload waits for no disk, so that of the last ones before a crash of the machine there may
  * be the row alone, or a part of the bytes: then there is nothing to promise. */
-static void forget_missing(struct vor_worker *worker)
+static void forget_missing(struct vor_job_service *service)
 {
     struct vor_job_filter filter = {.is_kept = 1, .limit = 1000};
-    struct missing missing = {.worker = worker};
+    struct missing missing = {.service = service};
     struct vor_error err;
 
     do {
         missing.count = missing.seen = 0;
-        if (vor_store_list(worker->config.store, &filter, note_missing, &missing, &err) != VOR_OK)
+        if (vor_store_list(service->config.store, &filter, note_missing, &missing, &err) != VOR_OK)
             vor_log(VOR_LOG_WARN, "the kept uploads cannot be listed",
                     VOR_TEXT("error", err.message));
         for (size_t i = 0; i < missing.count; i++) {
             const struct vor_evicted *job = &missing.job[i];
 
-            if (vor_store_forget_uploads(worker->config.store, &job->id, &err) != VOR_OK)
+            if (vor_store_forget_uploads(service->config.store, &job->id, &err) != VOR_OK)
                 continue; /* the next start finds it */
-            vor_worker_drop_all(worker, &job->id, job->process, 0, VOR_HAS_UPLOADS);
+            vor_job_service_drop_all(service, &job->id, job->process, 0, VOR_HAS_UPLOADS);
             vor_log(VOR_LOG_WARN, "kept upload missing", VOR_TEXT("job", job->id.text));
         }
         filter.before_seq = missing.seq;
-    } while (missing.seen > 0 && !vor_worker_pause(worker, 0));
+    } while (missing.seen > 0 && !vor_job_service_pause(service, 0));
 }
 
-static void drop_if_stray(struct vor_worker *worker, const struct vor_found_blob *blob, int is_lost)
+static void drop_if_stray(struct vor_job_service *service, const struct vor_found_blob *blob,
+                          int is_lost)
 {
     static const double upload_seconds = 3600; /* as long before its row a file may come */
-    struct vor_found *found = &worker->found;
+    struct vor_found *found = &service->found;
     uint64_t size = 0;
     int is_there;
 
-    if ((!found->is_first && is_younger(&blob->id, upload_seconds)) || is_needed(worker, blob))
+    if ((!found->is_first && is_younger(&blob->id, upload_seconds)) || is_needed(service, blob))
         return;
     found->files++;
-    if (!is_lost || !is_younger(&blob->id, worker->config.ttl_seconds)) {
-        vor_drop_file(worker->config.blobs, &blob->id, blob->name);
+    if (!is_lost || !is_younger(&blob->id, service->config.ttl_seconds)) {
+        vor_drop_file(service->config.blobs, &blob->id, blob->name);
         return;
     }
     found->kept++;
-    if (vor_blob_get(worker->config.blobs, &blob->id, blob->name, NULL, &size, &is_there, NULL) ==
+    if (vor_blob_get(service->config.blobs, &blob->id, blob->name, NULL, &size, &is_there, NULL) ==
         VOR_OK)
         found->bytes += size;
 }
 
-static int may_go_on(struct vor_worker *worker, double until)
+static int may_go_on(struct vor_job_service *service, double until)
 {
-    return vor_clock_seconds() < until && !vor_worker_pause(worker, 0);
+    return vor_clock_seconds() < until && !vor_job_service_pause(service, 0);
 }
 
 /* Drops the blobs that were found and that no row needs, as far as it comes in a quarter of a
  * second: the next call goes on, while found.count is not 0. Where more results have no row than a
  * crash leaves, the younger ones stay, with a warning. Ends early when the daemon goes down; the
  * next start does the rest. */
-static void drop_strays(struct vor_worker *worker)
+static void drop_strays(struct vor_job_service *service)
 {
-    struct vor_found *found = &worker->found;
+    struct vor_found *found = &service->found;
     double until = vor_clock_seconds() + portion_seconds;
     int is_lost;
 
-    for (; found->counted < found->count && may_go_on(worker, until); found->counted++)
-        found->orphans += (size_t)is_orphan(worker, &found->blobs[found->counted]);
+    for (; found->counted < found->count && may_go_on(service, until); found->counted++)
+        found->orphans += (size_t)is_orphan(service, &found->blobs[found->counted]);
     if (found->counted < found->count)
         return;
     is_lost = found->orphans > ORPHANS_OF_CRASH;
-    for (; found->looked < found->count && may_go_on(worker, until); found->looked++)
-        drop_if_stray(worker, &found->blobs[found->looked], is_lost);
+    for (; found->looked < found->count && may_go_on(service, until); found->looked++)
+        drop_if_stray(service, &found->blobs[found->looked], is_lost);
     if (found->looked < found->count)
         return;
     if (found->kept > 0)
@@ -371,32 +372,32 @@ static void drop_strays(struct vor_worker *worker)
     vor_found_free(found);
 }
 
-vor_status vor_worker_sweep(struct vor_worker *worker, struct vor_error *err)
+vor_status vor_job_service_sweep(struct vor_job_service *service, struct vor_error *err)
 {
-    vor_status status = vor_worker_evict(worker, VOR_EVICT_EXPIRED, err);
+    vor_status status = vor_job_service_evict(service, VOR_EVICT_EXPIRED, err);
 
-    vor_worker_keep_quota(worker, VOR_EVICT_UPLOADS);
-    vor_worker_keep_quota(worker, VOR_EVICT_RESULTS);
+    vor_job_service_keep_quota(service, VOR_EVICT_UPLOADS);
+    vor_job_service_keep_quota(service, VOR_EVICT_RESULTS);
     return status;
 }
 
 /* Rows of a former life, and what waits. */
-static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
+static vor_status recover_rows(struct vor_job_service *service, struct vor_error *err)
 {
     struct vor_waiting waiting;
     uint64_t requeued = 0;
     vor_status status = VOR_OK;
 
     /* What another daemon runs is its own until its lease ends: later (mirror.c). */
-    if (!vor_store_is_shared(worker->config.store))
-        status = vor_store_reap(worker->config.store, worker->owner.text, 1, vor_clock_wall_ms(),
+    if (!vor_store_is_shared(service->config.store))
+        status = vor_store_reap(service->config.store, service->owner.text, 1, vor_clock_wall_ms(),
                                 &requeued, err);
-    pthread_mutex_lock(&worker->claim); /* nothing that waits is dismissed meanwhile */
+    pthread_mutex_lock(&service->claim); /* nothing that waits is dismissed meanwhile */
     if (status == VOR_OK)
-        status = vor_store_waiting(worker->config.store, &waiting, err);
+        status = vor_store_waiting(service->config.store, &waiting, err);
     if (status == VOR_OK)
-        vor_capacity_begin(worker, &waiting);
-    pthread_mutex_unlock(&worker->claim);
+        vor_capacity_begin(service, &waiting);
+    pthread_mutex_unlock(&service->claim);
     if (status != VOR_OK)
         return status;
     vor_metric_add(VOR_METRIC_JOBS_AGAIN, (double)requeued, VOR_LABELS("restart"));
@@ -405,33 +406,33 @@ static vor_status recover_rows(struct vor_worker *worker, struct vor_error *err)
     return VOR_OK;
 }
 
-vor_status vor_worker_recover(struct vor_worker *worker, struct vor_error *err)
+vor_status vor_job_service_recover(struct vor_job_service *service, struct vor_error *err)
 {
-    vor_status status = begin_calendar(worker, err);
+    vor_status status = begin_expiry_clock(service, err);
 
     if (status == VOR_OK)
-        status = recover_rows(worker, err);
+        status = recover_rows(service, err);
     if (status == VOR_E_IO && vor_error_storage_full(err)) {
         vor_log(VOR_LOG_ERROR,
                 "the disk is full: running and waiting jobs continue once there is room",
                 VOR_TEXT("error", err->message));
-        atomic_store(&worker->is_late, 1);
+        atomic_store(&service->is_late, 1);
         status = VOR_OK;
     }
-    worker->found.is_first = !vor_store_is_shared(worker->config.store);
-    return status == VOR_OK ? find_blobs(worker, err) : status;
+    service->found.is_first = !vor_store_is_shared(service->config.store);
+    return status == VOR_OK ? find_blobs(service, err) : status;
 }
 
 /* Recovers if there is room by now. */
-static void recover_late(struct vor_worker *worker)
+static void recover_late(struct vor_job_service *service)
 {
     struct vor_error err;
 
-    if (!atomic_load(&worker->is_late))
+    if (!atomic_load(&service->is_late))
         return;
-    if (recover_rows(worker, &err) == VOR_OK) {
-        atomic_store(&worker->is_late, 0);
-        vor_worker_news(worker);
+    if (recover_rows(service, &err) == VOR_OK) {
+        atomic_store(&service->is_late, 0);
+        vor_job_service_news(service);
     } else if (!vor_error_storage_full(&err)) {
         vor_log(VOR_LOG_ERROR, "jobs are not recovered", VOR_TEXT("error", err.message));
     }
@@ -446,80 +447,80 @@ static const double sweep_seconds = 60, tidy_seconds = 6 * 3600, look_seconds = 
                     heard_seconds = 0.1;
 
 /* Ends the daemon, as the signal does, once it has had no job for so long as it may. */
-static void look_idle(struct vor_worker *worker)
+static void look_idle(struct vor_job_service *service)
 {
-    double now = vor_clock_seconds(), most = worker->config.idle_seconds;
+    double now = vor_clock_seconds(), most = service->config.idle_seconds;
     int is_busy;
 
-    pthread_mutex_lock(&worker->mutex);
-    is_busy = worker->capacity.running > 0 || worker->capacity.waiting > 0;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    is_busy = service->capacity.running > 0 || service->capacity.waiting > 0;
+    pthread_mutex_unlock(&service->mutex);
     if (is_busy)
-        worker->busy = now;
-    if (most == 0 || now - worker->busy < most)
+        service->busy = now;
+    if (most == 0 || now - service->busy < most)
         return;
     vor_log(VOR_LOG_INFO, "no job for as long as --exit-when-idle", VOR_REAL("seconds", most));
-    worker->busy = now;
+    service->busy = now;
     (void)kill(getpid(), SIGTERM);
 }
 
 /* Until the next look, follows others whenever they say that there is something. True when the
  * daemon goes down. */
-static int pause_and_hear(struct vor_worker *worker)
+static int pause_and_hear(struct vor_job_service *service)
 {
     double until = vor_clock_seconds() + look_seconds;
     int has_news, is_down = 0;
 
     while (!is_down && vor_clock_seconds() < until) {
-        (void)vor_worker_pause(worker, heard_seconds);
-        pthread_mutex_lock(&worker->mutex);
-        while (!worker->draining && !worker->has_news &&
-               !vor_clock_wait(&worker->changed, &worker->mutex, until))
+        (void)vor_job_service_pause(service, heard_seconds);
+        pthread_mutex_lock(&service->mutex);
+        while (!service->draining && !service->has_news &&
+               !vor_clock_wait(&service->changed, &service->mutex, until))
             continue;
-        has_news = worker->has_news;
-        worker->has_news = 0;
-        is_down = worker->draining;
-        pthread_mutex_unlock(&worker->mutex);
+        has_news = service->has_news;
+        service->has_news = 0;
+        is_down = service->draining;
+        pthread_mutex_unlock(&service->mutex);
         if (!has_news || is_down)
             continue;
         vor_metric_add(VOR_METRIC_STORE_HINTS, 1, VOR_LABELS("received"));
-        vor_worker_follow_others(worker);
+        vor_job_service_follow_others(service);
     }
     return is_down;
 }
 
-void *vor_worker_sweep_on(void *arg)
+void *vor_job_service_sweep_on(void *arg)
 {
-    struct vor_worker *worker = arg;
+    struct vor_job_service *service = arg;
     double swept = vor_clock_seconds() - sweep_seconds, tidied = vor_clock_seconds();
-    double tidy = worker->config.tidy_seconds > 0 ? worker->config.tidy_seconds : tidy_seconds;
+    double tidy = service->config.tidy_seconds > 0 ? service->config.tidy_seconds : tidy_seconds;
     struct vor_error err;
 
-    worker->busy = worker->unreached = vor_clock_seconds();
-    drop_strays(worker);
-    forget_missing(worker);
+    service->busy = service->unreached = vor_clock_seconds();
+    drop_strays(service);
+    forget_missing(service);
     do {
         double now = vor_clock_seconds();
 
-        if (!worker->keeper_started)
-            vor_worker_renew(worker);
-        vor_worker_follow_others(worker);
-        recover_late(worker);
-        look_at_disk(worker);
-        look_idle(worker);
-        drop_strays(worker);
-        if (!look_at_clock(worker))
+        if (!service->keeper_started)
+            vor_job_service_renew(service);
+        vor_job_service_follow_others(service);
+        recover_late(service);
+        look_at_disk(service);
+        look_idle(service);
+        drop_strays(service);
+        if (!look_at_clock(service))
             continue;
-        if (now - tidied >= tidy && worker->found.count == 0) {
+        if (now - tidied >= tidy && service->found.count == 0) {
             tidied = now;
-            if (find_blobs(worker, &err) != VOR_OK)
+            if (find_blobs(service, &err) != VOR_OK)
                 vor_log(VOR_LOG_WARN, "files are not listed", VOR_TEXT("error", err.message));
         }
         if (now - swept < sweep_seconds)
             continue;
         swept = now;
-        if (vor_worker_sweep(worker, &err) != VOR_OK)
+        if (vor_job_service_sweep(service, &err) != VOR_OK)
             vor_log(VOR_LOG_ERROR, "sweeping failed", VOR_TEXT("error", err.message));
-    } while (!pause_and_hear(worker));
+    } while (!pause_and_hear(service));
     return NULL;
 }

@@ -42,7 +42,7 @@ struct pass {
 };
 
 struct vor_verify {
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
     struct vor_fetcher *fetcher;
     pthread_mutex_t mutex; /* everything below */
     struct known known[KNOWN_MAX];
@@ -53,14 +53,15 @@ vor_status vor_verify_create(struct vor_verify **out, struct vor_blobs *blobs,
 {
     struct vor_verify *verify = calloc(1, sizeof *verify);
 
-    if (verify == NULL || vor_crew_create(&verify->crew, THREADS, KNOWN_MAX, err) != VOR_OK ||
+    if (verify == NULL ||
+        vor_thread_pool_create(&verify->pool, THREADS, KNOWN_MAX, err) != VOR_OK ||
         vor_fetcher_create(&verify->fetcher, blobs, err) != VOR_OK) {
         if (verify != NULL)
-            vor_crew_destroy(verify->crew);
+            vor_thread_pool_destroy(verify->pool);
         free(verify);
         return vor_fail(err, VOR_E_NOMEM, "checking stored files");
     }
-    vor_crew_share(verify->crew, THREADS - 1, KNOWN_MAX / 4);
+    vor_thread_pool_share(verify->pool, THREADS - 1, KNOWN_MAX / 4);
     pthread_mutex_init(&verify->mutex, NULL);
     for (int i = 0; i < KNOWN_MAX; i++)
         verify->known[i].verdict = VOR_VERDICT_FAILED;
@@ -73,7 +74,7 @@ void vor_verify_destroy(struct vor_verify *verify)
     if (verify == NULL)
         return;
     vor_fetcher_destroy(verify->fetcher);
-    vor_crew_destroy(verify->crew); /* does what waits, so that all have been woken */
+    vor_thread_pool_destroy(verify->pool); /* does what waits, so that all have been woken */
     pthread_mutex_destroy(&verify->mutex);
     free(verify);
 }
@@ -92,7 +93,7 @@ static void run_pass(void *ctx)
     char found[VOR_DIGEST_SIZE];
     struct vor_askers *waiting;
 
-    if (!vor_crew_closing(verify->crew))
+    if (!vor_thread_pool_is_closing(verify->pool))
         verdict =
             vor_digest_file(pass->fd, 0, known->size, found) && strcmp(found, known->sha256) == 0
                 ? VOR_VERDICT_SOUND
@@ -155,7 +156,7 @@ static int start(struct vor_verify *verify, struct known *known, int fd,
     *pass = (struct pass){.verify = verify, .known = known, .fd = dup(fd)};
     pass->task = (struct vor_task){
         .run = run_pass, .ctx = pass, .caller = asker->caller, .weight = known->size};
-    if (pass->fd >= 0 && vor_crew_take(verify->crew, &pass->task, NULL) == VOR_DONE) {
+    if (pass->fd >= 0 && vor_thread_pool_submit(verify->pool, &pass->task, NULL) == VOR_DONE) {
         known->verdict = VOR_VERDICT_WAIT;
         return 1;
     }

@@ -8,7 +8,7 @@
 #define VOR_SERVER_WORK_VERIFY_H
 
 #include "server/blob/blob.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 
 #include <stdint.h>
 

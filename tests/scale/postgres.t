@@ -18,7 +18,7 @@ my $server = "host=127.0.0.1 port=$port user=voronoid";
 my @ways = ([directly => "VT_POSTGRES='$server'"], ['through pgbouncer' => "VT_LISTEN='$server' VT_POSTGRES='" . $server =~ s/$port/$Scale::pooler/r . "'"]);
 sub program { open my $out, '-|', "VT_STORE=postgres @_ 2>&1" or die "sh: $!"; return $out }
 sub holds { my ($out, $what) = @_; my $printed = join '', <$out>; close $out; is $?, 0, $what or diag $printed; return }
-my $crash = program('VT_BLOBS=dir', $ways[0][1], "$build/tests/unit/worker_crash");
+my $crash = program('VT_BLOBS=dir', $ways[0][1], "$build/tests/unit/job_service_crash");
 for my $program (qw(unit/blob_any unit/store_rows unit/store_queue unit/store_tenants property/store_model)) {
     my @out = map { program('VT_BLOBS=postgres', $_->[1], "$build/tests/$program") } @ways;
     holds($out[$_], "$program holds $ways[$_][0]") for 0, 1;

@@ -27,7 +27,7 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
                      const struct vt_daemon_options *options)
 {
     static const struct vt_daemon_options defaults;
-    struct vor_worker_config config = {
+    struct vor_job_service_config config = {
         .faults_max = 3,
     };
 
@@ -57,12 +57,12 @@ void vt_daemon_start(struct vt_daemon *daemon, const char *dir,
     config.tidy_seconds = options->tidies ? 1e-9 : 0;
     config.job_seconds = options->job_seconds;
     config.budget = options->budget;
-    vt_assert_ok(vor_worker_create(&daemon->worker, &config, &vt_err));
+    vt_assert_ok(vor_job_service_create(&daemon->service, &config, &vt_err));
 }
 
 void vt_daemon_stop(struct vt_daemon *daemon)
 {
-    vor_worker_destroy(daemon->worker);
+    vor_job_service_destroy(daemon->service);
     vor_pool_destroy(daemon->pool);
     vor_store_close(daemon->store);
     vor_blobs_close(daemon->blobs);
@@ -99,7 +99,7 @@ enum vor_job_outcome vt_daemon_submit_inputs(struct vt_daemon *daemon,
     for (; inputs->name != NULL; inputs++)
         vt_admit(&admitted, daemon->blobs, inputs->name, inputs->cloud);
     *id = admitted.id;
-    return vor_worker_submit(daemon->worker, &admitted, spec, NULL, NULL, &vt_err);
+    return vor_job_service_submit(daemon->service, &admitted, spec, NULL, NULL, &vt_err);
 }
 
 enum vor_job_outcome vt_daemon_submit(struct vt_daemon *daemon, const struct vor_cloud *cloud,
@@ -114,7 +114,7 @@ struct vor_job_view vt_daemon_get(struct vt_daemon *daemon, const struct vor_uui
 {
     struct vor_job_view view;
 
-    ck_assert_int_eq(vor_worker_get(daemon->worker, id, NULL, &view, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_get(daemon->service, id, NULL, &view, &vt_err), VOR_DONE);
     return view;
 }
 
@@ -124,9 +124,11 @@ size_t vt_daemon_events(struct vt_daemon *daemon, const struct vor_uuid *id, str
     struct vor_event_batch batch = {.events = out, .max = max};
     struct vor_followed followed;
 
-    ck_assert_int_eq(vor_worker_follow(daemon->worker, id, NULL, &followed, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_follow(daemon->service, id, NULL, &followed, &vt_err),
+                     VOR_DONE);
     if (followed.job == NULL || !vor_job_read(followed.job, &batch))
-        vt_assert_ok(vor_worker_stored_events(daemon->worker, &followed.row, &batch, &vt_err));
+        vt_assert_ok(
+            vor_job_service_stored_events(daemon->service, &followed.row, &batch, &vt_err));
     vor_job_release(followed.job);
     return batch.count;
 }
@@ -155,11 +157,11 @@ struct vor_job_view vt_daemon_wait_iteration(struct vt_daemon *daemon, const str
 
 void vt_daemon_wait_idle(struct vt_daemon *daemon)
 {
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
 
     do {
         vt_nap();
-        vor_worker_load(daemon->worker, &load);
+        vor_job_service_load(daemon->service, &load);
     } while (load.running > 0 || load.waiting > 0);
 }
 

@@ -1,9 +1,9 @@
-/** A daemon without HTTP: blobs, store, pool and worker on a directory. */
+/** A daemon without HTTP: blobs, store, pool and job service on a directory. */
 #ifndef VT_DAEMON_H
 #define VT_DAEMON_H
 
 #include "core/base/parallel.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 
 /** Runs jobs in this process, so that what they do is seen by its sanitizers. */
 struct vt_run_here {
@@ -19,7 +19,7 @@ struct vt_daemon {
     struct vor_store *store;
     struct vor_pool *pool;
     struct vt_run_here here;
-    struct vor_worker *worker;
+    struct vor_job_service *service;
 };
 
 /** What a daemon may be given; zero is the default (2 jobs, queue 16, 1 GiB, an hour, 3 crashes
@@ -34,7 +34,8 @@ struct vt_daemon_options {
     uint64_t results;                /**< 0 for 1 GiB */
     uint64_t keep;                   /**< 0 for no uploads */
     uint64_t checkpoint_work;        /**< 0 for that of a daemon; else they are kept at once */
-    void (*failed)(void *ctx, const struct vor_error *why); /**< as of the worker; NULL for none */
+    void (*failed)(void *ctx,
+                   const struct vor_error *why); /**< as of the job service; NULL for none */
     void *failed_ctx;
     int tidies; /**< strays are looked for at each look of the sweeper */
     void (*prepare)(

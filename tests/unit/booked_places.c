@@ -20,7 +20,7 @@ static void open_scene(struct scene *scene)
     vt_daemon_start(&scene->daemon, scene->dir, &options);
     vt_cloud_sphere(&scene->cloud, 1, 200);
     ck_assert_int_eq(vt_daemon_submit(&scene->daemon, &scene->cloud, &endless, &id), VOR_DONE);
-    while (vor_worker_room(scene->daemon.worker, NULL, 0, NULL) != VOR_DONE)
+    while (vor_job_service_room(scene->daemon.service, NULL, 0, NULL) != VOR_DONE)
         ;
 }
 
@@ -38,7 +38,7 @@ static enum vor_job_outcome submit_booked(struct scene *scene, unsigned points)
     struct vor_spec spec = vt_request(points, 1);
 
     vt_admit(&admitted, scene->daemon.blobs, "cloud", &scene->cloud);
-    return vor_worker_submit(scene->daemon.worker, &admitted, &spec, &label, NULL, &vt_err);
+    return vor_job_service_submit(scene->daemon.service, &admitted, &spec, &label, NULL, &vt_err);
 }
 
 VT_TEST(a_booked_place_is_that_of_who_booked_it)
@@ -48,12 +48,12 @@ VT_TEST(a_booked_place_is_that_of_who_booked_it)
     struct scene scene;
 
     open_scene(&scene);
-    ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
-    ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_FULL);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_FULL);
+    ck_assert_int_eq(vor_job_service_book(scene.daemon.service), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_book(scene.daemon.service), VOR_FULL);
+    ck_assert_int_eq(vor_job_service_room(scene.daemon.service, NULL, 0, NULL), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&scene.daemon, &scene.cloud, &spec, &id), VOR_FULL);
     ck_assert_int_eq(submit_booked(&scene, 50), VOR_DONE);
-    ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_FULL);
+    ck_assert_int_eq(vor_job_service_book(scene.daemon.service), VOR_FULL);
     close_scene(&scene);
 }
 
@@ -62,13 +62,13 @@ VT_TEST(a_place_is_given_back_by_who_has_no_use_for_it)
     struct scene scene;
 
     open_scene(&scene);
-    ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
-    vor_worker_unbook(scene.daemon.worker);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_DONE);
-    ck_assert_int_eq(vor_worker_book(scene.daemon.worker), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_book(scene.daemon.service), VOR_DONE);
+    vor_job_service_unbook(scene.daemon.service);
+    ck_assert_int_eq(vor_job_service_room(scene.daemon.service, NULL, 0, NULL), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_book(scene.daemon.service), VOR_DONE);
     ck_assert_int_eq(submit_booked(&scene, 5000), VOR_FAILED); /* 16 for each point at most */
     ck_assert_int_eq(vt_err.status, VOR_E_TARGET);
-    ck_assert_int_eq(vor_worker_room(scene.daemon.worker, NULL, 0, NULL), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_room(scene.daemon.service, NULL, 0, NULL), VOR_DONE);
     close_scene(&scene);
 }
 

@@ -9,10 +9,10 @@
 #include <stdatomic.h>
 #include <unistd.h>
 
-/* A daemon with a finished job or two, and a crew of two threads that tasks hold. */
+/* A daemon with a finished job or two, and a pool of two threads that tasks hold. */
 struct scene {
     struct vt_daemon daemon;
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
     struct vor_conversions *conversions;
     struct vor_task task[2];
     atomic_int is_held, woken;
@@ -45,20 +45,20 @@ static void begin(struct scene *scene, size_t most)
     vor_cloud_free(&cloud);
     atomic_init(&scene->is_held, 1);
     atomic_init(&scene->woken, 0);
-    vt_assert_ok(vor_crew_create(&scene->crew, 2, 16, &vt_err));
-    vor_crew_share(scene->crew, 1, most);
+    vt_assert_ok(vor_thread_pool_create(&scene->pool, 2, 16, &vt_err));
+    vor_thread_pool_share(scene->pool, 1, most);
     vt_assert_ok(
         vor_conversions_create(&scene->conversions,
                                &(struct vor_conversions_config){.store = scene->daemon.store,
                                                                 .blobs = scene->daemon.blobs,
-                                                                .worker = scene->daemon.worker,
-                                                                .crew = scene->crew,
+                                                                .service = scene->daemon.service,
+                                                                .pool = scene->pool,
                                                                 .memory = (size_t)1 << 30},
                                &vt_err));
     for (int i = 0; i < 2; i++) {
         scene->task[i] =
             (struct vor_task){.run = hold, .ctx = scene, .caller = {{(char)('a' + i)}}};
-        ck_assert_int_eq(vor_crew_take(scene->crew, &scene->task[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(scene->pool, &scene->task[i], NULL), VOR_DONE);
     }
 }
 
@@ -109,7 +109,7 @@ VT_TEST(those_who_ask_at_the_same_time_share_one_conversion)
     ck_assert_int_lt(converted(&scene, 0).fd, 0);
     wait_woken(&scene, 3);
     ck_assert_uint_gt(converted(&scene, 0).size, 0);
-    vor_crew_destroy(scene.crew);
+    vor_thread_pool_destroy(scene.pool);
     end(&scene);
 }
 
@@ -125,7 +125,7 @@ VT_TEST(no_caller_keeps_others_from_a_conversion)
     wait_woken(&scene, 3);
     for (int i = 0; i < 2; i++)
         ck_assert_int_ge(converted(&scene, i).fd, 0);
-    vor_crew_destroy(scene.crew);
+    vor_thread_pool_destroy(scene.pool);
     end(&scene);
 }
 
@@ -138,16 +138,18 @@ VT_TEST(a_job_that_goes_leaves_nothing_behind)
     for (int i = 0; i < 2; i++)
         ck_assert_int_eq(ask(&scene, 'c', i), VOR_DONE);
     ck_assert_int_eq(
-        vor_worker_dismiss(scene.daemon.worker, &scene.job[0].id, "gone", NULL, &vt_err), VOR_DONE);
+        vor_job_service_dismiss(scene.daemon.service, &scene.job[0].id, "gone", NULL, &vt_err),
+        VOR_DONE);
     wait_woken(&scene, 2);
     ck_assert_int_eq(ask(&scene, 'c', 0), VOR_FAILED);
     ck_assert_int_eq(vt_err.status, VOR_E_INTERNAL);
     ck_assert_int_ge(converted(&scene, 1).fd, 0);
     ck_assert_int_eq(
-        vor_worker_dismiss(scene.daemon.worker, &scene.job[1].id, "gone", NULL, &vt_err), VOR_DONE);
+        vor_job_service_dismiss(scene.daemon.service, &scene.job[1].id, "gone", NULL, &vt_err),
+        VOR_DONE);
     for (int i = 0; i < 2; i++)
         ck_assert_int_lt(converted(&scene, i).fd, 0);
-    vor_crew_destroy(scene.crew);
+    vor_thread_pool_destroy(scene.pool);
     end(&scene);
 }
 
@@ -155,7 +157,7 @@ static void *release_once_closing(void *ctx)
 {
     struct scene *scene = ctx;
 
-    while (!vor_crew_closing(scene->crew))
+    while (!vor_thread_pool_is_closing(scene->pool))
         vt_nap();
     atomic_store(&scene->is_held, 0);
     return NULL;
@@ -169,7 +171,7 @@ VT_TEST(what_waits_when_the_daemon_ends_is_told_so)
     begin(&scene, 2);
     ck_assert_int_eq(ask(&scene, 'c', 0), VOR_DONE);
     ck_assert_int_eq(pthread_create(&thread, NULL, release_once_closing, &scene), 0);
-    vor_crew_destroy(scene.crew); /* closes at once, and waits for the task that is held */
+    vor_thread_pool_destroy(scene.pool); /* closes at once, and waits for the task that is held */
     pthread_join(thread, NULL);
     ck_assert_int_eq(atomic_load(&scene.woken), 1);
     ck_assert_int_eq(ask(&scene, 'c', 0), VOR_FAILED);

@@ -97,7 +97,7 @@ VT_TEST(a_job_whose_input_is_damaged_fails_for_that)
     id = vt_daemon_submit_sphere(&daemon, 200, &spec);
     (void)snprintf(path, sizeof path, "%s/blobs/keep/%s.input", dir, id.text);
     flip_at(path, 1000);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "off", &vt_err), VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_FAILED);
     ck_assert_int_eq(view.problem.status, VOR_E_DAMAGED);

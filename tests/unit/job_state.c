@@ -1,7 +1,7 @@
 /* A live job: progress only grows, states only move forward, the last word is the last. */
 #include "server/base/machine.h"
+#include "server/jobs/eta.h"
 #include "server/jobs/job.h"
-#include "server/jobs/pace.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 
@@ -48,12 +48,12 @@ static struct vor_job *running_job(const char *name, double value)
 static double left_after(const struct vor_record *records, size_t count)
 {
     struct vor_job_view row = vt_row(10);
-    struct vor_pace pace = {
-        .work = vor_pace_work_of(&row.spec, row.input[0].points, vor_machine_cores())};
+    struct vor_eta pace = {
+        .work = vor_eta_work_of(&row.spec, row.input[0].points, vor_machine_cores())};
 
     for (size_t i = 0; i < count; i++)
-        vor_pace_add(&pace, &records[i]);
-    return vor_pace_left(&pace, &row.spec);
+        vor_eta_add(&pace, &records[i]);
+    return vor_eta_left(&pace, &row.spec);
 }
 
 static size_t read_events(struct vor_job *job, struct vor_position *position,

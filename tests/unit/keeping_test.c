@@ -70,7 +70,7 @@ VT_TEST_LOOP(a_result_keeps_the_time_it_had_left_when_the_clock_jumps, 2)
     left = left_after_jump(&daemon, &id, view.expires);
     ck_assert_double_ge(left, DAY - 60);
     ck_assert_double_le(left, DAY + 60);
-    vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
+    vt_assert_ok(vor_job_service_sweep(daemon.service, &vt_err));
     ck_assert(!vt_daemon_get(&daemon, &id).expired);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 1);
     vt_daemon_stop(&daemon);

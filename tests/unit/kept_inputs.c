@@ -1,7 +1,7 @@
 /* Uploads that are kept: as new bytes of another job, within their quota, and gone with their job,
  * also when the daemon died in between. */
 #include "server/base/clock.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -103,7 +103,7 @@ static struct vor_uuid submit(struct vt_daemon *daemon, int iterations)
 
     (void)admit(&admitted, daemon->blobs, UINT64_MAX);
     ck_assert(admitted.item[0].is_kept);
-    ck_assert_int_eq(vor_worker_submit(daemon->worker, &admitted, &spec, NULL, NULL, &vt_err),
+    ck_assert_int_eq(vor_job_service_submit(daemon->service, &admitted, &spec, NULL, NULL, &vt_err),
                      VOR_DONE);
     return admitted.id;
 }
@@ -174,10 +174,10 @@ VT_TEST(the_quota_never_takes_the_upload_of_a_job_that_waits_or_runs)
     runs = submit(&daemon, 10000);
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     waits = submit(&daemon, 1);
-    vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
+    vt_assert_ok(vor_job_service_sweep(daemon.service, &vt_err));
     ck_assert(is_there(dir, &runs) && is_there(dir, &waits));
     ck_assert_uint_gt(vt_daemon_get(&daemon, &waits).kept, 1);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &runs, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &runs, &vt_err), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
     wait_until_gone(dir, &runs);
     wait_until_gone(dir, &waits);
@@ -197,12 +197,12 @@ VT_TEST(a_dismissal_drops_the_upload_and_a_failure_keeps_it)
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     waits = submit(&daemon, 1);
     vt_assert_ok(vor_blob_drop(daemon.blobs, &waits, "input", &vt_err)); /* so that it fails */
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &runs, "enough", &vt_err), VOR_DONE);
     ck_assert(!is_there(dir, &runs));
     ck_assert_uint_eq(vt_daemon_get(&daemon, &runs).kept, 0);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_FAILED);
     ck_assert(is_there(dir, &waits));
-    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &waits, "", NULL, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &waits, "", NULL, &vt_err), VOR_DONE);
     ck_assert(!is_there(dir, &waits));
     vt_daemon_stop(&daemon);
 }

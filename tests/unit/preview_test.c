@@ -1,6 +1,6 @@
 /* Points as they move: picked, told by another process, shown. */
 #include "server/jobs/preview.h"
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
 #include "tests/support/vt.h"
 
 #include <stddef.h>

@@ -156,13 +156,13 @@ VT_TEST(inputs_that_wait_are_bounded_by_their_decoded_bytes)
     ck_assert_int_eq(submit(&daemon, &other), VOR_DONE);
     ck_assert_int_eq(submit(&daemon, &refused), VOR_FULL);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 3); /* nothing is left of it */
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &waits, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &waits, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(submit(&daemon, &waits), VOR_DONE);
     vt_daemon_stop(&daemon); /* all wait for the next start, which counts them again */
     vt_daemon_start(&daemon, dir, &options);
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     ck_assert_int_eq(submit(&daemon, &refused), VOR_FULL);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &other, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &other, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(submit(&daemon, &other), VOR_DONE);
     vt_daemon_stop(&daemon);
 }

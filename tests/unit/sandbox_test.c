@@ -8,7 +8,7 @@
 #include "server/serve.h"
 #include "server/work/codec_child.h"
 #include "server/work/codec_run.h"
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_dir.h"
 #include "tests/support/vt_serve.h"

@@ -5,7 +5,7 @@
 
 #include "server/base/disk.h"
 #include "server/base/log.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -151,7 +151,7 @@ VT_TEST(a_result_that_does_not_fit_waits_for_room)
     ck_assert(small_disk(dir, 1000));
     start(&daemon, dir);
     id = run_on_full_disk(&daemon);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &id, &vt_err), VOR_DONE);
     nap(300);
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_RUNNING);
     make_room(dir);
@@ -177,12 +177,13 @@ VT_TEST_LOOP(a_job_that_waits_for_room_can_be_ended_without_any, 2)
     vor_store_set_reserve(daemon.store, 200000);
     vt_assert_ok(vor_store_check_reserve(daemon.store, &vt_err));
     id = run_on_full_disk(&daemon);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &id, &vt_err), VOR_DONE);
     nap(100);
     if (_i == 0)
-        ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_DONE);
+        ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &id, "no", NULL, &vt_err),
+                         VOR_DONE);
     else
-        vor_worker_drain(daemon.worker, 0);
+        vor_job_service_drain(daemon.service, 0);
     vt_assert_ok(vor_store_get(daemon.store, &id, NULL, &view, &found, &vt_err));
     ck_assert_int_eq(view.status, _i == 0 ? VOR_JOB_DISMISSED : VOR_JOB_ACCEPTED);
     vt_daemon_stop(&daemon);
@@ -214,9 +215,9 @@ VT_TEST(an_end_that_cannot_be_stored_is_stored_once_there_is_room)
     id = vt_daemon_submit_sphere(&daemon, 500, &endless);
     (void)vt_daemon_wait_iteration(&daemon, &id, 1);
     exhaust(&daemon);
-    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "no", NULL, &vt_err), VOR_FAILED);
+    ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &id, "no", NULL, &vt_err), VOR_FAILED);
     ck_assert(vor_error_storage_full(&vt_err));
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &id, &vt_err), VOR_DONE);
     nap(300);
     view = vt_daemon_get(&daemon, &id);
     ck_assert_int_eq(view.status, VOR_JOB_RUNNING); /* nobody is told what is not stored */
@@ -238,16 +239,16 @@ VT_TEST(what_ends_a_job_spends_the_reserve_which_is_made_again)
     start(&daemon, dir);
     vor_blobs_set_reserve(daemon.blobs, 1);
     vor_store_set_reserve(daemon.store, 200000);
-    vt_assert_ok(vor_worker_ready(daemon.worker, &vt_err));
+    vt_assert_ok(vor_job_service_ready(daemon.service, &vt_err));
     vt_assert_ok(vor_store_insert(daemon.store, &row, NULL, &vt_err));
     exhaust(&daemon);
-    vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_job_service_ready(daemon.service, &vt_err));
     row.status = VOR_JOB_DISMISSED;
     vt_assert_ok(vor_store_finish(daemon.store, &row, NULL, NULL, &changed, &vt_err));
     ck_assert(changed);
     vt_assert_fails(VOR_E_IO, vor_store_check_reserve(daemon.store, &vt_err));
     make_room(dir);
-    while (vor_worker_ready(daemon.worker, &vt_err) !=
+    while (vor_job_service_ready(daemon.service, &vt_err) !=
            VOR_OK) /* the sweeper looks twice a second */
         nap(20);
     vt_daemon_stop(&daemon);
@@ -318,14 +319,15 @@ VT_TEST(what_a_start_cannot_put_in_order_waits_for_room)
     vt_daemon_stop(&daemon);
     fill(dir);
     start(&daemon, dir);
-    vt_assert_fails(VOR_E_IO, vor_worker_ready(daemon.worker, &vt_err));
+    vt_assert_fails(VOR_E_IO, vor_job_service_ready(daemon.service, &vt_err));
     ck_assert(vor_error_storage_full(&vt_err));
-    ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, NULL, &row, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_get(daemon.service, &row.id, NULL, &row, &vt_err), VOR_DONE);
     ck_assert_int_eq(row.status, VOR_JOB_RUNNING);
     make_room(dir);
     while (row.status == VOR_JOB_RUNNING) { /* the sweeper looks twice a second */
         nap(20);
-        ck_assert_int_eq(vor_worker_get(daemon.worker, &row.id, NULL, &row, &vt_err), VOR_DONE);
+        ck_assert_int_eq(vor_job_service_get(daemon.service, &row.id, NULL, &row, &vt_err),
+                         VOR_DONE);
     }
     while (vt_daemon_try_sphere(&daemon, 1000, &spec, &id) != VOR_DONE)
         nap(20);

@@ -1,9 +1,9 @@
 /* The worker process as the front sees it: runs that end well, that crash, that do not listen, that
  * talk nonsense; and what becomes of those beside them. Runs follow a script here; of real ones
- * there is station_runs. */
+ * there is worker_main_runs. */
 #include "server/base/log.h"
-#include "server/work/station.h"
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
+#include "server/work/worker_main.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_front.h"
 
@@ -33,7 +33,7 @@ enum script {
 
 enum { KEPT_SIZE = VOR_KEPT_PART + 100 };
 
-static struct vor_board *script_board;
+static struct vor_shared_state *script_state;
 
 /* Shared with the workers: those that start wait as long as it is closed. */
 static struct {
@@ -65,7 +65,7 @@ static int say_all(int channel)
     char kept[KEPT_SIZE];
     const struct vor_record record = {.iteration = 7, .delta = 0.25};
     const struct vor_run_result result = {
-        .has_report = 1, .report.delta = script_board->threads, .message = "as the script says"};
+        .has_report = 1, .report.delta = script_state->threads, .message = "as the script says"};
     const enum vor_stage stage = VOR_STAGE_ENCODE;
 
     memset(kept, 'k', sizeof kept);
@@ -86,7 +86,7 @@ static int say_failure(int channel, vor_status status, const char *message)
     return says(channel, VOR_SAID_FAILED, &error, sizeof error);
 }
 
-static void act(enum script script, unsigned seat, int channel)
+static void act(enum script script, unsigned slot, int channel)
 {
     const enum vor_stage stage = VOR_STAGE_ENCODE;
     int spoke = 1;
@@ -100,14 +100,14 @@ static void act(enum script script, unsigned seat, int channel)
     else if (script == SAYS_NONSENSE)
         spoke = says(channel, VOR_SAID_KINDS, "?", 1);
     else if (script == LEAVES)
-        _exit(VOR_STATION_NO_MEMORY);
+        _exit(VOR_WORKER_NO_MEMORY);
     else if (script == STOPS)
         (void)raise(SIGSTOP);
     while (script == ABORTS) {
         (void)signal(SIGABRT, SIG_DFL);
         (void)raise(SIGABRT);
     }
-    while (script == OBEYS && atomic_load(&script_board->asked[seat]) != VOR_CANCEL)
+    while (script == OBEYS && atomic_load(&script_state->asked[slot]) != VOR_CANCEL)
         nap(1);
     while (script == IS_DEAF)
         nap(1000);
@@ -120,7 +120,7 @@ static void act(enum script script, unsigned seat, int channel)
 }
 
 struct part {
-    unsigned seat;
+    unsigned slot;
     int channel;
 };
 
@@ -130,7 +130,7 @@ static void *play(void *arg)
     struct vor_order order;
 
     if (vor_order_receive(&order, part->channel, 20, NULL) == VOR_OK)
-        act((enum script)order.memory, part->seat, part->channel);
+        act((enum script)order.memory, part->slot, part->channel);
     vor_order_close(&order);
     close(part->channel);
     free(part);
@@ -139,19 +139,19 @@ static void *play(void *arg)
 
 static int scripted(int channel, const int *fds, unsigned fd_count)
 {
-    struct vor_summons summons;
-    struct vor_message message = {.bytes = &summons, .capacity = sizeof summons};
+    struct vor_run_request request;
+    struct vor_message message = {.bytes = &request, .capacity = sizeof request};
 
     for (atomic_fetch_add(&gate->started, 1); atomic_load(&gate->is_closed);)
         nap(1);
     if (fd_count != 1 || vor_channel_send(channel, "", 1, NULL, 0, NULL) != VOR_OK)
         return 1;
-    script_board = vor_board_map(fds[0]);
+    script_state = vor_shared_state_map(fds[0]);
     while (vor_channel_receive(channel, &message, -1) == VOR_CHANNEL_MESSAGE) {
         struct part *part = malloc(sizeof *part);
         pthread_t thread;
 
-        *part = (struct part){summons.seat, message.fds[0]};
+        *part = (struct part){request.slot, message.fds[0]};
         if (pthread_create(&thread, NULL, play, part) != 0)
             return 1;
         pthread_detach(thread);
@@ -165,7 +165,7 @@ static int unready(int channel, const int *fds, unsigned fd_count)
     (void)channel;
     (void)fds;
     (void)fd_count;
-    return VOR_STATION_NO_POOL;
+    return VOR_WORKER_NO_POOL;
 }
 
 /* A process whose engine does not work. */
@@ -228,7 +228,7 @@ static void begin(struct vt_heard *heard, const struct vt_front *front, enum scr
     begin_as(heard, front, script, 0);
 }
 
-static void wait_seated(struct vt_heard *heard)
+static void wait_started(struct vt_heard *heard)
 {
     while (atomic_load(&heard->stages) == 0)
         nap(1);
@@ -282,8 +282,8 @@ VT_TEST(what_a_listener_answers_reaches_its_run_and_no_other)
 
     begin(&other, &front, OBEYS);
     begin(&obeys, &front, OBEYS);
-    wait_seated(&other);
-    wait_seated(&obeys);
+    wait_started(&other);
+    wait_started(&obeys);
     atomic_store(&obeys.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&obeys), VOR_RUN_FAILED);
     ck_assert_int_eq(obeys.err.status, VOR_E_CANCELLED);
@@ -326,7 +326,7 @@ VT_TEST(a_crash_is_told_to_all_that_ran_there)
     for (int i = 0; i < 3; i++)
         begin(&beside[i], &front, OBEYS);
     for (int i = 0; i < 3; i++)
-        wait_seated(&beside[i]);
+        wait_started(&beside[i]);
     ck_assert_int_eq(end_of_script(&heard, &front, ABORTS), VOR_RUN_CRASHED);
     for (int i = 0; i < 3; i++)
         ck_assert_int_eq(end_of(&beside[i]), VOR_RUN_CRASHED);
@@ -342,8 +342,8 @@ VT_TEST(a_suspect_runs_in_a_process_of_its_own)
     begin(&beside, &front, OBEYS);
     begin_as(&suspects[0], &front, OBEYS, 1);
     begin_as(&suspects[1], &front, ABORTS, 1);
-    wait_seated(&beside);
-    wait_seated(&suspects[0]);
+    wait_started(&beside);
+    wait_started(&suspects[0]);
     ck_assert_int_eq(end_of(&suspects[1]), VOR_RUN_CRASHED_ALONE);
     ck_assert_int_eq(end_of_script(&heard, &front, ABORTS), VOR_RUN_CRASHED);
     ck_assert_int_eq(end_of(&beside), VOR_RUN_CRASHED);
@@ -365,7 +365,7 @@ VT_TEST(runs_are_looked_after_while_another_worker_starts)
     struct vt_heard runs, suspect;
 
     begin(&runs, &front, OBEYS);
-    wait_seated(&runs);
+    wait_started(&runs);
     atomic_store(&gate->is_closed, 1);
     begin_as(&suspect, &front, SAYS_ALL, 1);
     while (atomic_load(&gate->started) < 2)
@@ -420,8 +420,8 @@ VT_TEST(a_cancelled_run_that_does_not_end_is_ended_and_blamed_alone)
 
     begin(&beside, &front, OBEYS);
     begin(&deaf, &front, IS_DEAF);
-    wait_seated(&beside);
-    wait_seated(&deaf);
+    wait_started(&beside);
+    wait_started(&deaf);
     atomic_store(&deaf.asked, VOR_CANCEL);
     ck_assert_int_eq(end_of(&deaf), VOR_RUN_FAILED);
     ck_assert_int_eq(deaf.err.status, VOR_E_CANCELLED);

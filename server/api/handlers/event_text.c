@@ -87,7 +87,7 @@ static void write_data(const struct vor_teller *teller, const struct vor_event *
         break;
     }
     /* Writes the job as it is now, but in the state that it had at the event. */
-    vor_worker_followed(teller->request->app->worker, teller->followed, &view);
+    vor_job_service_followed(teller->request->app->service, teller->followed, &view);
     if (view.status != event->status) {
         view.finished = 0;
         view.message[0] = '\0';

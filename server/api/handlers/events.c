@@ -135,17 +135,17 @@ static enum vor_job_outcome take_found(struct stream *stream, struct track *trac
 static void look_up(void *ctx)
 {
     struct stream *stream = ctx;
-    struct vor_worker *worker = stream->app->worker;
+    struct vor_job_service *service = stream->app->service;
 
     stream->outcome = VOR_DONE;
     if (stream->is_new)
-        stream->outcome = vor_worker_follow(worker, &stream->described->id,
-                                            stream->tenant[0] != '\0' ? stream->tenant : NULL,
-                                            &stream->followed, &stream->error);
+        stream->outcome = vor_job_service_follow(service, &stream->described->id,
+                                                 stream->tenant[0] != '\0' ? stream->tenant : NULL,
+                                                 &stream->followed, &stream->error);
     if (stream->outcome != VOR_DONE || stream->followed.job != NULL)
         return;
-    stream->is_read = vor_worker_stored_events(worker, &stream->followed.row, &stream->batch,
-                                               &stream->error) == VOR_OK;
+    stream->is_read = vor_job_service_stored_events(service, &stream->followed.row, &stream->batch,
+                                                    &stream->error) == VOR_OK;
     stream->outcome = stream->is_read ? VOR_DONE : VOR_FAILED;
 }
 

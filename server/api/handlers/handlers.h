@@ -5,7 +5,7 @@
 #include "server/api/route_table.h"
 #include "server/blob/driver.h"
 #include "server/work/conversion.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 
 #include <stdbool.h>
 
@@ -37,7 +37,7 @@ enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcom
  *  deferred, which it completes.
  *
  *  @retval VOR_DONE the request is to wait
- *  @retval others   as vor_worker_read_soon; run will not be called */
+ *  @retval others   as vor_job_service_read_soon; run will not be called */
 struct vor_deferred;
 enum vor_job_outcome vor_read_begin(struct vor_request *request, struct vor_deferred *deferred,
                                     struct vor_task *task, struct vor_error *err);

@@ -48,15 +48,15 @@ enum vor_next vor_handle_livez(struct vor_request *request, VOR_UNUSED enum vor_
 enum vor_next vor_handle_readyz(struct vor_request *request, VOR_UNUSED enum vor_step step)
 {
     struct vor_app *app = request->app;
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     struct vor_error err;
     struct vor_text text;
 
     if (atomic_load(&app->leaving) || atomic_load(&app->draining))
         return vor_problem_say(request, "draining", "the daemon is shutting down");
-    if (vor_worker_ready(app->worker, &err) != VOR_OK) /* 503, also when the disk is full */
+    if (vor_job_service_ready(app->service, &err) != VOR_OK) /* 503, also when the disk is full */
         return vor_problem_say(request, "store-unavailable", "%s", err.message);
-    vor_worker_load(app->worker, &load);
+    vor_job_service_load(app->service, &load);
     vor_document_begin(&text);
     vor_json_put_string(&text, "status", "ready");
     vor_json_put_u64(&text, "waiting", load.waiting);

@@ -1,5 +1,5 @@
 /* Ending a job before its time: DELETE and stop. A dismissal waits for the disk, so a thread of the
- * worker does it while the request is suspended. */
+ * service does it while the request is suspended. */
 #include "server/api/auth.h"
 #include "server/api/handlers/handlers.h"
 #include "server/api/problem.h"
@@ -17,7 +17,7 @@ static void free_dismissal(struct vor_deferred *deferred)
     free(deferred);
 }
 
-/* On a thread of the worker. */
+/* On a thread of the job service. */
 static void on_dismissed(struct vor_dismissal *work)
 {
     vor_deferred_complete(work->ctx);
@@ -54,11 +54,11 @@ static enum vor_next begin(struct vor_request *request, int is_stop)
                                              .ctx = &dismissal->deferred};
     vor_deferred_begin(&dismissal->deferred, request, free_dismissal);
     vor_deferred_retain(&dismissal->deferred);
-    vor_worker_dismiss_soon(request->app->worker, &dismissal->work);
+    vor_job_service_dismiss_soon(request->app->service, &dismissal->work);
     return VOR_NEXT_STAY;
 }
 
-/* Until a thread of the worker has done it. */
+/* Until a thread of the job service has done it. */
 static enum vor_next wait_for(struct vor_request *request, const char *ended)
 {
     if (!vor_request_closing(request))
@@ -95,7 +95,7 @@ enum vor_next vor_handle_stop(struct vor_request *request, enum vor_step step)
     if (!vor_job_look_up(request, &view))
         return VOR_NEXT_REPLY;
     if (step == VOR_STEP_HEAD) {
-        outcome = vor_worker_stop(request->app->worker, &view.id, &err);
+        outcome = vor_job_service_stop(request->app->service, &view.id, &err);
         if (outcome == VOR_CONFLICT && view.status == VOR_JOB_RUNNING &&
             vor_store_is_shared(request->app->store))
             return begin(request, 1);

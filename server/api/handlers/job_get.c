@@ -43,8 +43,9 @@ static bool begin_poll(struct vor_request *request, double seconds)
     if (!vor_job_of_path(request, &id))
         return false;
     poll = calloc(1, sizeof *poll);
-    outcome = poll != NULL ? vor_worker_follow(request->app->worker, &id, NULL, &followed, &err)
-                           : VOR_FAILED;
+    outcome = poll != NULL
+                  ? vor_job_service_follow(request->app->service, &id, NULL, &followed, &err)
+                  : VOR_FAILED;
     if (outcome != VOR_DONE) {
         if (poll == NULL)
             (void)vor_fail(&err, VOR_E_NOMEM, "a request");

@@ -3,7 +3,7 @@
 #include "server/api/links.h"
 #include "server/api/problem.h"
 #include "server/http/deferred.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,14 +41,14 @@ enum vor_next vor_outcome_reply(struct vor_request *request, enum vor_job_outcom
     struct vor_problem full =
         VOR_PROBLEM("queue-full", .detail = "too many jobs are waiting, or their inputs are too "
                                             "large together; try again later");
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
 
     switch (outcome) {
     case VOR_UNKNOWN:
         return vor_problem_say(request, "no-such-job", "there is no job %s",
                                id != NULL ? id->text : "");
     case VOR_FULL:
-        vor_worker_load(request->app->worker, &load);
+        vor_job_service_load(request->app->service, &load);
         full.queue_depth = (int64_t)load.waiting;
         return vor_problem_reply(request, &full);
     case VOR_CROWDED:
@@ -74,7 +74,7 @@ bool vor_job_look_up(struct vor_request *request, struct vor_job_view *out)
 
     if (!read_id(request, &id))
         return false;
-    outcome = vor_worker_get(request->app->worker, &id, vor_auth_tenant(request), out, &err);
+    outcome = vor_job_service_get(request->app->service, &id, vor_auth_tenant(request), out, &err);
     if (outcome == VOR_DONE)
         return true;
     return vor_outcome_reply(request, outcome, &err, &id);
@@ -126,7 +126,8 @@ static void read_slice(void *ctx)
     struct listing *list = ctx;
 
     list->count = 0;
-    list->status = vor_worker_list(list->app->worker, &list->filter, take_row, list, &list->error);
+    list->status =
+        vor_job_service_list(list->app->service, &list->filter, take_row, list, &list->error);
     vor_deferred_complete(&list->deferred);
 }
 
@@ -138,7 +139,7 @@ enum vor_job_outcome vor_read_begin(struct vor_request *request, struct vor_defe
     task->ctx = deferred;
     task->caller = vor_auth_fairness_key(request);
     vor_deferred_retain(deferred);
-    outcome = vor_worker_read_soon(request->app->worker, task, err);
+    outcome = vor_job_service_read_soon(request->app->service, task, err);
     if (outcome != VOR_DONE)
         vor_deferred_cancel(deferred);
     return outcome;

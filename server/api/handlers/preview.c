@@ -35,7 +35,7 @@ static enum vor_next reply_cloud(struct vor_request *request, const struct vor_f
     vor_memory_init(&memory, CLOUD_BYTES);
     vor_cloud_init(&cloud, &memory);
     vor_text_init(&text, FILE_BYTES);
-    status = vor_worker_mirror_preview(request->app->worker, followed->job, &err);
+    status = vor_job_service_mirror_preview(request->app->service, followed->job, &err);
     if (status == VOR_OK)
         status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
     if (status == VOR_OK)
@@ -69,7 +69,7 @@ enum vor_next vor_handle_preview(struct vor_request *request, VOR_UNUSED enum vo
 
     if (!vor_job_of_path(request, &id) || !vor_query_points(request, "points", &most))
         return VOR_NEXT_REPLY;
-    outcome = vor_worker_follow(request->app->worker, &id, NULL, &followed, &err);
+    outcome = vor_job_service_follow(request->app->service, &id, NULL, &followed, &err);
     if (outcome != VOR_DONE)
         next = vor_outcome_reply(request, outcome, &err, &id);
     else if (followed.job == NULL || vor_job_is_over(followed.job))

@@ -42,10 +42,11 @@ static void on_admitted(struct vor_admission *admission)
         submitted =
             vor_limits_points(&sequence->quota, &admission->admitted, &flight->error) == VOR_OK;
     if (submitted)
-        flight->outcome = vor_worker_submit(app->worker, &admission->admitted, &sequence->head.spec,
-                                            &label, &flight->view, &flight->error);
+        flight->outcome =
+            vor_job_service_submit(app->service, &admission->admitted, &sequence->head.spec, &label,
+                                   &flight->view, &flight->error);
     else
-        vor_worker_unbook(app->worker);
+        vor_job_service_unbook(app->service);
     if (!submitted && admission->status == VOR_OK)
         vor_admit_drop(app->blobs, &admission->admitted);
     atomic_store(&flight->is_admitted, true);
@@ -95,7 +96,7 @@ static vor_status add_last(struct vor_sequence *sequence, struct vor_uploads *up
     struct vor_job_view view;
     int found = 0;
     enum vor_job_outcome outcome =
-        vor_worker_get(sequence->app->worker, &sequence->last, NULL, &view, err);
+        vor_job_service_get(sequence->app->service, &sequence->last, NULL, &view, err);
     vor_status status = VOR_OK;
 
     if (outcome == VOR_FAILED)
@@ -145,10 +146,10 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
     if (sequence->last.text[0] != '\0' &&
         !vor_sequence_fetch(sequence, &sequence->last, sequence->last_attempt, &fetched, &err))
         return false;
-    outcome = vor_worker_book(app->worker);
+    outcome = vor_job_service_book(app->service);
     wait = outcome == VOR_DONE ? wait_for_rate(sequence) : 1;
     if (outcome == VOR_DONE && wait > 0)
-        vor_worker_unbook(app->worker);
+        vor_job_service_unbook(app->service);
     if (outcome == VOR_FULL || (outcome == VOR_DONE && wait > 0)) {
         vor_request_wake_after(sequence->request, wait);
         return false;
@@ -161,7 +162,7 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
     vor_uploads_add(&uploads, &piece);
     if (sequence->last.text[0] != '\0' && add_last(sequence, &uploads, &err) != VOR_OK) {
         vor_uploads_discard(&uploads);
-        vor_worker_unbook(app->worker);
+        vor_job_service_unbook(app->service);
         vor_sequence_tell_problem(sequence, index, VOR_FAILED, &err);
         return true;
     }
@@ -182,7 +183,7 @@ static bool begin_flight(struct vor_sequence *sequence, struct vor_flight *fligh
     flight->sequence = NULL;
     vor_deferred_cancel(&sequence->deferred);
     vor_uploads_discard(&uploads);
-    vor_worker_unbook(app->worker);
+    vor_job_service_unbook(app->service);
     if (outcome != VOR_FULL) {
         vor_sequence_tell_problem(sequence, index, outcome, &flight->admission.error);
         return true;
@@ -199,8 +200,8 @@ static void follow(struct vor_sequence *sequence, struct vor_flight *flight)
     enum vor_job_outcome outcome = flight->outcome;
 
     if (outcome == VOR_DONE)
-        outcome = vor_worker_follow(sequence->app->worker, &flight->view.id, NULL, &followed,
-                                    &flight->error);
+        outcome = vor_job_service_follow(sequence->app->service, &flight->view.id, NULL, &followed,
+                                         &flight->error);
     if (outcome != VOR_DONE) {
         vor_sequence_tell_problem(sequence, flight->frame, outcome, &flight->error);
         flight->sequence = NULL;
@@ -237,7 +238,7 @@ static void land(struct vor_sequence *sequence, struct vor_flight *flight)
     enum vor_job_outcome outcome;
 
     vor_flight_leave(flight);
-    outcome = vor_worker_get(sequence->app->worker, &flight->view.id, NULL, &view, &err);
+    outcome = vor_job_service_get(sequence->app->service, &flight->view.id, NULL, &view, &err);
     flight->sequence = NULL;
     if (outcome != VOR_DONE) {
         if (outcome == VOR_UNKNOWN)

@@ -78,7 +78,7 @@ void vor_submit_inputs_of_admitted(struct vor_submit_inputs *out,
  *  Where one came as gzip they must be those of what was admitted, so that the same request without
  *  gzip is the same.
  *
- *  @retval as vor_worker_find_key */
+ *  @retval as vor_job_service_find_key */
 VOR_NODISCARD enum vor_job_outcome
 vor_submit_options_find(struct vor_submit_options *options, const struct vor_app *app,
                         const struct vor_spec *spec, const struct vor_submit_inputs *inputs,

@@ -85,8 +85,8 @@ static void on_cancelled(struct vor_dismissal *cancel)
 }
 
 /* A synchronous caller without a key is gone for good, so nobody waits for the job any more: a
- * thread of the worker ends it. Called when the request is over and when the job is accepted; the
- * later of the two cancels it. */
+ * thread of the job service ends it. Called when the request is over and when the job is accepted;
+ * the later of the two cancels it. */
 static void cancel_if_left(struct submission *submission)
 {
     if (!atomic_load(&submission->deferred.is_over) ||
@@ -101,7 +101,7 @@ static void cancel_if_left(struct submission *submission)
                                                 .done = on_cancelled,
                                                 .ctx = &submission->deferred};
     vor_deferred_retain(&submission->deferred);
-    vor_worker_dismiss_soon(submission->app->worker, &submission->cancel);
+    vor_job_service_dismiss_soon(submission->app->service, &submission->cancel);
 }
 
 static void on_over(struct vor_deferred *deferred)
@@ -217,7 +217,7 @@ static enum vor_job_outcome subscribe(struct vor_app *app, const char *tenant,
 {
     struct vor_followed followed;
     enum vor_job_outcome outcome =
-        vor_worker_follow(app->worker, id, tenant, &followed, &submission->error);
+        vor_job_service_follow(app->service, id, tenant, &followed, &submission->error);
 
     if (outcome != VOR_DONE)
         return outcome;
@@ -280,10 +280,10 @@ static void on_admitted(struct vor_admission *admission)
         submitted = true;
     if (submitted)
         submission->outcome =
-            vor_worker_submit(app->worker, &admission->admitted, &submission->head.spec, &label,
-                              &submission->view, &submission->error);
+            vor_job_service_submit(app->service, &admission->admitted, &submission->head.spec,
+                                   &label, &submission->view, &submission->error);
     else if (submission->booked)
-        vor_worker_unbook(app->worker);
+        vor_job_service_unbook(app->service);
     end_flight(submission);
     vor_deferred_done(&submission->deferred);
     cancel_if_left(submission);
@@ -293,7 +293,7 @@ static void on_admitted(struct vor_admission *admission)
 static enum vor_next admit(struct vor_request *request, struct submission *submission)
 {
     struct vor_app *app = request->app;
-    enum vor_job_outcome outcome = vor_worker_book(app->worker);
+    enum vor_job_outcome outcome = vor_job_service_book(app->service);
 
     submission->booked = outcome == VOR_DONE;
     if (!submission->booked && !has_key(submission)) /* which may be that of a job that is there */
@@ -312,7 +312,7 @@ static enum vor_next admit(struct vor_request *request, struct submission *submi
     }
     vor_deferred_cancel(&submission->deferred);
     if (submission->booked)
-        vor_worker_unbook(app->worker);
+        vor_job_service_unbook(app->service);
     return vor_outcome_reply(request, outcome, &submission->admission.error, NULL);
 }
 
@@ -348,7 +348,8 @@ static enum vor_next reply_accepted(struct vor_request *request, struct submissi
 
     submission->settled = true;
     /* The job as it is now, or as it was accepted when the row cannot be read. */
-    if (vor_worker_get(request->app->worker, &submission->view.id, NULL, &view, &err) != VOR_DONE)
+    if (vor_job_service_get(request->app->service, &submission->view.id, NULL, &view, &err) !=
+        VOR_DONE)
         view = submission->view;
     add_job_headers(request, submission, true);
     vor_reply_header(request, "Cache-Control", "no-store");
@@ -365,7 +366,7 @@ static enum vor_next wait_for_end(struct vor_request *request, struct submission
         struct vor_job_view view;
         struct vor_error err;
         enum vor_job_outcome outcome =
-            vor_worker_get(request->app->worker, &submission->view.id, NULL, &view, &err);
+            vor_job_service_get(request->app->service, &submission->view.id, NULL, &view, &err);
 
         /* Answers a caller who has waited for the end of the job. */
         submission->settled = true;

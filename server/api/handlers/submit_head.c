@@ -214,7 +214,7 @@ bool vor_submit_has_room(struct vor_request *request, const struct vor_submit_he
     int64_t length = request->length;
     struct vor_error err;
     enum vor_job_outcome room =
-        vor_worker_room(app->worker, &label, length > 0 ? (uint64_t)length : 0, &err);
+        vor_job_service_room(app->service, &label, length > 0 ? (uint64_t)length : 0, &err);
 
     if (room != VOR_DONE)
         return vor_outcome_reply(request, room, &err, NULL);

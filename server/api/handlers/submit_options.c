@@ -102,8 +102,8 @@ static bool find_other(struct vor_request *request, struct other *other)
 
     if (other->id->text[0] == '\0')
         return true;
-    outcome = vor_worker_get(request->app->worker, other->id, vor_auth_tenant(request),
-                             &other->view, &err);
+    outcome = vor_job_service_get(request->app->service, other->id, vor_auth_tenant(request),
+                                  &other->view, &err);
     if (outcome == VOR_UNKNOWN)
         return refuse(request, "no-such-job", "there is no such job", other->option, other->id);
     if (outcome != VOR_DONE)
@@ -218,5 +218,5 @@ enum vor_job_outcome vor_submit_options_find(struct vor_submit_options *options,
 {
     if (print(options, spec, inputs, err) != VOR_OK)
         return VOR_FAILED;
-    return vor_worker_find_key(app->worker, &options->key, out, err);
+    return vor_job_service_find_key(app->service, &options->key, out, err);
 }

@@ -1,4 +1,4 @@
-/* The records of a job as a table. A thread of the worker reads and writes them: there may be
+/* The records of a job as a table. A thread of the job service reads and writes them: there may be
  * 20,000.
  */
 #include "proto/csv.h"
@@ -41,7 +41,7 @@ static bool read_events(struct trace *trace, struct vor_followed *followed,
         return batch->count > 0;
     if (followed->job != NULL)
         vor_job_view(followed->job, &followed->row);
-    if (vor_worker_stored_events(trace->app->worker, &followed->row, batch, &trace->error) !=
+    if (vor_job_service_stored_events(trace->app->service, &followed->row, batch, &trace->error) !=
         VOR_OK)
         trace->outcome = VOR_FAILED;
     return trace->outcome == VOR_DONE && batch->count > 0;
@@ -95,7 +95,7 @@ static void read_trace(void *ctx)
     struct vor_followed followed;
 
     trace->outcome =
-        vor_worker_follow(trace->app->worker, &trace->id, NULL, &followed, &trace->error);
+        vor_job_service_follow(trace->app->service, &trace->id, NULL, &followed, &trace->error);
     if (trace->outcome == VOR_DONE) {
         write_trace(trace, &followed);
         vor_job_release(followed.job);

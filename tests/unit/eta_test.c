@@ -1,8 +1,8 @@
-/* How far a run is: the steps of its stages by their counts, the time left by their pace. */
-#include "server/jobs/pace.h"
+/* How far a run is: the steps of its stages by their counts, the time left by their eta. */
+#include "server/jobs/eta.h"
 #include "tests/support/vt.h"
 
-/* Costs are those of pace.c, for each point: 5 for the first iteration, 2.5 for the others and for
+/* Costs are those of eta.c, for each point: 5 for the first iteration, 2.5 for the others and for
  * steps of a stage that it does not know, 1.2 for a step of the polish, 5.5 for the end of a run.
  */
 
@@ -29,30 +29,30 @@ static struct vor_spec request(double seconds)
     return spec;
 }
 
-/* The pace of a run of these records, of which the first is 0 steps of FIRST. */
-static struct vor_pace pace_of(const struct vor_record *records, size_t count)
+/* The eta of a run of these records, of which the first is 0 steps of FIRST. */
+static struct vor_eta pace_of(const struct vor_record *records, size_t count)
 {
-    struct vor_pace pace = {0};
+    struct vor_eta eta = {0};
 
     for (size_t i = 0; i < count; i++)
-        vor_pace_add(&pace, &records[i]);
-    return pace;
+        vor_eta_add(&eta, &records[i]);
+    return eta;
 }
 
 static double done_after(struct vor_record first, struct vor_record last, double budget)
 {
-    struct vor_pace pace = pace_of((struct vor_record[]){first, last}, 2);
+    struct vor_eta eta = pace_of((struct vor_record[]){first, last}, 2);
     struct vor_spec spec = request(budget);
 
-    return vor_pace_done(&pace, &spec);
+    return vor_eta_done(&eta, &spec);
 }
 
 static double left_after(struct vor_record first, struct vor_record last, double budget)
 {
-    struct vor_pace pace = pace_of((struct vor_record[]){first, last}, 2);
+    struct vor_eta eta = pace_of((struct vor_record[]){first, last}, 2);
     struct vor_spec spec = request(budget);
 
-    return vor_pace_left(&pace, &spec);
+    return vor_eta_left(&eta, &spec);
 }
 
 VT_TEST(steps_of_all_stages_count_alike)
@@ -106,11 +106,11 @@ VT_TEST(a_budget_counts_where_more_of_it_is_used_up)
 
 VT_TEST(there_is_no_pace_before_the_second_record)
 {
-    struct vor_pace pace = {0};
+    struct vor_eta eta = {0};
     struct vor_spec spec = request(-1);
 
-    ck_assert_double_eq(vor_pace_left(&pace, &spec), -1);
-    ck_assert_double_eq(vor_pace_done(&pace, &spec), 0);
+    ck_assert_double_eq(vor_eta_left(&eta, &spec), -1);
+    ck_assert_double_eq(vor_eta_done(&eta, &spec), 0);
     ck_assert_double_eq(left_after(at(FIRST, 0, 100, 100, 3), at(FIRST, 0, 100, 100, 3), -1), -1);
     ck_assert_double_eq(left_after(at(FIRST, 5, 100, 100, 1), at(FIRST, 5, 100, 100, 1), -1), -1);
     ck_assert_double_eq_tol(left_after(at(FIRST, 0, 100, 100, 2), at(FIRST, 20, 100, 100, 12), -1),
@@ -136,10 +136,10 @@ VT_TEST(each_of_three_stages_has_a_pace_of_its_own)
     struct vor_spec spec = request(-1);
 
     for (size_t i = 0; i < sizeof records / sizeof records[0]; i++) {
-        struct vor_pace pace = pace_of(records, i + 1);
+        struct vor_eta eta = pace_of(records, i + 1);
 
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), left[i], 1e-9);
-        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), done[i] / 170, 1e-12);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), left[i], 1e-9);
+        ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), done[i] / 170, 1e-12);
     }
 }
 
@@ -158,9 +158,9 @@ VT_TEST(a_stage_that_begins_has_the_pace_of_the_one_before)
     struct vor_spec spec = request(-1);
 
     for (size_t i = 0; i < sizeof records / sizeof records[0]; i++) {
-        struct vor_pace pace = pace_of(records, i + 1);
+        struct vor_eta eta = pace_of(records, i + 1);
 
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), left[i], 1e-9);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), left[i], 1e-9);
     }
     ck_assert_double_eq(left_after(at(FIRST, 0, 0, 50, 1), at(SECOND, 0, 50, 0, 2), -1), -1);
 }
@@ -170,11 +170,11 @@ VT_TEST(a_stage_that_ends_early_is_done)
 {
     const struct vor_record records[] = {at(FIRST, 0, 12, 100, 1), at(FIRST, 8, 12, 100, 9),
                                          at(SECOND, 10, 100, 0, 10)};
-    struct vor_pace pace = pace_of(records, 3);
+    struct vor_eta eta = pace_of(records, 3);
     struct vor_spec spec = request(-1);
 
-    ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 22.0 / 112, 1e-12);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (90 * 1.2 + 5.5) / (10 * 1.2), 1e-12);
+    ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), 22.0 / 112, 1e-12);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), (90 * 1.2 + 5.5) / (10 * 1.2), 1e-12);
 }
 
 VT_TEST(without_a_limit_there_is_neither_share_nor_time_left)
@@ -183,14 +183,13 @@ VT_TEST(without_a_limit_there_is_neither_share_nor_time_left)
                                          at(SECOND, 10, 0, 0, 10)};
 
     for (size_t count = 2; count <= 3; count++) {
-        struct vor_pace pace = pace_of(records, count);
+        struct vor_eta eta = pace_of(records, count);
         struct vor_spec spec = request(-1);
 
-        ck_assert_double_eq(vor_pace_done(&pace, &spec), 0);
-        ck_assert_double_eq(vor_pace_left(&pace, &spec), -1);
+        ck_assert_double_eq(vor_eta_done(&eta, &spec), 0);
+        ck_assert_double_eq(vor_eta_left(&eta, &spec), -1);
         spec = request(40);
-        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), records[count - 1].seconds / 40,
-                                1e-12);
+        ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), records[count - 1].seconds / 40, 1e-12);
     }
 }
 
@@ -208,47 +207,47 @@ static struct vor_spec request_of(const char *process, const char *points)
 VT_TEST(before_the_first_record_the_request_says_how_long)
 {
     struct vor_spec spec = request_of("upsample", "120000");
-    struct vor_pace pace = {.work = vor_pace_work_of(&spec, 30000, 1)};
+    struct vor_eta eta = {.work = vor_eta_work_of(&spec, 30000, 1)};
     double alone = 0.12 * (10 + 2.0 * 30000 / 120000 + 5 + 12 * 1.2 + 5.5);
 
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), alone, 1e-12);
-    pace.work.threads = 3;
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), alone / 2.8, 1e-12);
-    ck_assert_double_eq(vor_pace_done(&pace, &spec), 0);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), alone, 1e-12);
+    eta.work.threads = 3;
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), alone / 2.8, 1e-12);
+    ck_assert_double_eq(vor_eta_done(&eta, &spec), 0);
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", 0.5, &vt_err));
-    ck_assert_double_eq(vor_pace_left(&pace, &spec), 0.5);
+    ck_assert_double_eq(vor_eta_left(&eta, &spec), 0.5);
 }
 
 /* ear: 15 of 30 thousand points are projected in 12 steps, 45 thousand inserted by one thread,
- * however many there are, then 12 steps of the polish; times as the table of pace.c has them. */
+ * however many there are, then 12 steps of the polish; times as the table of eta.c has them. */
 VT_TEST(projected_and_inserted_points_count_by_what_they_take)
 {
     static const double project = 12 * 15e3 * 2.5e-6, insert = 45e3 * 15e-6,
                         polish = 12 * 60e3 * 3.3e-6, end = 60e3 * 5.5e-6, start = 30e3 * 80e-6;
     struct vor_spec spec = request_of("upsample", "60000");
-    struct vor_pace pace;
+    struct vor_eta eta;
 
     vt_assert_ok(vor_spec_set(&spec, "method", "ear", &vt_err));
     for (unsigned threads = 1; threads <= 2; threads++) {
         double gain = threads == 1 ? 1 : 1.9, all = project / gain + insert + polish / gain;
         struct vor_record record = at(VOR_RUN_STAGE_PROJECT, 0, 12, 45000 + 12, start / gain);
 
-        pace = (struct vor_pace){.work = vor_pace_work_of(&spec, 30000, threads)};
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), (start + end) / gain + all, 1e-9);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), all + end / gain, 1e-9);
+        eta = (struct vor_eta){.work = vor_eta_work_of(&spec, 30000, threads)};
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), (start + end) / gain + all, 1e-9);
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), all + end / gain, 1e-9);
         record = at(VOR_RUN_STAGE_PROJECT, 12, 12, 45000 + 12, (start + project) / gain);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), project / gain / all, 1e-9);
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), project / gain / all, 1e-9);
         record = at(VOR_RUN_STAGE_INSERT, 15000, 45000, 12, record.seconds + insert / 3);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), insert * 2 / 3 + (polish + end) / gain,
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), insert * 2 / 3 + (polish + end) / gain,
                                 1e-9);
-        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), (project / gain + insert / 3) / all,
+        ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), (project / gain + insert / 3) / all,
                                 1e-9);
         record = at(VOR_RUN_STAGE_POLISH, 12, 12, 0, record.seconds + 9);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_done(&pace, &spec), 1, 1e-12);
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_done(&eta, &spec), 1, 1e-12);
     }
 }
 
@@ -257,8 +256,8 @@ VT_TEST(without_the_work_nothing_is_known_before_a_step)
     struct vor_spec measure = request_of("measure", NULL), spaced = request_of("resample", NULL);
 
     vt_assert_ok(vor_spec_set_number(&spaced, "spacing", 0.1, &vt_err));
-    ck_assert_double_eq(vor_pace_work_of(&measure, 1000, 2).points_out, 0);
-    ck_assert_double_eq(vor_pace_work_of(&spaced, 1000, 2).points_out, 0);
+    ck_assert_double_eq(vor_eta_work_of(&measure, 1000, 2).points_out, 0);
+    ck_assert_double_eq(vor_eta_work_of(&spaced, 1000, 2).points_out, 0);
 }
 
 /* A run that began four times as slowly as usual takes twice as long; so do its polish and its end
@@ -266,22 +265,22 @@ VT_TEST(without_the_work_nothing_is_known_before_a_step)
 VT_TEST(how_slow_one_part_is_tells_half_of_how_slow_others_are)
 {
     struct vor_spec spec = request_of("resample", "100000");
-    struct vor_pace pace = {.work = vor_pace_work_of(&spec, 500000, 1)};
+    struct vor_eta eta = {.work = vor_eta_work_of(&spec, 500000, 1)};
     struct vor_record record = at(FIRST, 0, 12, 100, 4 * 0.1 * 20);
     double iterations = 0.1 * (5 + 11 * 2.5), others = 0.1 * (100 * 1.2 + 5.5);
 
-    vor_pace_add(&pace, &record);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 2 * (iterations + others), 1e-9);
+    vor_eta_add(&eta, &record);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 2 * (iterations + others), 1e-9);
     record.step = 1;
     record.seconds += 4 * 0.1 * 5;
-    vor_pace_add(&pace, &record);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 4 * 0.1 * 11 * 2.5 + 2 * others, 1e-9);
+    vor_eta_add(&eta, &record);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 4 * 0.1 * 11 * 2.5 + 2 * others, 1e-9);
     record = at(SECOND, 0, 100, 0, 20);
-    vor_pace_add(&pace, &record);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 2 * others, 1e-9);
+    vor_eta_add(&eta, &record);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 2 * others, 1e-9);
     record = at(SECOND, 50, 100, 0, 20 + 3 * 0.1 * 50 * 1.2);
-    vor_pace_add(&pace, &record);
-    ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 3 * 0.1 * (50 * 1.2 + 5.5), 1e-9);
+    vor_eta_add(&eta, &record);
+    ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 3 * 0.1 * (50 * 1.2 + 5.5), 1e-9);
 }
 
 /* The last 40 steps of the polish on the whole of a dense input cost 2.8 times as much. */
@@ -292,18 +291,16 @@ VT_TEST(the_last_steps_on_a_dense_input_take_longer)
 
     for (int i = 0; i < 2; i++) {
         struct vor_spec spec = request_of("resample", "100000");
-        struct vor_pace pace = {.work = vor_pace_work_of(&spec, in[i], 1)};
+        struct vor_eta eta = {.work = vor_eta_work_of(&spec, in[i], 1)};
         struct vor_record record = at(SECOND, 0, 100, 0, 10);
 
-        vor_pace_add(&pace, &record);
+        vor_eta_add(&eta, &record);
         record = at(SECOND, 60, 100, 0, 10 + 0.1 * 60 * 1.2);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 0.1 * (whole[i] * 40 * 1.2 + 5.5),
-                                1e-9);
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 0.1 * (whole[i] * 40 * 1.2 + 5.5), 1e-9);
         record = at(SECOND, 80, 100, 0, 10 + 0.1 * (60 + whole[i] * 20) * 1.2);
-        vor_pace_add(&pace, &record);
-        ck_assert_double_eq_tol(vor_pace_left(&pace, &spec), 0.1 * (whole[i] * 20 * 1.2 + 5.5),
-                                1e-9);
+        vor_eta_add(&eta, &record);
+        ck_assert_double_eq_tol(vor_eta_left(&eta, &spec), 0.1 * (whole[i] * 20 * 1.2 + 5.5), 1e-9);
     }
 }
 
@@ -322,9 +319,9 @@ VT_TEST(iterations_without_a_number_end_where_they_usually_do)
             more[i] * 2.5 + 5.5, 1e-9);
     }
     vt_assert_ok(vor_spec_set_number(&spec, "iterations", 100, &vt_err));
-    ck_assert_double_eq_tol(vor_pace_left(&(struct vor_pace){.began = 1,
-                                                             .origin = at(FIRST, 0, 100, 0, 0),
-                                                             .last = at(FIRST, 1, 100, 0, 5)},
-                                          &spec),
+    ck_assert_double_eq_tol(vor_eta_left(&(struct vor_eta){.began = 1,
+                                                           .origin = at(FIRST, 0, 100, 0, 0),
+                                                           .last = at(FIRST, 1, 100, 0, 5)},
+                                         &spec),
                             99 * 2.5 + 5.5, 1e-9);
 }

@@ -3,7 +3,7 @@
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/base/clock.h"
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -24,7 +24,8 @@ static void dismiss(struct vt_daemon *daemon, const struct vor_uuid *id)
     struct vor_job_view view;
 
     ck_assert_int_eq(
-        vor_worker_dismiss(daemon->worker, id, "dismissed by the test", &view, &vt_err), VOR_DONE);
+        vor_job_service_dismiss(daemon->service, id, "dismissed by the test", &view, &vt_err),
+        VOR_DONE);
     ck_assert_int_eq(view.status, VOR_JOB_DISMISSED);
     ck_assert_str_eq(view.id.text, id->text);
 }
@@ -92,7 +93,8 @@ VT_TEST_LOOP(the_events_of_a_job_are_the_same_live_and_from_the_store, 2)
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     vt_assert_ok(vor_spec_set_number(&spec, "polish", _i * 40, &vt_err));
     id = submit(&daemon, 1000, spec);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_follow(daemon.service, &id, NULL, &followed, &vt_err),
+                     VOR_DONE);
     (void)vt_daemon_wait_over(&daemon, &id);
     vt_daemon_wait_idle(&daemon);
     while (followed.job != NULL && !vor_job_read(followed.job, &batch))
@@ -152,23 +154,24 @@ VT_TEST(who_follows_a_job_asks_the_store_once_however_many_its_events)
 
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     id = submit(&daemon, 300, vt_request(100, 50));
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &live, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_follow(daemon.service, &id, NULL, &live, &vt_err), VOR_DONE);
     do /* its place in the queue is the store's */
-        vor_worker_followed(daemon.worker, &live, &view);
+        vor_job_service_followed(daemon.service, &live, &view);
     while (view.status == VOR_JOB_ACCEPTED);
     atomic_store(&rows, 0);
     while (!vor_job_is_over(live.job))
-        vor_worker_followed(daemon.worker, &live, &view);
+        vor_job_service_followed(daemon.service, &live, &view);
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(atomic_load(&rows), 0);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_follow(daemon.service, &id, NULL, &followed, &vt_err),
+                     VOR_DONE);
     ck_assert_ptr_null(followed.job);
-    vt_assert_ok(vor_worker_stored_events(daemon.worker, &followed.row, &batch, &vt_err));
+    vt_assert_ok(vor_job_service_stored_events(daemon.service, &followed.row, &batch, &vt_err));
     ck_assert_uint_gt(batch.count, 50);
-    vor_worker_followed(daemon.worker, &followed, &stored);
+    vor_job_service_followed(daemon.service, &followed, &stored);
     ck_assert_int_eq(atomic_load(&rows), 1);
     ck_assert_int_eq(atomic_load(&traces), 1);
-    vor_worker_followed(daemon.worker, &live, &view); /* over, and still in hand */
+    vor_job_service_followed(daemon.service, &live, &view); /* over, and still in hand */
     ck_assert_int_eq(view.status, VOR_JOB_SUCCESSFUL);
     ck_assert_int_eq(stored.status, VOR_JOB_SUCCESSFUL);
     ck_assert_str_eq(view.message, stored.message);
@@ -214,7 +217,7 @@ VT_TEST(a_claim_whose_answer_was_lost_is_taken_back)
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
     endless = vt_daemon_submit_endless(&daemon);
     id = submit(&daemon, 500, vt_request(100, 2));
-    claim.owner = daemon.worker->owner.text;
+    claim.owner = daemon.service->owner.text;
     claim.now_ms = vor_clock_wall_ms();
     vt_assert_ok(vor_store_claim_next(daemon.store, &claim, &row, &found, &vt_err));
     ck_assert(found && strcmp(row.id.text, id.text) == 0);
@@ -232,7 +235,7 @@ VT_TEST(a_waiting_job_is_dismissed_without_running)
     struct vt_daemon daemon;
     struct vor_uuid runs, waits;
     struct vor_job_view view;
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1});
     runs = vt_daemon_submit_endless(&daemon);
@@ -240,9 +243,9 @@ VT_TEST(a_waiting_job_is_dismissed_without_running)
     view = vt_daemon_get(&daemon, &waits);
     ck_assert_int_eq(view.status, VOR_JOB_ACCEPTED);
     ck_assert_int_eq(view.queue_position, 0);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &waits, &vt_err), VOR_CONFLICT);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &waits, &vt_err), VOR_CONFLICT);
     dismiss(&daemon, &waits);
-    vor_worker_load(daemon.worker, &load);
+    vor_job_service_load(daemon.service, &load);
     ck_assert_uint_eq(load.waiting, 0); /* its place is free while the other one runs */
     dismiss(&daemon, &runs);
     vt_daemon_wait_idle(&daemon);
@@ -327,23 +330,23 @@ VT_TEST(a_full_queue_refuses_and_keeps_nothing)
 {
     struct vt_daemon daemon;
     struct vor_uuid ids[3], refused;
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     struct vor_cloud cloud;
     struct vor_spec spec = vt_request(300, 10000);
 
     vt_daemon_start(&daemon, vt_dir_make(), &(struct vt_daemon_options){.jobs = 1, .queue = 2});
     vt_cloud_sphere(&cloud, 1, 500);
     ids[0] = vt_daemon_submit_endless(&daemon);
-    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_room(daemon.service, NULL, 0, NULL), VOR_DONE);
     ids[1] = submit(&daemon, 500, spec);
     ids[2] = submit(&daemon, 500, spec);
-    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_FULL);
+    ck_assert_int_eq(vor_job_service_room(daemon.service, NULL, 0, NULL), VOR_FULL);
     ck_assert_int_eq(vt_daemon_submit(&daemon, &cloud, &spec, &refused), VOR_FULL);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
-    ck_assert_int_eq(
-        vor_worker_get(daemon.worker, &refused, NULL, &(struct vor_job_view){.seq = 0}, &vt_err),
-        VOR_UNKNOWN);
-    vor_worker_load(daemon.worker, &load);
+    ck_assert_int_eq(vor_job_service_get(daemon.service, &refused, NULL,
+                                         &(struct vor_job_view){.seq = 0}, &vt_err),
+                     VOR_UNKNOWN);
+    vor_job_service_load(daemon.service, &load);
     ck_assert_uint_eq(load.running, 1);
     ck_assert_uint_eq(load.waiting, 2);
     ck_assert_int_eq(vt_daemon_get(&daemon, &ids[2]).queue_position, 1);
@@ -363,14 +366,15 @@ VT_TEST(a_finished_job_is_removed_with_its_bytes)
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     id = submit(&daemon, 200, vt_request(50, 1));
     (void)vt_daemon_wait_over(&daemon, &id);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "left", &vt_err), VOR_CONFLICT);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &id, "left", &vt_err), VOR_CONFLICT);
     ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_SUCCESSFUL);
     dismiss(&daemon, &id);
-    ck_assert_int_eq(vor_worker_get(daemon.worker, &id, NULL, &view, &vt_err), VOR_UNKNOWN);
-    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &id, "", &view, &vt_err), VOR_UNKNOWN);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "", &vt_err), VOR_UNKNOWN);
-    ck_assert_int_eq(vor_worker_stop(daemon.worker, &id, &vt_err), VOR_UNKNOWN);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_job_service_get(daemon.service, &id, NULL, &view, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &id, "", &view, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &id, "", &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_job_service_stop(daemon.service, &id, &vt_err), VOR_UNKNOWN);
+    ck_assert_int_eq(vor_job_service_follow(daemon.service, &id, NULL, &followed, &vt_err),
+                     VOR_UNKNOWN);
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);
     vt_daemon_stop(&daemon);
@@ -408,11 +412,12 @@ VT_TEST(results_expire_and_say_so_for_as_long_as_they_were_kept)
     for (int i = 0; i < 3; i++)
         ids[i] = ended(&daemon, minutes[i]);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 3);
-    vt_assert_ok(vor_worker_sweep(daemon.worker, &vt_err));
+    vt_assert_ok(vor_job_service_sweep(daemon.service, &vt_err));
     ck_assert_int_eq(vt_daemon_kept(&daemon), 1);
     for (int i = 0; i < 3; i++) {
         view.expired = 0;
-        ck_assert_int_eq(vor_worker_get(daemon.worker, &ids[i], NULL, &view, &vt_err), outcomes[i]);
+        ck_assert_int_eq(vor_job_service_get(daemon.service, &ids[i], NULL, &view, &vt_err),
+                         outcomes[i]);
         ck_assert_int_eq(view.expired, i == 1);
     }
     ck_assert_uint_eq(vt_daemon_events(&daemon, &ids[1], &event, 1), 1);
@@ -446,7 +451,7 @@ VT_TEST(a_list_shows_the_live_state_of_running_jobs)
     vt_daemon_start(&daemon, vt_dir_make(), NULL);
     id = vt_daemon_submit_endless(&daemon);
     (void)vt_daemon_wait_iteration(&daemon, &id, 4);
-    vt_assert_ok(vor_worker_list(daemon.worker, &filter, count_live, &counted, &vt_err));
+    vt_assert_ok(vor_job_service_list(daemon.service, &filter, count_live, &counted, &vt_err));
     ck_assert_uint_eq(counted.count, 1);
     ck_assert_uint_ge(counted.iteration, 4);
     dismiss(&daemon, &id);
@@ -470,9 +475,9 @@ VT_TEST_LOOP(a_job_interrupted_at_any_instant_ends_once, 6)
         ids[i] = submit(&daemon, 400, vt_request(60, 1 + i % 6));
         nanosleep(&pause, NULL);
         if (i % 3 == 0)
-            (void)!vor_worker_stop(daemon.worker, &ids[i], &vt_err);
+            (void)!vor_job_service_stop(daemon.service, &ids[i], &vt_err);
         else
-            (void)!vor_worker_cancel(daemon.worker, &ids[i], "by chance", &vt_err);
+            (void)!vor_job_service_cancel(daemon.service, &ids[i], "by chance", &vt_err);
     }
     vt_daemon_wait_idle(&daemon);
     for (int i = 0; i < JOBS; i++) {

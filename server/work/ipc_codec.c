@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* memfd_create */
-#include "server/work/wire.h"
+#include "server/work/ipc_codec.h"
 
 #include "proto/codec.h"
 
@@ -15,9 +15,10 @@
 /* --- shared memory
  * -------------------------------------------------------------------------------- */
 
-struct vor_board *vor_board_map(int fd)
+struct vor_shared_state *vor_shared_state_map(int fd)
 {
-    void *at = mmap(NULL, sizeof(struct vor_board), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+    void *at =
+        mmap(NULL, sizeof(struct vor_shared_state), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
 
     return at != MAP_FAILED ? at : NULL;
 }

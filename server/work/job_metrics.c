@@ -1,4 +1,4 @@
-#include "server/work/counted.h"
+#include "server/work/job_metrics.h"
 
 #include "server/base/clock.h"
 #include "server/base/metrics.h"

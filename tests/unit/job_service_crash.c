@@ -1,5 +1,5 @@
 /* Down and up again: in good order, by kill -9, with bytes missing or left over. */
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -87,10 +87,11 @@ static void run_and_die(void *ctx)
     for (int i = 0; i < 3; i++)
         crash->ids[i] = submit(&daemon, &spec);
     (void)!write(crash->fd, crash->ids, sizeof crash->ids);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &crash->ids[0], NULL, &followed, &vt_err),
-                     VOR_DONE);
+    ck_assert_int_eq(
+        vor_job_service_follow(daemon.service, &crash->ids[0], NULL, &followed, &vt_err), VOR_DONE);
     vor_job_subscribe(followed.job, &subscriber);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "off you go", &vt_err),
+                     VOR_DONE);
     for (;;)
         pause();
 }
@@ -156,10 +157,10 @@ VT_TEST(a_drain_lets_a_running_job_end_and_keeps_the_waiting_ones)
     runs = submit(&daemon, &longer); /* not over before the drain, however slow the disk */
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     waits = submit(&daemon, &spec);
-    vor_worker_drain(daemon.worker, 60);
+    vor_job_service_drain(daemon.service, 60);
     ck_assert_int_eq(vt_daemon_get(&daemon, &runs).status, VOR_JOB_SUCCESSFUL);
     ck_assert_int_eq(vt_daemon_get(&daemon, &waits).status, VOR_JOB_ACCEPTED);
-    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_DRAINING);
+    ck_assert_int_eq(vor_job_service_room(daemon.service, NULL, 0, NULL), VOR_DRAINING);
     ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 100, &spec, &refused), VOR_DRAINING);
     vt_daemon_stop(&daemon);
 
@@ -182,12 +183,12 @@ VT_TEST(a_drain_that_is_over_gives_running_jobs_back_without_a_crash)
     id = submit(&daemon, &spec);
     for (uint32_t attempt = 1; attempt <= 5; attempt++) { /* more often than it may crash */
         ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &id, 1).attempt, attempt);
-        vor_worker_drain(daemon.worker, 0);
+        vor_job_service_drain(daemon.service, 0);
         ck_assert_int_eq(vt_daemon_get(&daemon, &id).status, VOR_JOB_ACCEPTED);
         vt_daemon_stop(&daemon);
         vt_daemon_start(&daemon, dir, &one_runner);
     }
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &id, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &id, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
 
@@ -208,8 +209,8 @@ VT_TEST_LOOP(a_job_that_is_dismissed_after_a_checkpoint_leaves_none, 2)
     row.status = VOR_JOB_DISMISSED;
     row.expires = INT64_MAX;
     if (_i == 0) {
-        vor_worker_drain(daemon.worker, 0);
-        ck_assert(vor_worker_dismiss(daemon.worker, &id, "", NULL, &vt_err) == VOR_DONE);
+        vor_job_service_drain(daemon.service, 0);
+        ck_assert(vor_job_service_dismiss(daemon.service, &id, "", NULL, &vt_err) == VOR_DONE);
     } else {
         vt_assert_ok(vor_store_finish(daemon.store, &row, NULL, NULL, &changed, &vt_err));
         vt_daemon_wait_idle(&daemon);

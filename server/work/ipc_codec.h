@@ -1,12 +1,12 @@
-/** What the front and its children say to each other: the worker process (station.h), and those
+/** What the front and its children say to each other: the worker process (worker_main.h), and those
  * that do one piece of work with bytes (codec_child.h). All are forked from this very program and
  * never execute another, so structs travel as they are.
  *
- *  On the worker's channel the front sends a channel for each run (struct vor_summons, with its
- *  descriptor). On that one it sends the order, and hears what the run says up to its end. What
- *  changes all the time and must not wait lies on a board in memory that both have mapped. */
-#ifndef VOR_SERVER_WORK_WIRE_H
-#define VOR_SERVER_WORK_WIRE_H
+ *  On the worker's channel the front sends a channel for each run (struct vor_run_request, with its
+ *  descriptor). On that one it sends the order, and hears what the run says up to its end.  *
+ * changes all the time and must not wait lies in memory that both have mapped. */
+#ifndef VOR_SERVER_WORK_IPC_CODEC_H
+#define VOR_SERVER_WORK_IPC_CODEC_H
 
 #include "server/proc/channel.h"
 #include "server/proc/sandbox.h"
@@ -16,18 +16,18 @@
 #include <stdatomic.h>
 
 /** Most runs at a time. */
-enum { VOR_SEATS = 64 };
+enum { VOR_RUN_SLOTS = 64 };
 
 /** Shared memory. What comes first is written by the front before the worker starts. */
-struct vor_board {
+struct vor_shared_state {
     unsigned threads;    /**< of the pool */
     size_t memory;       /**< bytes that the worker process may take; 0 for any */
     int has_codec;       /**< the worker has children encode results: */
     unsigned codec_kind; /**< as in struct vor_codec_place, as the next */
     enum vor_sandbox_kind sandbox;
-    atomic_uint beats;                  /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
-    atomic_int asked[VOR_SEATS];        /**< enum vor_answer of the listener of each run */
-    atomic_int is_looked_at[VOR_SEATS]; /**< somebody looks at the points of the run */
+    atomic_uint beats;               /**< the worker's ticker adds one every VOR_BEAT_SECONDS */
+    atomic_int asked[VOR_RUN_SLOTS]; /**< enum vor_answer of the listener of each run */
+    atomic_int is_looked_at[VOR_RUN_SLOTS]; /**< somebody looks at the points of the run */
 };
 
 #define VOR_BEAT_SECONDS 0.1
@@ -41,11 +41,11 @@ struct vor_board {
 void *vor_share(int *fd, size_t size, int protection, int flags);
 
 /** NULL when it cannot be mapped. */
-struct vor_board *vor_board_map(int fd);
+struct vor_shared_state *vor_shared_state_map(int fd);
 
 /** Sent to the worker with one descriptor, the channel of a run. */
-struct vor_summons {
-    unsigned seat; /**< of the run on the board */
+struct vor_run_request {
+    unsigned slot; /**< of the run */
 };
 
 /** Sends an order and its files.

@@ -11,7 +11,7 @@
 #include <stdatomic.h>
 #include <unistd.h>
 
-/* A former life: store and blobs, without a worker. */
+/* A former life: store and blobs, without a job service. */
 struct life {
     const char *dir;
     struct vor_store *store;
@@ -85,7 +85,7 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     struct vor_uuid blocker = leave_endless(&life), refused;
     struct vor_job_view rows[ROWS], view;
     struct vor_spec spec = vt_request(10, 1);
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     struct vt_daemon daemon;
     int64_t started = 0;
 
@@ -93,13 +93,13 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
     leave_rows(&life, rows);
     end_life(&life);
     vt_daemon_start(&daemon, life.dir, &options);
-    vor_worker_load(daemon.worker, &load);
+    vor_job_service_load(daemon.service, &load);
     /* The blocker more, which may be on its way from the line to a runner. */
     ck_assert_uint_ge(load.waiting + load.running, ROWS);
-    ck_assert_int_eq(vor_worker_room(daemon.worker, NULL, 0, NULL), VOR_FULL);
+    ck_assert_int_eq(vor_job_service_room(daemon.service, NULL, 0, NULL), VOR_FULL);
     ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 100, &spec, &refused), VOR_FULL);
     ck_assert_uint_eq(vt_daemon_wait_iteration(&daemon, &blocker, 0).attempt, 2);
-    vor_worker_load(daemon.worker, &load);
+    vor_job_service_load(daemon.service, &load);
     ck_assert_uint_eq(load.waiting + load.running, ROWS + 1);
     for (int i = 0; i < ROWS; i++) {
         view = vt_daemon_get(&daemon, &rows[i].id);
@@ -107,7 +107,8 @@ VT_TEST(every_job_of_a_former_life_is_in_line_before_the_worker_is_there)
         ck_assert_int_eq(view.queue_position, i);
         ck_assert_uint_eq(view.attempt, i < RAN ? 2 : 1);
     }
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "off you go", &vt_err),
+                     VOR_DONE);
     for (int i = 0; i < ROWS; i++) {
         view = vt_daemon_wait_over(&daemon, &rows[i].id);
         ck_assert_int_eq(view.status, VOR_JOB_FAILED);
@@ -154,7 +155,7 @@ VT_TEST(a_start_does_not_wait_for_what_has_expired)
             vt_nap();
     while (vt_dir_count(life.dir, "blobs/keep") > 1)
         vt_nap();
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &endless, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &endless, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
 
@@ -186,7 +187,7 @@ VT_TEST(bytes_that_came_after_the_start_are_no_strays)
         if (!later)
             vt_blob_put(daemon.blobs, &old, "cloud", "a result that nobody needs");
     }
-    ck_assert_int_eq(vor_worker_submit(daemon.worker, &admitted, &spec, NULL, NULL, &vt_err),
+    ck_assert_int_eq(vor_job_service_submit(daemon.service, &admitted, &spec, NULL, NULL, &vt_err),
                      VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &admitted.id).status, VOR_JOB_SUCCESSFUL);
     vor_cloud_free(&cloud);
@@ -208,10 +209,11 @@ VT_TEST_LOOP(the_bytes_of_a_crashed_attempt_go_when_its_job_is_dismissed, 2)
     vt_daemon_start(&daemon, life.dir, &options);
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     if (_i == 1)
-        vor_worker_drain(daemon.worker, 0); /* no job is live any more */
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &waits.id, "enough", &vt_err), VOR_DONE);
+        vor_job_service_drain(daemon.service, 0); /* no job is live any more */
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &waits.id, "enough", &vt_err),
+                     VOR_DONE);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 1);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
     ck_assert_int_eq(vt_dir_count(life.dir, "blobs/keep"), 0);
 }
@@ -295,12 +297,12 @@ VT_TEST(a_recovery_that_is_repeated_leaves_alone_what_runs_since)
     (void)vt_daemon_wait_iteration(&daemon, &runs, 0);
     while (atomic_load(&counts) < 2)
         usleep(10000);
-    while (vor_worker_ready(daemon.worker, &vt_err) != VOR_OK)
+    while (vor_job_service_ready(daemon.service, &vt_err) != VOR_OK)
         usleep(10000);
     ck_assert_int_eq(atomic_load(&recoveries), 3);
     row = vt_stored(daemon.store, &runs);
     ck_assert(row.status == VOR_JOB_RUNNING && row.attempt == 2);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &runs, "enough", &vt_err), VOR_DONE);
     vt_daemon_stop(&daemon);
 }
 
@@ -407,7 +409,7 @@ VT_TEST(a_job_that_was_lost_and_comes_back_runs_again)
         vt_nap();
         vt_assert_ok(vor_store_get(daemon.store, &runs, NULL, &row, &found, &vt_err));
         if (row.attempt == 2 && row.status == VOR_JOB_RUNNING)
-            ck_assert_int_ne(vor_worker_stop(daemon.worker, &runs, &vt_err), VOR_FAILED);
+            ck_assert_int_ne(vor_job_service_stop(daemon.service, &runs, &vt_err), VOR_FAILED);
     } while (!vor_job_status_over(row.status));
     ck_assert_msg(row.status == VOR_JOB_SUCCESSFUL && row.attempt == 2, "%s", row.message);
     vt_daemon_stop(&daemon);
@@ -419,7 +421,7 @@ VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     struct vt_daemon daemon;
     struct life life = {.dir = vt_dir_make()};
     struct vor_uuid suspected, innocent;
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     uint64_t requeued;
 
     vt_daemon_start(&daemon, life.dir, NULL);
@@ -435,10 +437,11 @@ VT_TEST(what_ran_in_a_crash_runs_with_nothing_beside_it)
     vt_daemon_start(&daemon, life.dir, NULL);
     innocent = vt_daemon_submit_sphere(&daemon, 1500, &brief);
     (void)vt_daemon_wait_iteration(&daemon, &suspected, 20);
-    vor_worker_load(daemon.worker, &load);
+    vor_job_service_load(daemon.service, &load);
     ck_assert(load.running == 1 && load.waiting == 1);
     ck_assert_int_eq(vt_daemon_get(&daemon, &innocent).queue_position, 0);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &suspected, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &suspected, "enough", &vt_err),
+                     VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &innocent).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }

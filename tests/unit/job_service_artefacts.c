@@ -4,7 +4,7 @@
 #include "proto/codec.h"
 #include "proto/json/json.h"
 #include "server/work/artefacts.h"
-#include "server/work/worker.h"
+#include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -160,7 +160,8 @@ VT_TEST(a_job_without_records_tells_its_stages_and_its_end)
     view = vt_daemon_get(&daemon, &id);
     ck_assert_str_eq(view.message, "Waiting for its turn");
     ck_assert_int_eq(view.queue_position, 0);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "off you go", &vt_err),
+                     VOR_DONE);
     view = vt_daemon_wait_over(&daemon, &id);
     expect_successful(&view);
     ck_assert_uint_eq(vt_daemon_events(&daemon, &id, events, 8),
@@ -330,9 +331,11 @@ static void run_and_die(void *ctx)
     (void)!write(crash->fd, &id, sizeof id);
     if (crash->instant == 1)
         raise(SIGKILL);
-    ck_assert_int_eq(vor_worker_follow(daemon.worker, &id, NULL, &followed, &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_follow(daemon.service, &id, NULL, &followed, &vt_err),
+                     VOR_DONE);
     vor_job_subscribe(followed.job, &subscriber);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "off you go", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "off you go", &vt_err),
+                     VOR_DONE);
     for (;;)
         pause();
 }
@@ -383,8 +386,9 @@ static struct vor_uuid leave_waiting(const char *dir)
     pair_make(&pair);
     blocker = vt_daemon_submit_endless(&daemon);
     id = submit(&daemon, &pair);
-    vor_worker_drain(daemon.worker, 0);
-    ck_assert_int_eq(vor_worker_dismiss(daemon.worker, &blocker, "", NULL, &vt_err), VOR_DONE);
+    vor_job_service_drain(daemon.service, 0);
+    ck_assert_int_eq(vor_job_service_dismiss(daemon.service, &blocker, "", NULL, &vt_err),
+                     VOR_DONE);
     vt_daemon_stop(&daemon);
     pair_free(&pair);
     ck_assert_int_eq(vt_dir_count(dir, "blobs/keep"), 2);
@@ -492,9 +496,10 @@ static void end_job(struct vt_daemon *daemon, struct pair *pair, enum ending end
     }
     if (ending == EXPIRED) {
         nanosleep(&ttl, NULL);
-        vt_assert_ok(vor_worker_sweep(daemon->worker, &vt_err));
+        vt_assert_ok(vor_job_service_sweep(daemon->service, &vt_err));
     } else if (ending != REFUSED) {
-        ck_assert_int_eq(vor_worker_dismiss(daemon->worker, &id, "", NULL, &vt_err), VOR_DONE);
+        ck_assert_int_eq(vor_job_service_dismiss(daemon->service, &id, "", NULL, &vt_err),
+                         VOR_DONE);
     }
 }
 
@@ -516,7 +521,8 @@ VT_TEST_LOOP(the_bytes_of_a_job_all_go, VT_ONCE(ENDINGS))
         end_job(&daemon, &pair, (enum ending)_i);
     if (_i == DISMISSED_WAITING) {
         ck_assert_int_eq(vt_daemon_kept(&daemon), 1); /* the other one's input */
-        ck_assert_int_eq(vor_worker_cancel(daemon.worker, &blocker, "enough", &vt_err), VOR_DONE);
+        ck_assert_int_eq(vor_job_service_cancel(daemon.service, &blocker, "enough", &vt_err),
+                         VOR_DONE);
     }
     vt_daemon_wait_idle(&daemon);
     ck_assert_int_eq(vt_daemon_kept(&daemon), 0);

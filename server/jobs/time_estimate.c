@@ -1,11 +1,11 @@
-#include "server/jobs/cost.h"
+#include "server/jobs/time_estimate.h"
 
-#include "server/jobs/pace.h"
+#include "server/jobs/eta.h"
 
 #include <math.h>
 #include <stdio.h>
 
-/* What pace.c does not reckon with, in seconds on one thread, measured on spheres. A fit to k
+/* What eta.c does not reckon with, in seconds on one thread, measured on spheres. A fit to k
  * neighbours more than usual, for each point and step: k = 150 takes 15 us an iteration, 500 takes
  * 50. */
 #define A_NEIGHBOR 1e-7
@@ -46,18 +46,18 @@ static double wide_fits(const struct vor_spec *spec, double in)
            hole * (1 + HOLES_A_STEP * vor_spec_polish(spec));
 }
 
-double vor_cost_seconds(const struct vor_spec *spec, uint64_t points, unsigned threads)
+double vor_time_estimate(const struct vor_spec *spec, uint64_t points, unsigned threads)
 {
-    struct vor_pace pace = {.work = vor_pace_work_of(spec, points, threads)};
-    double usual = vor_pace_left(&pace, spec), seconds = usual;
+    struct vor_eta eta = {.work = vor_eta_work_of(spec, points, threads)};
+    double usual = vor_eta_left(&eta, spec), seconds = usual;
 
-    if (!(usual >= 0) || !(pace.work.points_out > 0))
+    if (!(usual >= 0) || !(eta.work.points_out > 0))
         return 0;
     if (vor_spec_descends(spec))
         seconds *= DESCENT;
     if (spec->value[VOR_PARAM_METRIC] != VOR_METRIC_ISOTROPIC)
         seconds *= METRIC;
-    seconds += wide_fits(spec, (double)points) * pace.work.points_out / fmax(threads, 1);
+    seconds += wide_fits(spec, (double)points) * eta.work.points_out / fmax(threads, 1);
     if (vor_spec_given(spec, VOR_PARAM_SECONDS))
         seconds = fmin(seconds, spec->value[VOR_PARAM_SECONDS]);
     return seconds;
@@ -69,26 +69,28 @@ static vor_status check_own_time(const struct vor_spec *spec, double points, uns
 {
     double least = A_POINT * points / fmax(threads, 1), own = spec->value[VOR_PARAM_SECONDS];
 
-    if (!vor_spec_given(spec, VOR_PARAM_SECONDS) || !(least > VOR_COST_FAR * own + VOR_COST_SPARE))
+    if (!vor_spec_given(spec, VOR_PARAM_SECONDS) ||
+        !(least > VOR_TIME_ESTIMATE_FAR * own + VOR_TIME_ESTIMATE_SPARE))
         return VOR_OK;
     (void)vor_fail(err, VOR_E_WORK,
                    "seconds is %g, but placing %.0f points takes about %.0f seconds: request "
                    "at least %.0f seconds, or fewer points",
-                   own, points, least, ceil((least - VOR_COST_SPARE) / VOR_COST_FAR));
+                   own, points, least,
+                   ceil((least - VOR_TIME_ESTIMATE_SPARE) / VOR_TIME_ESTIMATE_FAR));
     return vor_fail_over(err, VOR_E_WORK, (uint64_t)own, (uint64_t)least);
 }
 
-vor_status vor_cost_check(const struct vor_spec *spec, uint64_t points, unsigned threads,
-                          double limit, struct vor_error *err)
+vor_status vor_time_estimate_check(const struct vor_spec *spec, uint64_t points, unsigned threads,
+                                   double limit, struct vor_error *err)
 {
-    double seconds = vor_cost_seconds(spec, points, threads);
+    double seconds = vor_time_estimate(spec, points, threads);
     double method = spec->value[VOR_PARAM_METHOD];
     int projects = method == VOR_METHOD_WLOP || method == VOR_METHOD_EAR;
     char fits[64] = "";
 
     if (check_own_time(spec, vor_spec_target(spec, points), threads, err) != VOR_OK)
         return VOR_E_WORK;
-    if (!(limit > 0) || seconds <= VOR_COST_FAR * limit)
+    if (!(limit > 0) || seconds <= VOR_TIME_ESTIMATE_FAR * limit)
         return VOR_OK;
     if (neighbors_of(spec) > USUAL_NEIGHBORS)
         (void)snprintf(fits, sizeof fits, ", with local surfaces fitted to %.0f points each",

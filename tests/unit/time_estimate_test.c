@@ -1,5 +1,5 @@
 /* How long a job may run: what is estimated before it is accepted, and what ends it. */
-#include "server/jobs/cost.h"
+#include "server/jobs/time_estimate.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -25,8 +25,8 @@ VT_TEST(ten_million_points_as_usual_are_accepted)
 {
     struct vor_spec spec = REQUEST({"points", "10000000"});
 
-    ck_assert_double_gt(vor_cost_seconds(&spec, 10000000, 2), 60);
-    vt_assert_ok(vor_cost_check(&spec, 10000000, 2, LIMIT, &vt_err));
+    ck_assert_double_gt(vor_time_estimate(&spec, 10000000, 2), 60);
+    vt_assert_ok(vor_time_estimate_check(&spec, 10000000, 2, LIMIT, &vt_err));
 }
 
 VT_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit)
@@ -34,14 +34,14 @@ VT_TEST(a_small_body_with_extreme_parameters_is_refused_with_estimate_and_limit)
     struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
                                    {"iterations", "10000"}, {"polish", "10000"});
 
-    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
+    vt_assert_fails(VOR_E_WORK, vor_time_estimate_check(&spec, 1000, 2, LIMIT, &vt_err));
     ck_assert_uint_eq(vt_err.limit, LIMIT);
-    ck_assert_uint_eq(vt_err.got, (uint64_t)vor_cost_seconds(&spec, 1000, 2));
-    ck_assert_double_gt((double)vt_err.got, VOR_COST_FAR * LIMIT);
+    ck_assert_uint_eq(vt_err.got, (uint64_t)vor_time_estimate(&spec, 1000, 2));
+    ck_assert_double_gt((double)vt_err.got, VOR_TIME_ESTIMATE_FAR * LIMIT);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "times the limit of 1800"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "10000 polish steps of 16000 points"));
     ck_assert_ptr_nonnull(strstr(vt_err.message, "500 points each"));
-    vt_assert_ok(vor_cost_check(&spec, 1000, 2, 0, &vt_err)); /* 0 is any */
+    vt_assert_ok(vor_time_estimate_check(&spec, 1000, 2, 0, &vt_err)); /* 0 is any */
 }
 
 VT_TEST(a_time_limit_of_its_own_makes_a_request_short)
@@ -49,8 +49,8 @@ VT_TEST(a_time_limit_of_its_own_makes_a_request_short)
     struct vor_spec spec = REQUEST({"points", "16000"}, {"neighbors", "500"},
                                    {"iterations", "10000"}, {"polish", "10000"}, {"seconds", "60"});
 
-    ck_assert_double_le(vor_cost_seconds(&spec, 1000, 2), 60);
-    vt_assert_ok(vor_cost_check(&spec, 1000, 2, LIMIT, &vt_err));
+    ck_assert_double_le(vor_time_estimate(&spec, 1000, 2), 60);
+    vt_assert_ok(vor_time_estimate_check(&spec, 1000, 2, LIMIT, &vt_err));
 }
 
 /* What the refusal wants is accepted, and a second less is not. */
@@ -60,17 +60,17 @@ VT_TEST(a_time_of_its_own_that_cannot_be_kept_is_refused_and_what_is_wanted_name
     const char *wants;
     long seconds;
 
-    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+    vt_assert_fails(VOR_E_WORK, vor_time_estimate_check(&spec, 1000000, 2, 0, &vt_err));
     ck_assert_uint_eq(vt_err.limit, 1);
-    ck_assert_double_gt((double)vt_err.got, VOR_COST_FAR + VOR_COST_SPARE);
+    ck_assert_double_gt((double)vt_err.got, VOR_TIME_ESTIMATE_FAR + VOR_TIME_ESTIMATE_SPARE);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "seconds is 1, but placing 10000000 points"));
     wants = strstr(vt_err.message, "at least ");
     ck_assert_ptr_nonnull(wants);
     seconds = strtol(wants + strlen("at least "), NULL, 10);
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", (double)seconds - 1, &vt_err));
-    vt_assert_fails(VOR_E_WORK, vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+    vt_assert_fails(VOR_E_WORK, vor_time_estimate_check(&spec, 1000000, 2, 0, &vt_err));
     vt_assert_ok(vor_spec_set_number(&spec, "seconds", (double)seconds, &vt_err));
-    vt_assert_ok(vor_cost_check(&spec, 1000000, 2, 0, &vt_err));
+    vt_assert_ok(vor_time_estimate_check(&spec, 1000000, 2, 0, &vt_err));
 }
 
 VT_TEST_LOOP(an_estimate_grows_with_what_is_asked_for, 6)
@@ -81,7 +81,7 @@ VT_TEST_LOOP(an_estimate_grows_with_what_is_asked_for, 6)
     struct vor_spec spec = REQUEST({"points", "2000"}, {"iterations", "10"}), longer = spec;
 
     vt_assert_ok(vor_spec_set(&longer, more[_i][0], more[_i][1], &vt_err));
-    ck_assert_double_gt(vor_cost_seconds(&longer, 3000, 2), vor_cost_seconds(&spec, 3000, 2));
+    ck_assert_double_gt(vor_time_estimate(&longer, 3000, 2), vor_time_estimate(&spec, 3000, 2));
 }
 
 VT_TEST(a_job_that_runs_longer_than_it_may_fails_and_says_so)

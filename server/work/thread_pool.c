@@ -1,4 +1,4 @@
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 
 #include "server/base/clock.h"
 #include "server/base/machine.h"
@@ -14,14 +14,14 @@ enum { IDLE_SECONDS = 10 };
 
 /* What a thread is doing, and for whom. */
 struct hand {
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
     int is_alive, is_busy;
     struct vor_fairness_key caller;
 };
 
-struct vor_crew {
+struct vor_thread_pool {
     pthread_mutex_t mutex;
-    pthread_cond_t ready;          /* a task waits, or the crew closes */
+    pthread_cond_t ready;          /* a task waits, or the pool closes */
     pthread_cond_t idle;           /* nothing waits or runs, or a thread has ended */
     struct vor_task *head, **tail; /* wait, in order */
     size_t waiting, waiting_max, running;
@@ -33,17 +33,17 @@ struct vor_crew {
 };
 
 /* Takes the task that is to begin off the list; NULL when none may. Waiting tasks are few. */
-static struct vor_task *pick(struct vor_crew *crew)
+static struct vor_task *pick(struct vor_thread_pool *pool)
 {
-    unsigned fewest = crew->closing ? UINT_MAX : crew->caller_running_max;
+    unsigned fewest = pool->closing ? UINT_MAX : pool->caller_running_max;
     struct vor_task **chosen = NULL, *task;
 
-    for (struct vor_task **at = &crew->head; *at != NULL && fewest > 0; at = &(*at)->next) {
+    for (struct vor_task **at = &pool->head; *at != NULL && fewest > 0; at = &(*at)->next) {
         unsigned running = 0; /* of its caller */
 
-        for (unsigned i = 0; i < crew->count; i++)
-            running += crew->hand[i].is_busy &&
-                       vor_fairness_key_same(&crew->hand[i].caller, &(*at)->caller);
+        for (unsigned i = 0; i < pool->count; i++)
+            running += pool->hand[i].is_busy &&
+                       vor_fairness_key_same(&pool->hand[i].caller, &(*at)->caller);
 
         if (running >= fewest)
             continue;
@@ -60,8 +60,8 @@ static struct vor_task *pick(struct vor_crew *crew)
     task = *chosen;
     *chosen = task->next;
     if (*chosen == NULL)
-        crew->tail = chosen;
-    crew->waiting--;
+        pool->tail = chosen;
+    pool->waiting--;
     return task;
 }
 
@@ -69,171 +69,171 @@ static struct vor_task *pick(struct vor_crew *crew)
 static struct vor_task *next_task(struct hand *hand)
 {
     double until = vor_clock_seconds() + IDLE_SECONDS;
-    struct vor_crew *crew = hand->crew;
+    struct vor_thread_pool *pool = hand->pool;
     struct vor_task *task;
     int is_late = 0;
 
-    pthread_mutex_lock(&crew->mutex);
-    while ((task = pick(crew)) == NULL && !crew->closing && !is_late) {
-        crew->unoccupied++;
-        is_late = vor_clock_wait(&crew->ready, &crew->mutex, until);
-        crew->unoccupied--;
+    pthread_mutex_lock(&pool->mutex);
+    while ((task = pick(pool)) == NULL && !pool->closing && !is_late) {
+        pool->unoccupied++;
+        is_late = vor_clock_wait(&pool->ready, &pool->mutex, until);
+        pool->unoccupied--;
     }
     if (task != NULL) {
-        crew->running++;
+        pool->running++;
         hand->is_busy = 1;
         hand->caller = task->caller;
     } else {
         hand->is_alive = 0;
-        crew->alive--;
-        pthread_cond_broadcast(&crew->idle);
+        pool->alive--;
+        pthread_cond_broadcast(&pool->idle);
     }
-    pthread_mutex_unlock(&crew->mutex);
+    pthread_mutex_unlock(&pool->mutex);
     return task;
 }
 
-static void *crew_main(void *arg)
+static void *pool_main(void *arg)
 {
     struct hand *hand = arg;
-    struct vor_crew *crew = hand->crew;
+    struct vor_thread_pool *pool = hand->pool;
     struct vor_task *task;
 
     while ((task = next_task(hand)) != NULL) {
         task->run(task->ctx);
         /* Looks for the next one itself, so nobody else is woken. */
-        pthread_mutex_lock(&crew->mutex);
+        pthread_mutex_lock(&pool->mutex);
         hand->is_busy = 0;
-        if (--crew->running == 0 && crew->waiting == 0)
-            pthread_cond_broadcast(&crew->idle);
-        pthread_mutex_unlock(&crew->mutex);
+        if (--pool->running == 0 && pool->waiting == 0)
+            pthread_cond_broadcast(&pool->idle);
+        pthread_mutex_unlock(&pool->mutex);
     }
     return NULL;
 }
 
 /* Starts a thread for tasks that wait and find none unoccupied; the mutex is held. False when no
  * thread runs, so that nobody would do them. */
-static int start_thread(struct vor_crew *crew)
+static int start_thread(struct vor_thread_pool *pool)
 {
-    struct hand *hand = crew->hand;
+    struct hand *hand = pool->hand;
     pthread_t thread;
 
-    if (crew->waiting <= crew->unoccupied || crew->alive == crew->count)
+    if (pool->waiting <= pool->unoccupied || pool->alive == pool->count)
         return 1;
     while (hand->is_alive)
         hand++;
-    hand->crew = crew;
-    if (vor_machine_thread(&thread, "vor-pool", crew_main, hand) == 0) {
+    hand->pool = pool;
+    if (vor_machine_thread(&thread, "vor-pool", pool_main, hand) == 0) {
         (void)pthread_detach(thread);
         hand->is_alive = 1;
-        crew->alive++;
+        pool->alive++;
     }
-    return crew->alive > 0;
+    return pool->alive > 0;
 }
 
-vor_status vor_crew_create(struct vor_crew **out, unsigned threads, size_t waiting_max,
-                           struct vor_error *err)
+vor_status vor_thread_pool_create(struct vor_thread_pool **out, unsigned threads,
+                                  size_t waiting_max, struct vor_error *err)
 {
-    struct vor_crew *crew = calloc(1, sizeof *crew + threads * sizeof crew->hand[0]);
+    struct vor_thread_pool *pool = calloc(1, sizeof *pool + threads * sizeof pool->hand[0]);
 
     assert(threads >= 1 && waiting_max >= 1);
-    if (crew == NULL)
+    if (pool == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%u threads", threads);
-    crew->tail = &crew->head;
-    crew->waiting_max = crew->caller_waiting_max = waiting_max;
-    crew->caller_running_max = crew->count = threads;
-    pthread_mutex_init(&crew->mutex, NULL);
-    vor_clock_condition(&crew->ready);
-    vor_clock_condition(&crew->idle);
-    *out = crew;
+    pool->tail = &pool->head;
+    pool->waiting_max = pool->caller_waiting_max = waiting_max;
+    pool->caller_running_max = pool->count = threads;
+    pthread_mutex_init(&pool->mutex, NULL);
+    vor_clock_condition(&pool->ready);
+    vor_clock_condition(&pool->idle);
+    *out = pool;
     return VOR_OK;
 }
 
-void vor_crew_destroy(struct vor_crew *crew)
+void vor_thread_pool_destroy(struct vor_thread_pool *pool)
 {
-    if (crew == NULL)
+    if (pool == NULL)
         return;
-    pthread_mutex_lock(&crew->mutex);
-    crew->closing = 1;
-    pthread_cond_broadcast(&crew->ready);
-    while (crew->alive > 0)
-        pthread_cond_wait(&crew->idle, &crew->mutex);
-    pthread_mutex_unlock(&crew->mutex);
-    pthread_cond_destroy(&crew->idle);
-    pthread_cond_destroy(&crew->ready);
-    pthread_mutex_destroy(&crew->mutex);
-    free(crew);
+    pthread_mutex_lock(&pool->mutex);
+    pool->closing = 1;
+    pthread_cond_broadcast(&pool->ready);
+    while (pool->alive > 0)
+        pthread_cond_wait(&pool->idle, &pool->mutex);
+    pthread_mutex_unlock(&pool->mutex);
+    pthread_cond_destroy(&pool->idle);
+    pthread_cond_destroy(&pool->ready);
+    pthread_mutex_destroy(&pool->mutex);
+    free(pool);
 }
 
-void vor_crew_share(struct vor_crew *crew, unsigned running_max, size_t waiting_max)
+void vor_thread_pool_share(struct vor_thread_pool *pool, unsigned running_max, size_t waiting_max)
 {
-    pthread_mutex_lock(&crew->mutex);
-    assert(running_max >= 1 && running_max < crew->count && waiting_max >= 1);
-    crew->caller_running_max = running_max;
-    crew->caller_waiting_max = waiting_max;
-    pthread_mutex_unlock(&crew->mutex);
+    pthread_mutex_lock(&pool->mutex);
+    assert(running_max >= 1 && running_max < pool->count && waiting_max >= 1);
+    pool->caller_running_max = running_max;
+    pool->caller_waiting_max = waiting_max;
+    pthread_mutex_unlock(&pool->mutex);
 }
 
 /* How many tasks of its caller go before one that comes. */
-static size_t before(const struct vor_crew *crew, const struct vor_task *task)
+static size_t before(const struct vor_thread_pool *pool, const struct vor_task *task)
 {
     size_t count = 0;
 
-    for (const struct vor_task *at = crew->head; at != NULL; at = at->next)
+    for (const struct vor_task *at = pool->head; at != NULL; at = at->next)
         count += at->weight <= task->weight && vor_fairness_key_same(&at->caller, &task->caller);
     return count;
 }
 
-enum vor_job_outcome vor_crew_take(struct vor_crew *crew, struct vor_task *task,
-                                   struct vor_error *err)
+enum vor_job_outcome vor_thread_pool_submit(struct vor_thread_pool *pool, struct vor_task *task,
+                                            struct vor_error *err)
 {
     enum vor_job_outcome outcome = VOR_DONE;
 
-    pthread_mutex_lock(&crew->mutex);
-    if (crew->closing) {
+    pthread_mutex_lock(&pool->mutex);
+    if (pool->closing) {
         outcome = VOR_DRAINING;
-    } else if (crew->waiting >= crew->waiting_max ||
-               before(crew, task) >= crew->caller_waiting_max) {
+    } else if (pool->waiting >= pool->waiting_max ||
+               before(pool, task) >= pool->caller_waiting_max) {
         outcome = VOR_FULL;
     } else {
-        struct vor_task **tail = crew->tail;
+        struct vor_task **tail = pool->tail;
 
         task->next = NULL;
         *tail = task;
-        crew->tail = &task->next;
-        crew->waiting++;
-        pthread_cond_signal(&crew->ready);
-        if (!start_thread(crew)) {
+        pool->tail = &task->next;
+        pool->waiting++;
+        pthread_cond_signal(&pool->ready);
+        if (!start_thread(pool)) {
             *tail = NULL;
-            crew->tail = tail;
-            crew->waiting--;
+            pool->tail = tail;
+            pool->waiting--;
             outcome = VOR_FAILED;
             (void)vor_fail(err, VOR_E_IO,
                            "no thread can be started for this request; try again later");
         }
     }
-    pthread_mutex_unlock(&crew->mutex);
+    pthread_mutex_unlock(&pool->mutex);
     return outcome;
 }
 
-int vor_crew_closing(struct vor_crew *crew)
+int vor_thread_pool_is_closing(struct vor_thread_pool *pool)
 {
     int closing;
 
-    pthread_mutex_lock(&crew->mutex);
-    closing = crew->closing;
-    pthread_mutex_unlock(&crew->mutex);
+    pthread_mutex_lock(&pool->mutex);
+    closing = pool->closing;
+    pthread_mutex_unlock(&pool->mutex);
     return closing;
 }
 
-void vor_crew_settle(struct vor_crew *crew, double seconds)
+void vor_thread_pool_wait(struct vor_thread_pool *pool, double seconds)
 {
     double until = vor_clock_seconds() + seconds;
     int late = 0;
 
-    pthread_mutex_lock(&crew->mutex);
-    while (!late && (crew->waiting > 0 || crew->running > 0))
-        late = vor_clock_wait(&crew->idle, &crew->mutex, until);
-    pthread_mutex_unlock(&crew->mutex);
+    pthread_mutex_lock(&pool->mutex);
+    while (!late && (pool->waiting > 0 || pool->running > 0))
+        late = vor_clock_wait(&pool->idle, &pool->mutex, until);
+    pthread_mutex_unlock(&pool->mutex);
 }
 
 /* --- who waits -------------------------------------------------------------------------------- */

@@ -1,6 +1,6 @@
-/* The crew: every task once, in order, within its bound, and none forgotten at the end. */
+/* The pool: every task once, in order, within its bound, and none forgotten at the end. */
 #include "server/base/clock.h"
-#include "server/work/crew.h"
+#include "server/work/thread_pool.h"
 #include "tests/support/vt.h"
 
 #include <dirent.h>
@@ -15,7 +15,7 @@ enum { TASKS = 20 };
 /* Tasks that note the order in which they run; the gate holds each of them until it is opened. */
 struct work {
     struct vor_task tasks[TASKS];
-    struct vor_crew *crew;
+    struct vor_thread_pool *pool;
     atomic_int held, begun;
     atomic_int released;     /* the number of a task that is not held */
     atomic_int order[TASKS]; /* numbers of tasks as they begin; -1 where none has yet */
@@ -37,13 +37,13 @@ static void run_one(void *ctx)
     atomic_store(&job->work->order[at], job->number);
     while (atomic_load(&job->work->held) && atomic_load(&job->work->released) != job->number)
         vt_nap();
-    if (vor_crew_closing(job->work->crew))
+    if (vor_thread_pool_is_closing(job->work->pool))
         atomic_fetch_add(&job->work->closing_seen, 1);
 }
 
 static void begin(struct work *work, unsigned threads, size_t waiting_max, int held)
 {
-    *work = (struct work){.crew = NULL};
+    *work = (struct work){.pool = NULL};
     atomic_init(&work->held, held);
     atomic_init(&work->released, -1);
     for (int i = 0; i < TASKS; i++) {
@@ -51,7 +51,7 @@ static void begin(struct work *work, unsigned threads, size_t waiting_max, int h
         work->tasks[i] = (struct vor_task){.run = run_one, .ctx = &jobs[i]};
         atomic_init(&work->order[i], -1);
     }
-    vt_assert_ok(vor_crew_create(&work->crew, threads, waiting_max, &vt_err));
+    vt_assert_ok(vor_thread_pool_create(&work->pool, threads, waiting_max, &vt_err));
 }
 
 /* The number of the task that begins as that one, once it does. */
@@ -68,12 +68,12 @@ VT_TEST(tasks_begin_in_the_order_in_which_they_came)
 
     begin(&work, 1, TASKS, 0);
     for (int i = 0; i < TASKS; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
-    vor_crew_settle(work.crew, 60);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
+    vor_thread_pool_wait(work.pool, 60);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS);
     for (int i = 0; i < TASKS; i++)
         ck_assert_int_eq(begun_at(&work, i), i);
-    vor_crew_destroy(work.crew);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(atomic_load(&work.begun), TASKS); /* each once */
 }
 
@@ -104,18 +104,18 @@ VT_TEST(no_more_tasks_wait_than_may)
     begin(&work, 2, 3, 1);
     ck_assert_int_eq(count_threads(), threads); /* they come with the tasks */
     for (int i = 0; i < 2; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* two run at the same time, and do not wait any more */
         vt_nap();
     ck_assert_int_eq(count_threads(), threads + 2 + OF_SANITIZER);
     for (int i = 2; i < 5; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[5], NULL), VOR_FULL);
     atomic_store(&work.held, 0);
-    vor_crew_settle(work.crew, 60);
+    vor_thread_pool_wait(work.pool, 60);
     ck_assert_int_eq(atomic_load(&work.begun), 5);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_DONE);
-    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[5], NULL), VOR_DONE);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
 }
 
@@ -124,22 +124,22 @@ VT_TEST(a_caller_with_many_tasks_leaves_a_thread_and_room_to_others)
     struct work work;
 
     begin(&work, 2, 8, 1);
-    vor_crew_share(work.crew, 1, 4);
+    vor_thread_pool_share(work.pool, 1, 4);
     for (int i = 0; i < 5; i++) { /* one runs, four wait */
         (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE, "greedy");
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             vt_nap();
     }
     work.tasks[5].caller = work.tasks[0].caller;
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[5], NULL), VOR_FULL);
     ck_assert_int_eq(atomic_load(&work.begun), 1);
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[6], NULL), VOR_DONE);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[6], NULL), VOR_DONE);
     while (atomic_load(&work.begun) < 2) /* the other thread has it at once */
         vt_nap();
     ck_assert_int_eq(begun_at(&work, 1), 6);
     atomic_store(&work.held, 0);
-    vor_crew_destroy(work.crew);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(atomic_load(&work.begun), 6);
 }
 
@@ -153,7 +153,7 @@ VT_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
     for (int i = 0; i < 6; i++) {
         (void)snprintf(work.tasks[i].caller.name, VOR_FAIRNESS_KEY_SIZE,
                        i < 4 ? "greedy" : "caller %d", i);
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) < (i < 2 ? i + 1 : 2))
             vt_nap();
     }
@@ -166,7 +166,7 @@ VT_TEST(a_free_thread_goes_to_the_caller_for_whom_fewest_run)
         vt_nap();
     ck_assert_int_eq(begun_at(&work, 3), 5);
     atomic_store(&work.held, 0);
-    vor_crew_destroy(work.crew);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(begun_at(&work, 4) + begun_at(&work, 5), 2 + 3);
 }
 
@@ -177,17 +177,17 @@ VT_TEST(of_a_callers_tasks_the_lightest_begins)
     struct work work;
 
     begin(&work, 2, TASKS, 1);
-    vor_crew_share(work.crew, 1, 3);
+    vor_thread_pool_share(work.pool, 1, 3);
     for (int i = 0; i < 5; i++) {
         work.tasks[i].weight = i < 4 ? 1000 : 10;
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
         while (atomic_load(&work.begun) == 0)
             vt_nap();
     }
     work.tasks[5].weight = 1000;
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[5], NULL), VOR_FULL);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[5], NULL), VOR_FULL);
     atomic_store(&work.held, 0);
-    vor_crew_destroy(work.crew);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(atomic_load(&work.begun), 5);
     ck_assert_int_eq(begun_at(&work, 0), 0);
     ck_assert_int_eq(begun_at(&work, 1), 4);
@@ -228,9 +228,9 @@ VT_TEST(a_key_shares_with_itself_alone_and_with_no_address)
     ck_assert(!vor_fairness_key_same(&key, &address));
 }
 
-static void *destroy(void *crew)
+static void *destroy(void *pool)
 {
-    vor_crew_destroy(crew);
+    vor_thread_pool_destroy(pool);
     return NULL;
 }
 
@@ -242,12 +242,13 @@ VT_TEST(what_waits_at_the_end_is_done_and_nothing_more_is_taken)
 
     begin(&work, 1, 4, 1);
     for (int i = 0; i < 4; i++)
-        ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[i], NULL), VOR_DONE);
+        ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[i], NULL), VOR_DONE);
     while (atomic_load(&work.begun) == 0)
         vt_nap();
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[4], NULL), VOR_DONE); /* now four wait */
-    ck_assert_int_eq(pthread_create(&thread, NULL, destroy, work.crew), 0);
-    while ((outcome = vor_crew_take(work.crew, &work.tasks[5], NULL)) == VOR_FULL)
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[4], NULL),
+                     VOR_DONE); /* now four wait */
+    ck_assert_int_eq(pthread_create(&thread, NULL, destroy, work.pool), 0);
+    while ((outcome = vor_thread_pool_submit(work.pool, &work.tasks[5], NULL)) == VOR_FULL)
         vt_nap();
     ck_assert_int_eq(outcome, VOR_DRAINING);
     atomic_store(&work.held, 0);
@@ -262,13 +263,13 @@ VT_TEST(settling_gives_up_after_its_time)
     double began;
 
     begin(&work, 1, 4, 1);
-    vor_crew_settle(work.crew, 60); /* nothing to wait for */
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0], NULL), VOR_DONE);
+    vor_thread_pool_wait(work.pool, 60); /* nothing to wait for */
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[0], NULL), VOR_DONE);
     began = vor_clock_seconds();
-    vor_crew_settle(work.crew, 0.05);
+    vor_thread_pool_wait(work.pool, 0.05);
     ck_assert_double_ge(vor_clock_seconds() - began, 0.05);
     atomic_store(&work.held, 0);
-    vor_crew_destroy(work.crew);
+    vor_thread_pool_destroy(work.pool);
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* which need room too */
@@ -281,12 +282,12 @@ VT_TEST(a_task_that_gets_no_thread_is_refused_for_that_and_not_as_one_too_many)
     ck_assert_int_eq(getrlimit(RLIMIT_AS, &limit), 0);
     tight = (struct rlimit){.rlim_cur = 1, .rlim_max = limit.rlim_max};
     ck_assert_int_eq(setrlimit(RLIMIT_AS, &tight), 0); /* no stack for a thread */
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[0], &vt_err), VOR_FAILED);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[0], &vt_err), VOR_FAILED);
     ck_assert_int_eq(setrlimit(RLIMIT_AS, &limit), 0);
     ck_assert_int_eq(vt_err.status, VOR_E_IO);
     ck_assert_ptr_nonnull(strstr(vt_err.message, "no thread can be started"));
-    ck_assert_int_eq(vor_crew_take(work.crew, &work.tasks[1], &vt_err), VOR_DONE);
-    vor_crew_destroy(work.crew);
+    ck_assert_int_eq(vor_thread_pool_submit(work.pool, &work.tasks[1], &vt_err), VOR_DONE);
+    vor_thread_pool_destroy(work.pool);
     ck_assert_int_eq(begun_at(&work, 0), 1);
 }
 #endif

@@ -1,5 +1,5 @@
 #define _GNU_SOURCE /* twalk_r */
-#include "server/work/live.h"
+#include "server/work/active_jobs.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
@@ -16,19 +16,20 @@ static int compare_ids(const void *a, const void *b)
     return strcmp(((const struct vor_uuid *)a)->text, ((const struct vor_uuid *)b)->text);
 }
 
-struct vor_job *vor_worker_find(struct vor_worker *worker, const struct vor_uuid *id)
+struct vor_job *vor_job_service_find(struct vor_job_service *service, const struct vor_uuid *id)
 {
     struct vor_job **found, *job = NULL;
 
-    pthread_mutex_lock(&worker->mutex);
-    found = tfind(id, &worker->live, compare_ids);
+    pthread_mutex_lock(&service->mutex);
+    found = tfind(id, &service->live, compare_ids);
     if (found != NULL)
         job = vor_job_retain(*found);
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     return job;
 }
 
-struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_job_view *row)
+struct vor_job *vor_job_service_enliven(struct vor_job_service *service,
+                                        const struct vor_job_view *row)
 {
     struct vor_job_view waits = *row;
     struct vor_job *fresh, **found, *job = NULL;
@@ -38,11 +39,11 @@ struct vor_job *vor_worker_enliven(struct vor_worker *worker, const struct vor_j
     fresh = vor_job_create(&waits);
     if (fresh == NULL)
         return NULL;
-    pthread_mutex_lock(&worker->mutex);
-    found = tsearch(fresh, &worker->live, compare_ids);
+    pthread_mutex_lock(&service->mutex);
+    found = tsearch(fresh, &service->live, compare_ids);
     if (found != NULL)
         job = vor_job_retain(*found);
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_unlock(&service->mutex);
     if (job != fresh)
         vor_job_release(fresh);
     return job;
@@ -71,53 +72,53 @@ static void gather(const void *node, VISIT visit, void *ctx)
     gathered->job[gathered->count++] = vor_job_retain(*(struct vor_job *const *)node);
 }
 
-struct vor_job **vor_worker_live(struct vor_worker *worker, size_t *count)
+struct vor_job **vor_job_service_live(struct vor_job_service *service, size_t *count)
 {
     struct gathered gathered = {.job = NULL};
 
-    pthread_mutex_lock(&worker->mutex);
-    twalk_r(worker->live, gather, &gathered);
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    twalk_r(service->live, gather, &gathered);
+    pthread_mutex_unlock(&service->mutex);
     *count = gathered.count;
     return gathered.job;
 }
 
-void vor_worker_forget(struct vor_worker *worker, struct vor_job *job)
+void vor_job_service_forget(struct vor_job_service *service, struct vor_job *job)
 {
     struct vor_job **found;
     int is_there;
 
-    pthread_mutex_lock(&worker->mutex);
-    found = tfind(job, &worker->live, compare_ids);
+    pthread_mutex_lock(&service->mutex);
+    found = tfind(job, &service->live, compare_ids);
     is_there = found != NULL && *found == job;
     if (is_there)
-        (void)tdelete(job, &worker->live, compare_ids);
-    pthread_mutex_unlock(&worker->mutex);
+        (void)tdelete(job, &service->live, compare_ids);
+    pthread_mutex_unlock(&service->mutex);
     if (is_there)
         vor_job_release(job);
 }
 
-void vor_worker_forget_all(struct vor_worker *worker)
+void vor_job_service_forget_all(struct vor_job_service *service)
 {
-    while (worker->live != NULL)
-        vor_worker_forget(worker, *(struct vor_job **)worker->live);
+    while (service->live != NULL)
+        vor_job_service_forget(service, *(struct vor_job **)service->live);
 }
 
-void vor_worker_let_go(struct vor_runner *runner)
+void vor_job_service_let_go(struct vor_runner *runner)
 {
-    pthread_mutex_lock(&runner->worker->mutex);
+    pthread_mutex_lock(&runner->service->mutex);
     runner->job = NULL;
-    pthread_mutex_unlock(&runner->worker->mutex);
+    pthread_mutex_unlock(&runner->service->mutex);
 }
 
-int vor_worker_is_running(struct vor_worker *worker, const struct vor_job *job)
+int vor_job_service_is_running(struct vor_job_service *service, const struct vor_job *job)
 {
     int is_running = 0;
 
-    pthread_mutex_lock(&worker->mutex);
-    for (unsigned i = 0; i < worker->runner_count; i++)
-        is_running |= worker->runners[i].job == job;
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    for (unsigned i = 0; i < service->runner_count; i++)
+        is_running |= service->runners[i].job == job;
+    pthread_mutex_unlock(&service->mutex);
     return is_running;
 }
 
@@ -129,31 +130,31 @@ void vor_found_free(struct vor_found *found)
 
 /* --- waiting and running ---------------------------------------------------------------------- */
 
-void vor_worker_news(struct vor_worker *worker)
+void vor_job_service_news(struct vor_job_service *service)
 {
-    pthread_mutex_lock(&worker->mutex);
-    worker->news++;
-    pthread_cond_broadcast(&worker->ready);
-    pthread_mutex_unlock(&worker->mutex);
+    pthread_mutex_lock(&service->mutex);
+    service->news++;
+    pthread_cond_broadcast(&service->ready);
+    pthread_mutex_unlock(&service->mutex);
 }
 
-int vor_worker_pause(struct vor_worker *worker, double seconds)
+int vor_job_service_pause(struct vor_job_service *service, double seconds)
 {
     double deadline = vor_clock_seconds() + seconds;
     int down;
 
-    pthread_mutex_lock(&worker->mutex);
-    while (!worker->draining && !vor_clock_wait(&worker->changed, &worker->mutex, deadline))
+    pthread_mutex_lock(&service->mutex);
+    while (!service->draining && !vor_clock_wait(&service->changed, &service->mutex, deadline))
         continue;
-    down = worker->draining;
-    pthread_mutex_unlock(&worker->mutex);
+    down = service->draining;
+    pthread_mutex_unlock(&service->mutex);
     return down;
 }
 
 /* --- ending ----------------------------------------------------------------------------------- */
 
-void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_job_status status,
-                       struct vor_job_view *out)
+void vor_job_service_ending(struct vor_job_service *service, struct vor_job *job,
+                            enum vor_job_status status, struct vor_job_view *out)
 {
     vor_job_view(job, out);
     out->status = status;
@@ -161,24 +162,24 @@ void vor_worker_ending(struct vor_worker *worker, struct vor_job *job, enum vor_
     out->eta_seconds = -1;
     out->finished = vor_job_now(out, vor_clock_wall_ms());
     out->updated = out->finished;
-    out->expires = out->finished + (int64_t)(worker->config.ttl_seconds * 1000);
+    out->expires = out->finished + (int64_t)(service->config.ttl_seconds * 1000);
 }
 
-vor_status vor_worker_finish(struct vor_worker *worker, struct vor_job *job,
-                             const struct vor_job_view *row, const struct vor_lease *lease,
-                             const char *report, int *changed, struct vor_error *err)
+vor_status vor_job_service_finish(struct vor_job_service *service, struct vor_job *job,
+                                  const struct vor_job_view *row, const struct vor_lease *lease,
+                                  const char *report, int *changed, struct vor_error *err)
 {
     const struct vor_store_ending ending = {.report = report, .events = vor_job_piece(job)};
-    vor_status status = vor_store_finish(worker->config.store, row, lease, &ending, changed, err);
+    vor_status status = vor_store_finish(service->config.store, row, lease, &ending, changed, err);
 
     if (status == VOR_OK && *changed)
         vor_job_end(job, row);
     return status;
 }
 
-vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *job,
-                                   const struct vor_lease *lease, int *changed,
-                                   struct vor_error *err)
+vor_status vor_job_service_store_events(struct vor_job_service *service, struct vor_job *job,
+                                        const struct vor_lease *lease, int *changed,
+                                        struct vor_error *err)
 {
     struct vor_event_piece piece;
     struct vor_job_view row;
@@ -189,21 +190,21 @@ vor_status vor_worker_store_events(struct vor_worker *worker, struct vor_job *jo
         return VOR_OK; /* over: all are stored */
     vor_job_view(job, &row);
     piece = vor_job_piece(job);
-    status = vor_store_append_events(worker->config.store, &row, lease, &piece, changed, err);
+    status = vor_store_append_events(service->config.store, &row, lease, &piece, changed, err);
     if (status == VOR_OK && *changed)
         vor_job_stored(job);
     vor_job_thaw(job);
     return status;
 }
 
-void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, const char *process,
-                         uint32_t attempts, unsigned what)
+void vor_job_service_drop_all(struct vor_job_service *service, const struct vor_uuid *id,
+                              const char *process, uint32_t attempts, unsigned what)
 {
     static const struct vor_artefact_info none = {.name = NULL};
     const struct vor_process_info *info = vor_process_find(process);
     const struct vor_artefact_info *input = info != NULL ? info->inputs : &none,
                                    *output = info != NULL ? info->outputs : &none;
-    struct vor_blobs *blobs = worker->config.blobs;
+    struct vor_blobs *blobs = service->config.blobs;
     char blob[VOR_BLOB_NAME_MAX + 1];
 
     if ((what & VOR_HAS_CHECKPOINT) != 0)
@@ -225,27 +226,28 @@ void vor_worker_drop_all(struct vor_worker *worker, const struct vor_uuid *id, c
     }
 }
 
-vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struct vor_error *err)
+vor_status vor_job_service_evict(struct vor_job_service *service, enum vor_evict why,
+                                 struct vor_error *err)
 {
     enum { BATCH = 64 };
     static const char *const done[] = {[VOR_EVICT_EXPIRED] = "results expired",
                                        [VOR_EVICT_UPLOADS] = "uploads deleted to make room",
                                        [VOR_EVICT_RESULTS] = "results deleted to make room"};
-    const int is_shared = vor_store_is_shared(worker->config.store);
+    const int is_shared = vor_store_is_shared(service->config.store);
     const int64_t limit[] = {[VOR_EVICT_EXPIRED] = is_shared ? 0 : vor_clock_wall_ms(),
-                             [VOR_EVICT_UPLOADS] = (int64_t)worker->config.keep,
-                             [VOR_EVICT_RESULTS] = (int64_t)worker->config.results};
+                             [VOR_EVICT_UPLOADS] = (int64_t)service->config.keep,
+                             [VOR_EVICT_RESULTS] = (int64_t)service->config.results};
     struct vor_evicted job[BATCH];
     struct vor_evictions evictions = {.job = job, .max = BATCH};
     vor_status status = VOR_OK;
     size_t total = 0;
 
     do {
-        status = vor_store_evict(worker->config.store, why, limit[why], &evictions, err);
+        status = vor_store_evict(service->config.store, why, limit[why], &evictions, err);
         for (size_t i = 0; i < evictions.count; i++)
-            vor_worker_drop_all(worker, &job[i].id, job[i].process, job[i].attempt,
-                                why == VOR_EVICT_UPLOADS ? VOR_HAS_UPLOADS
-                                                         : VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
+            vor_job_service_drop_all(service, &job[i].id, job[i].process, job[i].attempt,
+                                     why == VOR_EVICT_UPLOADS ? VOR_HAS_UPLOADS
+                                                              : VOR_HAS_UPLOADS | VOR_HAS_OUTPUTS);
         total += evictions.count;
     } while (status == VOR_OK && evictions.count == BATCH);
     if (total > 0)
@@ -253,10 +255,10 @@ vor_status vor_worker_evict(struct vor_worker *worker, enum vor_evict why, struc
     return status;
 }
 
-void vor_worker_keep_quota(struct vor_worker *worker, enum vor_evict why)
+void vor_job_service_keep_quota(struct vor_job_service *service, enum vor_evict why)
 {
     struct vor_error err;
 
-    if (vor_worker_evict(worker, why, &err) != VOR_OK)
+    if (vor_job_service_evict(service, why, &err) != VOR_OK)
         vor_log(VOR_LOG_WARN, "uploads or results not deleted", VOR_TEXT("error", err.message));
 }

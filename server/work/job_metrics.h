@@ -1,6 +1,6 @@
 /** What the life of jobs adds to /metrics (server/base/metrics.h). */
-#ifndef VOR_SERVER_WORK_COUNTED_H
-#define VOR_SERVER_WORK_COUNTED_H
+#ifndef VOR_SERVER_WORK_JOB_METRICS_H
+#define VOR_SERVER_WORK_JOB_METRICS_H
 
 #include "server/store/row.h"
 

@@ -1,7 +1,7 @@
 /* The memory that a job is let in with beside what its run takes, and what becomes of jobs that do
  * not fit. */
-#include "server/jobs/need.h"
-#include "server/work/worker.h"
+#include "server/jobs/memory_estimate.h"
+#include "server/work/job_service.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_dir.h"
@@ -117,7 +117,7 @@ VT_TEST_LOOP(the_estimate_is_near_the_peak, sizeof cases / sizeof cases[0])
     engine.run.memory = &memory;
     vt_assert_ok(vor_engine_run(&out, &in, &row.spec, &engine.run, &vt_err));
     ratio =
-        (double)vor_need_bytes(&row.spec, row.inputs, row.input) /
+        (double)vor_memory_estimate(&row.spec, row.inputs, row.input) /
         ((double)atomic_load(&memory.peak) + (of->noise == DOUBLES ? 36 : 12) * (double)of->points);
     ck_assert_msg(ratio >= of->least && ratio <= of->most, "%s of %zu, %s: %.2f of the peak",
                   of->process, of->points, of->query, ratio);
@@ -134,7 +134,7 @@ static uint64_t need_of(const struct vor_spec *spec)
     row.spec = *spec;
     row.input[0].points = 1500;
     row.input[0].bytes = 1500 * 12;
-    return vor_need_bytes(&row.spec, row.inputs, row.input);
+    return vor_memory_estimate(&row.spec, row.inputs, row.input);
 }
 
 VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
@@ -143,7 +143,7 @@ VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     struct vt_daemon_options options = {.jobs = 4, .budget = need_of(&endless) * 3 / 2};
     struct vt_daemon daemon;
     const char *dir = vt_dir_make();
-    struct vor_worker_load load;
+    struct vor_job_service_load load;
     struct vor_uuid runs, waits;
 
     vt_daemon_start(&daemon, dir, &options);
@@ -152,12 +152,12 @@ VT_TEST(jobs_that_fit_alone_but_not_together_wait_for_each_other)
     ck_assert_int_eq(vt_daemon_try_sphere(&daemon, 1500, &quick, &waits), VOR_DONE);
     (void)vt_daemon_wait_iteration(&daemon, &runs,
                                    vt_daemon_get(&daemon, &runs).record.iteration + 5);
-    vor_worker_load(daemon.worker, &load);
+    vor_job_service_load(daemon.service, &load);
     ck_assert_uint_eq(load.running, 1);
     ck_assert_uint_eq(load.waiting, 1);
     ck_assert_uint_ge(load.reserved, need_of(&endless));
     ck_assert_uint_le(load.reserved, load.budget);
-    ck_assert_int_eq(vor_worker_cancel(daemon.worker, &runs, "enough", &vt_err), VOR_DONE);
+    ck_assert_int_eq(vor_job_service_cancel(daemon.service, &runs, "enough", &vt_err), VOR_DONE);
     ck_assert_int_eq(vt_daemon_wait_over(&daemon, &waits).status, VOR_JOB_SUCCESSFUL);
     vt_daemon_stop(&daemon);
 }

@@ -1,4 +1,4 @@
-#include "server/jobs/pace.h"
+#include "server/jobs/eta.h"
 
 #include "core/cloud/faces.h"
 
@@ -52,30 +52,30 @@ static int is_known(const struct vor_record *record)
     return record->of > 0 || record->step == 0;
 }
 
-static int work_is_known(const struct vor_pace_work *work)
+static int work_is_known(const struct vor_eta_work *work)
 {
     return work->points_out > 0;
 }
 
-static int projects(const struct vor_pace_work *work)
+static int projects(const struct vor_eta_work *work)
 {
     return work->method == VOR_METHOD_WLOP || work->method == VOR_METHOD_EAR;
 }
 
 /* Threads, by what they gain. */
-static double threads_of(const struct vor_pace_work *work)
+static double threads_of(const struct vor_eta_work *work)
 {
     return work->threads > 1 ? 1 + THREAD_GAIN * (work->threads - 1) : 1;
 }
 
 /* Seconds of a cost for each point of the result; without their number, of one point. */
-static double seconds_of(const struct vor_pace_work *work, double cost)
+static double seconds_of(const struct vor_eta_work *work, double cost)
 {
     return 1e-6 * cost * fmax(work->points_out, 1) / threads_of(work);
 }
 
 /* What comes before the first iteration, for each point of the result. */
-static double cost_before(const struct vor_pace_work *work)
+static double cost_before(const struct vor_eta_work *work)
 {
     double each = INDEX_IN;
 
@@ -86,7 +86,7 @@ static double cost_before(const struct vor_pace_work *work)
 }
 
 /* What steps of a polish of `of` steps cost, after `from` up to `to`. */
-static double cost_of_polish(const struct vor_pace_work *work, double from, double to, double of)
+static double cost_of_polish(const struct vor_eta_work *work, double from, double to, double of)
 {
     double whole = fmax(fmin(to, of) - fmax(from, of - WHOLE_STEPS), 0);
 
@@ -98,14 +98,14 @@ static double cost_of_polish(const struct vor_pace_work *work, double from, doub
 }
 
 /* What it costs to insert so many points. */
-static double cost_of_insertions(const struct vor_pace_work *work, double points)
+static double cost_of_insertions(const struct vor_eta_work *work, double points)
 {
     return INSERT_POINT * points / work->points_out * threads_of(work);
 }
 
 /* What the steps of the stage of a record cost after `from` up to `to`; those of a stage that is
  * not listed above as much as iterations. */
-static double cost_of_steps(const struct vor_pace_work *work, const struct vor_record *record,
+static double cost_of_steps(const struct vor_eta_work *work, const struct vor_record *record,
                             double from, double to)
 {
     if (!(to > from))
@@ -123,14 +123,14 @@ static double cost_of_steps(const struct vor_pace_work *work, const struct vor_r
     return ITERATION * (to - from);
 }
 
-static int is_listed(const struct vor_pace_work *work, enum vor_run_stage stage)
+static int is_listed(const struct vor_eta_work *work, enum vor_run_stage stage)
 {
     return stage == VOR_RUN_STAGE_ITERATE || stage == VOR_RUN_STAGE_POLISH ||
            (projects(work) && (stage == VOR_RUN_STAGE_PROJECT || stage == VOR_RUN_STAGE_INSERT));
 }
 
 /* What the steps of the stages ahead cost. */
-static double cost_ahead(const struct vor_pace_work *work, const struct vor_record *record)
+static double cost_ahead(const struct vor_eta_work *work, const struct vor_record *record)
 {
     double ahead = record->ahead, inserted = 0;
 
@@ -146,14 +146,14 @@ static double cost_ahead(const struct vor_pace_work *work, const struct vor_reco
 
 /* What follows the steps of the stage of a record: those of the stages ahead, and the end of the
  * run. Of stages that are not listed above no end is known. */
-static double cost_after(const struct vor_pace_work *work, const struct vor_record *record)
+static double cost_after(const struct vor_eta_work *work, const struct vor_record *record)
 {
     return cost_ahead(work, record) + (is_listed(work, record->stage) ? END : 0);
 }
 
-/* Steps from one of the stage of a record on, and those of the stages ahead, as vor_pace_done
+/* Steps from one of the stage of a record on, and those of the stages ahead, as vor_eta_done
  * counts them. */
-static double steps_from(const struct vor_pace_work *work, const struct vor_record *record,
+static double steps_from(const struct vor_eta_work *work, const struct vor_record *record,
                          uint32_t from)
 {
     if (projects(work))
@@ -175,32 +175,31 @@ static double usual_steps(const struct vor_record *record, const struct vor_spec
  * input: noise makes iterations ten times as slow, steps of the polish twice. With a power of 0.5 /
  * 0.6 / 0.7, 51 / 49 / 49 of 56 estimates in runs of 5 s and more are right within a factor 2; if
  * the machine were four times slower, 59 / 63 / 67 of 96 in runs of any length. */
-static double slowness_of_others(const struct vor_pace *pace, double slowness)
+static double slowness_of_others(const struct vor_eta *eta, double slowness)
 {
-    return work_is_known(&pace->work) ? sqrt(slowness) : slowness;
+    return work_is_known(&eta->work) ? sqrt(slowness) : slowness;
 }
 
 /* How many times longer than usual the stage at hand takes; 0 where it has done no step. */
-static double slowness(const struct vor_pace *pace)
+static double slowness(const struct vor_eta *eta)
 {
-    const struct vor_record *from = &pace->origin, *to = &pace->last;
+    const struct vor_record *from = &eta->origin, *to = &eta->last;
     double first = from->stage == to->stage ? from->step : 0;
-    double cost = cost_of_steps(&pace->work, to, first, to->step);
+    double cost = cost_of_steps(&eta->work, to, first, to->step);
 
-    return cost > 0 ? (to->seconds - from->seconds) / seconds_of(&pace->work, cost) : 0;
+    return cost > 0 ? (to->seconds - from->seconds) / seconds_of(&eta->work, cost) : 0;
 }
 
-struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t points,
-                                      unsigned threads)
+struct vor_eta_work vor_eta_work_of(const struct vor_spec *spec, uint64_t points, unsigned threads)
 {
     double target = vor_spec_target(spec, points);
-    struct vor_pace_work work = {.threads = threads, .points_out = target, .samples = target};
+    struct vor_eta_work work = {.threads = threads, .points_out = target, .samples = target};
     double share = SAMPLES_SHARE;
 
     work.method = (enum vor_method_choice)spec->value[VOR_PARAM_METHOD];
     if (spec->process->methods == 0 || !(target >= 1) || work.method == VOR_METHOD_KMEANS ||
         work.method >= VOR_METHODS)
-        return (struct vor_pace_work){0};
+        return (struct vor_eta_work){0};
     if (spec->value[VOR_PARAM_SAMPLE] == VOR_SAMPLE_FACES)
         points = vor_faces_samples(target, (size_t)points);
     work.points_in = (double)points;
@@ -213,36 +212,36 @@ struct vor_pace_work vor_pace_work_of(const struct vor_spec *spec, uint64_t poin
     return work;
 }
 
-void vor_pace_add(struct vor_pace *pace, const struct vor_record *record)
+void vor_eta_add(struct vor_eta *eta, const struct vor_record *record)
 {
-    if (!pace->began) {
-        pace->origin = *record;
-    } else if (record->stage != pace->last.stage) {
-        double now = slowness(pace);
+    if (!eta->began) {
+        eta->origin = *record;
+    } else if (record->stage != eta->last.stage) {
+        double now = slowness(eta);
 
-        pace->before = now > 0 ? slowness_of_others(pace, now) : pace->before;
-        pace->origin = record->step > 0 ? pace->last : *record;
+        eta->before = now > 0 ? slowness_of_others(eta, now) : eta->before;
+        eta->origin = record->step > 0 ? eta->last : *record;
     }
-    pace->began = 1;
-    pace->all = fmax(pace->all, steps_from(&pace->work, record, 0));
-    pace->last = *record;
+    eta->began = 1;
+    eta->all = fmax(eta->all, steps_from(&eta->work, record, 0));
+    eta->last = *record;
 }
 
-double vor_pace_done(const struct vor_pace *pace, const struct vor_spec *spec)
+double vor_eta_done(const struct vor_eta *eta, const struct vor_spec *spec)
 {
     double budget = spec->value[VOR_PARAM_SECONDS], done = 0;
 
-    if (pace->began && is_known(&pace->last))
-        done = pace->all > 0
-                   ? (pace->all - steps_from(&pace->work, &pace->last, pace->last.step)) / pace->all
+    if (eta->began && is_known(&eta->last))
+        done = eta->all > 0
+                   ? (eta->all - steps_from(&eta->work, &eta->last, eta->last.step)) / eta->all
                    : 1;
     if (vor_spec_given(spec, VOR_PARAM_SECONDS) && budget > 0)
-        done = fmax(done, pace->last.seconds / budget);
+        done = fmax(done, eta->last.seconds / budget);
     return fmax(fmin(done, 1), 0);
 }
 
 /* What a run of the request is before its first record. */
-static struct vor_record unbegun(const struct vor_pace_work *work, const struct vor_spec *spec)
+static struct vor_record unbegun(const struct vor_eta_work *work, const struct vor_spec *spec)
 {
     double inserted = fmin(fmax(work->points_out - work->samples, 0), INT32_MAX);
 
@@ -256,40 +255,40 @@ static struct vor_record unbegun(const struct vor_pace_work *work, const struct 
 }
 
 /* Seconds left where no step was done: by what came before the first, if that is over. */
-static double left_of_all(const struct vor_pace *pace, const struct vor_spec *spec)
+static double left_of_all(const struct vor_eta *eta, const struct vor_spec *spec)
 {
-    struct vor_record record = pace->began ? pace->last : unbegun(&pace->work, spec);
-    double before = cost_before(&pace->work), usual = seconds_of(&pace->work, before);
-    double cost = cost_of_steps(&pace->work, &record, 0, usual_steps(&record, spec)) +
-                  cost_after(&pace->work, &record);
+    struct vor_record record = eta->began ? eta->last : unbegun(&eta->work, spec);
+    double before = cost_before(&eta->work), usual = seconds_of(&eta->work, before);
+    double cost = cost_of_steps(&eta->work, &record, 0, usual_steps(&record, spec)) +
+                  cost_after(&eta->work, &record);
 
-    if (!pace->began)
-        return usual + seconds_of(&pace->work, cost);
-    return slowness_of_others(pace, record.seconds / usual) * seconds_of(&pace->work, cost);
+    if (!eta->began)
+        return usual + seconds_of(&eta->work, cost);
+    return slowness_of_others(eta, record.seconds / usual) * seconds_of(&eta->work, cost);
 }
 
 /* Seconds left by the steps of the stage at hand, or before its first one by the stage before. */
-static double left_by_steps(const struct vor_pace *pace, const struct vor_spec *spec)
+static double left_by_steps(const struct vor_eta *eta, const struct vor_spec *spec)
 {
-    const struct vor_record *last = &pace->last;
-    double now = slowness(pace), others = now > 0 ? slowness_of_others(pace, now) : pace->before;
-    double own = cost_of_steps(&pace->work, last, last->step, usual_steps(last, spec));
-    double after = cost_after(&pace->work, last);
+    const struct vor_record *last = &eta->last;
+    double now = slowness(eta), others = now > 0 ? slowness_of_others(eta, now) : eta->before;
+    double own = cost_of_steps(&eta->work, last, last->step, usual_steps(last, spec));
+    double after = cost_after(&eta->work, last);
 
     if (last->stage != VOR_RUN_STAGE_ITERATE && now > 0)
         others = now;
-    return seconds_of(&pace->work, (now > 0 ? now : others) * own + others * after);
+    return seconds_of(&eta->work, (now > 0 ? now : others) * own + others * after);
 }
 
-double vor_pace_left(const struct vor_pace *pace, const struct vor_spec *spec)
+double vor_eta_left(const struct vor_eta *eta, const struct vor_spec *spec)
 {
-    int has_steps = slowness(pace) > 0 || pace->before > 0;
+    int has_steps = slowness(eta) > 0 || eta->before > 0;
     double left;
 
-    if (!is_known(&pace->last) || (!has_steps && !work_is_known(&pace->work)))
+    if (!is_known(&eta->last) || (!has_steps && !work_is_known(&eta->work)))
         return -1;
-    left = has_steps ? left_by_steps(pace, spec) : left_of_all(pace, spec);
+    left = has_steps ? left_by_steps(eta, spec) : left_of_all(eta, spec);
     if (vor_spec_given(spec, VOR_PARAM_SECONDS))
-        left = fmin(left, fmax(spec->value[VOR_PARAM_SECONDS] - pace->last.seconds, 0));
+        left = fmin(left, fmax(spec->value[VOR_PARAM_SECONDS] - eta->last.seconds, 0));
     return left;
 }

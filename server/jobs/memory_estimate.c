@@ -1,4 +1,4 @@
-#include "server/jobs/need.h"
+#include "server/jobs/memory_estimate.h"
 
 #include "core/cloud/faces.h"
 #include "server/base/machine.h"
@@ -112,8 +112,8 @@ static double of_spread(const struct vor_spec *spec, double points, double attri
     return index + attributes * out + fmax(tensors, spreading(spec, in, out));
 }
 
-uint64_t vor_need_bytes(const struct vor_spec *spec, unsigned inputs,
-                        const struct vor_job_input input[VOR_INPUTS_MAX])
+uint64_t vor_memory_estimate(const struct vor_spec *spec, unsigned inputs,
+                             const struct vor_job_input input[VOR_INPUTS_MAX])
 {
     double bytes = ANY_RUN + (double)A_THREAD * vor_machine_cores();
 

@@ -4,7 +4,7 @@
 #include "server/base/log.h"
 #include "server/work/codec_child.h"
 #include "server/work/execute.h"
-#include "server/work/station.h"
+#include "server/work/worker_main.h"
 #include "tests/support/vt.h"
 #include "tests/support/vt_daemon.h"
 #include "tests/support/vt_front.h"
@@ -36,7 +36,7 @@ static int sleep_on(int channel, const int *fds, unsigned fd_count)
 enum { STATION, CODEC, CRASHING_CODEC, SLEEPING_CODEC, KINDS };
 
 static const struct vor_child_kind kinds[KINDS] = {
-    [STATION] = {"t-station", vor_station_run},
+    [STATION] = {"t-worker", vor_worker_main},
     [CODEC] = {"t-codec", vor_codec_child},
     [CRASHING_CODEC] = {"t-crash", crash},
     [SLEEPING_CODEC] = {"t-sleep", sleep_on},
