@@ -27,6 +27,12 @@ static int has_filter(const struct vor_spec *spec, unsigned filter)
            spec->value[VOR_PARAM_METHOD] != VOR_METHOD_EAR;
 }
 
+/* Whether points are to be spread. */
+static int spreads(const struct vor_spec *spec)
+{
+    return vor_process_takes(spec->process, VOR_PARAM_POINTS) && !vor_spec_only_filters(spec);
+}
+
 /* What is to be done with outliers: where filters alone make the result, only what they say. */
 static int outliers_of(const struct vor_spec *spec)
 {
@@ -52,6 +58,14 @@ static vor_status make(struct vor_domain *out, struct vor_outliers *outliers,
     return status;
 }
 
+/* Whether outliers that are kept are none of the method's: what it inserts would fill the gaps
+ * around them. */
+static int are_aside(const struct vor_spec *spec)
+{
+    return spreads(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_EAR &&
+           outliers_of(spec) == VOR_OUTLIERS_KEEP;
+}
+
 static vor_status take_outliers(struct vor_outliers *out, struct vor_domain *domain,
                                 const struct vor_spec *spec, const struct vor_run *run,
                                 struct vor_error *err)
@@ -59,10 +73,10 @@ static vor_status take_outliers(struct vor_outliers *out, struct vor_domain *dom
     int closer = has_filter(spec, VOR_FILTER_OUTLIERS) || outliers_of(spec) == VOR_OUTLIERS_PULL;
     vor_status status;
 
-    if (outliers_of(spec) == VOR_OUTLIERS_KEEP)
+    if (outliers_of(spec) == VOR_OUTLIERS_KEEP && !are_aside(spec))
         return VOR_OK;
     status = vor_outliers_take(out, domain, closer, run, err);
-    if (status == VOR_OK)
+    if (status == VOR_OK && !are_aside(spec))
         domain->known.outliers = out->n;
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_DROP)
         status = vor_islands_drop(domain, run, err);
@@ -109,8 +123,7 @@ static vor_status leave_noise(struct vor_domain *domain, struct vor_outliers *ou
                               struct vor_error *err)
 {
     int filtered = has_filter(spec, VOR_FILTER_MLS);
-    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) &&
-                 !vor_spec_only_filters(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
+    int spread = spreads(spec) && spec->value[VOR_PARAM_METHOD] == VOR_METHOD_CVT;
     vor_status status;
     int moved = 0;
 
@@ -231,7 +244,6 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
                             const struct vor_cloud *in, const struct vor_spec *spec,
                             const struct vor_run *run, struct vor_error *err)
 {
-    int spread = vor_process_takes(spec->process, VOR_PARAM_POINTS) && !vor_spec_only_filters(spec);
     vor_status status = know(domain, outliers, spec, run, err);
 
     if (status == VOR_OK)
@@ -241,8 +253,11 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
     if (status == VOR_OK)
         status = filter(domain, spec, run, err);
     if (status == VOR_OK)
-        status = spread ? vor_islands_take(domain, vor_spec_target(spec, domain->n), run, err)
-                        : vor_islands_count(domain, run, err);
+        status = spreads(spec)
+                     ? vor_islands_take(domain, vor_spec_target(spec, domain->n), run, err)
+                     : vor_islands_count(domain, run, err);
+    if (status == VOR_OK && are_aside(spec) && outliers->n > 0)
+        status = vor_islands_add(domain, outliers, run, err);
     return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
 }
 

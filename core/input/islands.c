@@ -263,6 +263,40 @@ vor_status vor_islands_take(struct vor_domain *domain, double target, const stru
     return status;
 }
 
+static int all_are_islands(const struct vor_domain *domain)
+{
+    return domain->islands.count > 0 && domain->islands.member[0] < domain->n;
+}
+
+vor_status vor_islands_add(struct vor_domain *domain, const struct vor_outliers *points,
+                           const struct vor_run *run, struct vor_error *err)
+{
+    struct vor_memory *memory = domain->memory;
+    struct vor_islands *islands = &domain->islands;
+    size_t at = domain->n + (all_are_islands(domain) ? 0 : islands->points), n = points->n;
+    float *xyz = vor_realloc(memory, domain->xyz, at + n, 3 * sizeof *xyz);
+    uint32_t *source = vor_realloc(memory, domain->source, at + n, sizeof *source);
+    uint32_t *first = vor_realloc(memory, islands->first, islands->count + n + 1, sizeof *first);
+    uint32_t *member = vor_realloc(memory, islands->member, islands->points + n, sizeof *member);
+
+    domain->xyz = xyz != NULL ? xyz : domain->xyz;
+    domain->source = source != NULL ? source : domain->source;
+    islands->first = first != NULL ? first : islands->first;
+    islands->member = member != NULL ? member : islands->member;
+    if (xyz == NULL || source == NULL || first == NULL || member == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu outliers", n);
+    memcpy(&xyz[3 * at], points->xyz, 3 * n * sizeof *xyz);
+    memcpy(&source[at], points->source, n * sizeof *source);
+    for (size_t i = 0; i < n; i++) {
+        first[islands->count++] = (uint32_t)islands->points;
+        member[islands->points++] = (uint32_t)(at + i);
+    }
+    first[islands->count] = (uint32_t)islands->points;
+    domain->known.islands += n;
+    domain->known.in_islands += n;
+    return index_again(domain, run, err);
+}
+
 vor_status vor_islands_count(struct vor_domain *domain, const struct vor_run *run,
                              struct vor_error *err)
 {
@@ -288,11 +322,6 @@ vor_status vor_islands_drop(struct vor_domain *domain, const struct vor_run *run
     forget(domain);
     free_parts(&parts, run->memory);
     return status;
-}
-
-static int all_are_islands(const struct vor_domain *domain)
-{
-    return domain->islands.count > 0 && domain->islands.member[0] < domain->n;
 }
 
 size_t vor_islands_share(const struct vor_domain *domain, size_t n)

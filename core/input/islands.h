@@ -27,6 +27,7 @@
 #define VOR_INPUT_ISLANDS_H
 
 #include "core/input/domain.h"
+#include "core/input/outliers.h"
 
 /** Looks for islands, parts of fewer than 2 k points (known.neighbors.usual), and takes them out of
  *  the domain: domain->n counts the others, the islands' points come after them in xyz and source.
@@ -42,6 +43,16 @@
  *  islands for any number of threads. */
 VOR_NODISCARD vor_status vor_islands_take(struct vor_domain *domain, double target,
                                           const struct vor_run *run, struct vor_error *err);
+
+/** Makes each of one or more points that were taken out an island. vor_islands_take comes before.
+ *
+ *  @param[in] points  of the domain that it was
+ *
+ *  @retval VOR_E_NOMEM 24 bytes for each, and the domain's points once more, do not fit
+ *  Else fails and costs as vor_domain_index; the domain must be freed after any failure. */
+VOR_NODISCARD vor_status vor_islands_add(struct vor_domain *domain,
+                                         const struct vor_outliers *points,
+                                         const struct vor_run *run, struct vor_error *err);
 
 /** Looks for islands as vor_islands_take, and leaves them in: only known says how many there are.
  *
