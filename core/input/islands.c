@@ -39,13 +39,24 @@ static void free_parts(struct parts *parts, struct vor_memory *memory)
     VOR_FREE_ALL(memory, parts->size, parts->root);
 }
 
-/* Looking for lone points. */
+/* Looking for lone points and small groups of them. */
 struct lone {
     const struct vor_domain *domain;
     double least2;     /* square of the gap around it, at least */
-    unsigned char *is; /* n */
+    unsigned char *is; /* n: of enum lone_state */
     atomic_size_t count;
+    float *sixth2;   /* n: square of the distance to the sixth neighbour; 0: not looked for yet */
+    uint32_t *root;  /* n: a point of the group of each that is LONE */
+    uint32_t *group; /* least: the one that grows */
+    size_t grown, least;
 };
+
+enum lone_state { NOT_LONE, WIDE, /* the gap is */ GROUPED, /* now */ HELD, LONE };
+
+static void free_lone(struct lone *lone, struct vor_memory *memory)
+{
+    VOR_FREE_ALL(memory, lone->group, lone->root, lone->sixth2, lone->is);
+}
 
 /* Whether the next points of the order on both sides lie farther away than is usual: so they do
  * around every lone point, and around few others. */
@@ -62,38 +73,107 @@ static int may_be_lone(const struct lone *lone, size_t i)
 static void lone_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct lone *lone = ctx;
-    const struct vor_domain *domain = lone->domain;
-    unsigned k = domain->n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)domain->n;
     size_t count = 0;
 
     for (size_t i = begin; i < end; i++) {
-        uint32_t index[VOR_PATCH_HEXAGON + 1];
-        float distance2[VOR_PATCH_HEXAGON + 1] = {0};
-        double gap2;
+        uint32_t index[2];
+        float distance2[2] = {0};
 
         if (!may_be_lone(lone, i))
             continue;
-        vor_knn_search(domain->knn, &domain->xyz[3 * i], 1, 2, index, distance2);
-        gap2 = (double)distance2[1];
-        if (!(gap2 > lone->least2))
-            continue;
-        vor_knn_search(domain->knn, &domain->xyz[3 * (size_t)index[1]], 1, k, index, distance2);
-        lone->is[i] = gap2 > CLEAR * CLEAR * (double)distance2[k - 1];
+        vor_knn_search(lone->domain->knn, &lone->domain->xyz[3 * i], 1, 2, index, distance2);
+        lone->is[i] = (double)distance2[1] > lone->least2 ? WIDE : NOT_LONE;
         count += lone->is[i];
     }
     atomic_fetch_add(&lone->count, count);
 }
 
-/* Makes each lone point a part of its own. */
+/* The nearest neighbours of a point, itself first; returns how many. */
+static unsigned look_around(uint32_t *index, float *distance2, struct lone *lone, uint32_t i)
+{
+    const struct vor_domain *domain = lone->domain;
+    unsigned k = domain->n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : (unsigned)domain->n;
+
+    vor_knn_search(domain->knn, &domain->xyz[3 * (size_t)i], 1, k, index, distance2);
+    lone->sixth2[i] = distance2[k - 1];
+    return k;
+}
+
+/* Adds those neighbours of a point to its group that are sparse, too, from the nearest on as far as
+ * one that is not. Returns whether the group is held: a neighbour that is not sparse, or of a group
+ * that is held, shows that such gaps are usual there, or the group is large enough for a surface.
+ */
+static int grow(struct lone *lone, uint32_t i)
+{
+    uint32_t index[VOR_PATCH_HEXAGON + 1], there[VOR_PATCH_HEXAGON + 1];
+    float distance2[VOR_PATCH_HEXAGON + 1] = {0}, there2[VOR_PATCH_HEXAGON + 1] = {0};
+    unsigned k = look_around(index, distance2, lone, i);
+
+    for (unsigned j = 1; j < k; j++) {
+        uint32_t other = index[j];
+        int dense, clear;
+
+        if (!(lone->sixth2[other] > 0))
+            (void)look_around(there, there2, lone, other);
+        dense = (double)lone->sixth2[other] <= lone->least2;
+        clear = distance2[j] > (float)(CLEAR * CLEAR) * lone->sixth2[other];
+        if (!clear && (dense || lone->is[other] == HELD))
+            return 1;
+        if (dense)
+            return 0;
+        if (clear || lone->is[other] == GROUPED || lone->is[other] == LONE)
+            continue;
+        if (lone->grown + 1 >= lone->least)
+            return 1;
+        lone->is[other] = GROUPED;
+        lone->group[lone->grown++] = other;
+    }
+    return 0;
+}
+
+/* Decides which of those with a wide gap are lone: groups that nothing holds. */
+static vor_status group_lone(struct lone *lone, const struct vor_run *run, struct vor_error *err)
+{
+    size_t n = lone->domain->n;
+    vor_status status = VOR_OK;
+
+    lone->sixth2 = vor_calloc(run->memory, n, sizeof *lone->sixth2);
+    lone->root = vor_malloc(run->memory, n, sizeof *lone->root);
+    lone->group = vor_malloc(run->memory, lone->least, sizeof *lone->group);
+    if (lone->sixth2 == NULL || lone->root == NULL || lone->group == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    atomic_store(&lone->count, 0);
+    for (size_t i = 0; i < n && status == VOR_OK; i++) {
+        int held = 0;
+
+        if (i % LOOK_BLOCK == 0)
+            status = vor_run_answered(vor_run_poll(run), err);
+        if (lone->is[i] != WIDE)
+            continue;
+        lone->is[i] = GROUPED;
+        lone->group[0] = (uint32_t)i;
+        lone->grown = 1;
+        for (size_t at = 0; at < lone->grown && !held; at++)
+            held = grow(lone, lone->group[at]);
+        for (size_t at = 0; at < lone->grown; at++) {
+            lone->is[lone->group[at]] = held ? HELD : LONE;
+            lone->root[lone->group[at]] = (uint32_t)i;
+        }
+        atomic_fetch_add(&lone->count, held ? 0 : lone->grown);
+    }
+    return status;
+}
+
+/* Makes each group of lone points a part of its own. */
 static void part_lone(struct parts *parts, const struct lone *lone, size_t n)
 {
     uint32_t *first = parts->size; /* of those that stay with a root */
 
     for (size_t i = n; i-- > 0;)
-        if (!lone->is[i])
+        if (lone->is[i] != LONE)
             first[parts->root[i]] = (uint32_t)i;
     for (size_t i = 0; i < n; i++)
-        parts->root[i] = lone->is[i] ? (uint32_t)i : first[parts->root[i]];
+        parts->root[i] = lone->is[i] == LONE ? lone->root[i] : first[parts->root[i]];
     memset(first, 0, n * sizeof *first);
 }
 
@@ -128,7 +208,7 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
                              const struct vor_run *run, struct vor_error *err)
 {
     double clear = CLEAR * domain->sparse;
-    struct lone lone = {.domain = domain, .least2 = gap * gap};
+    struct lone lone = {.domain = domain, .least2 = gap * gap, .least = parts->least};
     vor_status status;
 
     parts->count = 1;
@@ -137,17 +217,20 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
     parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
     lone.is = vor_calloc(run->memory, domain->n, sizeof *lone.is);
     if (parts->root == NULL || lone.is == NULL) {
-        vor_free(run->memory, lone.is);
+        free_lone(&lone, run->memory);
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     }
     status = vor_knn_join(parts->root, &parts->count, domain->knn, clear, run, err);
     if (status == VOR_OK && gap < INFINITY)
         status = vor_run_for(run, domain->n, LOOK_BLOCK, lone_block, &lone, err);
+    if (status == VOR_OK && atomic_load(&lone.count) > 0)
+        status = group_lone(&lone, run, err);
     if (status == VOR_OK && (parts->count > 1 || atomic_load(&lone.count) > 0))
         status = measure_parts(parts, &lone, domain->n, run->memory, err);
-    vor_free(run->memory, lone.is);
+    free_lone(&lone, run->memory);
     return status;
 }
+
 /* Lists the points of the small parts, part by part. Afterwards size is LARGE where a large part
  * begins. */
 static vor_status list_members(struct vor_islands *islands, struct parts *parts, size_t n,
