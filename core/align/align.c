@@ -34,18 +34,24 @@ enum {
 /* A rival that overlaps by as much of the best pose's overlap counts whole. */
 #define RIVAL 0.5
 
-/* Where trust is 0.5. Median distance of samples to what they lie on, over the roughness of
- * the rougher cloud: right poses 0.2 to 0.6, also at noise of 0.3 spacings; wrong ones of autzen,
- * kitti and redrocks mostly 0.75 to 4. Conflict: at most 0.23 but for 3 of 20 against 0.25 to 0.5.
- * Firmness: igea and its halves 0.011 and more, spheres, tori and cylinders at most 0.0005. */
+/* Where a pose loses half of its score. Right poses of scans, bodies and parts of them: hover at
+ * most 0.04, mostly below 0.01; wrong ones 0.1 to 0.6 but for those that nothing contradicts. */
+#define HOVERS 0.03
+
+/* Where trust is 0.5, and of the second and third half of the score, too. Hover: right poses at
+ * most 0.04, in one of 200 0.063. Beside, at borders and folds: right ones at most 0.21, wrong ones
+ * of kitti 0.25 to 0.6. Looseness: right ones 0.1 to 0.8 (0.5 of noise alone), wrong ones of kitti
+ * 1.3 to 6. Firmness: igea and its halves 0.011 and more, spheres, tori and cylinders at most
+ * 0.0005. */
 #define MARGIN 0.2
-#define LOOSE 0.7
-#define CONFLICT 0.4
+#define HOVER 0.07
+#define BESIDE 0.33
+#define LOOSE 1.8
 #define FIRM 0.004
 #define OVERLAP 0.1
 
 /* Poses that parts of the evidence lead to, apart: a degree, as angle and over the unit. Halves of
- * the samples, which are twice as far apart as the pose of all is from the right one, and the
+ * the points, which are twice as far apart as the pose of all is from the right one, and the
  * reference laid on the cloud: office1, scannet and igea, right poses, at most 0.2 degrees and
  * 0.005; kitti, 200 to 700 samples, wrong ones that all else speaks for, 0.7 to 2.2 degrees and
  * 0.017 to 0.08. */
@@ -54,6 +60,7 @@ enum {
 /* The poses that are compared. */
 struct align {
     struct vor_align_samples samples[2];
+    struct vor_align_points points[2];
     struct vor_align_grid grid;
     struct vor_align_fit_of of;
     double within; /* of judging */
@@ -82,11 +89,22 @@ static void refine(void *ctx, size_t i, VOR_UNUSED unsigned worker)
     vor_align_judge(&align->fit[i], &align->of, align->within);
 }
 
-static void judge(void *ctx, size_t i, VOR_UNUSED unsigned worker)
+/* What speaks against a pose, as a factor of its score. */
+static double plausible(const struct vor_align_fit *fit)
+{
+    return 1 / (1 + vor_power(fit->hover / HOVERS, 2)) / (1 + vor_power(fit->beside / BESIDE, 4)) /
+           (1 + vor_power(fit->loose / LOOSE, 4));
+}
+
+static void settle(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
     struct align *align = ctx;
+    struct vor_align_fit *fit = &align->fit[i];
 
-    vor_align_judge(&align->fit[i], &align->of, align->within);
+    vor_align_settle(&fit->pose, &align->of);
+    vor_align_weigh(fit, &align->of);
+    vor_align_judge(fit, &align->of, align->within);
+    fit->score = fit->on * plausible(fit);
 }
 
 static void refine_again(void *ctx, size_t i, VOR_UNUSED unsigned worker)
@@ -99,12 +117,12 @@ static void refine_again(void *ctx, size_t i, VOR_UNUSED unsigned worker)
         of.every = 2;
         of.first = (unsigned)i;
     } else {
-        of.cloud = align->of.reference;
-        of.reference = align->of.cloud;
+        of.points[0] = align->of.points[1];
+        of.points[1] = align->of.points[0];
         of.overlap = 0; /* of the cloud */
         vor_pose_invert(&fit.pose, &align->fit[0].pose);
     }
-    vor_align_refine(&fit, &of);
+    vor_align_settle(&fit.pose, &of);
     align->again[i] = fit;
     if (i == 2)
         vor_pose_invert(&align->again[i].pose, &fit.pose);
@@ -183,17 +201,14 @@ static void narrow(struct align *align)
     align->within = fmax(within, WITHIN_LEAST * gap);
 }
 
-/* How much a pose speaks against the best one, 0 to 1: as far as the clouds agree as well where
- * they overlap, even if they overlap less. Halves of a body that is nearly its own image when it is
- * turned lie on each other wholly in a wrong pose, and by half in the right one. */
+/* How much a pose speaks against the best one, 0 to 1: as far as as little speaks against it, even
+ * if it overlaps less. Halves of a body that is nearly its own image when it is turned lie on each
+ * other wholly in a wrong pose, and by half in the right one. */
 static double rival(const struct vor_align_fit *fit, const struct vor_align_fit *best)
 {
-    double overlap = fit->overlap[0] + fit->overlap[1];
-    double most = best->overlap[0] + best->overlap[1];
-
-    if (!(best->agree > 0 && most > 0))
+    if (!(best->score > 0))
         return 1;
-    return fmin(1, vor_power(fit->agree / best->agree, 3) * fmin(1, overlap / (RIVAL * most)));
+    return fmin(1, plausible(fit) / plausible(best) * fmin(1, fit->on / (RIVAL * best->on)));
 }
 
 /* Makes the second one the pose that speaks most against the first. */
@@ -234,10 +249,9 @@ static vor_status find_poses(struct align *align, const struct vor_run *run, str
     keep_best(align, LAST);
     if (status == VOR_OK)
         status = run_step(align, refine, 1, run, err);
-    keep_best(align, LAST);
     narrow(align);
     if (status == VOR_OK)
-        status = run_step(align, judge, 1, run, err);
+        status = run_step(align, settle, 1, run, err);
     keep_best(align, LAST);
     choose_runner_up(align);
     return status;
@@ -276,18 +290,16 @@ static void set_trust(struct vor_report *report, const struct align *align)
     const struct vor_align_fit *fit = &align->fit[0];
     double margin = 1 - (align->count > 1 ? rival(&align->fit[1], fit) : 0);
     double overlap = fmax(fit->overlap[0], fit->overlap[1]);
-    double conflict = report->pose_conflict / CONFLICT;
-    double rough = fmax(vor_align_roughness(&align->samples[0]) * fit->pose.scale,
-                        vor_align_roughness(&align->samples[1]));
-    double loose = rough > 0 ? fit->median / (LOOSE * rough) : 0;
+    double hover = fit->hover / HOVER;
     const struct {
         enum vor_doubt doubt;
         double trust;
     } parts[] = {{VOR_DOUBT_SLIDE, fit->slide / (fit->slide + FIRM)},
                  {VOR_DOUBT_TURN, fit->turn / (fit->turn + FIRM)},
                  {VOR_DOUBT_SCALE, align->of.scales ? fit->grow / (fit->grow + FIRM) : 1},
-                 {VOR_DOUBT_CONFLICT, 1 / (1 + conflict * conflict)},
-                 {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(loose, 4))},
+                 {VOR_DOUBT_CONFLICT, 1 / (1 + hover * hover)},
+                 {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->loose / LOOSE, 4))},
+                 {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->beside / BESIDE, 4))},
                  {VOR_DOUBT_OVERLAP, overlap / (overlap + OVERLAP)},
                  {VOR_DOUBT_POSE, margin / (margin + MARGIN)}};
 
@@ -343,7 +355,7 @@ static void tell(struct vor_report *report, const struct align *align, const str
     report->pose_mse = report->pose_rms * report->pose_rms;
     report->pose_overlap = fit->overlap[0];
     report->pose_covered = fit->overlap[1];
-    report->pose_conflict = (fit->conflict[0] + fit->conflict[1]) / 2;
+    report->pose_conflict = fit->hover;
     report->pose_score = fit->score;
     report->spacing_mean *= pose->scale;
     report->sigma *= pose->scale;
@@ -457,6 +469,10 @@ vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,
                                           .scales = scales,
                                           .overlap = overlap == VOR_UNSET ? 0 : overlap};
     status = vor_align_samples_make(align->samples, both, !scales, run, err);
+    for (int k = 0; status == VOR_OK && k < 2; k++) {
+        status = vor_align_points_make(&align->points[k], both[k], &align->samples[k], run, err);
+        align->of.points[k] = &align->points[k];
+    }
     if (status == VOR_OK)
         status = find_poses(align, run, err);
     if (status == VOR_OK && align->count == 0)
@@ -472,8 +488,10 @@ vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,
             status = repeat(report, align, run, err);
     }
     vor_align_grid_free(&align->grid);
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 2; k++) {
         vor_align_samples_free(&align->samples[k]);
+        vor_align_points_free(&align->points[k]);
+    }
     vor_free(run->memory, align);
     return status;
 }

@@ -6,9 +6,13 @@
 enum {
     FEW_STEPS = 12,
     STEPS = 30,
-    UNKNOWNS = 7, /* turn, shift, scale */
-    AGAINST = 5,  /* the power of what is not in conflict, in a score */
-    BINS = 256    /* of a histogram */
+    SETTLED = 16,   /* steps by points, */
+    STEPPED = 4000, /* each by so many at least, if there are as many */
+    WEIGHED = 6000, /* points that say how well a pose fits, likewise */
+    CARRIERS = 6,   /* points of one cloud of which each may carry a point of the other one */
+    UNKNOWNS = 7,   /* turn, shift, scale */
+    AGAINST = 5,    /* the power of what is not in conflict, in a score */
+    BINS = 256      /* of a histogram */
 };
 
 /* Cosine of normals that count as alike. */
@@ -27,6 +31,28 @@ enum {
 
 /* Distance of plausible residuals from 0, over their median. */
 #define PLAUSIBLE 4.0
+
+/* Cosine of planes of points that count as alike; of those whose distance is that of surfaces. */
+#define FACING 0.6
+#define PARALLEL 0.9
+
+/* Offsets that count in the next step, over the median of this one. The first steps take points as
+ * many times as far from those of the reference as these reach, later ones fewer, the last one. */
+#define SETTLING 3.0
+#define WIDEST 3.0
+#define NARROWED 3.0
+
+/* A point lies on a plane within so many times the noise of either cloud, or this share of how far
+ * the plane reaches; no farther from the plane's point than this share of that. It hovers if it is
+ * nearer the point than this share, seen along the normal, and within so many reaches. */
+#define NOISES 4.0
+#define THICK 0.15
+#define FARTHEST 1.6
+#define ABOVE 0.8
+#define HIGHEST 6.0
+
+/* Noise at least, over how far planes reach. */
+#define EXACT 0.015
 
 /* Steps end once no point moves by this much of a gap. */
 #define STILL 1e-3
@@ -187,26 +213,6 @@ static double ranked(const struct histogram *h, double rank)
     while (bin < BINS - 1 && sum + h->count[bin] < rank)
         sum += h->count[bin++];
     return (bin + 1) * h->most / BINS;
-}
-
-double vor_align_roughness(const struct vor_align_samples *samples)
-{
-    struct vor_knn_last last = {.k = 0};
-    struct histogram h = {.most = samples->gap};
-
-    for (size_t i = 0; i < samples->n; i++) {
-        struct contact contact;
-        double normal[3];
-        float d2[2];
-        uint32_t at[2];
-
-        vor_to_doubles(contact.x, &samples->xyz[3 * i]);
-        vor_to_doubles(normal, &samples->normal[3 * i]);
-        vor_knn_search_next(samples->knn, &last, &samples->xyz[3 * i], 2, at, d2);
-        if (find_contact(&contact, samples, at[at[0] == i], normal, samples->gap))
-            tell(&h, fabs(contact.off));
-    }
-    return h.all > 0 ? ranked(&h, h.all / 2.0) : 0;
 }
 
 /* Adds all samples within that distance. Returns the distance for the next step. */
@@ -380,7 +386,7 @@ static void find_free(struct vor_align_fit *fit, const struct vor_align_fit_of *
 
 void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *of, double within)
 {
-    double score = 0, agree = 0;
+    double score = 0;
     struct vor_align_fit back = *fit;
     struct side side[2];
 
@@ -393,14 +399,200 @@ void vor_align_judge(struct vor_align_fit *fit, const struct vor_align_fit_of *o
 
         fit->overlap[k] = (double)side[k].on / n;
         fit->conflict[k] = seen > 0 ? (double)side[k].conflict / seen : 1;
-        agree += seen > 0 ? side[k].sum / seen / 2 : 0;
         score += side[k].sum / n / 2 * vor_power(1 - fit->conflict[k], AGAINST);
     }
     fit->score = score;
-    fit->agree = agree;
     fit->rms = side[0].on > 0 ? sqrt(side[0].sum2 / (double)side[0].on) : 0;
     fit->median = ranked(&side[0].off, side[0].off.all / 2.0);
     fit->slide = fit->turn = fit->grow = 0;
     if (side[0].on >= UNKNOWNS)
         find_free(fit, of, &side[0], within);
+}
+
+/* A point of a cloud, moved. */
+struct moved {
+    double x[3], normal[3], reach, off;
+};
+
+static struct moved move_point(const struct vor_align_points *points, size_t i,
+                               const struct vor_pose *pose)
+{
+    const struct vor_align_plane *plane = &points->plane[i];
+    struct moved out = {.reach = (double)plane->reach * pose->scale,
+                        .off = (double)plane->off * pose->scale};
+    double from[3] = {0, 0, 0};
+
+    vor_to_doubles(from, &points->xyz[3 * i]);
+    vor_pose_move(pose, from, out.x);
+    vor_to_doubles(from, plane->normal);
+    vor_pose_turn(pose, from, out.normal);
+    return out;
+}
+
+/* A point of a cloud at a point of the other one: how far from its plane, how far beside it, and
+ * the cosine between the planes, 0 where there is none. */
+struct meeting {
+    double off, beside2, cosine;
+};
+
+static struct meeting meet(const struct moved *point, const struct vor_align_points *onto,
+                           uint32_t at)
+{
+    const struct vor_align_plane *plane = &onto->plane[at];
+    double n[3], d[3], m[3], up;
+
+    vor_to_doubles(n, plane->normal);
+    for (int c = 0; c < 3; c++) {
+        d[c] = point->x[c] - (double)onto->xyz[3 * (size_t)at + (size_t)c];
+        m[c] = point->x[c] - (double)plane->middle[c];
+    }
+    up = vor_dot(d, n);
+    return (struct meeting){.off = vor_dot(m, n),
+                            .beside2 = vor_dot(d, d) - up * up,
+                            .cosine = plane->reach > 0 ? fabs(vor_dot(n, point->normal)) : 0};
+}
+
+static int is_within(double d2, double share, double reach)
+{
+    return d2 < share * share * reach * reach;
+}
+
+/* Adds points within that distance of planes that reach so many times farther. Returns the distance
+ * for the next step. */
+static double add_points(struct equations *eq, const struct vor_pose *pose,
+                         const struct vor_align_fit_of *of, double within, double farther)
+{
+    const struct vor_align_points *cloud = of->points[0], *onto = of->points[1];
+    struct vor_knn_last last = {.k = 0};
+    struct histogram h = {.most = within};
+    size_t stride = 1 + cloud->n / STEPPED, all = 0;
+    double share;
+
+    for (size_t i = of->first * stride; i < cloud->n; i += of->every * stride, all++) {
+        struct moved point = move_point(cloud, i, pose);
+        struct contact contact;
+        struct meeting met;
+        double near;
+        float x[3], d2;
+        uint32_t at;
+
+        vor_to_floats(x, point.x);
+        vor_knn_search_next(onto->knn, &last, x, 1, &at, &d2);
+        met = meet(&point, onto, at);
+        if (met.cosine < FACING || fabs(met.off) >= within ||
+            !is_within((double)d2, farther, (double)onto->plane[at].reach))
+            continue;
+        contact.off = met.off;
+        memcpy(contact.x, point.x, sizeof contact.x);
+        vor_to_doubles(contact.normal, onto->plane[at].normal);
+        tell(&h, fabs(met.off));
+        near = 1 - met.off * met.off / (within * within);
+        add(eq, &contact, near * near, of->scales);
+    }
+    share = of->overlap * (double)all;
+    if (of->overlap > 0 && h.all > share)
+        return 1.5 * ranked(&h, share);
+    return SETTLING * ranked(&h, h.all / 2.0);
+}
+
+void vor_align_settle(struct vor_pose *pose, const struct vor_align_fit_of *of)
+{
+    double reach = of->points[1]->reach, within = WIDEST * reach;
+
+    for (int k = 0; k < SETTLED; k++) {
+        struct equations eq = {.weight = 0};
+
+        within = add_points(&eq, pose, of, within, fmax(1, WIDEST - k / NARROWED));
+        within = fmax(STILL * reach, fmin(WIDEST * reach, within));
+        (void)step(pose, &eq, of->scales);
+    }
+}
+
+/* What points of one cloud find on the other one. */
+struct found {
+    size_t all, near, on, hover;
+    struct histogram off, own[2]; /* distances: from planes, of both points from their own */
+};
+
+/* Median distance from planes, over that of the points from their own, which has the noise and the
+ * curvature of both. */
+static double loose(const struct found *found, double reach)
+{
+    double half = found->off.all / 2.0, own2 = EXACT * reach * EXACT * reach;
+
+    if (!(half > 0))
+        return INFINITY;
+    for (int k = 0; k < 2; k++)
+        own2 += ranked(&found->own[k], half) * ranked(&found->own[k], half);
+    return ranked(&found->off, half) / sqrt(own2);
+}
+
+/* Whether the point lies on the plane of a point that is so far from it. */
+static int lies_on(const struct meeting *met, const struct vor_align_plane *plane, double rough,
+                   double d2)
+{
+    double within = fmax(NOISES * fmax(rough, (double)plane->rough), THICK * (double)plane->reach);
+
+    return met->cosine > FACING && fabs(met->off) < within &&
+           is_within(d2, FARTHEST, (double)plane->reach);
+}
+
+static void weigh_side(struct found *found, const struct vor_align_points *from,
+                       const struct vor_align_points *onto, const struct vor_pose *pose)
+{
+    struct vor_knn_last last = {.k = 0};
+
+    memset(found, 0, sizeof *found);
+    found->off.most = found->own[0].most = found->own[1].most = onto->reach;
+    for (size_t i = 0; i < from->n; i += 1 + from->n / WEIGHED) {
+        struct moved point = move_point(from, i, pose);
+        const struct vor_align_plane *plane;
+        struct meeting met;
+        uint32_t at[CARRIERS];
+        float x[3], d2[CARRIERS];
+        double reach;
+        int on = 0;
+
+        vor_to_floats(x, point.x);
+        vor_knn_search_next(onto->knn, &last, x, CARRIERS, at, d2);
+        for (int k = CARRIERS - 1; k >= 0; k--) {
+            int lies;
+
+            plane = &onto->plane[at[k]];
+            met = meet(&point, onto, at[k]);
+            lies = lies_on(&met, plane, from->rough * pose->scale, (double)d2[k]);
+            on |= lies;
+            if (k == 0 && lies && met.cosine > PARALLEL) {
+                tell(&found->off, fabs(met.off));
+                tell(&found->own[0], point.off);
+                tell(&found->own[1], (double)plane->off);
+            }
+        }
+        reach = (double)plane->reach; /* of the nearest */
+        found->all++;
+        found->on += on != 0;
+        found->near += is_within((double)d2[0], FARTHEST, fmax(reach, point.reach)) != 0;
+        found->hover += !on && !plane->border && is_within(met.beside2, ABOVE, reach) &&
+                        fabs(met.off) < HIGHEST * onto->reach;
+    }
+}
+
+void vor_align_weigh(struct vor_align_fit *fit, const struct vor_align_fit_of *of)
+{
+    struct found found[2];
+    struct vor_pose back;
+
+    vor_pose_invert(&back, &fit->pose);
+    weigh_side(&found[0], of->points[0], of->points[1], &fit->pose);
+    weigh_side(&found[1], of->points[1], of->points[0], &back);
+    fit->on = fit->hover = fit->beside = fit->loose = 0;
+    for (int k = 0; k < 2; k++) {
+        double on = (double)found[k].on, hover = (double)found[k].hover;
+        double near = (double)found[k].near;
+
+        fit->on += on / (double)found[k].all / 2;
+        fit->hover += hover > 0 ? hover / (on + hover) / 2 : 0;
+        fit->beside += near > on ? (near - on) / near / 2 : 0;
+        fit->loose = fmax(fit->loose, loose(&found[k], of->points[!k]->reach));
+    }
 }

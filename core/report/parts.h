@@ -296,8 +296,9 @@ struct vor_runner_up {
     X(REAL, pose_covered, "registration.covered", "",                                              \
       "Share of the reference's surface that the cloud lies on")                                   \
     X(REAL, pose_conflict, "registration.conflict", "",                                            \
-      "Mismatch where the clouds overlap: share of the surface near the other cloud that does "    \
-      "not lie on it; mean of the two clouds (0 if all overlapping parts agree)")                  \
+      "Mismatch where the clouds overlap: share of the points over the inside of the other "       \
+      "cloud's surface that do not lie on it; mean of the two clouds (0 if all overlapping parts " \
+      "agree)")                                                                                    \
     X(REAL, pose_trust, "registration.trust", "",                                                  \
       "How far the pose can be trusted, from 0 to 1; if trust is below 0.5, look at the result "   \
       "before you use it")                                                                         \
@@ -313,9 +314,10 @@ struct vor_runner_up {
       "in the coordinates of the reference. It is 0,0,0 if the member `reason` is neither "        \
       "free-slide nor free-turn")                                                                  \
     X(REAL, pose_score, "registration.score", "",                                                  \
-      "Score of the pose (higher is better): the mean of the share of the cloud's surface that "   \
-      "lies on the reference and the share of the reference's surface that lies on the cloud. "    \
-      "It is reduced if parts of the surfaces are far from each other or contradict each other")   \
+      "Score of the pose (higher is better): the mean of the share of the cloud's points that "    \
+      "lie on the reference and the share of the reference's points that lie on the cloud. "       \
+      "It is reduced where the clouds contradict each other, or lie on each other less closely "   \
+      "than their own noise")                                                                      \
     X(RUNNER_UP, runner_up, "registration.runner_up", "",                                          \
       "Of the other poses that were found, the one that casts most doubt on this pose; all "       \
       "members are 0 if there is no such pose")

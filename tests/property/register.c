@@ -193,10 +193,10 @@ VT_TEST(a_cloud_that_lies_loosely_is_not_trusted)
 }
 
 /* Parts of which each has 113 samples lie on each other in wrong poses, too, that nothing else
- * speaks against. Found: 0.03 to 0.2 off, 0.06 of trust and less. */
+ * speaks against. Found: 0.16 to 2.4 off, 0.02 of trust and less. */
 VT_TEST_FIGURES(where_parts_of_the_points_lead_elsewhere_nothing_is_trusted, 4)
 {
-    static const uint64_t seeds[] = {16, 18, 28, 35};
+    static const uint64_t seeds[] = {13, 18, 24, 29};
     struct vor_pose pose = a_pose(seeds[_i], 1);
     struct vor_cloud cloud, reference, out;
     struct vor_report report;
@@ -206,6 +206,25 @@ VT_TEST_FIGURES(where_parts_of_the_points_lead_elsewhere_nothing_is_trusted, 4)
     vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
     ck_assert_double_lt(report.pose_trust, 0.2);
     ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_IMPRECISE);
+    vor_cloud_free(&out);
+    vt_free_last(&cloud, &reference);
+}
+
+/* Where one side bulges by a tenth, points hover over what the reference has seen there. */
+VT_TEST(a_cloud_that_differs_in_a_part_is_not_trusted)
+{
+    struct vor_pose pose = a_pose(5, 1);
+    struct vor_cloud cloud, reference, out;
+    struct vor_report report;
+
+    make(&cloud, BUMPS, CLOUD, 15, 0, &still);
+    make(&reference, BUMPS, REFERENCE, 95, 0, &pose);
+    for (size_t i = 0; i < 3 * CLOUD; i++)
+        cloud.xyz[i] *= cloud.xyz[i - i % 3 + 2] < -0.3F ? 1.1F : 1;
+    vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
+    ck_assert_double_lt(report.pose_trust, 0.4);
+    ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_CONFLICT);
+    ck_assert_double_gt(report.pose_conflict, 0.1);
     vor_cloud_free(&out);
     vt_free_last(&cloud, &reference);
 }
