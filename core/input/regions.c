@@ -8,7 +8,6 @@
 #include "core/input/votes.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <string.h>
 
 /* Figures are points of shell60k (two sheets nearer than the spacing) of which most around in their
@@ -19,13 +18,11 @@ enum {
     AROUND = 3 * VOR_ADJACENT, /* nearest points that are looked at for those of one region */
     PAIRED = 2 * VOR_ADJACENT, /* nearest points that a point is paired with: of two sheets */
     BONDS = 24,                /* most pairs of a point that say anything */
-    STIRRED = 200,             /* nearest points that look again where one changes */
     CANDIDATES = 4,            /* regions that a point is asked about */
-    ROUNDS = 8 /* that points are asked in, one bit each; 97 of them change in the last */
+    ROUNDS = 8                 /* that points are asked in; 97 of them change in the last */
 };
 
 _Static_assert((int)PAIRED <= (int)VOR_VOTES_HEARD, "votes of all pairs are heard");
-_Static_assert(ROUNDS <= 8, "a byte has a bit for each round");
 
 #define NONE UINT32_MAX
 
@@ -66,15 +63,14 @@ struct regions {
     unsigned char *bonds;  /* n */
     uint32_t *region;      /* n: number of a point of it, or NONE */
     uint32_t *next;        /* n: in the next round */
+    uint32_t *before;      /* n: in the round before */
     unsigned char *mixed;  /* n: others are around */
-    atomic_uchar *asked; /* n: a bit for each round that it is asked in: the first one, after one in
-                            which a point around it changed, and while it has no region */
-    int round;
 };
 
 /* The points around one, nearest first, and the regions that these belong to. */
 struct around {
     unsigned count, regions;
+    int none, changed; /* one of them is in no region; or in another one than before */
     uint32_t index[AROUND], region[CANDIDATES];
     unsigned has[CANDIDATES];
 };
@@ -82,11 +78,6 @@ struct around {
 static const float *point(const struct regions *regions, uint32_t i)
 {
     return &regions->domain->xyz[3 * (size_t)i];
-}
-
-static void to_double(double out[3], const float *x)
-{
-    vor_to_doubles(out, x);
 }
 
 static void fit_leaf(void *ctx, size_t i, VOR_UNUSED unsigned worker)
@@ -124,14 +115,14 @@ static double off(const struct regions *regions, uint32_t i, uint32_t j)
     double x[3];
 
     for (int a = 0; a < 2; a++) {
-        to_double(s.axis[a], leaf->axis[a]);
+        vor_to_doubles(s.axis[a], leaf->axis[a]);
         s.center[a] = (double)leaf->center[a];
     }
     vor_cross(s.axis[2], s.axis[0], s.axis[1]);
-    to_double(s.origin, point(regions, i));
+    vor_to_doubles(s.origin, point(regions, i));
     for (int c = 0; c < 6; c++)
         s.c[c] = (double)leaf->c[c];
-    to_double(x, point(regions, j));
+    vor_to_doubles(x, point(regions, j));
     return fabs(vor_surface_above(&s, x)) / (double)leaf->spacing;
 }
 
@@ -210,10 +201,10 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
     if (frame.kind == VOR_SURFACE_NONE || !(frame.spacing > 0))
         return INFINITY;
     for (unsigned e = 0; e < n; e++) {
-        to_double(x, &near[3 * (size_t)e]);
+        vor_to_doubles(x, &near[3 * (size_t)e]);
         vor_surface_to_local(&frame, x, local[e]);
     }
-    to_double(x, point(regions, i));
+    vor_to_doubles(x, point(regions, i));
     vor_surface_to_local(&frame, x, at);
     if (!vor_through_fit(&through, (const double(*)[3])local, n))
         return INFINITY;
@@ -228,12 +219,15 @@ static void look(struct around *out, const struct regions *regions, uint32_t i,
 
     out->count = AROUND;
     out->regions = 0;
+    out->none = out->changed = 0;
     vor_knn_search_next(regions->domain->knn, last, point(regions, i), AROUND, out->index,
                         distance2);
     for (unsigned e = 0; e < AROUND; e++) {
         uint32_t region = regions->region[out->index[e]];
         unsigned c = 0;
 
+        out->none |= region == NONE;
+        out->changed |= region != regions->before[out->index[e]];
         if (region == NONE || out->index[e] == i)
             continue;
         while (c < out->regions && out->region[c] != region)
@@ -269,20 +263,6 @@ static uint32_t ask(const struct regions *regions, uint32_t i, const struct arou
     return best < CLOSER * mine ? to : own;
 }
 
-static void ask_next_round(struct regions *regions, uint32_t i)
-{
-    (void)atomic_fetch_or_explicit(&regions->asked[i],
-                                   (unsigned char)(1U << (unsigned)(regions->round + 1)),
-                                   memory_order_relaxed);
-}
-
-static int is_asked(const struct regions *regions, size_t i)
-{
-    return atomic_load_explicit(&regions->asked[i], memory_order_relaxed) >>
-               (unsigned)regions->round &
-           1;
-}
-
 static void ask_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct regions *regions = ctx;
@@ -293,28 +273,12 @@ static void ask_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned w
         uint32_t own = regions->region[i];
 
         regions->next[i] = own;
-        if (!is_asked(regions, i))
-            continue;
         look(&around, regions, (uint32_t)i, &last);
-        regions->mixed[i] = own == NONE || around.regions > 1;
+        if (!around.none && !around.changed)
+            continue;
+        regions->mixed[i] = around.none || around.regions > 1;
         if (around.regions > 1 || (around.regions == 1 && around.region[0] != own))
             regions->next[i] = ask(regions, (uint32_t)i, &around);
-        if (own == NONE)
-            ask_next_round(regions, (uint32_t)i);
-        if (regions->next[i] != own && regions->round + 1 < ROUNDS) {
-            /* Has those asked that may look at point i, which changes. Where points are denser
-             * around it they may be farther than those that it looks at; one that is missed keeps
-             * its answer. With 60 / 120 / 200 / all points 1.70 / 1.60 / 1.36 / 1.36 % of the
-             * triangles of arma2_120k are on two sheets. */
-            uint32_t index[STIRRED];
-            float distance2[STIRRED];
-            unsigned k = regions->domain->n < STIRRED ? (unsigned)regions->domain->n : STIRRED;
-
-            vor_knn_search(regions->domain->knn, point(regions, (uint32_t)i), 1, k, index,
-                           distance2);
-            for (unsigned e = 0; e < k; e++)
-                ask_next_round(regions, index[e]);
-        }
     }
 }
 
@@ -339,7 +303,7 @@ static void take_list(struct regions *regions, uint32_t i)
     memcpy(&graph->list[(size_t)i * graph->most], &taken[1], (n - 1) * sizeof *taken);
     graph->count[i] = (unsigned char)(n - 1);
     graph->own[i] = 1;
-    to_double(x, point(regions, i));
+    vor_to_doubles(x, point(regions, i));
     vor_surface_to_local(&surface, x, local);
     vor_surface_normal(&surface, local, normal);
     vor_to_floats(&graph->normal[3 * (size_t)i], normal);
@@ -387,12 +351,12 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
     vor_votes_free(&regions->votes);
     if (status == VOR_OK)
         status = decide(regions, run, err);
-    for (size_t i = 0; i < n; i++)
-        atomic_init(&regions->asked[i], 1);
-    for (; regions->round < ROUNDS && status == VOR_OK; regions->round++) {
-        uint32_t *held = regions->region;
+    memset(regions->before, 0xff, n * sizeof *regions->before);
+    for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
+        uint32_t *held = regions->before;
 
         status = vor_run_for(run, n, BLOCK, ask_block, regions, err);
+        regions->before = regions->region;
         regions->region = regions->next;
         regions->next = held;
     }
@@ -413,16 +377,16 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
     regions.bond = vor_malloc(memory, n, BONDS * sizeof *regions.bond);
     regions.bonds = vor_malloc(memory, n, 1);
     regions.mixed = vor_malloc(memory, n, 1);
-    regions.asked = vor_malloc(memory, n, sizeof *regions.asked);
+    regions.before = vor_malloc(memory, n, sizeof *regions.before);
     regions.region = vor_malloc(memory, n, sizeof *regions.region);
     regions.next = vor_malloc(memory, n, sizeof *regions.next);
     if (regions.leaf == NULL || regions.bond == NULL || regions.bonds == NULL ||
-        regions.mixed == NULL || regions.asked == NULL || regions.region == NULL ||
+        regions.mixed == NULL || regions.before == NULL || regions.region == NULL ||
         regions.next == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = make(&regions, run, err);
-    VOR_FREE_ALL(memory, regions.next, regions.region, regions.asked, regions.mixed, regions.bonds,
+    VOR_FREE_ALL(memory, regions.next, regions.region, regions.before, regions.mixed, regions.bonds,
                  regions.bond, regions.leaf);
     return status;
 }
