@@ -22,11 +22,6 @@ enum {
     WIDE = 3 * VOR_ADJACENT
 };
 
-static unsigned least(unsigned a, size_t b)
-{
-    return a < b ? a : (unsigned)b;
-}
-
 struct make {
     const struct vor_domain *domain;
     struct vor_graph *graph; /* until the end: where a march may go */
@@ -88,19 +83,6 @@ static vor_status march_all(struct make *make, const struct vor_run *run, struct
     return status;
 }
 
-/* The normal of a plane through a point and its nearest neighbours. */
-static void fit_normal(float normal[3], const struct make *make, size_t i)
-{
-    const struct vor_graph *graph = make->graph;
-    unsigned k = graph->count[i] < VOR_PLANE_POINTS ? graph->count[i] : VOR_PLANE_POINTS - 1;
-    uint32_t index[VOR_PLANE_POINTS] = {(uint32_t)i};
-    struct vor_plane plane;
-
-    memcpy(&index[1], &graph->list[i * graph->most], k * sizeof *index);
-    vor_plane_fit(&plane, make->domain->xyz, index, k + 1);
-    memcpy(normal, plane.normal, sizeof plane.normal);
-}
-
 /* Makes the list of a point of those of its nearest ones, near[1] onwards, that are also near in
  * the coordinates. */
 static void take_both(struct make *make, uint32_t i, const uint32_t *near, unsigned nears,
@@ -130,7 +112,7 @@ static void list_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
 {
     struct make *make = ctx;
     const struct vor_domain *domain = make->domain;
-    unsigned nears = least(WIDE, domain->n);
+    unsigned nears = vor_domain_most(domain, WIDE);
     uint32_t near[WIDE], along[WIDE];
     float distance2[WIDE];
 
@@ -167,11 +149,18 @@ static vor_status list_component(struct make *make, size_t c, const struct vor_r
     return status;
 }
 
+/* Sets the normal of a plane through a point and its nearest neighbours. */
 static void normal_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
 {
-    struct make *make = ctx;
+    const struct make *make = ctx;
+    struct vor_graph *graph = make->graph;
+    unsigned k = graph->count[i] < VOR_PLANE_POINTS ? graph->count[i] : VOR_PLANE_POINTS - 1;
+    uint32_t index[VOR_PLANE_POINTS] = {(uint32_t)i};
+    struct vor_plane plane;
 
-    fit_normal(&make->graph->normal[3 * i], make, i);
+    memcpy(&index[1], &graph->list[i * graph->most], k * sizeof *index);
+    vor_plane_fit(&plane, make->domain->xyz, index, k + 1);
+    memcpy(&graph->normal[3 * i], plane.normal, sizeof plane.normal);
 }
 
 static vor_status allocate(struct make *make, const struct vor_run *run, struct vor_error *err)
@@ -226,7 +215,7 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
 {
     struct vor_graph graph = {.n = 0};
     struct make make = {.domain = domain, .graph = &graph};
-    unsigned most = least(VOR_ADJACENT, domain->n - 1);
+    unsigned most = domain->n > VOR_ADJACENT ? VOR_ADJACENT : (unsigned)domain->n - 1;
     vor_status status = vor_graph_init(&graph, domain->n, most, run->memory, err);
 
     if (status != VOR_OK)
@@ -235,8 +224,8 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
     if (make.component == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     if (status == VOR_OK)
-        status =
-            vor_graph_nearest(&graph, domain->knn, domain->xyz, least(MARCHED, most), run, err);
+        status = vor_graph_nearest(&graph, domain->knn, domain->xyz,
+                                   most < MARCHED ? most : MARCHED, run, err);
     if (status == VOR_OK)
         status = vor_graph_keep_mutual(&graph, run, err);
     if (status == VOR_OK)

@@ -36,11 +36,6 @@ enum { WIDE_LEAST = 75, WIDE_MAX = VOR_NEIGHBORS_MAX };
 static const double attempts[] = {0.67, 1, 0.46, 0.83};
 enum { ATTEMPTS = sizeof attempts / sizeof *attempts, RECENT = VOR_SHEETS_RECENT };
 
-static unsigned least(unsigned a, size_t b)
-{
-    return a < b ? a : (unsigned)b;
-}
-
 /* Takes the points of an attempt among the `most` nearest; returns how many they are. */
 static unsigned take(float *some, const float *near, unsigned most, unsigned attempt)
 {
@@ -74,7 +69,7 @@ static void gather_wide(struct wide *out, const struct vor_domain *domain, const
     float query[3] = {(float)x[0], (float)x[1], (float)x[2]};
     unsigned want = (unsigned)fmax(WIDE * k, WIDE_LEAST);
 
-    out->most = least(want < WIDE_MAX ? want : WIDE_MAX, domain->n);
+    out->most = vor_domain_most(domain, want < WIDE_MAX ? want : WIDE_MAX);
     memset(out->near, 0, sizeof out->near); /* clang-analyzer cannot see that most >= 1 */
     vor_knn_search(domain->knn, query, 1, out->most, out->index, out->distance2);
     vor_gather(out->near, domain->xyz, out->index, out->most);
@@ -87,9 +82,9 @@ static unsigned take_layer(uint32_t *list, const struct vor_layers *layers, cons
     unsigned own = vor_layers_nearest(layers, x), taken = 0;
 
     for (unsigned j = 0; j < wide->most && taken < k; j++) {
-        const float *p = &wide->near[3 * j];
-        double at[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        double at[3];
 
+        vor_to_doubles(at, &wide->near[3 * j]);
         if (vor_layers_nearest(layers, at) == own)
             list[taken++] = wide->index[j];
     }
@@ -154,7 +149,7 @@ int vor_sheets_gather(float *near, const struct vor_domain *domain, const double
     layer = layer != NULL ? layer : &own;
     layer->count = take_layer(layer->index, &layers, &wide, x, wide.most);
     layer->reach = sqrtf(wide.distance2[wide.most - 1]);
-    n = least(k, layer->count);
+    n = layer->count < k ? layer->count : k;
     vor_gather(near, domain->xyz, layer->index, n);
     for (unsigned j = n; j < k; j++)
         memcpy(&near[3 * j], &near[3 * (j - n)], 3 * sizeof *near);
@@ -187,7 +182,7 @@ static void survey_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigne
 {
     struct survey *survey = ctx;
     const struct vor_domain *domain = survey->domain;
-    unsigned k = least(AROUND, domain->n);
+    unsigned k = vor_domain_most(domain, AROUND);
     float near[3 * AROUND];
     struct vor_surface surface;
     struct vor_layers layers;
