@@ -187,7 +187,7 @@ static void reach_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         for (unsigned j = 1; j < k; j++)
             sum += sqrt((double)distance2[j]);
         insertion->reach[i] =
-            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_REACH_KEEP) *
+            (float)((insertion->how->fill ? VOR_LOP_REACH_FILL : VOR_LOP_PARTNERS) *
                     fmax(sum / (k - 1), insertion->how->spacing));
     }
 }

@@ -33,13 +33,13 @@ enum {
     VOR_LOP_PAIRS = 6
 };
 
-/** Clearances within which a point inserted looks for partners. At 1.8 / 2.2 / 2.5, as above: delta
- *  0.097 / 0.093 / 0.094, CPU 0.98 / 1.15 / 1.25 s. */
+/** Clearances within which a point inserted looks for partners, and spacings of the samples within
+ *  which these do: the gap along an edge is about two wide. At 1.8 / 2.2 / 2.5 for the first, as
+ *  above: delta 0.097 / 0.093 / 0.094, CPU 0.98 / 1.15 / 1.25 s. Spacings are local, but no less
+ *  than that of an even spread: fandisk30k_noise2 to 120,000, from the true edge to the nearest
+ *  point 1.58e-3, and 1.63e-3 by local ones alone. */
 #define VOR_LOP_PARTNERS 2.2
-/** Spacings of the samples within which they look: the gap along an edge is about two wide. Local
- *  spacings, but no less than that of an even spread: fandisk30k_noise2 to 120,000, from the true
- *  edge to the nearest point 1.58e-3, and 1.63e-3 by local ones alone. */
-#define VOR_LOP_REACH_KEEP 2.2
+/** Those of samples where gaps are filled. */
 #define VOR_LOP_REACH_FILL 6.0
 /** Two samples have no pair if one of them reaches no more than this part of the way: a stray far
  * from all others has a wide spacing, and the others are none of its neighbours. */

@@ -154,7 +154,7 @@ static float reach_of(const struct twin *twin, size_t i)
     }
     for (int k = 0; k < count; k++)
         sum += sqrt(nearest[k]);
-    return (float)(VOR_LOP_REACH_KEEP * sum / count);
+    return (float)(VOR_LOP_PARTNERS * sum / count);
 }
 
 /* Lowers the clearances of all pairs to what point k leaves them. */
