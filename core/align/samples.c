@@ -25,6 +25,8 @@ enum {
 /* How much wider cubes become when there are too many. */
 #define WIDER 1.25
 
+static const char *const names[] = {"cloud", "reference"};
+
 /* Points in a cube. */
 struct cube {
     uint64_t place;
@@ -164,7 +166,6 @@ static double edge_for(const struct side *side, double most)
 /* Measures both clouds and chooses their cubes. */
 static vor_status choose_cubes(struct side side[2], int fixed, struct vor_error *err)
 {
-    static const char *const names[] = {"cloud", "reference"};
     double diagonals[2];
 
     for (int k = 0; k < 2; k++) {
@@ -312,8 +313,14 @@ vor_status vor_align_samples_make(struct vor_align_samples out[2],
     status = choose_cubes(side, fixed, err);
     if (status == VOR_OK)
         status = make_both(side, fixed, run, err);
-    for (int k = 0; status == VOR_OK && k < 2; k++)
+    for (int k = 0; status == VOR_OK && k < 2; k++) {
         status = orient(&out[k], &side[k], run, err);
+        if (status == VOR_E_DEGENERATE)
+            status = vor_fail_param(err, status, names[k],
+                                    "all %zu points of the %s lie on one line, or too close to one "
+                                    "line",
+                                    cloud[k]->n, names[k]);
+    }
     if (status == VOR_OK && fixed)
         out[0].unit = out[1].unit = fmax(out[0].unit, out[1].unit);
     large = out[0].n > out[1].n ? 0 : 1;

@@ -205,8 +205,8 @@ static vor_status load(struct local_run *r, struct vor_error *err)
 
 static vor_status run(struct local_run *r, struct vor_error *err)
 {
-    const struct vor_cloud *cloud =
-        vor_artefacts_cloud(&r->in, r->cli->spec.process->inputs[0].name);
+    const struct vor_artefact_info *inputs = r->cli->spec.process->inputs;
+    const struct vor_cloud *cloud = vor_artefacts_cloud(&r->in, inputs[0].name);
     vor_status status;
 
     r->progress.eta.work =
@@ -217,10 +217,12 @@ static vor_status run(struct local_run *r, struct vor_error *err)
     status = vor_engine_run(&r->out, &r->in, &r->spec, &r->work.run, err);
     if (status == VOR_E_INTERNAL && vor_flann_load(err) != VOR_OK)
         return err->status;
-    if (status != VOR_OK)
-        return status;
-    r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
-    return VOR_OK;
+    for (unsigned i = 0; status != VOR_OK && inputs[i].name != NULL; i++)
+        if (r->cli->input[i] != NULL && strcmp(err->parameter, inputs[i].name) == 0)
+            r->subject = r->cli->input[i];
+    if (status == VOR_OK)
+        r->report = vor_artefacts_values(&r->out, "report", &vor_report_members);
+    return status;
 }
 
 static vor_status save_cloud(struct local_run *r, const struct vor_artefact *result,

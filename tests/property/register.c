@@ -229,7 +229,7 @@ VT_TEST(a_cloud_that_differs_in_a_part_is_not_trusted)
     vt_free_last(&cloud, &reference);
 }
 
-VT_TEST_FIGURES(what_cannot_be_registered_is_refused, 3)
+VT_TEST_FIGURES(what_cannot_be_registered_is_refused, 4)
 {
     static const struct {
         size_t n;
@@ -237,7 +237,8 @@ VT_TEST_FIGURES(what_cannot_be_registered_is_refused, 3)
         const char *says;
     } rows[] = {{99, 1, "the cloud has 99 points, want at least 100"},
                 {CLOUD, 0, "points of the cloud are at the same position"},
-                {CLOUD, 1e-7, "want a ratio of at most 1e+06"}};
+                {CLOUD, 1e-7, "want a ratio of at most 1e+06"},
+                {CLOUD, 1, "all 3000 points of the cloud lie on one line"}};
     struct vor_pose pose = a_pose(3, 1);
     struct vor_cloud cloud, reference, out;
     struct vor_report report;
@@ -245,6 +246,7 @@ VT_TEST_FIGURES(what_cannot_be_registered_is_refused, 3)
     make(&reference, BUMPS, REFERENCE, 2, 0, &pose);
     memset(pose.shift, 0, sizeof pose.shift);
     pose.scale = rows[_i].scale;
+    memset(pose.turn, 0, _i < 3 ? 0 : 2 * sizeof pose.turn[0]); /* all but one axis */
     make(&cloud, BUMPS, rows[_i].n, 1, 0, &pose);
     ck_assert_int_eq(put(&out, &report, &cloud, &reference, "fixed", 1), VOR_E_DEGENERATE);
     ck_assert_msg(strstr(vt_err.message, rows[_i].says) != NULL, "%s", vt_err.message);
