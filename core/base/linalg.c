@@ -188,6 +188,7 @@ VOR_INLINE double solve_spd(double *a, double *b, int n, double rank)
 {
     double smallest = 1;
 
+#pragma GCC unroll 6
     for (int j = 0; j < n; j++) {
         double diagonal = a[j * n + j], pivot = diagonal;
 
@@ -206,9 +207,11 @@ VOR_INLINE double solve_spd(double *a, double *b, int n, double rank)
             a[i * n + j] = sum / pivot;
         }
     }
+#pragma GCC unroll 6
     for (int i = 0; i < n; i++)
         for (int k = 0; k < i; k++)
             b[i] -= a[i * n + k] * b[k];
+#pragma GCC unroll 6
     for (int i = n - 1; i >= 0; i--) {
         b[i] /= a[i * n + i];
         for (int k = i + 1; k < n; k++)

@@ -19,34 +19,45 @@
  * thirtieth 2e-7. */
 enum { PROJECTIONS = 3 };
 
-/* The neighbours relative to the first one, their weighted mean and the sum of their weights. */
+/* Four numbers of one neighbour at once. Each sum is of the same terms in the same order as one by
+ * one. */
+enum { LANES = 4 };
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+
+/* The neighbours relative to the first one, their weighted mean and the sum of their weights; the
+ * last lane is 0. */
 struct neighborhood {
     unsigned k;
     double total; /* of the weights */
-    double mean[3];
-    double x[VOR_NEIGHBORS_MAX][3];
+    lanes mean;
+    lanes x[VOR_NEIGHBORS_MAX];
 };
 
-/* x times the weight of neighbour i. Inlined, so that it costs nothing where weight is NULL. */
-VOR_INLINE double weigh(const float *weight, unsigned i, double x)
+/* Multiplies by the weight of neighbour i. Inlined, so that it costs nothing where weight is NULL.
+ */
+VOR_INLINE void weigh(lanes *x, const float *weight, unsigned i)
 {
-    return weight != NULL ? (double)weight[i] * x : x;
+    if (weight != NULL)
+        *x *= (double)weight[i];
 }
 
 VOR_INLINE void gather(struct neighborhood *out, const float *near, const float *weight, unsigned k)
 {
-    memset(out->mean, 0, sizeof out->mean);
+    const lanes first = {(double)near[0], (double)near[1], (double)near[2], 0};
+
+    out->mean = (lanes){0};
     out->k = k;
     out->total = 0;
     for (unsigned i = 0; i < k; i++) {
-        out->total += weigh(weight, i, 1);
-        for (unsigned c = 0; c < 3; c++) {
-            out->x[i][c] = (double)near[3 * i + c] - (double)near[c];
-            out->mean[c] += weigh(weight, i, out->x[i][c]);
-        }
+        const float *at = &near[3 * i];
+        lanes x = (lanes){(double)at[0], (double)at[1], (double)at[2], 0} - first;
+
+        out->x[i] = x;
+        weigh(&x, weight, i);
+        out->mean += x;
+        out->total += weight != NULL ? (double)weight[i] : 1;
     }
-    for (unsigned c = 0; c < 3; c++)
-        out->mean[c] /= out->total;
+    out->mean /= out->total;
 }
 
 /* Sets the axes from the principal directions, and the spacing. Returns false when the points lie
@@ -54,20 +65,22 @@ VOR_INLINE void gather(struct neighborhood *out, const float *near, const float 
 VOR_INLINE int find_axes(struct vor_surface *out, const struct neighborhood *hood,
                          const float *weight)
 {
-    double m[6] = {0}, values[3], vectors[3][3];
+    lanes first = {0}, last = {0}; /* sums of xx, xy, xz, yy; of yz, zz */
+    double m[6], values[3], vectors[3][3];
 
     for (unsigned i = 0; i < hood->k; i++) {
-        double x = hood->x[i][0] - hood->mean[0], y = hood->x[i][1] - hood->mean[1],
-               z = hood->x[i][2] - hood->mean[2];
-        double wx = weigh(weight, i, x), wy = weigh(weight, i, y);
+        lanes x = hood->x[i] - hood->mean, weighed = x;
 
-        m[0] += wx * x;
-        m[1] += wx * y;
-        m[2] += wx * z;
-        m[3] += wy * y;
-        m[4] += wy * z;
-        m[5] += weigh(weight, i, z) * z;
+        weigh(&weighed, weight, i);
+        first += __builtin_shufflevector(weighed, weighed, 0, 0, 0, 1) *
+                 __builtin_shufflevector(x, x, 0, 1, 2, 1);
+        last += __builtin_shufflevector(weighed, weighed, 1, 2, 3, 3) *
+                __builtin_shufflevector(x, x, 2, 2, 3, 3);
     }
+    for (int i = 0; i < LANES; i++)
+        m[i] = first[i];
+    m[4] = last[0];
+    m[5] = last[1];
     vor_eigen3_flat(values, vectors, m);
     if (!(values[1] > VOR_ROUNDED * values[2]))
         return 0;
@@ -90,36 +103,47 @@ struct moments {
 VOR_INLINE void sum_moments(struct moments *out, const struct neighborhood *hood,
                             const float *weight, double scale)
 {
-    memset(out, 0, sizeof *out);
-    for (unsigned i = 0; i < hood->k; i++) {
-        double u = hood->x[i][0] * scale, v = hood->x[i][1] * scale, w = hood->x[i][2] * scale;
-        double uu = u * u, uv = u * v, vv = v * v;
-        double wu = weigh(weight, i, u), wv = weigh(weight, i, v), ww = weigh(weight, i, w);
-        double wuu = weigh(weight, i, uu), wuv = weigh(weight, i, uv), wvv = weigh(weight, i, vv);
+    /* Sums of u v uu uv; the same by uu, by vv, by w; of uu uv vv w by vv; of vv, w, ww. */
+    lanes one = {0}, by_uu = {0}, by_vv = {0}, by_w = {0}, high = {0}, rest = {0};
 
-        out->s[1][0] += wu;
-        out->s[0][1] += wv;
-        out->s[2][0] += wuu;
-        out->s[1][1] += wuv;
-        out->s[0][2] += wvv;
-        out->s[3][0] += wuu * u;
-        out->s[2][1] += wuu * v;
-        out->s[1][2] += wvv * u;
-        out->s[0][3] += wvv * v;
-        out->s[4][0] += wuu * uu;
-        out->s[3][1] += wuu * uv;
-        out->s[2][2] += wuu * vv;
-        out->s[1][3] += wuv * vv;
-        out->s[0][4] += wvv * vv;
-        out->ww += ww * w;
-        out->w[0] += ww;
-        out->w[1] += ww * u;
-        out->w[2] += ww * v;
-        out->w[3] += ww * uu;
-        out->w[4] += ww * uv;
-        out->w[5] += ww * vv;
+    for (unsigned i = 0; i < hood->k; i++) {
+        lanes u = hood->x[i] * scale, wu = u; /* u, v, w */
+        lanes uu = __builtin_shufflevector(u, u, 0, 0, 1, 3) *
+                   __builtin_shufflevector(u, u, 0, 1, 1, 3); /* uu, uv, vv */
+        lanes wuu = uu, all = __builtin_shufflevector(u, uu, 0, 1, 4, 5);
+
+        weigh(&wu, weight, i);
+        weigh(&wuu, weight, i);
+        one += __builtin_shufflevector(wu, wuu, 0, 1, 4, 5);
+        by_uu += wuu[0] * all;
+        by_vv += wuu[2] * all;
+        by_w += wu[2] * all;
+        high += __builtin_shufflevector(wuu, wu, 0, 1, 2, 6) * uu[2];
+        rest += __builtin_shufflevector(wuu, wu, 2, 6, 6, 3) * (lanes){1, 1, u[2], 0};
     }
+    memset(out, 0, sizeof *out);
     out->s[0][0] = hood->total;
+    out->s[1][0] = one[0];
+    out->s[0][1] = one[1];
+    out->s[2][0] = one[2];
+    out->s[1][1] = one[3];
+    out->s[0][2] = rest[0];
+    out->s[3][0] = by_uu[0];
+    out->s[2][1] = by_uu[1];
+    out->s[1][2] = by_vv[0];
+    out->s[0][3] = by_vv[1];
+    out->s[4][0] = by_uu[2];
+    out->s[3][1] = by_uu[3];
+    out->s[2][2] = high[0];
+    out->s[1][3] = high[1];
+    out->s[0][4] = high[2];
+    out->w[0] = rest[1];
+    out->w[1] = by_w[0];
+    out->w[2] = by_w[1];
+    out->w[3] = by_w[2];
+    out->w[4] = by_w[3];
+    out->w[5] = high[3];
+    out->ww = rest[2];
 }
 
 /* Least squares over the first `terms` of 1, u, v, uu, uv, vv. Returns false when the points do not
@@ -153,8 +177,8 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
 {
     struct neighborhood hood;
     struct moments moments;
-    double scale;
-    double reach2 = 0;
+    lanes axis[3], center;
+    double scale, reach2 = 0;
 
     memset(out, 0, sizeof *out);
     vor_to_doubles(out->origin, near);
@@ -164,18 +188,21 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
     if (!find_axes(out, &hood, weight))
         return;
     /* Rotates the neighbours into (u, v, w); sets center and reach. */
-    out->center[0] = vor_dot(out->axis[0], hood.mean);
-    out->center[1] = vor_dot(out->axis[1], hood.mean);
+    for (int c = 0; c < 3; c++)
+        axis[c] = (lanes){out->axis[0][c], out->axis[1][c], out->axis[2][c], 0};
+    center = axis[0] * hood.mean[0] + axis[1] * hood.mean[1] + axis[2] * hood.mean[2];
     for (unsigned i = 0; i < hood.k; i++) {
-        double u = vor_dot(out->axis[0], hood.x[i]), v = vor_dot(out->axis[1], hood.x[i]),
-               w = vor_dot(out->axis[2], hood.x[i]);
-        double du = u - out->center[0], dv = v - out->center[1], d2 = du * du + dv * dv;
+        lanes x = hood.x[i], d;
+        double d2;
 
-        hood.x[i][0] = u;
-        hood.x[i][1] = v;
-        hood.x[i][2] = w;
+        hood.x[i] = axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2];
+        d = hood.x[i] - center;
+        d *= d;
+        d2 = d[0] + d[1];
         reach2 = d2 > reach2 ? d2 : reach2; /* fmax is a call */
     }
+    out->center[0] = center[0];
+    out->center[1] = center[1];
     out->reach = sqrt(reach2);
     scale = 1 / out->reach;
     sum_moments(&moments, &hood, weight, scale);
@@ -189,7 +216,7 @@ VOR_INLINE void fit(struct vor_surface *out, const float *near, const float *wei
         out->c[i] *= scale;
 }
 
-void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
+VOR_CLONES void vor_surface_fit(struct vor_surface *out, const float *near, unsigned k)
 {
     fit(out, near, NULL, k, VOR_SURFACE_QUADRIC);
 }
@@ -214,8 +241,8 @@ void vor_surface_fit_as(struct vor_surface *out, const float *near, unsigned k,
         vor_surface_fit(out, near, k);
 }
 
-void vor_surface_fit_weighted(struct vor_surface *out, const float *near, const float *weight,
-                              unsigned k)
+VOR_CLONES void vor_surface_fit_weighted(struct vor_surface *out, const float *near,
+                                         const float *weight, unsigned k)
 {
     fit(out, near, weight, k, VOR_SURFACE_QUADRIC);
     out->spacing = 0;
@@ -378,7 +405,7 @@ int vor_surface_refine(struct vor_surface *surface, const float *near, unsigned 
     double coarse2 = vor_surface_variance(surface, near, k), thick = THICK * surface->reach;
     double a[3] = {(double)x[0], (double)x[1], (double)x[2]}, b[3] = {a[0], a[1], a[2]};
     float few[3 * VOR_REFINED_TO];
-    struct vor_surface fine;
+    struct vor_surface fine = {0}; /* gcc's analyzer does not follow VOR_CLONES */
 
     assert(k >= VOR_REFINED_MIN && k <= VOR_REFINED_MAX);
     if (surface->kind != VOR_SURFACE_QUADRIC || coarse2 > thick * thick)

@@ -81,12 +81,19 @@ static void find_levels(struct axis *axis, double rounding)
 static int refine(const struct axis *axis, double *cell, double *offset, double where, double width)
 {
     double n = 0, lost = 0, i1 = 0, i2 = 0, r1 = 0, ir = 0, det;
+    size_t first = 0, end = axis->levels;
 
-    for (size_t l = 0; l < axis->levels; l++) {
+    while (first < end) {
+        size_t middle = (first + end) / 2;
+
+        if (where - axis->level[middle] > width)
+            first = middle + 1;
+        else
+            end = middle;
+    }
+    for (size_t l = first; l < axis->levels && axis->level[l] - where <= width; l++) {
         double x = axis->level[l] - *offset, i, r;
 
-        if (fabs(axis->level[l] - where) > width)
-            continue;
         i = rint(x / *cell);
         r = x - i * *cell;
         if (fabs(r) > *cell / 4) { /* nearer to the middle between two levels */
