@@ -26,18 +26,23 @@ struct parting {
     uint32_t count; /* of entries */
 };
 
-static int stronger(const void *a, const void *b)
+static int by_nodes(const void *a, const void *b)
 {
     const struct vor_bond *x = a, *y = b;
-    float p = fabsf(x->strength), q = fabsf(y->strength);
 
-    if (p != q)
-        return p > q ? -1 : 1;
     if (x->a != y->a)
         return x->a < y->a ? -1 : 1;
     if (x->b != y->b)
         return x->b < y->b ? -1 : 1;
     return (x->strength > y->strength) - (x->strength < y->strength);
+}
+
+static int stronger(const void *a, const void *b)
+{
+    const struct vor_bond *x = a, *y = b;
+    float p = fabsf(x->strength), q = fabsf(y->strength);
+
+    return p != q ? (p > q ? -1 : 1) : by_nodes(a, b);
 }
 
 static uint32_t find(struct parting *parting, uint32_t i)
@@ -109,17 +114,6 @@ static void take(struct parting *parting, const struct vor_bond *bond)
         add_parted(parting, a, b);
         add_parted(parting, b, a);
     }
-}
-
-static int by_nodes(const void *a, const void *b)
-{
-    const struct vor_bond *x = a, *y = b;
-
-    if (x->a != y->a)
-        return x->a < y->a ? -1 : 1;
-    if (x->b != y->b)
-        return x->b < y->b ? -1 : 1;
-    return (x->strength > y->strength) - (x->strength < y->strength);
 }
 
 /* Makes bonds between nodes into those between their groups, of the sum of their strengths. Returns

@@ -6,33 +6,24 @@
 #ifndef VOR_GEOM_THROUGH_H
 #define VOR_GEOM_THROUGH_H
 
+#include "core/geom/surface.h"
+
 /** Most points that it goes through. */
 enum { VOR_THROUGH_MOST = 14 };
 
-/** Terms of the plane: 1, u, v. */
-enum { VOR_THROUGH_TERMS = 3 };
-
-/** Lengths are over the scale. */
-struct vor_through {
-    unsigned n;
-    double scale;                                        /**< largest |u| or |v| of a point */
-    double at[VOR_THROUGH_MOST][2];                      /**< places of the points */
-    double weight[VOR_THROUGH_MOST + VOR_THROUGH_TERMS]; /**< of the points, then of the plane */
-};
-
-/** Fits to n points.
+/** Fits to n points, over the frame of the surface fitted to them.
  *
- *  @param[out] out    untouched where it returns 0
- *  @param[in]  local  n x 3: u, v and the height
- *  @param[in]  n      at most VOR_THROUGH_MOST
+ *  @param[out] frame   that surface
+ *  @param[out] at      x in the frame
+ *  @param[out] height  over (at[0], at[1]); at[2] is that of x
+ *  @param[in]  near    n x 3, nearest to x first
+ *  @param[in]  n       at most VOR_THROUGH_MOST
  *
  *  @return 0 where the points determine none: they are fewer than four, lie on a line, or two of
  *          them at one place
  *
  *  O(n^3). Thread-safe. Depends on nothing but its arguments. */
-int vor_through_fit(struct vor_through *out, const double (*local)[3], unsigned n);
-
-/** The height over (u, v). O(n). Cannot fail. */
-double vor_through_height(const struct vor_through *through, double u, double v);
+int vor_through_fit(struct vor_surface *frame, double at[3], double *height, const float *near,
+                    unsigned n, const double x[3]);
 
 #endif

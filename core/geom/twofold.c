@@ -257,9 +257,7 @@ static int take_frame(struct vor_twofold *out, const float *near, unsigned n, co
 
         for (int c = 0; c < 3; c++)
             d[c] = (double)near[3 * i + c] - x[c] - mean[c];
-        for (int a = 0, k = 0; a < 3; a++)
-            for (int b = a; b < 3; b++)
-                m[k++] += d[a] * d[b];
+        vor_add_square(m, d);
     }
     if (!(radius2 > 0))
         return 0;

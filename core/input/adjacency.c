@@ -231,21 +231,26 @@ static void sheet_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
         find_sheet(ctx, i, &recent, &last);
 }
 
+/* Whether the edge from i to j rises over the plane of i by a larger sine. */
+static int rises(const struct make *make, size_t i, size_t j, double sine)
+{
+    const float *x = vor_domain_point(make->domain, i), *y = vor_domain_point(make->domain, j);
+    const float *normal = &make->graph->normal[3 * i];
+    double across = 0;
+
+    for (int c = 0; c < 3; c++)
+        across += ((double)y[c] - (double)x[c]) * (double)normal[c];
+    return across * across > sine * sine * vor_distance2f(x, y);
+}
+
 /* Whether an entry of the list of point i lies steeply over it: perhaps on another sheet. */
 static int has_steep(const struct make *make, size_t i)
 {
     const struct vor_graph *graph = make->graph;
-    const float *x = vor_domain_point(make->domain, i), *normal = &graph->normal[3 * i];
 
-    for (unsigned j = 0; j < graph->count[i]; j++) {
-        const float *y = vor_domain_point(make->domain, graph->list[i * graph->most + j]);
-        double across = 0;
-
-        for (int c = 0; c < 3; c++)
-            across += ((double)y[c] - (double)x[c]) * (double)normal[c];
-        if (across * across > vor_sheet_arcs[0] * vor_sheet_arcs[0] * vor_distance2f(x, y))
+    for (unsigned j = 0; j < graph->count[i]; j++)
+        if (rises(make, i, graph->list[i * graph->most + j], vor_sheet_arcs[0]))
             return 1;
-    }
     return 0;
 }
 
@@ -280,16 +285,9 @@ static void rest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
 /* Whether j lies over i and not beside it: their normals agree, and the edge runs along them. */
 static int lies_steep(const struct make *make, size_t i, size_t j)
 {
-    const float *m = &make->graph->normal[3 * i], *n = &make->graph->normal[3 * j];
-    const float *x = vor_domain_point(make->domain, i), *y = vor_domain_point(make->domain, j);
-    double cosine = 0, across = 0;
+    double cosine = vor_dotf(&make->graph->normal[3 * i], &make->graph->normal[3 * j]);
 
-    for (int c = 0; c < 3; c++) {
-        cosine += (double)m[c] * (double)n[c];
-        across += ((double)y[c] - (double)x[c]) * (double)m[c];
-    }
-    return cosine * cosine > AGREE * AGREE &&
-           across * across > STEEP * STEEP * vor_distance2f(x, y);
+    return cosine * cosine > AGREE * AGREE && rises(make, i, j, STEEP);
 }
 
 /* Drops those entries of lists that lie over their point. */

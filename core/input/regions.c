@@ -187,9 +187,8 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
                      const struct around *around)
 {
     float near[3 * VOR_THROUGH_MOST];
-    double local[VOR_THROUGH_MOST][3], x[3], at[3];
+    double x[3], at[3], height;
     struct vor_surface frame;
-    struct vor_through through;
     unsigned n = 0;
 
     for (unsigned e = 0; e < around->count && n < VOR_THROUGH_MOST; e++)
@@ -197,18 +196,10 @@ static double beside(const struct regions *regions, uint32_t i, uint32_t region,
             memcpy(&near[3 * (size_t)n++], point(regions, around->index[e]), 3 * sizeof *near);
     if (n < VOR_ADJACENT_FEWEST)
         return INFINITY;
-    vor_surface_fit(&frame, near, n);
-    if (frame.kind == VOR_SURFACE_NONE || !(frame.spacing > 0))
-        return INFINITY;
-    for (unsigned e = 0; e < n; e++) {
-        vor_to_doubles(x, &near[3 * (size_t)e]);
-        vor_surface_to_local(&frame, x, local[e]);
-    }
     vor_to_doubles(x, point(regions, i));
-    vor_surface_to_local(&frame, x, at);
-    if (!vor_through_fit(&through, (const double(*)[3])local, n))
+    if (!vor_through_fit(&frame, at, &height, near, n, x) || !(frame.spacing > 0))
         return INFINITY;
-    return fabs(at[2] - vor_through_height(&through, at[0], at[1])) / frame.spacing;
+    return fabs(at[2] - height) / frame.spacing;
 }
 
 /* Looks around point i, without itself. */

@@ -134,17 +134,15 @@ static vor_status list_component(struct make *make, size_t c, const struct vor_r
 {
     size_t n = make->first[c + 1] - make->first[c];
     struct vor_knn *knn = NULL;
-    vor_status status;
+    vor_status status = VOR_OK;
 
     make->begin = make->first[c];
     make->wide = n <= WIDE ? 0 : WIDE;
-    if (n <= WIDE)
-        return vor_run_for(run, n, BLOCK, list_block, make, err);
-    status = vor_knn_build(&knn, &make->at[3 * (size_t)make->begin], n, run->memory, err);
-    if (status != VOR_OK)
-        return status;
+    if (make->wide > 0)
+        status = vor_knn_build(&knn, &make->at[3 * (size_t)make->begin], n, run->memory, err);
     make->knn = knn;
-    status = vor_run_for(run, n, BLOCK, list_block, make, err);
+    if (status == VOR_OK)
+        status = vor_run_for(run, n, BLOCK, list_block, make, err);
     vor_knn_free(knn);
     return status;
 }

@@ -1,7 +1,6 @@
 #include "core/mesh/exact.h"
 
 #include "core/base/linalg.h"
-#include "core/geom/surface.h"
 #include "core/geom/through.h"
 #include "core/input/adjacency.h"
 
@@ -57,27 +56,17 @@ static void gather(struct around *out, const struct vor_sheet *sheet, size_t i)
 static int put(const struct around *around, double x[3])
 {
     float near[3 * VOR_THROUGH_MOST];
-    double local[VOR_THROUGH_MOST][3], at[3], height, u, v;
+    double at[3], height, u, v;
     struct vor_surface frame;
-    struct vor_through through;
 
     for (unsigned k = 0; k < around->count; k++)
         memcpy(&near[3 * k], around->point[k], 3 * sizeof *near);
-    vor_surface_fit(&frame, near, around->count);
-    if (frame.kind == VOR_SURFACE_NONE)
+    if (!vor_through_fit(&frame, at, &height, near, around->count, x))
         return 0;
-    for (unsigned k = 0; k < around->count; k++) {
-        double p[3] = {(double)near[3 * k], (double)near[3 * k + 1], (double)near[3 * k + 2]};
-
-        vor_surface_to_local(&frame, p, local[k]);
-    }
-    vor_surface_to_local(&frame, x, at);
     u = at[0] - frame.center[0];
     v = at[1] - frame.center[1];
-    if (u * u + v * v > frame.reach * frame.reach ||
-        !vor_through_fit(&through, (const double(*)[3])local, around->count))
+    if (u * u + v * v > frame.reach * frame.reach)
         return 0;
-    height = vor_through_height(&through, at[0], at[1]);
     if (!(fabs(height - at[2]) < frame.spacing))
         return 0;
     at[2] = height;
