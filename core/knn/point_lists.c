@@ -1,6 +1,7 @@
 #include "core/knn/point_lists.h"
 
 #include "core/base/linalg.h"
+#include "core/base/vector.h"
 
 #include <assert.h>
 #include <string.h>
@@ -228,11 +229,9 @@ static float distance2(const struct vor_point_lists_view *view, size_t i, size_t
     return x * x + y * y + z * z;
 }
 
-/* Inserts j where its distance belongs. */
-static void insert(struct vor_crowd *crowd, uint32_t j, float d2)
+/* Inserts j where its distance belongs among the first `at`. */
+static void insert(struct vor_crowd *crowd, unsigned at, uint32_t j, float d2)
 {
-    unsigned at = crowd->count++;
-
     for (; at > 0 && d2 < crowd->distance2[at - 1]; at--) {
         crowd->distance2[at] = crowd->distance2[at - 1];
         crowd->index[at] = crowd->index[at - 1];
@@ -248,9 +247,9 @@ static void sort_list(struct vor_crowd *out, struct vor_point_lists *lists,
 {
     uint32_t *list = &lists->list[i * lists->listed];
 
-    out->count = 0;
+    out->count = lists->listed;
     for (unsigned j = 0; j < lists->listed; j++)
-        insert(out, list[j], distance2(view, i, list[j]));
+        insert(out, j, list[j], distance2(view, i, list[j]));
     memcpy(list, out->index, lists->listed * sizeof *list);
     out->sure = sure_of(lists, view, i);
 }
@@ -263,8 +262,17 @@ static int holds(const struct vor_crowd *crowd, uint32_t j)
     return 0;
 }
 
+VOR_INLINE float jumper_distance2(const struct vor_point_lists_view *view, const float at[3],
+                                  unsigned j)
+{
+    float x = view->jumped[0][j] - at[0], y = view->jumped[1][j] - at[1],
+          z = view->jumped[2][j] - at[2];
+
+    return x * x + y * y + z * z;
+}
+
 /* Whether a jumper, i included, is nearer to i than the limit. */
-static int near_jumper(const struct vor_point_lists_view *view, size_t i, float limit2)
+VOR_CLONES static int near_jumper(const struct vor_point_lists_view *view, size_t i, float limit2)
 {
     const float *at = &view->xyz[3 * i];
     int found = 0;
@@ -272,27 +280,25 @@ static int near_jumper(const struct vor_point_lists_view *view, size_t i, float 
     if (limit2 * 1.01f < view->ground * view->ground &&
         !((view->cells[64 * cell_of(at[0]) + cell_of(at[1])] >> cell_of(at[2])) & 1))
         return 0;
-    for (unsigned j = 0; j < view->jumpers; j++) {
-        float x = view->jumped[0][j] - at[0], y = view->jumped[1][j] - at[1],
-              z = view->jumped[2][j] - at[2];
-
-        found |= x * x + y * y + z * z <= limit2;
-    }
+    for (unsigned j = 0; j < view->jumpers; j++)
+        found |= jumper_distance2(view, at, j) <= limit2;
     return found;
 }
 
 /* Adds the jumpers that are nearer than what the crowd holds for certain. */
 static void add_jumpers(struct vor_crowd *crowd, const struct vor_point_lists_view *view, size_t i)
 {
-    if (crowd->sure >= 0 && !near_jumper(view, i, (float)(crowd->sure * crowd->sure) * 1.001f))
+    const float *at = &view->xyz[3 * i];
+    double limit2 = crowd->sure < 0 ? INFINITY : crowd->sure * crowd->sure;
+
+    if (crowd->sure >= 0 && !near_jumper(view, i, (float)limit2 * 1.001f))
         return;
     for (unsigned j = 0; j < view->jumpers; j++) {
-        float d2 = distance2(view, i, view->jumper[j]);
+        float d2 = jumper_distance2(view, at, j);
 
         /* Farther jumpers may have nearer points, not listed, before them. */
-        if (view->jumper[j] != i && (crowd->sure < 0 || (double)d2 < crowd->sure * crowd->sure) &&
-            !holds(crowd, view->jumper[j]))
-            insert(crowd, view->jumper[j], d2);
+        if ((double)d2 < limit2 && view->jumper[j] != i && !holds(crowd, view->jumper[j]))
+            insert(crowd, crowd->count++, view->jumper[j], d2);
     }
 }
 
