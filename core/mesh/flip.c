@@ -48,8 +48,8 @@ static int face_alike(const float *xyz, const uint32_t before[2][3], const uint3
 }
 
 /* Whether the edge from c to d may take the place of that from a to b. */
-static int may(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
-               uint32_t b, const uint32_t third[2])
+int vor_flip_may(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
+                 uint32_t b, const uint32_t third[2])
 {
     uint32_t c = third[0], d = third[1], none[2];
     const uint32_t before[2][3] = {{a, b, c}, {b, a, d}}, after[2][3] = {{a, d, c}, {d, b, c}};
@@ -112,7 +112,7 @@ size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet,
                 third[0] != other[1 - e % 2] || /* it is looked at from its first triangle */
                 !(surrounded != NULL ? gain(complex, surrounded, a, other[e % 2], third) > 0
                                      : pays(sheet, a, other[e % 2], third)) ||
-                !may(complex, sheet, a, other[e % 2], third))
+                !vor_flip_may(complex, sheet, a, other[e % 2], third))
                 continue;
             vor_complex_flip(complex, a, other[e % 2], third);
             flipped++;

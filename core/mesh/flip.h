@@ -23,4 +23,10 @@
 size_t vor_flip(struct vor_complex *complex, const struct vor_sheet *sheet,
                 const unsigned char *surrounded);
 
+/** Whether the edge from a to b may be flipped to one between its third corners, as
+ * vor_complex_edge tells them: no triangle turns over, no sheets are joined, and the new edge
+ * exists nowhere and leaves the surface no more than the old one. O(1). */
+int vor_flip_may(const struct vor_complex *complex, const struct vor_sheet *sheet, uint32_t a,
+                 uint32_t b, const uint32_t third[2]);
+
 #endif

@@ -19,9 +19,6 @@
  * folds with as many input points without the latter / with it: 16 / 0, 1 / 0. */
 static const int fronts[] = {2, 1};
 
-/* Times that edges are flipped and points move. */
-enum { ROUNDS_BETTER = 2 };
-
 struct making {
     struct vor_seeds *seeds;
     const struct vor_mesh_how *how;
@@ -126,7 +123,7 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
                                       .creases = repairs};
     vor_status status = VOR_OK;
 
-    for (int round = 0; round < ROUNDS_BETTER && status == VOR_OK; round++) {
+    for (int round = 0; round < VOR_RELAX_ROUNDS && status == VOR_OK; round++) {
         if (repairs)
             status = vor_repair(&making->complex, &making->sheet, making->seeds, making->how->fixed,
                                 &recall, err);
@@ -139,7 +136,7 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
         status = vor_attach_last(making->seeds, err);
     if (status == VOR_OK)
         status = attach_hanging(making, repairs, err);
-    for (int round = 0; round < 2 * ROUNDS_BETTER && repairs && status == VOR_OK; round++)
+    if (repairs && status == VOR_OK)
         status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
                                    making->how->fixed, &recall, err);
     return status == VOR_OK ? vor_exact_put(&making->sheet, making->seeds, making->how->fixed, err)

@@ -18,6 +18,9 @@
  * after two times 0 / 1 / 2 / 3 / 6 steps: 0.930 / 0.950 / 0.954 / 0.956 / 0.959. */
 enum { VOR_RELAX_STEPS = 3 };
 
+/** Times that edges are flipped and points move. */
+enum { VOR_RELAX_ROUNDS = 2 };
+
 /** Longest step, in mean distances to the points around. */
 #define VOR_RELAX_STEP_MAX 0.15
 

@@ -52,25 +52,14 @@ struct finding {
     const unsigned char *moved; /* only these are looked at, and put onto the surface; NULL: all */
 };
 
-static void find_row(void *ctx, size_t i, unsigned worker)
+/* Finds what is known of seed i. */
+static void find(struct vor_sheet *sheet, struct vor_seeds *seeds, const struct vor_recall *how,
+                 struct vor_scratch *scratch, size_t i)
 {
-    struct finding *finding = ctx;
-    struct vor_sheet *sheet = finding->sheet;
-    struct vor_seeds *seeds = finding->seeds;
     float distance2;
     uint32_t nearest;
 
-    if (finding->moved != NULL && !finding->moved[i])
-        return;
-    if (finding->moved != NULL &&
-        vor_seeds_recall(seeds, &seeds->scratch[worker], i, finding->how) != VOR_SURFACE_NONE) {
-        double x[3];
-
-        vor_seeds_position(seeds, i, x);
-        vor_surface_put(&seeds->scratch[worker].onto, x);
-        vor_to_floats(&seeds->xyz[3 * i], x);
-    }
-    find_normal(sheet, seeds, finding->how, &seeds->scratch[worker], i);
+    find_normal(sheet, seeds, how, scratch, i);
     vor_knn_search(seeds->domain->knn, &seeds->xyz[3 * i], 1, 1, &nearest, &distance2);
     sheet->near[i] = sqrtf(distance2);
     if (sheet->root == NULL)
@@ -78,6 +67,30 @@ static void find_row(void *ctx, size_t i, unsigned worker)
     sheet->root[i] = seeds->last_fit[i].root;
     if (sheet->root[i] == VOR_LISTS_NO_ROOT)
         sheet->root[i] = nearest;
+}
+
+void vor_sheet_put_one(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                       const struct vor_recall *how, struct vor_scratch *scratch, size_t i)
+{
+    double x[3];
+
+    if (vor_seeds_recall(seeds, scratch, i, how) != VOR_SURFACE_NONE) {
+        vor_seeds_position(seeds, i, x);
+        vor_surface_put(&scratch->onto, x);
+        vor_to_floats(&seeds->xyz[3 * i], x);
+    }
+    find(sheet, seeds, how, scratch, i);
+}
+
+static void find_row(void *ctx, size_t i, unsigned worker)
+{
+    struct finding *finding = ctx;
+    struct vor_scratch *scratch = &finding->seeds->scratch[worker];
+
+    if (finding->moved == NULL)
+        find(finding->sheet, finding->seeds, finding->how, scratch, i);
+    else if (finding->moved[i])
+        vor_sheet_put_one(finding->sheet, finding->seeds, finding->how, scratch, i);
 }
 
 /* Takes the domain's graph, or makes one where fits look for layers without. */

@@ -48,6 +48,10 @@ VOR_NODISCARD vor_status vor_sheet_put(struct vor_sheet *sheet, struct vor_seeds
                                        const unsigned char *moved, const struct vor_recall *how,
                                        struct vor_error *err);
 
+/** The same for seed i, which no other thread asks about. */
+void vor_sheet_put_one(struct vor_sheet *sheet, struct vor_seeds *seeds,
+                       const struct vor_recall *how, struct vor_scratch *scratch, size_t i);
+
 /** sheet may be all zero. */
 void vor_sheet_free(struct vor_sheet *sheet);
 
