@@ -82,12 +82,13 @@ VOR_NODISCARD vor_status vor_orient(struct vor_orientation *out, const struct vo
 /** Adds up, over the oriented points around x (normalised, of the same domain), which side `normal`
  *  is on: positive where it agrees with theirs, the nearest on its sheet first.
  *
- *  @param[in,out] last  of a row of places near each other
+ *  @param[out]    toward  the sum of their normals
+ *  @param[in,out] last    of a row of places near each other
  *
  *  O(log n). */
 double vor_orientation_side(const struct vor_orientation *orientation,
                             const struct vor_domain *domain, const float x[3],
-                            const double normal[3], struct vor_knn_last *last);
+                            const double normal[3], double toward[3], struct vor_knn_last *last);
 
 /** orientation may be all zero. */
 void vor_orientation_free(struct vor_orientation *orientation, struct vor_memory *memory);

@@ -19,20 +19,22 @@ static double distance_on_sheet(const struct vor_domain *on, size_t i, const flo
 
 double vor_orientation_side(const struct vor_orientation *orientation,
                             const struct vor_domain *domain, const float x[3],
-                            const double normal[3], struct vor_knn_last *last)
+                            const double normal[3], double toward[3], struct vor_knn_last *last)
 {
     const struct vor_domain *on = orientation->thin.n > 0 ? &orientation->thin : domain;
     unsigned k = on->n < VOR_ADJACENT ? (unsigned)on->n : VOR_ADJACENT;
     uint32_t index[VOR_ADJACENT];
     float distance2[VOR_ADJACENT];
-    double sum = 0, own[3];
+    double own[3];
 
+    toward[0] = toward[1] = toward[2] = 0;
     vor_knn_search_next(on->knn, last, x, k, index, distance2);
     for (unsigned j = 0; j < k; j++) {
         double d2 = distance_on_sheet(on, index[j], x, normal);
 
         vor_to_doubles(own, &orientation->normal[3 * (size_t)index[j]]);
-        sum += vor_dot(own, normal) / fmax(d2 * d2, DBL_MIN);
+        for (int c = 0; c < 3; c++)
+            toward[c] += own[c] / fmax(d2 * d2, DBL_MIN);
     }
-    return sum;
+    return vor_dot(toward, normal);
 }

@@ -338,7 +338,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
     struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end && !vor_run_is_late(&seeds->run); i++) {
-        double x[3], local[3], fitted[3], side;
+        double x[3], local[3], fitted[3], toward[3], side;
 
         if (vor_seeds_fit(seeds, scratch, i) == VOR_SURFACE_NONE)
             continue;
@@ -346,7 +346,7 @@ static void normal_block(void *ctx, size_t begin, size_t end, unsigned worker)
         vor_surface_to_local(&scratch->here.surface, x, local);
         vor_surface_normal(&scratch->here.surface, local, fitted);
         side = vor_orientation_side(&fitting->lop->sides, fitting->lop->domain, &seeds->xyz[3 * i],
-                                    fitted, &last);
+                                    fitted, toward, &last);
         for (size_t c = 0; c < 3; c++)
             seeds->normal[3 * i + c] = (float)(side < 0 ? -fitted[c] : fitted[c]);
     }

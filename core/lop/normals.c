@@ -180,10 +180,11 @@ static void sign_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
 
     for (size_t i = begin; i < end; i++) {
         float *normal = normals->now.normal + 3 * i;
-        const double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+        double n[3], toward[3];
 
+        vor_to_doubles(n, normal);
         if (vor_orientation_side(normals->how->orientation, normals->domain,
-                                 &normals->domain->xyz[3 * i], n, &last) < 0)
+                                 &normals->domain->xyz[3 * i], n, toward, &last) < 0)
             for (unsigned c = 0; c < 3; c++)
                 normal[c] = -normal[c];
     }

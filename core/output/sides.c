@@ -3,6 +3,8 @@
 #include "core/base/linalg.h"
 #include "core/input/carried.h"
 
+#include <math.h>
+
 /* Whether carried normals alone say the sides: with `use` all were checked. */
 static vor_status carried_decide(struct vor_sides *sides, const struct vor_sides_of *of,
                                  const struct vor_run *run, struct vor_error *err)
@@ -69,29 +71,40 @@ void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory)
     vor_orientation_free(&sides->orientation, memory);
 }
 
-/* Whether a normal fitted at x points to the right side. */
-static int agree(const struct vor_sides *sides, const float x[3], uint32_t source,
-                 const double normal[3])
+/* Turns a normal fitted at x to its right side. Where the input's around x lead more than 45
+ * degrees away from it, as those of both faces at the rim of a plate, it is theirs together. */
+static void turn(double normal[3], const struct vor_sides *sides, const float x[3], uint32_t source)
 {
     struct vor_knn_last none = {.k = 0};
-    double carried[3];
+    double toward[3], side, length2 = 0;
 
-    if (!sides->carried_decide)
-        return vor_orientation_side(&sides->orientation, sides->domain, x, normal, &none) >= 0;
-    (void)vor_carried_normal(sides->carried, source, carried);
-    return vor_dot(carried, normal) >= 0;
+    if (sides->carried_decide) {
+        (void)vor_carried_normal(sides->carried, source, toward);
+        side = vor_dot(toward, normal);
+    } else {
+        side = vor_orientation_side(&sides->orientation, sides->domain, x, normal, toward, &none);
+        length2 =
+            vor_dot(toward, toward); /* infinite where an input point is; its normal decides */
+    }
+    if (2 * side * side < length2)
+        for (size_t c = 0; c < 3; c++)
+            normal[c] = toward[c] / sqrt(length2);
+    else if (side < 0)
+        for (size_t c = 0; c < 3; c++)
+            normal[c] = -normal[c];
 }
 
 void vor_sides_normal(float out[3], const struct vor_sides *sides, const float x[3],
                       uint32_t source, const double fitted[3])
 {
-    double sign = agree(sides, x, source, fitted) ? 1 : -1, carried[3];
-    const double *normal = fitted;
+    double normal[3] = {fitted[0], fitted[1], fitted[2]}, carried[3];
 
+    turn(normal, sides, x, source);
     if (sides->carried_stay && vor_carried_normal(sides->carried, source, carried)) {
-        normal = carried;
-        sign = vor_dot(fitted, carried) < 0 ? -sign : sign;
+        double sign = vor_dot(normal, carried) < 0 ? -1 : 1;
+
+        for (size_t c = 0; c < 3; c++)
+            normal[c] = sign * carried[c];
     }
-    for (size_t c = 0; c < 3; c++)
-        out[c] = (float)(sign * normal[c]);
+    vor_to_floats(out, normal);
 }

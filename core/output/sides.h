@@ -45,7 +45,8 @@ void vor_sides_report(struct vor_report *report, const struct vor_sides *sides);
 /** sides may be all zero. */
 void vor_sides_free(struct vor_sides *sides, struct vor_memory *memory);
 
-/** The normal of a point of the result: the fitted one on its right side; with normals=oriented the
+/** The normal of a point of the result: the fitted one on its right side, unless those of the input
+ *  around it lead elsewhere; with normals=oriented the
  *  carried one of its input point, if that has a direction, on the same side as the fitted one.
  *
  *  @param[in] x       the point, normalised

@@ -83,6 +83,30 @@ static void nearest_of_torus(struct place *at, const double x[3], double gap)
     set(at, hypot(out, x[2]) - VT_TORUS_TUBE, 0, out * x[0] / r, out * x[1] / r, x[2]);
 }
 
+/* A round plate, as thick as the gap, with a rounded rim. */
+static void make_plate(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
+{
+    double rim = M_PI * gap / 2; /* its area over that of both faces */
+
+    vt_cloud_make(cloud, n);
+    for (size_t i = 0; i < n; i++) {
+        double u = vt_unit(seed, 3 * i) * (1 + rim), way = 2 * M_PI * vt_unit(seed, 3 * i + 1);
+        double t = vt_unit(seed, 3 * i + 2), up = M_PI * (u > 1 ? t - 0.5 : i % 2 ? 0.5 : -0.5);
+        double r = (u > 1 ? 1 : sqrt(t)) + gap / 2 * cos(up);
+
+        cloud->xyz[3 * i] = (float)(r * cos(way));
+        cloud->xyz[3 * i + 1] = (float)(r * sin(way));
+        cloud->xyz[3 * i + 2] = (float)(gap / 2 * sin(up));
+    }
+}
+
+static void nearest_of_plate(struct place *at, const double x[3], double gap)
+{
+    double r = hypot(x[0], x[1]), out = fmax(0, r - 1);
+
+    set(at, hypot(out, x[2]) - gap / 2, x[2] > 0, out * x[0] / r, out * x[1] / r, x[2]);
+}
+
 /* Its sheets are its two squares; the bend belongs to the nearer one. */
 static void nearest_of_fold(struct place *at, const double x[3], double gap)
 {
@@ -182,7 +206,7 @@ static int inside_wedge(const double x[3])
     return x[1] > 0.1 && x[1] < 0.9 && x[0] + x[2] > -0.9;
 }
 
-enum shape { SPHERE, FAR, TORUS, NESTED, SPHERES, SHEETS, FOLD, CROSSING, WAVES, WEDGE };
+enum shape { SPHERE, FAR, TORUS, PLATE, NESTED, SPHERES, SHEETS, FOLD, CROSSING, WAVES, WEDGE };
 
 static const struct {
     const char *name;
@@ -195,6 +219,7 @@ static const struct {
     [SPHERE] = {"sphere", NULL, nearest_of_sphere, NULL, 1, 4 * M_PI},
     [FAR] = {"sphere and a far point", make_far, nearest_of_sphere, NULL, 1, 4 * M_PI},
     [TORUS] = {"torus", make_torus, nearest_of_torus, NULL, 1, 0.8 * 2 * M_PI *M_PI},
+    [PLATE] = {"plate", make_plate, nearest_of_plate, NULL, 1, 2 * M_PI},
     [NESTED] = {"nested spheres", make_nested, nearest_of_nested, NULL, 1, 5 * M_PI},
     [SPHERES] = {"two spheres", NULL, nearest_of_spheres, NULL, 1, 8 * M_PI},
     [SHEETS] = {"two sheets", NULL, nearest_of_sheets, inside, 0, 2},
@@ -281,6 +306,7 @@ static const struct {
     {SPHERE, 8000, 0, 0.5, "points=800 polish=8", 0.036, 0, 0},
     {FAR, 4000, 0, 0, "points=3500 method=ear polish=8", 0.001, 0, 0},
     {TORUS, 5000, 0, 0, "points=800 polish=8", 0.001, 0, 0},
+    {PLATE, 6000, 1.5, 0, "points=2400 polish=8", 0.073, 28, 12},
     {NESTED, 5000, 0, 0, "points=800 polish=8", 4e-4, 0, 0},
     {SPHERES, 8000, 3, 0, "points=800 polish=8", 1e-4, 0, 0},
     {SHEETS, 3000, 3, 0, "points=1500 iterations=3 polish=4 intrinsic=satellites", 0.042, 2, 2},
