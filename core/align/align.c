@@ -41,14 +41,14 @@ enum {
 /* Where trust is 0.5, and of the second and third half of the score, too. Hover: right poses at
  * most 0.04, in two of 120 0.063. Beside, at borders and folds: right ones at most 0.21, wrong ones
  * of kitti 0.25 to 0.6. Looseness: right ones 0.1 to 1.1 (0.7 of noise alone), wrong ones of kitti
- * 1.4 to 10. Firmness: right poses 0.0084 and more but for 3 of 24 of kitti, spheres, tori and
- * cylinders at most 0.0005, wrong ones of thin plates, that little else contradicts, 0.0041 and
- * 0.0051. */
+ * 1.4 to 10. Firmness: right poses 0.0048 and more but for 2 of 24 of kitti,
+ * spheres, tori and cylinders at most 0.0005. Wrong poses of thin plates have 0.0041 and 0.0051
+ * where little else contradicts them: what is weakly held has to agree the better. */
 #define MARGIN 0.2
 #define HOVER 0.07
 #define BESIDE 0.33
 #define LOOSE 1.8
-#define FIRM 0.006
+#define FIRM 0.004
 #define OVERLAP 0.1
 
 /* Poses that parts of the evidence lead to, apart: a degree, as angle and over the unit. Halves of
@@ -291,14 +291,14 @@ static void set_trust(struct vor_report *report, const struct align *align)
     const struct vor_align_fit *fit = &align->fit[0];
     double margin = 1 - (align->count > 1 ? rival(&align->fit[1], fit) : 0);
     double overlap = fmax(fit->overlap[0], fit->overlap[1]);
-    double hover = fit->hover / HOVER;
+    double held = fmin(fit->slide, fit->turn), hover = fit->hover / HOVER;
     const struct {
         enum vor_doubt doubt;
         double trust;
     } parts[] = {{VOR_DOUBT_SLIDE, fit->slide / (fit->slide + FIRM)},
                  {VOR_DOUBT_TURN, fit->turn / (fit->turn + FIRM)},
                  {VOR_DOUBT_SCALE, align->of.scales ? fit->grow / (fit->grow + FIRM) : 1},
-                 {VOR_DOUBT_CONFLICT, 1 / (1 + hover * hover)},
+                 {VOR_DOUBT_CONFLICT, held / (held + FIRM) / (1 + hover * hover)},
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->loose / LOOSE, 4))},
                  {VOR_DOUBT_CONFLICT, 1 / (1 + vor_power(fit->beside / BESIDE, 4))},
                  {VOR_DOUBT_OVERLAP, overlap / (overlap + OVERLAP)},
