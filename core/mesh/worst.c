@@ -423,8 +423,7 @@ static void improve_on_one(void *ctx, VOR_UNUSED size_t begin, VOR_UNUSED size_t
 {
     for (int pass = 0; pass < 2 * VOR_RELAX_ROUNDS; pass++) {
         for_each(ctx, worker, move_at);
-        if (pass < VOR_RELAX_ROUNDS)
-            for_each(ctx, worker, flip_at);
+        for_each(ctx, worker, flip_at);
     }
 }
 
