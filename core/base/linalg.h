@@ -60,6 +60,13 @@ static inline void vor_cross(double out[3], const double a[3], const double b[3]
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/** The way from one point to another. */
+static inline void vor_way(double out[3], const float from[3], const float to[3])
+{
+    for (int c = 0; c < 3; c++)
+        out[c] = (double)to[c] - (double)from[c];
+}
+
 /** Adds d d^T to the upper triangle m of a symmetric matrix: xx xy xz yy yz zz. */
 static inline void vor_add_square(double m[6], const double d[3])
 {

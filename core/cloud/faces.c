@@ -1,5 +1,6 @@
 #include "core/cloud/faces.h"
 
+#include "core/base/linalg.h"
 #include "core/base/rng.h"
 
 #include <assert.h>
@@ -26,18 +27,14 @@ struct draw {
 static double area_of(const struct vor_cloud *cloud, size_t t)
 {
     const float *p[3];
-    double a[3], b[3], x, y, z;
+    double a[3], b[3], normal[3];
 
     for (int k = 0; k < 3; k++)
         p[k] = &cloud->xyz[3 * (size_t)cloud->triangles[3 * t + (size_t)k]];
-    for (int c = 0; c < 3; c++) {
-        a[c] = (double)p[1][c] - (double)p[0][c];
-        b[c] = (double)p[2][c] - (double)p[0][c];
-    }
-    x = a[1] * b[2] - a[2] * b[1];
-    y = a[2] * b[0] - a[0] * b[2];
-    z = a[0] * b[1] - a[1] * b[0];
-    return 0.5 * sqrt(x * x + y * y + z * z);
+    vor_way(a, p[0], p[1]);
+    vor_way(b, p[0], p[2]);
+    vor_cross(normal, a, b);
+    return 0.5 * sqrt(vor_dot(normal, normal));
 }
 
 double vor_faces_area(const struct vor_cloud *cloud)

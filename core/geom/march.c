@@ -62,12 +62,6 @@ void vor_march_free(struct vor_march *march)
     memset(march, 0, sizeof *march);
 }
 
-static void between(double out[3], const float *from, const float *to)
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)to[c] - (double)from[c];
-}
-
 /* The distance of point v by a plane wave that has passed u and w, which are done; INFINITY unless
  * it comes through between them. In the plane of the three u is at 0, w on the first axis. An
  * obtuse angle at v, as where two waves meet, has none. */
@@ -75,8 +69,8 @@ static double through(const struct vor_march *march, uint32_t u, uint32_t w, uin
 {
     double uv[3], uw[3], length, x, y, slope, up, cut;
 
-    between(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
-    between(uw, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)w]);
+    vor_way(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
+    vor_way(uw, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)w]);
     length = sqrt(vor_dot(uw, uw));
     slope = ((double)march->far[w] - (double)march->far[u]) / length;
     if (vor_dot(uv, uv) < vor_dot(uv, uw) || !(fabs(slope) < 1)) /* u and w may coincide */
@@ -93,7 +87,7 @@ static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 {
     double uv[3], best;
 
-    between(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
+    vor_way(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
     best = (double)march->far[u] + sqrt(vor_dot(uv, uv));
     for (size_t e = march->first[v]; e < march->first[v + 1]; e++) {
         uint32_t w = march->edge[e];

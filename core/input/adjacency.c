@@ -78,6 +78,17 @@ struct make {
     int layers;           /* they are looked for, and nothing else */
 };
 
+/* Takes n points, of which i is one, as the list of i. */
+static void set_list(struct vor_graph *graph, size_t i, const uint32_t *index, unsigned n)
+{
+    unsigned taken = 0;
+
+    for (unsigned j = 0; j < n && taken < graph->most; j++)
+        if (index[j] != i)
+            graph->list[i * graph->most + taken++] = index[j];
+    graph->count[i] = (unsigned char)taken;
+}
+
 static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned worker)
 {
     struct make *make = ctx;
@@ -87,14 +98,9 @@ static void nearest_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsign
     struct vor_knn_last last = {.k = 0};
 
     for (size_t i = begin; i < end; i++) {
-        unsigned taken = 0;
-
         vor_knn_search_next(make->domain->knn, &last, vor_domain_point(make->domain, i),
                             graph->most + 1, index, distance2);
-        for (unsigned j = 0; j <= graph->most && taken < graph->most; j++)
-            if (index[j] != i)
-                graph->list[i * graph->most + taken++] = index[j];
-        graph->count[i] = (unsigned char)taken;
+        set_list(graph, i, index, graph->most + 1);
         make->known[i].layer = make->known[i].single = 0;
         vor_plane_fit(&make->known[i].plane, make->domain->xyz, index,
                       vor_domain_most(make->domain, VOR_PLANE_POINTS));
@@ -122,17 +128,6 @@ static void plane_row(void *ctx, size_t i, VOR_UNUSED unsigned worker)
         }
     }
     memcpy(&graph->normal[3 * i], take->normal, sizeof take->normal);
-}
-
-/* Takes n points, of which i is one, as the list of i. */
-static void set_list(struct vor_graph *graph, size_t i, const uint32_t *index, unsigned n)
-{
-    unsigned taken = 0;
-
-    for (unsigned j = 0; j < n && taken < graph->most; j++)
-        if (index[j] != i)
-            graph->list[i * graph->most + taken++] = index[j];
-    graph->count[i] = (unsigned char)taken;
 }
 
 /* Takes n points as those that fits at i are made to, and their surface's plane as that of i. */

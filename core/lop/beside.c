@@ -45,19 +45,13 @@ static double area_of(const struct around *around)
     return (double)around->beside->data->area[around->index[0]];
 }
 
-static double cosine_of(const float a[3], const float b[3])
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 /* The place of a datum's disc that is nearest to x; returns how far away it is, squared. */
 static double foot_of(double foot[3], const float *x, const struct vor_lop_samples *data, size_t at)
 {
     double n[3], d[3], height, length, part, away2 = 0;
 
     vor_to_doubles(n, &data->normal[3 * at]);
-    for (size_t c = 0; c < 3; c++)
-        d[c] = (double)x[c] - (double)data->xyz[3 * at + c];
+    vor_way(d, &data->xyz[3 * at], x);
     height = vor_dot(d, n);
     for (size_t c = 0; c < 3; c++)
         d[c] -= height * n[c];
@@ -109,7 +103,7 @@ static double to_hull(double v[3], const struct around *around, const float *x, 
         const float *y = &data->xyz[3 * at], *m = &data->normal[3 * at];
         double *d = q[count], height = 0;
 
-        if (at == around->self || (of_side && !(vor_lop_alike(cosine_of(n, m), scale) > 0)))
+        if (at == around->self || (of_side && !(vor_lop_alike(vor_dotf(n, m), scale) > 0)))
             continue;
         for (size_t c = 0; c < 3; c++) {
             d[c] = (double)y[c] - (double)x[c];
@@ -173,7 +167,7 @@ void vor_lop_beside_land(float *x, float *n, const struct vor_lop_beside *beside
         return;
     m = &beside->data->normal[3 * datum];
     /* Data between two sides less than 60 degrees apart may have planes of neither. */
-    if (cosine_of(n, m) > 0.5) {
+    if (vor_dotf(n, m) > 0.5) {
         if (self == SIZE_MAX)
             move_along(x, n, foot);
         return;

@@ -66,8 +66,7 @@ static void put_row(void *ctx, size_t added, VOR_UNUSED unsigned worker)
     j = towards.index[added % towards.count];
     vor_to_doubles(n, &normal[3 * i]);
     vor_to_doubles(m, &normal[3 * j]);
-    for (size_t c = 0; c < 3; c++)
-        there[c] = (double)xyz[3 * j + c] - (double)xyz[3 * i + c];
+    vor_way(there, &xyz[3 * i], &xyz[3 * j]);
     if (vor_dot(n, m) > 0) {
         down = t * (1 - t) / 2 * vor_dot(there, n);
         up = t * (1 - t) / 2 * vor_dot(there, m);

@@ -19,11 +19,6 @@
 /* Points of its own side that a point needs around it to be past its edge, at least. */
 #define PAST_OTHERS 3
 
-static double cosine(const float *a, const float *b)
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 /* The nearest point around that is of another side: its place among those gathered, or -1. */
 static int other_side(const struct vor_lop_gathered *near, const float *normal)
 {
@@ -31,7 +26,7 @@ static int other_side(const struct vor_lop_gathered *near, const float *normal)
 
     for (unsigned k = 0; k < near->count; k++) {
         float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
-        double turned = cosine(n, normal);
+        double turned = vor_dotf(n, normal);
 
         if (turned > VOR_LOP_EDGE_COSINE || turned < (double)VOR_LOP_AWAY)
             continue;
@@ -46,12 +41,12 @@ static int other_side(const struct vor_lop_gathered *near, const float *normal)
  * 1 - cosine, which grows as their square. */
 static int bends(const struct vor_lop_gathered *near, const struct vor_lop_point end[2])
 {
-    double turn = 1 - cosine(end[0].normal, end[1].normal), least = BETWEEN * BETWEEN * turn;
+    double turn = 1 - vor_dotf(end[0].normal, end[1].normal), least = BETWEEN * BETWEEN * turn;
     unsigned between = 0;
 
     for (unsigned k = 0; k < near->count; k++) {
         float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
-        double a = 1 - cosine(n, end[0].normal), b = 1 - cosine(n, end[1].normal);
+        double a = 1 - vor_dotf(n, end[0].normal), b = 1 - vor_dotf(n, end[1].normal);
 
         between += a > least && b > least && a < turn && b < turn;
     }
@@ -80,7 +75,7 @@ static int lies_past(const struct vor_lop_edge *edge, const struct vor_lop_gathe
         float x[3] = {near->xyz[0][k], near->xyz[1][k], near->xyz[2][k]};
         float n[3] = {near->normal[0][k], near->normal[1][k], near->normal[2][k]};
 
-        if (cosine(n, point->normal) <= VOR_LOP_EDGE_COSINE)
+        if (vor_dotf(n, point->normal) <= VOR_LOP_EDGE_COSINE)
             continue;
         others += beyond(edge, x);
         count++;
@@ -112,7 +107,7 @@ void vor_lop_edge_find(struct vor_lop_edge *out, const struct vor_lop_samples *s
     }
     if (bends(&near, end) ||
         !vor_lop_latent_edge(out->foot, out->along, &met, latent, end[0].xyz, end) ||
-        1 - met < TURNS * (1 - cosine(end[0].normal, end[1].normal)))
+        1 - met < TURNS * (1 - vor_dotf(end[0].normal, end[1].normal)))
         return;
     memcpy(out->other, end[1].normal, sizeof out->other);
     out->distance = (float)sqrt(vor_distance2f(end[0].xyz, out->foot));

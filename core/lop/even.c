@@ -342,20 +342,6 @@ static void move_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
     }
 }
 
-static double longest_step(const struct even *even)
-{
-    double longest2 = 0;
-
-    for (size_t i = 0; i < even->samples->n; i++) {
-        const float *step = &even->step[3 * i];
-        double x = (double)step[0], y = (double)step[1], z = (double)step[2];
-        double length2 = x * x + y * y + z * z;
-
-        longest2 = length2 > longest2 ? length2 : longest2;
-    }
-    return sqrt(longest2);
-}
-
 static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
 {
     struct even *even = stage->of;
@@ -376,7 +362,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         return status;
     memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
     note(even);
-    stage->record.max_move = longest_step(even) * stage->domain->unit;
+    stage->record.max_move = vor_repel_longest(even->step, even->samples->n) * stage->domain->unit;
     return VOR_OK;
 }
 

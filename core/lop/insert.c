@@ -56,11 +56,6 @@ static const float *normal(const struct insertion *insertion, uint32_t i)
     return &insertion->samples->normal[3 * (size_t)i];
 }
 
-static double cosine(const float *a, const float *b)
-{
-    return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
-}
-
 static struct vor_lop_base base_of(const struct insertion *insertion, uint32_t i, uint32_t j)
 {
     const float *a = place(insertion, i), *b = place(insertion, j);
@@ -76,7 +71,7 @@ static struct vor_lop_base base_of(const struct insertion *insertion, uint32_t i
 static float priority(const struct insertion *insertion, const struct vor_lop_base *base,
                       double clearance2)
 {
-    double turned = 2 - fmax(cosine(base->end[0], base->end[1]), 0), least = 0;
+    double turned = 2 - fmax(vor_dotf(base->end[0], base->end[1]), 0), least = 0;
 
     for (int c = 0; c < 3; c++)
         least = fmax(least, VOR_ROUNDED * fabs((double)base->xyz[c]));
@@ -116,7 +111,7 @@ static void offer(struct pairs *pairs, float key, uint32_t partner)
 static int stacked(const struct insertion *insertion, uint32_t i, uint32_t j, double distance2)
 {
     const float *n = normal(insertion, i), *m = normal(insertion, j);
-    double along = 0, length2 = 2 + 2 * cosine(n, m);
+    double along = 0, length2 = 2 + 2 * vor_dotf(n, m);
 
     for (int c = 0; c < 3; c++)
         along += ((double)n[c] + (double)m[c]) *
@@ -130,7 +125,7 @@ static int has_pair(const struct insertion *insertion, uint32_t i, uint32_t j, d
 {
     double other = (double)insertion->reach[j];
 
-    if (i == j || cosine(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
+    if (i == j || vor_dotf(normal(insertion, i), normal(insertion, j)) < (double)VOR_LOP_AWAY)
         return 0;
     if (stacked(insertion, i, j, distance2))
         return 0;

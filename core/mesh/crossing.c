@@ -16,22 +16,16 @@ struct crossing {
     unsigned char *passes;     /* count: whether the triangle is to go */
 };
 
-static void offset(double out[3], const float *a, const float *b)
-{
-    for (int c = 0; c < 3; c++)
-        out[c] = (double)b[c] - (double)a[c];
-}
-
 /* Whether the edge from a to b passes through the inside of a triangle of such corners. */
 static int passes(const float *a, const float *b, const float *const corner[3])
 {
     double side[3], other[3], normal[3], to_a[3], to_b[3], up, down, at[3];
 
-    offset(side, corner[0], corner[1]);
-    offset(other, corner[0], corner[2]);
+    vor_way(side, corner[0], corner[1]);
+    vor_way(other, corner[0], corner[2]);
     vor_cross(normal, side, other);
-    offset(to_a, corner[0], a);
-    offset(to_b, corner[0], b);
+    vor_way(to_a, corner[0], a);
+    vor_way(to_b, corner[0], b);
     up = vor_dot(to_a, normal);
     down = vor_dot(to_b, normal);
     if (!(up * down < 0))
@@ -41,7 +35,7 @@ static int passes(const float *a, const float *b, const float *const corner[3])
     for (int e = 0; e < 3; e++) {
         double from[3], turn[3];
 
-        offset(side, corner[e], corner[(e + 1) % 3]);
+        vor_way(side, corner[e], corner[(e + 1) % 3]);
         for (int c = 0; c < 3; c++)
             from[c] = at[c] - (double)corner[e][c];
         vor_cross(turn, side, from);
@@ -72,13 +66,13 @@ static int straddles(const float *const a[3], const float *const b[3])
 {
     double side[3], other[3], normal[3], to[3], low = 0, high = 0;
 
-    offset(side, a[0], a[1]);
-    offset(other, a[0], a[2]);
+    vor_way(side, a[0], a[1]);
+    vor_way(other, a[0], a[2]);
     vor_cross(normal, side, other);
     for (int c = 0; c < 3; c++) {
         double up;
 
-        offset(to, a[0], b[c]);
+        vor_way(to, a[0], b[c]);
         up = vor_dot(to, normal);
         low = up < low ? up : low;
         high = up > high ? up : high;

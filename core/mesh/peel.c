@@ -31,10 +31,8 @@ static double cosine_at(const float *x, const float *a, const float *b)
 {
     double to_a[3], to_b[3];
 
-    for (int c = 0; c < 3; c++) {
-        to_a[c] = (double)a[c] - (double)x[c];
-        to_b[c] = (double)b[c] - (double)x[c];
-    }
+    vor_way(to_a, x, a);
+    vor_way(to_b, x, b);
     return vor_dot(to_a, to_b) / sqrt(fmax(vor_dot(to_a, to_a) * vor_dot(to_b, to_b), 1e-300));
 }
 

@@ -21,18 +21,12 @@ void vor_frame_of(struct vor_frame *out, const float normal[3])
     vor_cross(out->axis[1], out->axis[2], out->axis[0]);
 }
 
-static void edge(double out[3], const float *xyz, uint32_t a, uint32_t b)
-{
-    for (size_t c = 0; c < 3; c++)
-        out[c] = (double)xyz[3 * (size_t)b + c] - (double)xyz[3 * (size_t)a + c];
-}
-
 void vor_triangle_normal(double out[3], const float *xyz, const uint32_t corner[3])
 {
     double u[3], v[3];
 
-    edge(u, xyz, corner[0], corner[1]);
-    edge(v, xyz, corner[0], corner[2]);
+    vor_way(u, &xyz[3 * (size_t)corner[0]], &xyz[3 * (size_t)corner[1]]);
+    vor_way(v, &xyz[3 * (size_t)corner[0]], &xyz[3 * (size_t)corner[2]]);
     vor_cross(out, u, v);
 }
 
@@ -44,7 +38,7 @@ double vor_triangle_quality(const float *xyz, const uint32_t corner[3])
     for (int c = 0; c < 3; c++) {
         double u[3], length;
 
-        edge(u, xyz, corner[c], corner[(c + 1) % 3]);
+        vor_way(u, &xyz[3 * (size_t)corner[c]], &xyz[3 * (size_t)corner[(c + 1) % 3]]);
         length = sqrt(vor_dot(u, u));
         perimeter += length;
         longest = fmax(longest, length);
@@ -72,8 +66,8 @@ double vor_triangle_sharpest(const float *xyz, const uint32_t corner[3])
     for (int c = 0; c < 3; c++) {
         double u[3], v[3], length;
 
-        edge(u, xyz, corner[c], corner[(c + 1) % 3]);
-        edge(v, xyz, corner[c], corner[(c + 2) % 3]);
+        vor_way(u, &xyz[3 * (size_t)corner[c]], &xyz[3 * (size_t)corner[(c + 1) % 3]]);
+        vor_way(v, &xyz[3 * (size_t)corner[c]], &xyz[3 * (size_t)corner[(c + 2) % 3]]);
         length = sqrt(vor_dot(u, u) * vor_dot(v, v));
         most = fmax(most, length > 0 ? vor_dot(u, v) / length : 1);
     }

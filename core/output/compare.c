@@ -80,8 +80,7 @@ static unsigned directions(const struct compare *compare, const struct vor_scrat
 
         if ((double)crowd->distance2[j] > within2)
             break;
-        for (int c = 0; c < 3; c++)
-            d[c] = (double)other[c] - (double)xyz[3 * i + (size_t)c];
+        vor_way(d, &xyz[3 * i], other);
         along[0] = vor_dot(scratch->here.surface.axis[0], d);
         along[1] = vor_dot(scratch->here.surface.axis[1], d);
         length = sqrt(along[0] * along[0] + along[1] * along[1]);

@@ -398,14 +398,12 @@ static void place_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
     }
 }
 
-static double longest_step(const struct polish *polish)
+double vor_repel_longest(const float *step, size_t n)
 {
     double longest = 0;
 
-    for (size_t i = 0; i < polish->seeds->n; i++) {
-        const float *step = &polish->step[3 * i];
-        double x = (double)step[0], y = (double)step[1], z = (double)step[2];
-        double length2 = x * x + y * y + z * z;
+    for (size_t i = 0; i < n; i++) {
+        double length2 = vor_dotf(&step[3 * i], &step[3 * i]);
 
         longest = length2 > longest ? length2 : longest; /* fmax crashes gcc 12 for arm64 */
     }
@@ -414,6 +412,7 @@ static double longest_step(const struct polish *polish)
 
 static vor_status measure(struct vor_stage *stage, struct vor_error *err)
 {
+    const struct polish *polish = stage->of;
     struct vor_uniformity even;
     vor_status status = vor_seeds_uniformity(&even, stage->nearest, stage->seeds, stage->xyz,
                                              &stage->seeds->run, err);
@@ -421,7 +420,8 @@ static vor_status measure(struct vor_stage *stage, struct vor_error *err)
     if (status != VOR_OK)
         return status;
     vor_stage_note(stage, &even);
-    stage->record.max_move = longest_step(stage->of) * stage->domain->unit;
+    stage->record.max_move =
+        vor_repel_longest(polish->step, polish->seeds->n) * stage->domain->unit;
     return VOR_OK;
 }
 

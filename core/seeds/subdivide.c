@@ -53,8 +53,7 @@ static void clip(struct vor_flat *cell, const struct vor_seeds *seeds,
 
         if (length2 >= 4 * cell->far2)
             break;
-        for (int c = 0; c < 3; c++)
-            d[c] = (double)to[c] - (double)from[c];
+        vor_way(d, from, to);
         vor_flat_clip(cell, (double[2]){vor_dot(surface->axis[0], d), vor_dot(surface->axis[1], d)},
                       length2 / 2, crowd->index[j]);
     }
