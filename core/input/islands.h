@@ -16,9 +16,8 @@
  *  that one's sixth neighbour, and than a sixth neighbour is apart in input and result: the spacing
  *  of the sparsest places of a scan says nothing about the others. 60 lone points 6 to 14 result
  *  spacings from five scans: 7 of them held 3 to 125 results, now none more than itself. So are
- *  few points that are nearer to each other than to points as dense: of 12 and 40 lone points six
- *  spacings apart around five scans, 1 or 2 held 46 to 73 results, and kitti's 4 of 7 held 24
- * to 67.
+ *  few points that are nearer to each other than to points as dense: of 12 lone points around each
+ *  of five scans, in two of them one held 46 and 73 results, and of seven in kitti four 24 to 67.
  *
  *  Where all parts are that small there is no surface to spread points on. If no more points are
  *  asked for than the input has, each part gets its share by points, in the places of its points;
