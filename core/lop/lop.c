@@ -2,7 +2,7 @@
 
 #include "core/base/linalg.h"
 #include "core/base/morton.h"
-#include "core/geom/patch.h"
+#include "core/geom/boundary.h"
 #include "core/input/coarsen.h"
 #include "core/input/lists.h"
 #include "core/input/neighbors.h"
@@ -54,6 +54,7 @@ struct lop {
     int smooth;           /* the input has no edges */
     double area, spacing; /* of the surface; of samples spread evenly on it; normalised */
     double reach;
+    size_t in_gaps;               /* the last ones of the samples, put where the input has none */
     struct vor_lop_samples data;  /* the points of the domain; owned with ear */
     struct vor_orientation sides; /* of the domain, with ear */
     struct vor_lop_samples samples;
@@ -212,6 +213,48 @@ static vor_status project(struct lop *lop, uint32_t ahead, struct vor_error *err
     return vor_lop_project(&lop->samples, &lop->data, lop->domain, &how, lop->told, lop->run, err);
 }
 
+/* Whether a sample is so far from the input that only gaps=fill puts it there, farther from the
+ * nearest point than points are apart around that one, and goes on beside the nearest datum. Over
+ * it, samples hang between strays and the surface. */
+static int is_in_gap(const struct lop *lop, const float x[3])
+{
+    double most = VOR_LOP_PARTNERS * lop->spacing / 2;
+    unsigned k = lop->input->n > VOR_PATCH_HEXAGON ? VOR_PATCH_HEXAGON + 1 : 1;
+    uint32_t index[VOR_PATCH_HEXAGON + 1];
+    float gap2, distance2[VOR_PATCH_HEXAGON + 1] = {0};
+    double over = 0;
+
+    vor_knn_search(lop->input->knn, x, 1, 1, index, &gap2);
+    if (!((double)gap2 > most * most))
+        return 0;
+    vor_knn_search(lop->input->knn, &lop->input->xyz[3 * (size_t)index[0]], 1, k, index, distance2);
+    if (!(gap2 > distance2[k - 1]))
+        return 0;
+    vor_knn_search(lop->domain->knn, x, 1, 1, index, &gap2);
+    for (size_t c = 0; c < 3; c++)
+        over += (double)lop->data.normal[3 * (size_t)index[0] + c] *
+                ((double)x[c] - (double)lop->domain->xyz[3 * (size_t)index[0] + c]);
+    return over * over < VOR_RIM_SAME_WAY * VOR_RIM_SAME_WAY * (double)gap2;
+}
+
+/* Moves the samples in gaps to the end of an order. */
+static vor_status gaps_last(uint32_t *order, struct lop *lop, struct vor_error *err)
+{
+    uint32_t *in_gaps = vor_malloc(lop->run->memory, lop->samples.n, sizeof *in_gaps);
+    size_t near = 0;
+
+    if (in_gaps == NULL)
+        return vor_fail(err, VOR_E_NOMEM, "%zu points", lop->samples.n);
+    for (size_t i = 0; i < lop->samples.n; i++)
+        if (is_in_gap(lop, &lop->samples.xyz[3 * (size_t)order[i]]))
+            in_gaps[lop->in_gaps++] = order[i];
+        else
+            order[near++] = order[i];
+    memcpy(&order[near], in_gaps, lop->in_gaps * sizeof *order);
+    vor_free(lop->run->memory, in_gaps);
+    return VOR_OK;
+}
+
 /* Puts the samples in an order in which near ones follow each other, as searches among the input
  * want it: those that were inserted came in that of their priorities. */
 static vor_status sort_samples(struct lop *lop, struct vor_error *err)
@@ -225,6 +268,8 @@ static vor_status sort_samples(struct lop *lop, struct vor_error *err)
     if (order == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", samples->n);
     status = vor_morton_order(order, samples->xyz, samples->n, &whole, err);
+    if (status == VOR_OK && lop->spec->value[VOR_PARAM_GAPS] == VOR_GAPS_FILL)
+        status = gaps_last(order, lop, err);
     if (status == VOR_OK)
         status = vor_lop_samples_init(&sorted, samples->n, memory, err);
     if (status == VOR_OK) {
@@ -259,6 +304,7 @@ static vor_status hand_over(struct vor_seeds *out, struct lop *lop, struct vor_e
     if (status != VOR_OK)
         return status;
     seeds.area = lop->area;
+    seeds.fixed = lop->in_gaps; /* else they would be taken back to the rims */
     memcpy(seeds.xyz, lop->samples.xyz, 3 * n * sizeof *seeds.xyz);
     if (lop->ear) {
         seeds.normal = vor_malloc(memory, n, 3 * sizeof *seeds.normal);

@@ -123,26 +123,38 @@ static size_t in_gap(const struct vor_cloud *in, double gap, const char *options
     return inside;
 }
 
-/* Measured: 0 and 69; even points would be 59. With the polish 25 come in, from around it. */
-VT_TEST(a_gap_is_kept_or_filled_as_asked)
+static void sphere_with_gap(struct vor_cloud *in, double gap)
 {
     enum { ALL = 3000 };
-    const double gap = 0.2; /* three spacings; points are counted in nine tenths of it */
-    struct vor_cloud in;
-    size_t left = 0, kept, filled;
+    size_t left = 0;
 
-    vt_cloud_sphere(&in, 3, ALL);
+    vt_cloud_sphere(in, 3, ALL);
     for (size_t i = 0; i < ALL; i++)
-        if (hypot((double)in.xyz[3 * i], (double)in.xyz[3 * i + 1]) > gap || in.xyz[3 * i + 2] < 0)
-            memmove(&in.xyz[3 * left++], &in.xyz[3 * i], 3 * sizeof *in.xyz);
-    in.n = left;
-    kept = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert polish=0");
-    filled = in_gap(&in, 0.9 * gap, "method=ear points=6000 phases=insert gaps=fill polish=0");
-    printf("# %zu and %zu points in the gap\n", kept, filled);
+        if (hypot((double)in->xyz[3 * i], (double)in->xyz[3 * i + 1]) > gap ||
+            in->xyz[3 * i + 2] < 0)
+            memmove(&in->xyz[3 * left++], &in->xyz[3 * i], 3 * sizeof *in->xyz);
+    in->n = left;
+}
+
+/* Measured: 0 and 35 in nine tenths of a gap of three spacings. In the middle of one of four, with
+ * the polish, 40; even points would be 34, and where rims took them back it was 1. */
+VT_TEST(a_gap_is_kept_or_filled_as_asked)
+{
+    struct vor_cloud in;
+    size_t kept, filled, middle;
+
+    sphere_with_gap(&in, 0.2);
+    kept = in_gap(&in, 0.18, "method=ear points=6000 phases=insert polish=0");
+    filled = in_gap(&in, 0.18, "method=ear points=6000 phases=insert gaps=fill polish=0");
+    vor_cloud_free(&in);
+    sphere_with_gap(&in, 0.3);
+    middle = in_gap(&in, 0.15, "method=ear points=6000 gaps=fill");
+    vor_cloud_free(&in);
+    printf("# %zu and %zu points in the gap, %zu in a middle\n", kept, filled, middle);
     fflush(stdout);
     ck_assert_uint_le(kept, 12);
     ck_assert_uint_ge(filled, 30);
-    vor_cloud_free(&in);
+    ck_assert_uint_ge(middle, 20);
 }
 
 /* Fig. 18: sheets nearer to each other than the neighbourhoods are wide. Share of points that lie
