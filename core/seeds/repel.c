@@ -6,6 +6,7 @@
 #include "core/seeds/attach.h"
 #include "core/seeds/checkpoint.h"
 #include "core/seeds/forces.h"
+#include "core/seeds/former.h"
 #include "core/seeds/stage.h"
 #include "core/seeds/uniformity.h"
 
@@ -582,6 +583,8 @@ vor_status vor_polish(struct vor_seeds *seeds, struct vor_outcome *told,
         status = vor_attach_to_whole(seeds, keep_holes, err);
     if (status == VOR_OK && told->steps[VOR_RUN_STAGE_POLISH] > 0)
         status = vor_attach_last(seeds, err);
+    if (status == VOR_OK)
+        status = vor_former_weigh(seeds, err);
     if (status == VOR_OK)
         status = vor_attach_steep(seeds, err);
     if (status == VOR_OK)

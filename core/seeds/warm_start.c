@@ -29,6 +29,7 @@ struct warm {
     struct vor_knn *knn; /* over xyz */
     double spacing;      /* of an even spread, normalised */
     double moved;        /* mean of the m: (way to the surface / half a spacing)^2, at most 1 */
+    float *doubt;        /* m: (way to the surface / a quarter of a spacing)^2, at most 1 */
     size_t m;
     float *xyz;           /* m x 3 */
     uint32_t *track;      /* m */
@@ -95,9 +96,9 @@ static void put_row(void *ctx, size_t i, unsigned worker)
         to[0] = NAN;
 }
 
-/* Sorts points and their tracks along the Morton curve. */
-static vor_status sort(float *xyz, uint32_t *track, size_t n, const struct vor_run *run,
-                       struct vor_error *err)
+/* Sorts points, their tracks and, if there are any, their doubts along the Morton curve. */
+static vor_status sort(float *xyz, uint32_t *track, float *doubt, size_t n,
+                       const struct vor_run *run, struct vor_error *err)
 {
     uint32_t *order = vor_malloc(run->memory, n, sizeof *order),
              *old = vor_malloc(run->memory, n, sizeof *old);
@@ -115,6 +116,11 @@ static vor_status sort(float *xyz, uint32_t *track, size_t n, const struct vor_r
         memcpy(&xyz[3 * i], &from[3 * (size_t)order[i]], 3 * sizeof *xyz);
         track[i] = old[order[i]];
     }
+    if (doubt != NULL) {
+        memcpy(from, doubt, n * sizeof *from);
+        for (size_t i = 0; status == VOR_OK && i < n; i++)
+            doubt[i] = from[order[i]];
+    }
     VOR_FREE_ALL(run->memory, from, old, order);
     return status;
 }
@@ -129,6 +135,7 @@ static void gather(struct warm *warm)
             continue;
         memmove(&warm->xyz[3 * warm->m], &warm->xyz[3 * i], 3 * sizeof *warm->xyz);
         warm->moved += (double)warm->room[i];
+        warm->doubt[warm->m] = fminf(4 * warm->room[i], 1);
         warm->track[warm->m++] = previous->track[i];
     }
 }
@@ -174,16 +181,21 @@ static size_t count(const struct warm *warm)
 }
 
 /* Lets points be born and die where one sum is ahead of the other. Returns how many more there are
- * then. */
+ * then. Doubt is that of the last BALANCE points or so: at each by itself, it would be where points
+ * crowd together by chance, and there more die than are born. At rest with noise of 0.2 spacings,
+ * 100,000 points, fourth frame, with a doubt of 1 / this: 0.9990 / 0.9999 live on, a point moves by
+ * 0.108 / 0.077 spacings, delta is 1.07 / 1.02 times that of a single run. */
 static int64_t balance(const struct warm *warm)
 {
-    int64_t more = 0, ahead = 0;
+    int64_t more = 0;
+    double ahead = 0, doubt = 1;
     uint32_t place = NOBODY, least = NOBODY;
 
     for (uint32_t i = 0; i < warm->m; i++) {
         uint32_t emptiest = warm->emptiest[i];
 
-        ahead += (int64_t)warm->count[i] - 1;
+        doubt += ((double)warm->doubt[i] - doubt) / BALANCE;
+        ahead += doubt * ((double)warm->count[i] - 1);
         if (warm->count[i] > 0 && (place == NOBODY || warm->gap[emptiest] < warm->gap[place]))
             place = emptiest;
         if (least == NOBODY || warm->room[i] < warm->room[least])
@@ -257,7 +269,7 @@ static vor_status take(struct warm *warm, struct vor_error *err)
     vor_warm_start_number(seeds, living);
     memcpy(seeds->xyz, xyz, 3 * seeds->n * sizeof *xyz);
     vor_free(seeds->run.memory, xyz);
-    status = sort(seeds->xyz, seeds->track, seeds->n, &seeds->run, err);
+    status = sort(seeds->xyz, seeds->track, NULL, seeds->n, &seeds->run, err);
     seeds->coherence = VOR_SEEDS_COHERENT * warm->coherence * (1 - warm->moved) * (double)living /
                        (double)seeds->n;
     return status;
@@ -279,7 +291,7 @@ static vor_status start(struct warm *warm, struct vor_error *err)
         vor_warm_start_number(seeds, 0);
         return VOR_OK;
     }
-    status = sort(warm->xyz, warm->track, warm->m, &seeds->run, err);
+    status = sort(warm->xyz, warm->track, warm->doubt, warm->m, &seeds->run, err);
     if (status == VOR_OK)
         status = vor_knn_build_sorted(&warm->knn, warm->xyz, warm->m, &seeds->run, err);
     if (status == VOR_OK)
@@ -319,20 +331,21 @@ vor_status vor_warm_start(struct vor_seeds *seeds, double coherence, struct vor_
     warm.xyz = vor_malloc(memory, m, 3 * sizeof *warm.xyz);
     warm.track = vor_malloc(memory, m, sizeof *warm.track);
     warm.room = vor_malloc(memory, m, sizeof *warm.room);
+    warm.doubt = vor_malloc(memory, m, sizeof *warm.doubt);
     warm.count = vor_calloc(memory, m, sizeof *warm.count);
     warm.emptiest = vor_malloc(memory, m, sizeof *warm.emptiest);
     warm.dead = vor_calloc(memory, m, 1);
     warm.nearest = vor_malloc(memory, n, sizeof *warm.nearest);
     warm.gap = vor_malloc(memory, n, sizeof *warm.gap);
     warm.birth = vor_calloc(memory, n, 1);
-    if (warm.xyz == NULL || warm.track == NULL || warm.room == NULL || warm.count == NULL ||
-        warm.emptiest == NULL || warm.dead == NULL || warm.nearest == NULL || warm.gap == NULL ||
-        warm.birth == NULL)
+    if (warm.xyz == NULL || warm.track == NULL || warm.room == NULL || warm.doubt == NULL ||
+        warm.count == NULL || warm.emptiest == NULL || warm.dead == NULL || warm.nearest == NULL ||
+        warm.gap == NULL || warm.birth == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n + m);
     else
         status = start(&warm, err);
     vor_knn_free(warm.knn);
     VOR_FREE_ALL(memory, warm.birth, warm.gap, warm.nearest, warm.dead, warm.emptiest, warm.count,
-                 warm.room, warm.track, warm.xyz);
+                 warm.doubt, warm.room, warm.track, warm.xyz);
     return status;
 }

@@ -4,9 +4,10 @@
  *  away. How many points there should be in each place is read off the first positions of a run
  *  without an earlier result (seeds/start.h): each of these counts for the point nearest to it, and
  *  those farther than a spacing from all points become points themselves. Then the points and what
- *  counts for them are summed along the Morton curve. Where one sum is ahead of the other by
- *  BALANCE, a point is born at the emptiest first position since the last such place, or the point
- *  with the least room dies. In the end there are exactly as many points as asked for.
+ *  counts for them are summed along the Morton curve, less where the surface hardly moved: there
+ *  the difference is one of noise. Where one sum is ahead of the other by BALANCE, a point is born
+ *  at the emptiest first position since the last such place, or the point with the least room dies.
+ *  In the end there are exactly as many points as asked for.
  *
  *  Source: none. Matching every point with one of the first positions also keeps the count, but
  *  moves one point in thirty without need. */
@@ -22,7 +23,7 @@
  *                        yet; on failure at some of them
  *  @param[in]     coherence  of the request, 0 .. 1; at 0 no point lives on
  *
- *  @retval VOR_E_NOMEM 37 bytes for each earlier point and 29 for each seed do not fit
+ *  @retval VOR_E_NOMEM 41 bytes for each earlier point and 29 for each seed do not fit
  *  @retval VOR_E_CANCELLED
  *
  *  O(n log n), on the run's pool. The same positions for any number of threads, unless the run is

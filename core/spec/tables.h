@@ -269,10 +269,10 @@ enum vor_method_choice {
       "Treatment of the sharp edges of the input. ignore: no special treatment; sites: the "       \
       "first points are placed evenly along the edges and stay there")                             \
     X(COHERENCE, coherence, REAL, SPREAD, "", 0, 1, VOR_UNSET, "",                                 \
-      "How much of the previous result is kept. 1: points move only as far as an even spread "     \
-      "needs; less: they move more, and the run makes more iterations; 0: all points are new. "    \
-      "Default: 1. If it is given without a previous result, the cloud is the first one of a "     \
-      "sequence: the points of the result are numbered in the attribute track")                    \
+      "How much of the previous result is kept. 1: points move as far as the surface and an "      \
+      "even spread need, but not with noise; less: they move more, in more iterations; 0: all "    \
+      "points are new. Default: 1. If it is given without a previous result, the cloud is the "    \
+      "first one of a sequence: the points of the result are numbered in the attribute track")     \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
       "are used like all other points, with method=ear each as an island; drop: they are "         \
