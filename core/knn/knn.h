@@ -69,14 +69,6 @@ void vor_knn_free(struct vor_knn *knn);
 void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t count, unsigned k,
                     uint32_t *index, float *distance2);
 
-/** vor_knn_search for one query that is known to have k points no farther than a distance: what
- * lies beyond is not looked at, which saves a tenth of the time, of one nearest point a quarter.
- *
- *  @param[in] within  the distance; too small a one costs time, not correctness. For what rounding
- *                     makes of it some is added. INFINITY for none */
-void vor_knn_search_within(const struct vor_knn *knn, const float query[3], unsigned k,
-                           float within, uint32_t *index, float *distance2);
-
 /** What the last search of a row found. k is 0 before the first; one for each thread. */
 struct vor_knn_last {
     float at[3]; /**< the query */

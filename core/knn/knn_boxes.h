@@ -31,7 +31,8 @@ static inline float vor_boxes_wider(float within)
     return wide * wide + 1e-37F;
 }
 
-/** vor_knn_search_within. */
+/** vor_knn_search for one query that has k points no farther than `within`: too small a distance
+ *  costs time, not correctness. For what rounding makes of it some is added. INFINITY: any. */
 void vor_boxes_search(const struct vor_boxes *boxes, const float query[3], unsigned k, float within,
                       uint32_t *index, float *distance2);
 

@@ -16,7 +16,7 @@ struct vor_knn_near {
     const float *queries; /**< count x 3 */
     size_t count;         /**< 1 .. VOR_KNN_NEAR_MAX */
     unsigned k;
-    const float *within; /**< count: as for vor_knn_search_within; NULL: not known */
+    const float *within; /**< count: as for vor_boxes_search; NULL: not known */
 };
 
 /** vor_knn_search_near. */

@@ -13,6 +13,8 @@
 /* Points of a task. */
 enum { BLOCK = 128 };
 
+/* Most neighbours that count for a point. */
+enum { MOST = 160 };
 /* Fewest neighbours; planes have as many as a fit takes. With half as many, fandisk30k_noisy to
  * 10,000: rms over the input's 0.38 for 0.29, median of normals near edges 8.7 degrees for 4.7;
  * wedges of 90 degrees, noise 1 %, 2.5 for 1.3. */
@@ -51,10 +53,11 @@ struct normals {
     double scale; /* of vor_lop_alike */
 };
 
-unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index,
-                        struct vor_knn_last *last)
+/* Input points around point i of the domain, on its sheet where the domain has lists. */
+static unsigned look_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index,
+                            struct vor_knn_last *last)
 {
-    float distance2[VOR_LOP_NORMALS_MOST];
+    float distance2[MOST];
 
     if (vor_graph_is(&domain->graph) && domain->graph.own[i])
         return vor_graph_around(&domain->graph, (uint32_t)i, index, k);
@@ -110,7 +113,7 @@ static void plane_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned
 
     for (size_t i = begin; i < end; i++) {
         uint32_t *list = &normals->list[i * normals->most];
-        unsigned k = vor_lop_around(domain, i, counting(normals, i), list, &last);
+        unsigned k = look_around(domain, i, counting(normals, i), list, &last);
 
         normals->count[i] = (uint16_t)k;
         normals->now.area[i] = area_of(normals, i);
@@ -194,8 +197,8 @@ static void sign_block(void *ctx, size_t begin, size_t end, VOR_UNUSED unsigned 
 struct seen {
     unsigned k;
     const uint32_t *index;
-    double weight[VOR_LOP_NORMALS_MOST]; /* by distance, and how near their planes pass by */
-    float normal[3][VOR_LOP_NORMALS_MOST];
+    double weight[MOST]; /* by distance, and how near their planes pass by */
+    float normal[3][MOST];
 };
 
 static const float *normal_now(const struct normals *normals, size_t i)
@@ -246,7 +249,7 @@ VOR_CLONES static void agree(double *restrict weight, const struct seen *seen, c
 static const float *most_agreed(const struct normals *normals, const struct seen *seen)
 {
     const float *found = normal_now(normals, seen->index[0]);
-    double weight[VOR_LOP_NORMALS_MOST], best = -1;
+    double weight[MOST], best = -1;
 
     memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
     for (unsigned c = 0; c < seen->k && c < CHOICES; c++) {
@@ -268,7 +271,7 @@ static const float *most_agreed(const struct normals *normals, const struct seen
 static void smooth(float out[3], const struct normals *normals, const struct seen *seen,
                    const float about[3])
 {
-    double weight[VOR_LOP_NORMALS_MOST], sum[3] = {0}, length;
+    double weight[MOST], sum[3] = {0}, length;
 
     memset(weight, 0, seen->k * sizeof *weight); /* gcc's analyzer cannot see what fills it */
     agree(weight, seen, about, normals->scale);
@@ -424,7 +427,7 @@ vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain 
     vor_status status;
 
     most = most < LEAST ? LEAST : most;
-    most = most < VOR_LOP_NORMALS_MOST ? most : VOR_LOP_NORMALS_MOST;
+    most = most < MOST ? most : MOST;
     normals.most = most < domain->n ? most : (unsigned)domain->n;
     status = alloc_normals(&normals, run->memory, err);
     if (status == VOR_OK)

@@ -51,16 +51,4 @@ VOR_NODISCARD vor_status vor_lop_normals(struct vor_lop_samples *out,
                                          const struct vor_lop_normals_how *how,
                                          const struct vor_run *run, struct vor_error *err);
 
-/** Most neighbours that count for a point. */
-#define VOR_LOP_NORMALS_MOST 160
-
-/** Input points around point i of the domain, on its sheet where the domain has lists.
- *
- *  @param[out]    index  room for k <= VOR_LOP_NORMALS_MOST
- *  @param[in,out] last   of a row of such points, where the index is searched
- *
- *  @return how many there are */
-unsigned vor_lop_around(const struct vor_domain *domain, size_t i, unsigned k, uint32_t *index,
-                        struct vor_knn_last *last);
-
 #endif
