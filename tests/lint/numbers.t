@@ -5,10 +5,10 @@ use strict;
 use warnings;
 use Test::More;
 
-my $most = 401; # lower it with those that go; it aims at 380
+my $most = 408; # lower it with those that go; it aims at 380
 
 my @rooms = map { "core/$_" } qw(geom input seeds opt cvt kmeans lop mesh remesh);
-my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS|NOWHERE|SLOTS|UNKNOWN|WAITS|LATER|EMPTY|OCTANTS|ROOM_FIRST|POLLED|SPAN_TURNS|PATCH_HEXAGON|PATCH_OCTAGON|LANES|HEXAGON_HEIGHT)(?:_|$)/;
+my $no_point = qr/(?:^|_)(?:BLOCK|STREAM|SIZE|BATCH|QUOTED|NAMES|SUFFIX|NONE|PI|RADIANS|RECORDS|RECORD_EVERY|POLL_EVERY|CHUNK|TOLD|VALUES|TERMS|ORDER|BUCKETS|NOWHERE|SLOTS|AT_A_TIME|UNKNOWN|WAITS|LATER|EMPTY|OCTANTS|ROOM_FIRST|POLLED|SPAN_TURNS|PATCH_HEXAGON|PATCH_OCTAGON|LANES|HEXAGON_HEIGHT)(?:_|$)/;
 
 my $directions = qr/corner|octagon|turn|^[uv]p$|lower/; # tables of unit vectors, powers and bits
 
@@ -20,10 +20,11 @@ sub numbers {
     my $text = do { local $/; <$in> };
     $text =~ s{/\*.*?\*/}{ }gs;
     my $number = qr/[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?[FfUuLl]*/i;
-    my @found = $text =~ /^#define[ ]+([A-Z][A-Z0-9_]+)[ ]+\(?$number\)?[ ]*$/mg;
+    my $value = qr/\(?$number(?:[ ]*(?:<<|[-+*\/])[ ]*$number)*\)?/; # or an expression of nothing but numbers
+    my @found = $text =~ /^#define[ ]+([A-Z][A-Z0-9_]+)[ ]+$value[ ]*$/mg;
     while ($text =~ /\benum\s*\w*\s*\{([^}]*)\}/g) {
         my $body = $1;
-        push @found, $body =~ /\b([A-Z][A-Z0-9_]+)\s*=\s*$number\s*(?=,|\z)/g;
+        push @found, $body =~ /\b([A-Z][A-Z0-9_]+)\s*=\s*(?!1 << [01]\b)$value\s*(?=,|\z)/g; # but for flags
     }
     @found = grep { !/$no_point/ } @found;
     while ($text =~ /\bstatic const (?!char)(?:struct \{[^}]*\} )?[^;()={}]*?(\w+)((?:\[[^\]]*\])*) = (\{[^;]*\});/g) {
