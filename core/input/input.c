@@ -43,16 +43,26 @@ static int outliers_of(const struct vor_spec *spec)
     return vor_spec_only_filters(spec) ? VOR_OUTLIERS_KEEP : asked;
 }
 
-/* Makes the domain of a cloud. Where a few remote points are all that can be told apart, and
- * outliers need not stay, it is that of the others. */
+/* Makes the domain of a cloud. Where remote points leave the others no places to be told apart by,
+ * or none to tell islands by, it is that of the others, unless filters alone make the result and
+ * outliers stay. */
 static vor_status make(struct vor_domain *out, struct vor_outliers *outliers,
                        const struct vor_cloud *in, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)
 {
-    vor_status status = vor_domain_init(out, in, run, err);
+    int stay = outliers_of(spec) == VOR_OUTLIERS_KEEP && !spreads(spec);
+    struct vor_domain others = {.n = 0};
+    vor_status status = vor_domain_init(out, in, run, err), left_out = VOR_E_DEGENERATE;
 
-    if (status == VOR_E_DEGENERATE && outliers_of(spec) != VOR_OUTLIERS_KEEP)
-        status = vor_outliers_remote(outliers, out, in, run, err);
+    if (!stay && (status == VOR_OK ? !vor_islands_can_be_told(out) : status == VOR_E_DEGENERATE))
+        left_out = vor_outliers_remote(outliers, &others, in, run, err);
+    if (left_out != VOR_E_DEGENERATE) {
+        if (status == VOR_OK)
+            vor_domain_free(out);
+        if (left_out == VOR_OK)
+            *out = others;
+        status = left_out;
+    }
     if (status == VOR_OK && spec->value[VOR_PARAM_INPUT_NORMALS] != VOR_INPUT_NORMALS_ESTIMATE)
         out->known.carried = vor_carried(in);
     return status;
@@ -256,7 +266,7 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
         status = spreads(spec)
                      ? vor_islands_take(domain, vor_spec_target(spec, domain->n), run, err)
                      : vor_islands_count(domain, run, err);
-    if (status == VOR_OK && are_aside(spec) && outliers->n > 0)
+    if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_KEEP && outliers->n > 0)
         status = vor_islands_add(domain, outliers, run, err);
     return status == VOR_OK ? vor_lists_make(domain, run, err) : status; /* again without islands */
 }

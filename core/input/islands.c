@@ -202,6 +202,11 @@ static vor_status measure_parts(struct parts *parts, const struct lone *lone, si
     return VOR_OK;
 }
 
+int vor_islands_can_be_told(const struct vor_domain *domain)
+{
+    return CLEAR * domain->sparse >= VOR_ROUNDED;
+}
+
 /* Finds the parts, lone points with a gap around them among them; root and size are set only if
  * there are several. */
 static vor_status find_parts(struct parts *parts, const struct vor_domain *domain, double gap,
@@ -212,7 +217,7 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
     vor_status status;
 
     parts->count = 1;
-    if (!(clear >= VOR_ROUNDED)) /* the cells of Morton order may be as large */
+    if (!vor_islands_can_be_told(domain))
         return VOR_OK;
     parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
     lone.is = vor_calloc(run->memory, domain->n, sizeof *lone.is);

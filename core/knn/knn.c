@@ -12,11 +12,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
-/* Largest coordinate: a domain has 1, a common frame of two clouds 1. Far more than that is a
- * caller's bug, and squares of it are still far from the end of float32. */
-#define COORDINATE_MAX 1e6f
-/* Largest coordinate of a query: its squared distances stay finite. */
-#define QUERY_MAX 1e15f
+/* Largest coordinate, also of a query: squared distances stay finite. A domain has 1, and more only
+ * where a point is remote. */
+#define COORDINATE_MAX 1e15f
 
 /* Points of one task. */
 enum { BLOCK = 1 << 15 };
@@ -42,7 +40,7 @@ static vor_status check(const float *xyz, size_t n, size_t bad, struct vor_error
 {
     if (bad < 3 * n)
         return vor_fail(err, VOR_E_NONFINITE,
-                        "coordinate %c of point %zu is %g, want a finite number", "xyz"[bad % 3],
+                        "coordinate %c of point %zu is %g, want -1e15 to 1e15", "xyz"[bad % 3],
                         bad / 3, (double)xyz[bad]);
     return VOR_OK;
 }
@@ -163,7 +161,7 @@ void vor_knn_search(const struct vor_knn *knn, const float *queries, size_t coun
 
     assert(k >= 1 && k <= knn->n && count <= INT32_MAX / k);
     for (size_t i = 0; i < 3 * count; i++)
-        assert(fabsf(queries[i]) <= QUERY_MAX);
+        assert(fabsf(queries[i]) <= COORDINATE_MAX);
     if (knn->boxes == NULL && count > 0)
         vor_flann_search(knn->flann, queries, count, k, index, distance2);
     for (size_t i = 0; knn->boxes != NULL && i < count; i++)
@@ -188,7 +186,7 @@ static void search_within(const struct vor_knn *knn, const float query[3], unsig
     }
     assert(k >= 1 && k <= knn->n && within >= 0);
     for (int c = 0; c < 3; c++)
-        assert(fabsf(query[c]) <= QUERY_MAX);
+        assert(fabsf(query[c]) <= COORDINATE_MAX);
     vor_boxes_search(knn->boxes, query, k, within, index, distance2);
     name(knn, index, k);
 }
@@ -203,7 +201,7 @@ void vor_knn_search_near(const struct vor_knn *knn, const struct vor_knn_near *n
     assert(near->k >= 1 && near->k <= knn->n);
     assert(near->count >= 1 && near->count <= VOR_KNN_NEAR_MAX);
     for (size_t i = 0; i < 3 * near->count; i++)
-        assert(fabsf(near->queries[i]) <= QUERY_MAX);
+        assert(fabsf(near->queries[i]) <= COORDINATE_MAX);
     vor_boxes_search_near(knn->boxes, near, index, distance2);
     name(knn, index, near->count * near->k);
 }

@@ -13,8 +13,8 @@ struct vor_knn;
 /** Indexes n points in any order, by FLANN's kd-tree.
  *
  *  @param[out] out  free with vor_knn_free
- *  @param[in]  xyz  n x 3 floats, each of magnitude at most 1e6; must stay as it is while the index
- *                   lives
+ *  @param[in]  xyz  n x 3 floats, each of magnitude at most 1e15; must stay as it is while the
+ * index lives
  *
  *  @retval VOR_E_EMPTY     n is 0
  *  @retval VOR_E_NONFINITE a coordinate is not finite or too large
