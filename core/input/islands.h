@@ -46,8 +46,8 @@
 VOR_NODISCARD vor_status vor_islands_take(struct vor_domain *domain, double target,
                                           const struct vor_run *run, struct vor_error *err);
 
-/** Whether gaps as wide as those around islands can be told in float32, in which the cells of Morton
- *  order may be as large. If not, no islands are found. */
+/** Whether gaps as wide as those around islands can be told in float32, in which the cells of
+ * Morton order may be as large. If not, no islands are found. */
 int vor_islands_can_be_told(const struct vor_domain *domain);
 
 /** Makes each of one or more points that were taken out an island. vor_islands_take comes before.

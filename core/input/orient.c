@@ -75,6 +75,7 @@ struct orient {
     const struct vor_attribute *carried;
     float *normal;
     unsigned char *edge;
+    float *area;  /* that the points stand for */
     float *rough; /* how far, in spacings, the points are off the surface fitted to them */
     enum shun shun;
     int moved; /* signs spread anew were others than those before */
@@ -201,18 +202,20 @@ static void turn(struct orient *orient)
             orient->normal[3 * i + c] = -orient->normal[3 * i + c];
 }
 
-/* Area that a point stands for: the disc of its neighbours, shared among them. */
+/* Area that a point stands for: the disc of its neighbours, shared among them, less of it the fewer
+ * of them are near to it in turn: a stray's disc is as wide as it is far. */
 static double area_of(const struct orient *orient, size_t i)
 {
     const struct vor_graph *graph = orient->graph;
-    unsigned count = graph->count[i];
+    const uint32_t *list = &graph->list[i * graph->most];
+    unsigned count = graph->count[i], mutual = 0;
     const float *xyz = orient->on->xyz;
 
-    if (count == 0)
-        return 0;
-    return PI *
-           vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)graph->list[i * graph->most + count - 1]]) /
-           count;
+    for (unsigned a = 0; a < count; a++)
+        mutual += (unsigned)vor_graph_has(graph, list[a], (uint32_t)i);
+    return mutual == 0 ? 0
+                       : PI * vor_distance2f(&xyz[3 * i], &xyz[3 * (size_t)list[count - 1]]) *
+                             mutual / (count * count);
 }
 
 /* Counts the sure edges of point i that join different sides. */
@@ -252,7 +255,7 @@ static void add_up(struct component *components, const struct orient *orient)
 {
     for (size_t i = 0; i < orient->on->n; i++) {
         struct component *of = &components[orient->span.component[i]];
-        double area = area_of(orient, i);
+        double area = (double)orient->area[i];
 
         of->points++;
         of->area += area;
@@ -320,7 +323,7 @@ static vor_status face_outward(struct vor_orientation *out, struct orient *orien
     /* Adds up what needs the middles. */
     for (size_t i = 0; i < orient->on->n; i++) {
         struct component *of = &components[orient->span.component[i]];
-        double area = area_of(orient, i), from[3], normal[3];
+        double area = (double)orient->area[i], from[3], normal[3];
 
         vor_to_doubles(from, &orient->on->xyz[3 * i]);
         vor_to_doubles(normal, &orient->normal[3 * i]);
@@ -494,18 +497,19 @@ static vor_status spread(struct vor_orientation *out, struct orient *orient,
         return vor_fail(err, VOR_E_NOMEM, "%zu points", orient->on->n);
     for (size_t i = 0; i < orient->on->n; i++)
         area[i] = (float)area_of(orient, i);
+    orient->area = area;
     status = vor_span_make(&orient->span, orient->graph, orient->edge, 0, run, err);
     if (status == VOR_OK)
         status = mend(orient, &points, run, err);
     if (status == VOR_OK)
         status =
             vor_flip_regions(&orient->span, orient->graph, orient->edge, &points, &how, run, err);
-    vor_free(run->memory, area);
     if (status == VOR_OK) {
         out->components = orient->span.components;
         turn(orient);
         status = face_outward(out, orient, run, err);
     }
+    vor_free(run->memory, area);
     vor_span_free(&orient->span);
     return status;
 }

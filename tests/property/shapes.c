@@ -44,12 +44,13 @@ static void nearest_of_sphere(struct place *at, const double x[3], double gap)
     set(at, sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) - 1, 0, x[0], x[1], x[2]);
 }
 
-/* A sphere beside one point, 1e5 radii away. */
+/* A sphere beside five of the corners of a cube of 1e6 radii, of 30 with a gap, itself at another.
+ */
 static void make_far(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
 {
-    (void)gap;
     vt_cloud_sphere(cloud, seed, n);
-    cloud->xyz[0] = 1e5F;
+    for (size_t i = 0; i < 15; i++)
+        cloud->xyz[i] = ((i / 3 + 1) >> i % 3 & 1) * (gap > 0 ? 30 : 1e6F);
 }
 
 /* One sphere in another, half as large. */
@@ -217,7 +218,7 @@ static const struct {
     double area;
 } shapes[] = {
     [SPHERE] = {"sphere", NULL, nearest_of_sphere, NULL, 1, 4 * M_PI},
-    [FAR] = {"sphere and a far point", make_far, nearest_of_sphere, NULL, 1, 4 * M_PI},
+    [FAR] = {"sphere and far points", make_far, nearest_of_sphere, NULL, 1, 4 * M_PI},
     [TORUS] = {"torus", make_torus, nearest_of_torus, NULL, 1, 0.8 * 2 * M_PI *M_PI},
     [PLATE] = {"plate", make_plate, nearest_of_plate, NULL, 1, 2 * M_PI},
     [NESTED] = {"nested spheres", make_nested, nearest_of_nested, NULL, 1, 5 * M_PI},
@@ -305,6 +306,8 @@ static const struct {
 } rows[] = {
     {SPHERE, 8000, 0, 0.5, "points=800 polish=8", 0.036, 0, 0},
     {FAR, 4000, 0, 0, "points=3500 method=ear polish=8", 0.001, 0, 0},
+    {FAR, 4000, 0, 0, "points=700 polish=8", 0.001, 0, 0},
+    {FAR, 4000, 1, 0, "points=300 polish=8", 0.001, 0, 0},
     {TORUS, 5000, 0, 0, "points=800 polish=8", 0.001, 0, 0},
     {PLATE, 6000, 1.5, 0, "points=2400 polish=8", 0.073, 28, 12},
     {NESTED, 5000, 0, 0, "points=800 polish=8", 4e-4, 0, 0},
