@@ -192,7 +192,7 @@ struct vor_stage_done {
     X(U64, parts, "components", "", "Number of separate parts of the input")                       \
     X(U64, islands, "islands.components", "",                                                      \
       "Number of islands: separate parts with fewer than 2 x `neighbors` points (those that a "    \
-      "local surface is fitted to), and each outlier with method=ear and outliers=keep")           \
+      "local surface is fitted to), and each outlier kept by method=ear or very far away")         \
     X(U64, in_islands, "islands.points_in", "points", "Number of input points on islands")         \
     X(U64, on_islands, "islands.points_out", "points",                                             \
       "Number of result points that lie on islands; each of them has the position of an input "    \

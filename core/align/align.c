@@ -38,12 +38,12 @@ enum {
  * most 0.04, mostly below 0.01; wrong ones 0.1 to 0.6 but for those that nothing contradicts. */
 #define HOVERS 0.03
 
-/* Where trust is 0.5, and of the second and third half of the score, too. Hover: right poses at
- * most 0.04, in two of 120 0.063. Beside, at borders and folds: right ones at most 0.21, wrong ones
- * of kitti 0.25 to 0.6. Looseness: right ones 0.1 to 1.1 (0.7 of noise alone), wrong ones of kitti
- * 1.4 to 10. Firmness: right poses 0.0048 and more but for 2 of 24 of kitti,
- * spheres, tori and cylinders at most 0.0005. Wrong poses of thin plates have 0.0041 and 0.0051
- * where little else contradicts them: what is weakly held has to agree the better. */
+/* Where trust is 0.5. BESIDE and LOOSE also are where a pose loses half of its score. Hover: right
+ * poses at most 0.04, in two of 120 0.063. Beside, at borders and folds: right ones at most 0.21,
+ * wrong ones of kitti 0.25 to 0.6. Looseness: right ones 0.1 to 1.1 (0.7 of noise alone), wrong
+ * ones of kitti 1.4 to 10. Firmness: right poses 0.0048 and more but for 2 of 24 of kitti, spheres,
+ * tori and cylinders at most 0.0005. Wrong poses of thin plates have 0.0041 and 0.0051 where little
+ * else contradicts them: what is weakly held has to agree the better. */
 #define MARGIN 0.2
 #define HOVER 0.07
 #define BESIDE 0.33

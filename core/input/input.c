@@ -43,9 +43,9 @@ static int outliers_of(const struct vor_spec *spec)
     return vor_spec_only_filters(spec) ? VOR_OUTLIERS_KEEP : asked;
 }
 
-/* Makes the domain of a cloud. Where remote points leave the others no places to be told apart by,
- * or none to tell islands by, it is that of the others, unless filters alone make the result and
- * outliers stay. */
+/* Makes the domain of a cloud. Where remote points take so much of float32 that the others, or the
+ * islands among them, cannot be told apart, it is the domain of the others; but not where outliers
+ * are kept and filters alone make the result. */
 static vor_status make(struct vor_domain *out, struct vor_outliers *outliers,
                        const struct vor_cloud *in, const struct vor_spec *spec,
                        const struct vor_run *run, struct vor_error *err)

@@ -275,9 +275,9 @@ enum vor_method_choice {
       "first one of a sequence: the points of the result are numbered in the attribute track")     \
     X(OUTLIERS, outliers, CHOICE, INPUT, "", 0, 0, VOR_UNSET, "keep drop pull",                    \
       "Treatment of outliers: input points off the surface, isolated or scattered. keep: they "    \
-      "are used like all other points, with method=ear each as an island; drop: they are "         \
-      "ignored; pull: they are moved onto the surface. Default: drop for denoise, for inspect, "   \
-      "and for any process with method=ear; otherwise keep")                                       \
+      "are used like all other points, with method=ear or very far away as islands; drop: they "   \
+      "are ignored; pull: they are moved onto the surface. Default: drop for denoise, for "        \
+      "inspect, and for any process with method=ear; otherwise keep")                              \
     X(SAMPLE, sample, CHOICE, FILTER, "", 0, 0, VOR_SAMPLE_VERTICES, "vertices faces",             \
       "Which part of a mesh is resampled. vertices: the vertices of the mesh; faces: points "      \
       "drawn evenly from its faces, at least eight for each point of the result; an input "        \

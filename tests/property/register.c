@@ -173,21 +173,24 @@ VT_TEST_FIGURES(a_shape_that_fits_itself_in_many_ways_is_not_trusted, 5)
     vt_free_last(&cloud, &reference);
 }
 
-/* A tenth longer, it overlaps nearly all of the reference, but lies off it. Found: 0.0003 of trust,
- * and 0.05 of conflict. */
-VT_TEST(a_cloud_that_lies_loosely_is_not_trusted)
+/* A tenth longer, it overlaps nearly all of the reference, but lies off it. Where one side bulges
+ * by a tenth, points hover over what the reference has seen there. */
+VT_TEST_LOOP(a_cloud_that_differs_is_not_trusted, 2)
 {
-    struct vor_pose pose = a_pose(3, 1);
+    struct vor_pose pose = a_pose(_i == 0 ? 3 : 5, 1);
     struct vor_cloud cloud, reference, out;
     struct vor_report report;
 
-    make(&cloud, BUMPS, CLOUD, 1, 0, &pose);
-    make(&reference, BUMPS, REFERENCE, 2, 0, &pose);
-    for (size_t i = 0; i < CLOUD; i++)
-        cloud.xyz[3 * i] *= 1.1F;
+    make(&cloud, BUMPS, CLOUD, _i == 0 ? 1 : 15, 0, _i == 0 ? &pose : &still);
+    make(&reference, BUMPS, REFERENCE, _i == 0 ? 2 : 95, 0, &pose);
+    for (size_t i = 0; i < 3 * CLOUD; i++)
+        if (_i == 0 ? i % 3 == 0 : cloud.xyz[i - i % 3 + 2] < -0.3F)
+            cloud.xyz[i] *= 1.1F;
     vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
-    ck_assert_double_lt(report.pose_trust, 0.5);
+    ck_assert_double_lt(report.pose_trust, 0.4);
     ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_CONFLICT);
+    if (_i == 1)
+        ck_assert_double_gt(report.pose_conflict, 0.1);
     vor_cloud_free(&out);
     vt_free_last(&cloud, &reference);
 }
@@ -206,25 +209,6 @@ VT_TEST_FIGURES(where_parts_of_the_points_lead_elsewhere_nothing_is_trusted, 4)
     vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
     ck_assert_double_lt(report.pose_trust, 0.2);
     ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_IMPRECISE);
-    vor_cloud_free(&out);
-    vt_free_last(&cloud, &reference);
-}
-
-/* Where one side bulges by a tenth, points hover over what the reference has seen there. */
-VT_TEST(a_cloud_that_differs_in_a_part_is_not_trusted)
-{
-    struct vor_pose pose = a_pose(5, 1);
-    struct vor_cloud cloud, reference, out;
-    struct vor_report report;
-
-    make(&cloud, BUMPS, CLOUD, 15, 0, &still);
-    make(&reference, BUMPS, REFERENCE, 95, 0, &pose);
-    for (size_t i = 0; i < 3 * CLOUD; i++)
-        cloud.xyz[i] *= cloud.xyz[i - i % 3 + 2] < -0.3F ? 1.1F : 1;
-    vt_assert_ok(put(&out, &report, &cloud, &reference, "fixed", 2));
-    ck_assert_double_lt(report.pose_trust, 0.4);
-    ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_CONFLICT);
-    ck_assert_double_gt(report.pose_conflict, 0.1);
     vor_cloud_free(&out);
     vt_free_last(&cloud, &reference);
 }

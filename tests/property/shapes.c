@@ -44,13 +44,13 @@ static void nearest_of_sphere(struct place *at, const double x[3], double gap)
     set(at, sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) - 1, 0, x[0], x[1], x[2]);
 }
 
-/* A sphere beside five of the corners of a cube of 1e6 radii, of 30 with a gap, itself at another.
+/* A sphere beside five of the corners of a cube of 1e6 radii, of 10 with a gap, itself at another.
  */
 static void make_far(struct vor_cloud *cloud, uint64_t seed, size_t n, double gap)
 {
     vt_cloud_sphere(cloud, seed, n);
     for (size_t i = 0; i < 15; i++)
-        cloud->xyz[i] = ((i / 3 + 1) >> i % 3 & 1) * (gap > 0 ? 30 : 1e6F);
+        cloud->xyz[i] = ((i / 3 + 1) >> i % 3 & 1) * (gap > 0 ? 10 : 1e6F);
 }
 
 /* One sphere in another, half as large. */
