@@ -8,7 +8,7 @@
 /* Bytes a point, as core/engine.h has them where it has them; the others measured on spheres and
  * noise of 1,000 to 200,000 points to 1,000 to 100,000, each beside what was found. */
 #define INDEX 51.0    /* of the input: cloud, positions, order, index; 46 to 67 */
-#define SHEETS 94.0   /* of the input, where lists may be made, which is seen only then: 0 or 122 */
+#define SHEETS 122.0  /* of the input, thinned, where it may have two sheets: 0 or 122 */
 #define TENSORS 265.0 /* of the input, while its metric is found: 263 */
 /* Of the input, what inspect takes beside the index: 245 to 335 of models and scans of 2,900 to
  * 40,000 points, 370 to 640 with noise of .005 of the diagonal. */
@@ -41,10 +41,9 @@
 #define ANY_RUN (1 << 18)
 #define A_THREAD (200 << 10)
 
-/* Neighbours of a fit where the request leaves them to the input: 12 to 24 on most, up to 150 where
- * there is noise, for which denoise is. */
-#define USUAL_NEIGHBORS 20.0
-#define NOISY_NEIGHBORS 125.0
+/* Neighbours of a fit where the request leaves them to the input: 12 to 24 on clean ones, up to 150
+ * where there is noise, as in many scans, which is seen only then. */
+#define NEIGHBORS 144.0
 
 /* An input of so many points for each of the result is thinned, and starts from no cells. */
 #define DENSE 10.0
@@ -73,8 +72,7 @@ static double spreading(const struct vor_spec *spec, double in, double out)
         spec->value[VOR_PARAM_NEIGHBORS]; /* then, of each point, besides its neighbours */
     double extra = (has_metric(spec) ? METRIC : 0) +
                    (spec->value[VOR_PARAM_DENSITY] != VOR_DENSITY_UNIFORM ? DENSITY : 0);
-    double usual = spec->process == vor_process_find("denoise") ? NOISY_NEIGHBORS : USUAL_NEIGHBORS;
-    double lists = 6 * (given > 0 ? given : usual);
+    double lists = 6 * (given > 0 ? given : NEIGHBORS);
     double first = starting(spec, in, out);
     double cells = in >= DENSE * first ? first : first + fmin(in, first);
     double start = (lists + START + extra) * cells;
@@ -107,7 +105,7 @@ static double of_spread(const struct vor_spec *spec, double points, double attri
         in = (double)vor_faces_samples(out, (size_t)points);
     index = (INDEX + attributes) * in;
     if (spec->value[VOR_PARAM_INTRINSIC] != VOR_INTRINSIC_NONE)
-        index += SHEETS * in;
+        index += SHEETS * (out > 0 ? fmin(in, DENSE * out) : in);
     tensors = has_metric(spec) ? TENSORS * in : 0;
     return index + attributes * out + fmax(tensors, spreading(spec, in, out));
 }
