@@ -27,34 +27,27 @@ struct load {
     struct vor_error *err;
 };
 
-/* Refuses what is more than padding. */
-static vor_status refuse_rest(const uint8_t *bytes, size_t size, size_t used, struct vor_error *err)
-{
-    size_t zeros = 0;
-
-    while (used + zeros < size && zeros < VOR_DRACO_PADDING_MAX && bytes[used + zeros] == 0)
-        zeros++;
-    if (used + zeros == size)
-        return VOR_OK;
-    (void)vor_fail(
-        err, VOR_E_FORMAT,
-        "the Draco data ends after %zu of %zu bytes; only up to %d zero bytes may follow the "
-        "data",
-        used, size, VOR_DRACO_PADDING_MAX);
-    return vor_fail_at(err, VOR_E_FORMAT, used);
-}
-
 static vor_status decode(struct vor_draco_decoded **out, struct vor_alloc_budget *budget,
                          const uint8_t *bytes, size_t size, struct vor_error *err)
 {
     struct vor_draco_meter meter = vor_alloc_budget_meter(budget);
     size_t held = atomic_load(&budget->memory->used), used = size;
     size_t left = held < budget->memory->cap ? budget->memory->cap - held : 0;
+    size_t zeros = 0;
     char message[96];
 
     switch (vor_draco_decode(out, &meter, bytes, &used, message)) {
     case VOR_DRACO_DONE:
-        return refuse_rest(bytes, size, used, err);
+        while (used + zeros < size && zeros < VOR_DRACO_PADDING_MAX && bytes[used + zeros] == 0)
+            zeros++;
+        if (used + zeros == size)
+            return VOR_OK;
+        (void)vor_fail(
+            err, VOR_E_FORMAT,
+            "the Draco data ends after %zu of %zu bytes; only up to %d zero bytes may follow the "
+            "data",
+            used, size, VOR_DRACO_PADDING_MAX);
+        return vor_fail_at(err, VOR_E_FORMAT, used);
     case VOR_DRACO_NO_MEMORY:
         return vor_fail(err, VOR_E_NOMEM,
                         "decoding %zu bytes of Draco needs more than %zu bytes of memory", size,
@@ -108,22 +101,6 @@ static vor_status copy_values(const struct load *load, unsigned index, void *out
     return VOR_OK;
 }
 
-/* Turns count scalars of a type into doubles. */
-static void widen(double *out, const void *in, enum vor_type type, size_t count)
-{
-    switch (type) {
-#define WIDEN(name, ctype, ply, sized)                                                             \
-    case VOR_##name:                                                                               \
-        for (size_t i = 0; i < count; i++)                                                         \
-            out[i] = (double)((const ctype *)in)[i];                                               \
-        break;
-        VOR_TYPE_TABLE(WIDEN)
-#undef WIDEN
-    case VOR_TYPE_COUNT:
-        break;
-    }
-}
-
 static vor_status load_wide_positions(const struct load *load, enum vor_type type)
 {
     struct vor_memory *memory = load->cloud->memory;
@@ -138,7 +115,17 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     status = copy_values(load, load->position, raw);
     if (status != VOR_OK)
         goto done;
-    widen(xyz, raw, type, 3 * load->n);
+    switch (type) {
+#define WIDEN(name, ctype, ply, sized)                                                             \
+    case VOR_##name:                                                                               \
+        for (size_t i = 0; i < 3 * load->n; i++)                                                   \
+            xyz[i] = (double)((const ctype *)raw)[i];                                              \
+        break;
+        VOR_TYPE_TABLE(WIDEN)
+#undef WIDEN
+    case VOR_TYPE_COUNT:
+        break;
+    }
     status = vor_cloud_sift(load->cloud, xyz, load->limits->drop_invalid, load->err);
     for (size_t i = 0; status == VOR_OK && load->has_origin && i < 3 * load->cloud->n; i++)
         xyz[i] += load->origin[i % 3];
@@ -173,29 +160,6 @@ static vor_status load_positions(const struct load *load)
     return status;
 }
 
-/* Names are strangers' bytes and end up in headers and logs. */
-static void clean_name(char name[256], enum vor_draco_kind kind)
-{
-    static const char *const implied[] = {"position", "normal", "color", "tex_coord", "generic"};
-
-    if (name[0] == '\0')
-        (void)snprintf(name, 256, "%s", implied[kind]);
-    for (char *c = name; *c != '\0'; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            *c = '_';
-}
-
-static enum vor_semantic semantic_of(const struct vor_draco_info *info)
-{
-    if (info->kind == VOR_DRACO_NORMAL && info->components == 3)
-        return VOR_NORMAL;
-    if (info->kind == VOR_DRACO_COLOR && (info->components == 3 || info->components == 4))
-        return VOR_COLOR;
-    if (info->kind == VOR_DRACO_TEX_COORD && (info->components == 2 || info->components == 3))
-        return VOR_TEX_COORD;
-    return VOR_GENERIC;
-}
-
 /* The writer carries 32-bit integers that the library cannot encode in 64 bits and says so. */
 static int narrow(struct vor_attribute *attribute, size_t n, enum vor_type type)
 {
@@ -219,10 +183,11 @@ static int narrow(struct vor_attribute *attribute, size_t n, enum vor_type type)
 
 static vor_status load_attribute(const struct load *load, unsigned index)
 {
+    static const char *const implied[] = {"position", "normal", "color", "tex_coord", "generic"};
     struct vor_draco_info info;
     struct vor_attribute *attribute;
     enum vor_type type = VOR_TYPE_COUNT;
-    enum vor_semantic semantic;
+    enum vor_semantic semantic = VOR_GENERIC;
     vor_status status = describe(load, index, &info);
 
     if (status != VOR_OK)
@@ -232,8 +197,17 @@ static vor_status load_attribute(const struct load *load, unsigned index)
         info.scalar = VOR_DRACO_FLOAT32; /* the writer carries bits in bytes and says so */
         info.components /= 4;
     }
-    clean_name(info.name, info.kind);
-    semantic = semantic_of(&info);
+    if (info.name[0] == '\0')
+        (void)snprintf(info.name, sizeof info.name, "%s", implied[info.kind]);
+    for (char *c = info.name; *c != '\0'; c++) /* a stranger's: it ends up in headers and logs */
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            *c = '_';
+    if (info.kind == VOR_DRACO_NORMAL && info.components == 3)
+        semantic = VOR_NORMAL;
+    else if (info.kind == VOR_DRACO_COLOR && (info.components == 3 || info.components == 4))
+        semantic = VOR_COLOR;
+    else if (info.kind == VOR_DRACO_TEX_COORD && (info.components == 2 || info.components == 3))
+        semantic = VOR_TEX_COORD;
     status = vor_cloud_add_attribute(load->cloud, info.name, semantic, (enum vor_type)info.scalar,
                                      info.components, &attribute, load->err);
     if (status != VOR_OK)

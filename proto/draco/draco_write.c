@@ -192,31 +192,19 @@ static int sequence_takes_int32(const struct vor_draco_column *column, size_t n)
     return fits_int32(column, n, INT32_RANGE);
 }
 
-static int kd_tree_takes(const struct vor_draco_column *column, size_t n)
-{
-    switch (column->scalar) {
-    case VOR_DRACO_FLOAT32:
-        return column->bits > 0;
-    case VOR_DRACO_INT32:
-        return fits_int32(column, n, INT32_RANGE);
-    case VOR_DRACO_FLOAT64:
-    case VOR_DRACO_INT64:
-    case VOR_DRACO_UINT64:
-    case VOR_DRACO_SCALAR_COUNT:
-        return 0;
-    default:
-        return 1;
-    }
-}
-
 static int kd_tree_possible(const struct plan *plan)
 {
     size_t n = plan->cloud->n, scalars = 0;
 
     for (unsigned i = 0; i < plan->count; i++) {
-        if (!kd_tree_takes(&plan->columns[i], n))
+        const struct vor_draco_column *column = &plan->columns[i];
+
+        if ((column->scalar == VOR_DRACO_FLOAT32 && column->bits <= 0) ||
+            (column->scalar == VOR_DRACO_INT32 && !fits_int32(column, n, INT32_RANGE)) ||
+            column->scalar == VOR_DRACO_FLOAT64 || column->scalar == VOR_DRACO_INT64 ||
+            column->scalar == VOR_DRACO_UINT64)
             return 0;
-        scalars += plan->columns[i].components;
+        scalars += column->components;
     }
     return scalars > 0 && scalars <= VOR_DRACO_KD_SCALARS && n <= INT32_MAX / scalars;
 }
@@ -358,29 +346,26 @@ static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink
     return status == VOR_OK ? encode(plan, &taker, compression, err) : status;
 }
 
-static vor_status refuse_over(size_t got, size_t limit, const char *what, struct vor_error *err)
-{
-    (void)vor_fail(err, VOR_E_LIMIT, "the result has %zu %s, but a Draco file can have at most %zu",
-                   got, what, limit);
-    return vor_fail_over(err, VOR_E_LIMIT, limit, got);
-}
-
 /* The library counts scalars, and corners of faces, in int. */
 static vor_status check_size(const struct vor_cloud *cloud, const struct vor_mesh *mesh,
                              struct vor_error *err)
 {
-    char what[40];
-    size_t components = 3;
+    const int has_faces = mesh != NULL && mesh->count > INT32_MAX / 3;
+    char what[40] = "faces";
+    size_t components = 3, got = has_faces ? mesh->count : cloud->n, limit = INT32_MAX / 3;
 
     for (size_t i = 0; i < cloud->attribute_count; i++)
         if (cloud->attributes[i].components > components)
             components = cloud->attributes[i].components;
-    if (mesh != NULL && mesh->count > INT32_MAX / 3)
-        return refuse_over(mesh->count, INT32_MAX / 3, "faces", err);
-    if (cloud->n <= INT32_MAX / components)
+    if (!has_faces) {
+        limit = INT32_MAX / components;
+        (void)snprintf(what, sizeof what, "points of %zu scalars", components);
+    }
+    if (got <= limit)
         return VOR_OK;
-    (void)snprintf(what, sizeof what, "points of %zu scalars", components);
-    return refuse_over(cloud->n, INT32_MAX / components, what, err);
+    (void)vor_fail(err, VOR_E_LIMIT, "the result has %zu %s, but a Draco file can have at most %zu",
+                   got, what, limit);
+    return vor_fail_over(err, VOR_E_LIMIT, limit, got);
 }
 
 vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *cloud,
