@@ -57,11 +57,10 @@ static vor_status prepare(struct engine *engine, struct vor_error *err)
 {
     vor_status status = vor_splats_check(engine->given, &engine->spec, err);
 
-    if (status == VOR_OK)
-        status =
-            vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err);
-    if (status == VOR_OK)
-        status = vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err);
+    VOR_THEN(status,
+             vor_input_sampled(&engine->in, &engine->sampled, engine->given, &engine->spec, err));
+    VOR_THEN(status,
+             vor_input_prepare(&engine->domain, engine->in, &engine->spec, &engine->whole, err));
     if (status != VOR_OK)
         return status;
     engine->report.seconds_index = vor_run_seconds(&engine->run);
@@ -87,9 +86,9 @@ static vor_status place(struct engine *engine, struct vor_error *err)
                                      &engine->run, err);
     engine->report.seconds_init += engine->told.seconds_start;
     engine->report.on_islands = share;
-    if (status == VOR_OK)
-        status = vor_seeds_add_islands(&engine->seeds, &engine->report.delta_beside, domain, share,
-                                       vor_seeds_policy_of(&engine->spec), &engine->run, err);
+    VOR_THEN(status,
+             vor_seeds_add_islands(&engine->seeds, &engine->report.delta_beside, domain, share,
+                                   vor_seeds_policy_of(&engine->spec), &engine->run, err));
     return status;
 }
 
@@ -123,14 +122,11 @@ static vor_status finish(struct engine *engine, struct vor_cloud *out, struct vo
         status = vor_transfer_number(out, err);
     if (status == VOR_OK && engine->previous != NULL)
         vor_transfer_keep_common(out, engine->previous);
-    if (status == VOR_OK)
-        status = vor_output_notes(out, report, engine->given, err);
+    VOR_THEN(status, vor_output_notes(out, report, engine->given, err));
     if (status == VOR_OK && engine->meshes)
         status = vor_triangles_finish(&engine->mesh, report, &joined, &engine->whole, err);
-    if (status == VOR_OK)
-        status = vor_last_record_tell(&engine->told, report, &engine->run, err);
-    if (status == VOR_OK)
-        status = vor_baselines_tell(report, &beside, &engine->run, err);
+    VOR_THEN(status, vor_last_record_tell(&engine->told, report, &engine->run, err));
+    VOR_THEN(status, vor_baselines_tell(report, &beside, &engine->run, err));
     if (status != VOR_OK) {
         vor_cloud_free(out);
         return status;
@@ -175,8 +171,7 @@ static vor_status run_spread(struct vor_artefacts *out, const struct vor_artefac
     status = prepare(&engine, err);
     if (status == VOR_OK && engine.target.n > 0)
         status = place(&engine, err);
-    if (status == VOR_OK)
-        status = finish(&engine, &cloud, err);
+    VOR_THEN(status, finish(&engine, &cloud, err));
     if (status == VOR_OK) {
         *report = engine.report;
         vor_artefacts_put_mesh(out, "cloud", &cloud, &engine.mesh);
@@ -255,8 +250,7 @@ static vor_status run_inspect(struct vor_artefacts *out, const struct vor_artefa
     status = vor_area_of_surface(&told->area, &domain, (uint64_t)spec->value[VOR_PARAM_SEED],
                                  &whole, err);
     told->area *= domain.unit * domain.unit;
-    if (status == VOR_OK)
-        status = vor_inspect_domain(told, &domain, spec, &whole, err);
+    VOR_THEN(status, vor_inspect_domain(told, &domain, spec, &whole, err));
     vor_domain_free(&domain);
     return status;
 }

@@ -399,8 +399,7 @@ vor_status vor_spec_check(const struct vor_spec *spec, struct vor_error *err)
     int given = counts_given(spec);
     vor_status status = check_descent(spec, err);
 
-    if (status == VOR_OK)
-        status = check_method(spec, err);
+    VOR_THEN(status, check_method(spec, err));
     if (status == VOR_OK && spec->value[VOR_PARAM_LATTICE] == VOR_LATTICE_KEEP &&
         (vor_process_takes(spec->process, VOR_PARAM_SOUP) || vor_spec_only_filters(spec)))
         status = vor_fail_param(err, VOR_E_PARAM, "lattice",

@@ -83,8 +83,7 @@ static vor_status ask(struct call *call, const char *process, size_t points)
                      : vor_fail_param(&call->err, VOR_E_PARAM, at[0], "%s has no value", at[0]);
     if (status == VOR_OK && points > 0)
         status = vor_spec_set_number(&call->spec, "points", (double)points, &call->err);
-    if (status == VOR_OK)
-        status = vor_spec_complete(&call->spec, &call->err);
+    VOR_THEN(status, vor_spec_complete(&call->spec, &call->err));
     return status == VOR_OK ? vor_spec_check_inputs(&call->spec, 1, &call->err) : status;
 }
 
@@ -158,14 +157,10 @@ static int spread(const char *process, struct vor_points *out, const struct vor_
         status = vor_fail_param(&call.err, VOR_E_TARGET, "points", "points is 0");
     else
         status = ask(&call, process, out->n);
-    if (status == VOR_OK)
-        status = vor_spec_check_target(&call.spec, (double)out->n, in->n, &call.err);
-    if (status == VOR_OK)
-        status = take(&call, in, components);
-    if (status == VOR_OK)
-        status = run_engine(&call);
-    if (status == VOR_OK)
-        status = give(&call, out, components);
+    VOR_THEN(status, vor_spec_check_target(&call.spec, (double)out->n, in->n, &call.err));
+    VOR_THEN(status, take(&call, in, components));
+    VOR_THEN(status, run_engine(&call));
+    VOR_THEN(status, give(&call, out, components));
     return end(&call, status, failure);
 }
 
@@ -192,12 +187,9 @@ int vor_restore(struct vor_points *points, const struct vor_call *asked,
 
     begin(&call, asked);
     status = ask(&call, "restore", 0);
-    if (status == VOR_OK)
-        status = take(&call, points, 0);
-    if (status == VOR_OK)
-        status = run_engine(&call);
-    if (status == VOR_OK)
-        status = give(&call, points, 0);
+    VOR_THEN(status, take(&call, points, 0));
+    VOR_THEN(status, run_engine(&call));
+    VOR_THEN(status, give(&call, points, 0));
     return end(&call, status, failure);
 }
 

@@ -374,8 +374,7 @@ static vor_status sort_range(struct range *range, struct vor_error *err)
         return status;
     sum_counts(range);
     status = vor_run_for(run, range->n, range->block, move_block, range, err);
-    if (status == VOR_OK)
-        status = sort_small(range, err);
+    VOR_THEN(status, sort_small(range, err));
     for (size_t i = 0; i < BUCKETS && status == VOR_OK; i++) {
         size_t first = range->start[i], n = range->start[i + 1] - first;
 

@@ -8,6 +8,14 @@
 #define VOR_PRINTF(at, first) __attribute__((format(printf, at, first)))
 #define VOR_UNUSED __attribute__((unused)) /* before a parameter that a callback must have */
 
+/** Assigns the call to status if nothing has failed yet, else does not call: one of several steps.
+ */
+#define VOR_THEN(status, call)                                                                     \
+    do {                                                                                           \
+        if ((status) == VOR_OK)                                                                    \
+            (status) = (call);                                                                     \
+    } while (0)
+
 /** Every way the engine and the codecs can fail: name, HTTP status, problem slug, whether the same
  *  call may succeed later, sentence. The server's problems and the command line's exit codes are
  *  read off this table. */

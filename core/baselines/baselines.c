@@ -97,10 +97,8 @@ static vor_status measure_seeds(struct vor_baseline *out, struct vor_seeds *seed
     if (nearest == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_uniformity_now(&even, nearest, seeds, err);
-    if (status == VOR_OK)
-        status = vor_seeds_cells(&cells, seeds, err);
-    if (status == VOR_OK)
-        status = vor_compare_ref_to_out(&far, NULL, seeds, err);
+    VOR_THEN(status, vor_seeds_cells(&cells, seeds, err));
+    VOR_THEN(status, vor_compare_ref_to_out(&far, NULL, seeds, err));
     if (status == VOR_OK) {
         vor_uniformity_from(&apart, nearest, seeds->n);
         out->points = seeds->n;
@@ -159,8 +157,7 @@ static vor_status tell_one(struct vor_report *report, const struct maker *maker,
     if (points.xyz == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", points.wanted);
     status = maker->make(&points, err);
-    if (status == VOR_OK)
-        status = measure(out, &points, err);
+    VOR_THEN(status, measure(out, &points, err));
     vor_free(memory, points.xyz);
     return status;
 }
@@ -194,8 +191,7 @@ static vor_status tell_all(struct vor_report *report, const struct vor_baselines
 
     for (uint32_t i = 0; i < MAKERS && status == VOR_OK; i++) {
         status = tell_one(report, &makers[i], points, err);
-        if (status == VOR_OK)
-            status = tell_step(report, of, i + 1, run, err);
+        VOR_THEN(status, tell_step(report, of, i + 1, run, err));
     }
     if (status == VOR_OK)
         vor_report_stage(report, VOR_RUN_STAGE_BASELINES, MAKERS, vor_run_clock(run) - before);

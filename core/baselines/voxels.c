@@ -134,10 +134,8 @@ vor_status vor_voxel_points(float *out, size_t *made, const float *xyz, size_t n
     double edge = EDGE_MOST;
     vor_status status = alloc_voxels(&voxels, count, run->memory, err);
 
-    if (status == VOR_OK)
-        status = search(&voxels, &edge, count, run, err);
-    if (status == VOR_OK)
-        status = fill(&voxels, made, edge, run, err);
+    VOR_THEN(status, search(&voxels, &edge, count, run, err));
+    VOR_THEN(status, fill(&voxels, made, edge, run, err));
     if (status == VOR_OK) {
         for (size_t slot = 0; slot < voxels.slots; slot++) {
             const struct cell *cell = &voxels.cell[slot];

@@ -199,8 +199,7 @@ vor_status vor_cloud_copy(struct vor_cloud *out, const struct vor_cloud *in, str
     out->position_type = in->position_type;
     for (size_t i = 0; i < in->attribute_count && status == VOR_OK; i++)
         status = copy_attribute(out, &in->attributes[i], err);
-    if (status == VOR_OK)
-        status = vor_notes_copy_remarks(&out->notes, &in->notes, out->memory, err);
+    VOR_THEN(status, vor_notes_copy_remarks(&out->notes, &in->notes, out->memory, err));
     if (status != VOR_OK)
         vor_cloud_free(out);
     return status;

@@ -25,12 +25,10 @@ static vor_status start_with_sites(struct vor_seeds *seeds, const struct vor_dom
     vor_status status = vor_area_of_surface(&wanted.area, domain,
                                             (uint64_t)spec->value[VOR_PARAM_SEED], &whole, err);
 
-    if (status == VOR_OK)
-        status = vor_sites_find(&sites, domain, &wanted, &whole, err);
-    if (status == VOR_OK)
-        status = vor_start_seeds(seeds, domain, vor_seeds_beside_sites(n, &sites), spec, run, err);
-    if (status == VOR_OK)
-        status = vor_seeds_add_sites(seeds, &sites, n, &whole, err);
+    VOR_THEN(status, vor_sites_find(&sites, domain, &wanted, &whole, err));
+    VOR_THEN(status,
+             vor_start_seeds(seeds, domain, vor_seeds_beside_sites(n, &sites), spec, run, err));
+    VOR_THEN(status, vor_seeds_add_sites(seeds, &sites, n, &whole, err));
     vor_sites_free(&sites);
     return status;
 }

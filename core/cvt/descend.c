@@ -65,8 +65,7 @@ static vor_status put_down(struct descend *descend, struct vor_error *err)
     vor_status status =
         vor_frozen_set(&descend->frozen, descend->power, descend->y, stage->run, err);
 
-    if (status == VOR_OK)
-        status = vor_frozen_take(&descend->frozen, descend->y, descend->held, &sums, err);
+    VOR_THEN(status, vor_frozen_take(&descend->frozen, descend->y, descend->held, &sums, err));
     if (status != VOR_OK)
         return status == VOR_E_STOPPED ? VOR_OK : status;
     note(descend, &sums);
@@ -96,10 +95,8 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     if (descend->power > descend->last_power)
         descend->power = descend->last_power;
     status = vor_frozen_set(frozen, descend->power, descend->y, stage->run, err);
-    if (status == VOR_OK)
-        status = vor_lbfgs_run(&descend->lbfgs, descend->y, &function, INNER, &inner, err);
-    if (status == VOR_OK)
-        status = vor_frozen_take(frozen, descend->y, descend->held, &sums, err);
+    VOR_THEN(status, vor_lbfgs_run(&descend->lbfgs, descend->y, &function, INNER, &inner, err));
+    VOR_THEN(status, vor_frozen_take(frozen, descend->y, descend->held, &sums, err));
     if (status != VOR_OK)
         return status;
     told->inner_steps += inner.steps;
@@ -140,12 +137,9 @@ vor_status vor_descend_run(struct vor_seeds *seeds, struct vor_outcome *told,
     descend.stage.part[1] =
         (struct vor_part){descend.frozen.planes.crosses.kept, 3 * seeds->n * sizeof(float)};
     descend.stage.part[2] = (struct vor_part){&descend.frozen.planes.set, sizeof(int)};
-    if (status == VOR_OK)
-        status = put_down(&descend, err);
-    if (status == VOR_OK)
-        status = vor_stage_of_seeds(&descend.stage, seeds, err);
-    if (status == VOR_OK)
-        status = vor_stage_run(&descend.stage, err);
+    VOR_THEN(status, put_down(&descend, err));
+    VOR_THEN(status, vor_stage_of_seeds(&descend.stage, seeds, err));
+    VOR_THEN(status, vor_stage_run(&descend.stage, err));
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++)
         told->held_ever += (descend.held[i] & VOR_FROZEN_HELD_EVER) != 0;
     VOR_FREE_ALL(memory, descend.held, descend.y);

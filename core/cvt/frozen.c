@@ -135,8 +135,7 @@ vor_status vor_frozen_at(void *ctx, const double *y, double *value, double *grad
     size_t n = f->seeds->n;
     vor_status status = vor_run_for(f->run, n, VOR_SEEDS_BLOCK, place_block, &evaluation, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(f->run, n, VOR_SEEDS_BLOCK, evaluate_block, &evaluation, err);
+    VOR_THEN(status, vor_run_for(f->run, n, VOR_SEEDS_BLOCK, evaluate_block, &evaluation, err));
     if (status != VOR_OK)
         return status;
     f->bent = 1;
@@ -260,8 +259,7 @@ vor_status vor_frozen_take(struct vor_frozen *frozen, const double *y, unsigned 
     size_t n = frozen->seeds->n;
     vor_status status = vor_run_for(frozen->run, n, VOR_SEEDS_BLOCK, place_block, &places, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(frozen->run, n, VOR_SEEDS_BLOCK, take_block, &take, err);
+    VOR_THEN(status, vor_run_for(frozen->run, n, VOR_SEEDS_BLOCK, take_block, &take, err));
     if (status != VOR_OK)
         return status;
     memset(sums, 0, sizeof *sums);

@@ -332,8 +332,7 @@ static vor_status iterate(struct cvt *cvt, struct vor_error *err)
     struct vor_uniformity even;
     vor_status status = vor_seeds_index(seeds, cvt->run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(cvt->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err);
+    VOR_THEN(status, vor_run_for(cvt->run, seeds->n, VOR_SEEDS_BLOCK, lloyd_block, cvt, err));
     if (status != VOR_OK)
         return status;
     memset(total, 0, sizeof *total);
@@ -400,11 +399,9 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
          (!polish_follows(cvt) && record->step + on_whole(cvt) >= record->of))) {
         stage->unfinished = 0;
         status = vor_attach_to_whole(cvt->seeds, 0, err);
-        if (status == VOR_OK)
-            status = vor_stage_restart(stage, err);
+        VOR_THEN(status, vor_stage_restart(stage, err));
     }
-    if (status == VOR_OK)
-        status = iterate(cvt, err);
+    VOR_THEN(status, iterate(cvt, err));
     if (status != VOR_OK)
         return status;
     record->energy = total->energy * unit * unit * unit * unit;
@@ -443,10 +440,8 @@ vor_status vor_lloyd_run(struct vor_seeds *seeds, struct vor_outcome *told,
     cvt.stage.part[1] = (struct vor_part){cvt.flags, seeds->n};
     cvt.stage.part[2] = (struct vor_part){cvt.past, sizeof cvt.past};
     cvt.stage.part[3] = (struct vor_part){&cvt.level, sizeof cvt.level};
-    if (status == VOR_OK)
-        status = vor_stage_of_seeds(&cvt.stage, seeds, err);
-    if (status == VOR_OK)
-        status = vor_stage_run(&cvt.stage, err);
+    VOR_THEN(status, vor_stage_of_seeds(&cvt.stage, seeds, err));
+    VOR_THEN(status, vor_stage_run(&cvt.stage, err));
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++)
         told->held_ever += (cvt.flags[i] & HELD_EVER) != 0;
     if (cvt.level && told->stopped == VOR_STOPPED_ITERATIONS)

@@ -315,8 +315,7 @@ vor_status vor_planes_set(struct vor_planes *p, unsigned power, double *y,
     size_t n = p->seeds->n;
     vor_status status = vor_stretched_renew(&p->seeds->stretched, p->seeds->xyz, run, err);
 
-    if (status == VOR_OK)
-        status = vor_knn_build(&knn, p->seeds->xyz, n, p->seeds->run.memory, err);
+    VOR_THEN(status, vor_knn_build(&knn, p->seeds->xyz, n, p->seeds->run.memory, err));
     if (status != VOR_OK)
         return status;
     freeze.knn = knn;

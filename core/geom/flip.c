@@ -312,8 +312,7 @@ static vor_status apply(const struct flip *flip, const struct vor_winding_points
     status = vor_winding_find(was, span, points, run, err);
     for (size_t i = 0; i < span->n; i++)
         span->odd[i] ^= flip->region[flip->at[i]].turned;
-    if (status == VOR_OK)
-        status = vor_winding_find(now, span, points, run, err);
+    VOR_THEN(status, vor_winding_find(now, span, points, run, err));
     for (size_t i = 0; i < span->n && status == VOR_OK; i++) {
         size_t c = span->component[i];
 

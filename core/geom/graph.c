@@ -124,8 +124,7 @@ vor_status vor_graph_keep_mutual(struct vor_graph *graph, const struct vor_run *
     if (mutual.stay == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
     status = vor_run_for(run, graph->n, BLOCK, mutual_block, &mutual, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, graph->n, BLOCK, drop_block, &mutual, err);
+    VOR_THEN(status, vor_run_for(run, graph->n, BLOCK, drop_block, &mutual, err));
     vor_free(graph->memory, mutual.stay);
     return status;
 }

@@ -241,8 +241,7 @@ static vor_status measure(struct winding *winding, size_t c, int patches, const 
     cut(winding);
     memset(winding->number, 0, winding->samples * sizeof *winding->number);
     status = vor_run_for(run, winding->blocks, TASK_SIZE, make_blocks, winding, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, winding->samples, 1, take_numbers, winding, err);
+    VOR_THEN(status, vor_run_for(run, winding->samples, 1, take_numbers, winding, err));
     return status;
 }
 

@@ -316,8 +316,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
         make->layers = 0;
         if (status == VOR_OK && round == 0)
             status = vor_noisy_find(make->noisy, make->domain, make->graph, run, err);
-        if (status == VOR_OK)
-            status = vor_run_for(run, n, BLOCK, sheet_block, make, err);
+        VOR_THEN(status, vor_run_for(run, n, BLOCK, sheet_block, make, err));
     }
     if (status == VOR_OK && make->domain->known.lists != VOR_LISTS_FEW)
         status = vor_run_for(run, n, BLOCK, rest_block, make, err);

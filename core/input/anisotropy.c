@@ -212,14 +212,11 @@ static vor_status fill(struct work *work, const struct vor_run *run, struct vor_
     struct vor_tensors *out = work->out;
     vor_status status = alloc_work(work, run->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_knn_build_sorted(&out->knn, out->xyz, out->n, run, err);
-    if (status == VOR_OK)
-        status = vor_graph_nearest(&work->graph, out->knn, out->xyz, work->graph.most, run, err);
-    if (status == VOR_OK)
-        status = find_bend(work, run, err);
-    if (status == VOR_OK)
-        status = find_metric(work, run, err);
+    VOR_THEN(status, vor_knn_build_sorted(&out->knn, out->xyz, out->n, run, err));
+    VOR_THEN(status,
+             vor_graph_nearest(&work->graph, out->knn, out->xyz, work->graph.most, run, err));
+    VOR_THEN(status, find_bend(work, run, err));
+    VOR_THEN(status, find_metric(work, run, err));
     if (status == VOR_OK)
         note_aspects(work);
     return status;

@@ -161,8 +161,7 @@ static vor_status lay_flat(struct lay *lay, int *folds, const struct vor_run *ru
         project(&band->outline[2 * i], band, lay->axis,
                 &lay->domain->xyz[3 * (size_t)lay->loop[i]]);
     status = vor_polygon_init(&band->polygon, band->outline, band->rim, 2, band->memory, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, band->count, BLOCK, flat_block, lay, err);
+    VOR_THEN(status, vor_run_for(run, band->count, BLOCK, flat_block, lay, err));
     *folds = !((double)atomic_load(&lay->steep) <= FOLD_SHARE * (double)band->count &&
                (double)atomic_load(&lay->over) <= FOLD_SHARE * (double)band->count);
     return status;
@@ -239,11 +238,8 @@ static vor_status unroll(struct lay *lay, const struct vor_run *run, struct vor_
     unroll_rim(lay);
     vor_polygon_free(&band->polygon);
     status = vor_polygon_init(&band->polygon, band->outline, band->rim, 2, band->memory, err);
-    if (status == VOR_OK)
-        status = vor_polygon_init(&lay->polygon, lay->rim, band->rim, 3, band->memory, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, band->count, BLOCK, unroll_row, lay, err);
-    return status;
+    VOR_THEN(status, vor_polygon_init(&lay->polygon, lay->rim, band->rim, 3, band->memory, err));
+    return status == VOR_OK ? vor_run_rows(run, band->count, BLOCK, unroll_row, lay, err) : status;
 }
 
 /* Lays the band out, flat unless it folds there. */

@@ -94,8 +94,7 @@ vor_status vor_domain_halve(struct vor_domain *out, const struct vor_domain *in,
     if (in->n / 2 < LEAST)
         return VOR_OK;
     status = take(&domain, in, run, err);
-    if (status == VOR_OK)
-        status = vor_neighbors_choose(&domain.known.neighbors, &domain, run, err);
+    VOR_THEN(status, vor_neighbors_choose(&domain.known.neighbors, &domain, run, err));
     if (status == VOR_OK)
         *out = domain;
     else
@@ -121,8 +120,7 @@ vor_status vor_domain_coarsen(struct vor_domain *out, const struct vor_domain *i
     }
     if (status == VOR_OK && domain.n > 0 && !is_thick(&domain)) {
         status = vor_outliers_drop(&domain, &dropped, run, err);
-        if (status == VOR_OK)
-            status = vor_neighbors_choose(&domain.known.neighbors, &domain, run, err);
+        VOR_THEN(status, vor_neighbors_choose(&domain.known.neighbors, &domain, run, err));
     } else {
         vor_domain_free(&domain); /* of a ball of points */
     }

@@ -55,8 +55,7 @@ static vor_status check_values(const struct vor_attribute *attribute, size_t n,
         return vor_fail_param(err, VOR_E_DENSITY, "density",
                               "attribute %s is %g at point %zu, want 0 or more", attribute->name,
                               vor_attribute_scalar(attribute, first), first);
-    if (status == VOR_OK)
-        status = vor_count(&positive, &first, n, is_positive, attribute, run, err);
+    VOR_THEN(status, vor_count(&positive, &first, n, is_positive, attribute, run, err));
     if (status != VOR_OK || positive > 0)
         return status;
     return vor_fail_param(
@@ -442,13 +441,10 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
     double groups = spec->value[VOR_PARAM_GROUPS];
     vor_status status = alloc_work(work, run->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_knn_build_sorted(&field->knn, field->xyz, field->n, run, err);
-    if (status == VOR_OK)
-        status =
-            vor_graph_nearest(&work->graph, field->knn, field->xyz, work->graph.most, run, err);
-    if (status == VOR_OK)
-        status = mark_edges(work, run, err);
+    VOR_THEN(status, vor_knn_build_sorted(&field->knn, field->xyz, field->n, run, err));
+    VOR_THEN(status,
+             vor_graph_nearest(&work->graph, field->knn, field->xyz, work->graph.most, run, err));
+    VOR_THEN(status, mark_edges(work, run, err));
     if (status != VOR_OK)
         return status;
     work->steepest = spec->value[VOR_PARAM_GRADING] / field->even;
@@ -461,8 +457,7 @@ static vor_status fill(struct work *work, const struct vor_spec *spec, const str
         status = measure_edges(work, run, err);
     if (status == VOR_OK && groups != VOR_GROUPS_NONE)
         status = take_groups(work, groups, spec->value[VOR_PARAM_CONTRAST], run, err);
-    if (status == VOR_OK)
-        status = grade(work, run, err);
+    VOR_THEN(status, grade(work, run, err));
     if (status == VOR_OK)
         note_range(work);
     return status;
@@ -506,8 +501,7 @@ vor_status vor_density_make(struct vor_domain *domain, const struct vor_cloud *i
     field.n = curved.domain->n;
     work.step = (unsigned)fmin(fmax((double)field.n / (CURVED_EACH * (double)n), 1), STEP_MOST);
     status = choose(&work, in, spec, run, err);
-    if (status == VOR_OK)
-        status = fill(&work, spec, run, err);
+    VOR_THEN(status, fill(&work, spec, run, err));
     vor_free(run->memory, work.on_edge);
     vor_edges_free(&work.edges);
     vor_graph_free(&work.graph);

@@ -275,12 +275,10 @@ vor_status vor_domain_init(struct vor_domain *out, const struct vor_cloud *in,
     vor_neighbors_fix(&domain.known.neighbors, VOR_NEIGHBORS_FEWEST);
     choose_frame(&domain, &box);
     status = sort_points(&domain, in, run, err);
-    if (status == VOR_OK)
-        status = vor_domain_check(&domain, run, err);
+    VOR_THEN(status, vor_domain_check(&domain, run, err));
     if (status == VOR_E_DEGENERATE)
         vor_remote_tell(in, err);
-    if (status == VOR_OK)
-        status = vor_domain_index(&domain, run, err);
+    VOR_THEN(status, vor_domain_index(&domain, run, err));
     if (status == VOR_OK)
         *out = domain;
     else

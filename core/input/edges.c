@@ -251,10 +251,8 @@ static vor_status find_all(struct find *find, const struct vor_run *run, struct 
     size_t n = find->domain->n;
     vor_status status = measure_noise(find, run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, plane_block, find, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, edge_block, find, err);
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, plane_block, find, err));
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, edge_block, find, err));
     for (size_t b = 0; status == VOR_OK && b < vor_blocks_of(n, BLOCK); b++) {
         find->edges->length += find->block[b].length;
         find->edges->flagged += find->block[b].flagged;

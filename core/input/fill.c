@@ -362,11 +362,9 @@ static vor_status fill_it(struct fill *fill, int *closed, const struct vor_run *
     status = fit(fill, run, err);
     if (status == VOR_E_DEGENERATE)
         return VOR_OK;
-    if (status == VOR_OK)
-        status = put_points(fill, &inside, run, err);
+    VOR_THEN(status, put_points(fill, &inside, run, err));
     count = fill->filling->n - fill->before;
-    if (status == VOR_OK)
-        status = vor_run_for(run, count, BLOCK, source_block, fill, err);
+    VOR_THEN(status, vor_run_for(run, count, BLOCK, source_block, fill, err));
     *closed = status == VOR_OK && inside && count > 0 &&
               (double)atomic_load(&fill->in_the_way) <= COVERED * (double)count;
     return status;
@@ -388,8 +386,7 @@ vor_status vor_fill_hole(struct vor_filling *filling, int *closed, size_t loop,
         return VOR_OK;
     status = vor_band_find(&fill.band, &filling->search, filling->domain, filling->loops, loop, run,
                            err);
-    if (status == VOR_OK)
-        status = fill_it(&fill, closed, run, err);
+    VOR_THEN(status, fill_it(&fill, closed, run, err));
     if (status != VOR_OK || !*closed)
         filling->n = fill.before;
     vor_free(fill.memory, fill.place);

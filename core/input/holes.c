@@ -142,8 +142,7 @@ static vor_status fill_loops(struct vor_domain *domain, struct vor_filling *fill
     if (outcome == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu holes", count);
     status = decide(outcome, filling->loops, filling->domain, spec, run, err);
-    if (status == VOR_OK)
-        status = fill_all(&domain->known.holes, filling, outcome, origin, run, err);
+    VOR_THEN(status, fill_all(&domain->known.holes, filling, outcome, origin, run, err));
     if (status == VOR_OK && filling->n > 0)
         status = vor_domain_add(domain, filling->xyz, filling->source, filling->n, run, err);
     vor_free(run->memory, outcome);
@@ -161,8 +160,7 @@ vor_status vor_holes_fill(struct vor_domain *domain, const struct vor_domain *se
     if (status != VOR_OK)
         return status;
     status = vor_filling_init(&filling, seen, &loops, err);
-    if (status == VOR_OK)
-        status = fill_loops(domain, &filling, origin, spec, run, err);
+    VOR_THEN(status, fill_loops(domain, &filling, origin, spec, run, err));
     vor_filling_free(&filling);
     vor_loops_free(&loops);
     return status;

@@ -197,16 +197,11 @@ static vor_status know(struct vor_domain *domain, struct vor_outliers *outliers,
 {
     vor_status status = take_outliers(outliers, domain, spec, run, err);
 
-    if (status == VOR_OK)
-        status = leave_lattice(domain, spec, run, err);
-    if (status == VOR_OK)
-        status = find_sheets(domain, spec, run, err);
-    if (status == VOR_OK)
-        status = choose_neighbors(domain, spec, run, err);
-    if (status == VOR_OK)
-        status = leave_noise(domain, outliers, spec, run, err);
-    if (status == VOR_OK)
-        status = choose_lists(domain, spec, run, err);
+    VOR_THEN(status, leave_lattice(domain, spec, run, err));
+    VOR_THEN(status, find_sheets(domain, spec, run, err));
+    VOR_THEN(status, choose_neighbors(domain, spec, run, err));
+    VOR_THEN(status, leave_noise(domain, outliers, spec, run, err));
+    VOR_THEN(status, choose_lists(domain, spec, run, err));
     if (status == VOR_OK && outliers_of(spec) == VOR_OUTLIERS_PULL)
         status = vor_outliers_pull(domain, outliers, run, err);
     return status;
@@ -222,12 +217,9 @@ static vor_status see(struct vor_domain *seen, const struct vor_cloud *in,
 
     vor_spec_preset(&spec, vor_process_find("inspect"));
     status = make(seen, &outliers, in, &spec, run, err);
-    if (status == VOR_OK)
-        status = know(seen, &outliers, &spec, run, err);
-    if (status == VOR_OK)
-        status = vor_lists_make(seen, run, err);
-    if (status == VOR_OK)
-        status = vor_lists_make_any(seen, 0, run, err);
+    VOR_THEN(status, know(seen, &outliers, &spec, run, err));
+    VOR_THEN(status, vor_lists_make(seen, run, err));
+    VOR_THEN(status, vor_lists_make_any(seen, 0, run, err));
     vor_outliers_free(&outliers);
     return status;
 }
@@ -243,8 +235,7 @@ static vor_status fill(struct vor_domain *domain, const struct vor_cloud *in,
     if (spec->value[VOR_PARAM_BOUNDARY] != VOR_BOUNDARY_FILL || vor_spec_only_filters(spec))
         return VOR_OK;
     status = see(&seen, in, run, err);
-    if (status == VOR_OK)
-        status = vor_holes_fill(domain, &seen, in->origin, spec, run, err);
+    VOR_THEN(status, vor_holes_fill(domain, &seen, in->origin, spec, run, err));
     vor_domain_free(&seen);
     return status;
 }
@@ -256,12 +247,9 @@ static vor_status condition(struct vor_domain *domain, struct vor_outliers *outl
 {
     vor_status status = know(domain, outliers, spec, run, err);
 
-    if (status == VOR_OK)
-        status = fill(domain, in, spec, run, err);
-    if (status == VOR_OK)
-        status = vor_lists_make(domain, run, err);
-    if (status == VOR_OK)
-        status = filter(domain, spec, run, err);
+    VOR_THEN(status, fill(domain, in, spec, run, err));
+    VOR_THEN(status, vor_lists_make(domain, run, err));
+    VOR_THEN(status, filter(domain, spec, run, err));
     if (status == VOR_OK)
         status = spreads(spec)
                      ? vor_islands_take(domain, vor_spec_target(spec, domain->n), run, err)
@@ -279,10 +267,8 @@ vor_status vor_input_prepare(struct vor_domain *out, const struct vor_cloud *in,
     struct vor_domain domain;
     vor_status status = vor_carried_check(in, spec, run, err);
 
-    if (status == VOR_OK)
-        status = vor_followed_check(in, spec, run, err);
-    if (status == VOR_OK)
-        status = make(&domain, &outliers, in, spec, run, err);
+    VOR_THEN(status, vor_followed_check(in, spec, run, err));
+    VOR_THEN(status, make(&domain, &outliers, in, spec, run, err));
     if (status != VOR_OK)
         return status;
     domain.known.distinct = domain.n + outliers.n;

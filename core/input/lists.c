@@ -53,8 +53,7 @@ vor_status vor_lists_make_any(struct vor_domain *domain, int plain, const struct
     if (!plain && domain->n > VOR_ADJACENT)
         return vor_adjacency_make(&domain->graph, domain, run, err);
     status = vor_graph_init(&domain->graph, domain->n, most, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_graph_nearest(&domain->graph, domain->knn, domain->xyz, most, run, err);
+    VOR_THEN(status, vor_graph_nearest(&domain->graph, domain->knn, domain->xyz, most, run, err));
     return status;
 }
 

@@ -466,8 +466,7 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     else if (domain->n >= VOR_LOOPS_LEAST)
         status = find_corners(&find, &corners, run, err);
-    if (status == VOR_OK)
-        status = make_loops(&loops, &find, corners, run, err);
+    VOR_THEN(status, make_loops(&loops, &find, corners, run, err));
     VOR_FREE_ALL(run->memory, find.corner, find.corners_of, find.candidate, find.flag,
                  find.spacing);
     if (status == VOR_OK)

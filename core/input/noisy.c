@@ -76,8 +76,7 @@ vor_status vor_noisy_find(unsigned char *out, const struct vor_domain *domain,
     if (find.rough == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_rows(run, domain->n, BLOCK, rough_row, &find, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &find, err);
+    VOR_THEN(status, vor_run_for(run, domain->n, VOR_NOISY_REGION, region_block, &find, err));
     vor_free(run->memory, find.rough);
     return status;
 }

@@ -215,8 +215,7 @@ static vor_status search(struct look *look, int closer, const struct vor_run *ru
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     find_sparse(look);
     status = vor_run_for(run, n, BLOCK, point_block, look, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, n, BLOCK, judge_row, look, err);
+    VOR_THEN(status, vor_run_rows(run, n, BLOCK, judge_row, look, err));
     if (status == VOR_OK && closer)
         status = vor_run_for(run, n, CLOSER_BLOCK, look_closer_block, look, err);
     return status;
@@ -469,8 +468,7 @@ vor_status vor_outliers_pull(struct vor_domain *domain, const struct vor_outlier
         status = vor_fail(err, VOR_E_NOMEM, "%zu outliers", outliers->n);
     } else {
         status = vor_run_rows(run, outliers->n, CLOSER_BLOCK, pull_point, &pull, err);
-        if (status == VOR_OK)
-            status = insert(domain, &pull, run, err);
+        VOR_THEN(status, insert(domain, &pull, run, err));
     }
     VOR_FREE_ALL(run->memory, pull.goes, pull.foot);
     return status;

@@ -335,13 +335,10 @@ static vor_status make(struct regions *regions, const struct vor_run *run, struc
     size_t n = regions->domain->n;
     vor_status status = vor_run_rows(run, n, BLOCK, fit_leaf, regions, err);
 
-    if (status == VOR_OK)
-        status = vor_votes_make(&regions->votes, regions->domain, regions->graph, run, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, bond_block, regions, err);
+    VOR_THEN(status, vor_votes_make(&regions->votes, regions->domain, regions->graph, run, err));
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, bond_block, regions, err));
     vor_votes_free(&regions->votes);
-    if (status == VOR_OK)
-        status = decide(regions, run, err);
+    VOR_THEN(status, decide(regions, run, err));
     memset(regions->before, 0xff, n * sizeof *regions->before);
     for (int round = 0; round < ROUNDS && status == VOR_OK; round++) {
         uint32_t *held = regions->before;

@@ -324,11 +324,8 @@ static vor_status move(struct restore *restore, struct vor_error *err)
     for (size_t i = 0; i < restore->domain.n; i++)
         restore->place[restore->domain.source[i]] = (uint32_t)i;
     status = vor_run_for(run, n, BLOCK, place_block, restore, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, restore->domain.n, BLOCK, vote_block, restore, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, move_block, restore, err);
-    return status;
+    VOR_THEN(status, vor_run_for(run, restore->domain.n, BLOCK, vote_block, restore, err));
+    return status == VOR_OK ? vor_run_for(run, n, BLOCK, move_block, restore, err) : status;
 }
 
 vor_status vor_restore_cloud(struct vor_cloud *cloud, struct vor_report *report,
@@ -338,10 +335,8 @@ vor_status vor_restore_cloud(struct vor_cloud *cloud, struct vor_report *report,
     struct restore restore = {.run = run, .cloud = cloud};
     vor_status status = vor_splats_check(cloud, spec, err);
 
-    if (status == VOR_OK)
-        status = vor_domain_init(&restore.domain, cloud, run, err);
-    if (status == VOR_OK)
-        status = find_regions(&restore, err);
+    VOR_THEN(status, vor_domain_init(&restore.domain, cloud, run, err));
+    VOR_THEN(status, find_regions(&restore, err));
     if (status == VOR_OK && restore.regions.eligible > 0)
         status = move(&restore, err);
     if (status == VOR_E_DEGENERATE) /* nothing to fit to */

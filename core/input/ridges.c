@@ -230,8 +230,7 @@ static vor_status follow_from(struct follow *follow, size_t i, struct vor_error 
         return VOR_OK;
     status = go(follow, &ridge, head, 1, err);
     reverse(&ridges->xyz[3 * ridge.first], ridges->places - ridge.first);
-    if (status == VOR_OK)
-        status = put(follow, &head, err);
+    VOR_THEN(status, put(follow, &head, err));
     for (int c = 0; c < 3; c++)
         head.way[c] = -head.way[c];
     if (status == VOR_OK && !ridge.closed)

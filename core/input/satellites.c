@@ -141,8 +141,7 @@ static vor_status list_component(struct make *make, size_t c, const struct vor_r
     if (make->wide > 0)
         status = vor_knn_build(&knn, &make->at[3 * (size_t)make->begin], n, run->memory, err);
     make->knn = knn;
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, list_block, make, err);
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, list_block, make, err));
     vor_knn_free(knn);
     return status;
 }
@@ -182,8 +181,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     vor_status status = vor_graph_components(make->component, &make->components, make->graph, err);
     size_t n = make->domain->n;
 
-    if (status == VOR_OK)
-        status = allocate(make, run, err);
+    VOR_THEN(status, allocate(make, run, err));
     if (status != VOR_OK)
         return status;
     /* Puts the points into the order of their components. */
@@ -203,8 +201,7 @@ static vor_status make_lists(struct make *make, const struct vor_run *run, struc
     }
     for (size_t c = 0; c < make->components && status == VOR_OK; c++)
         status = list_component(make, c, run, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, make->domain->n, BLOCK, normal_row, make, err);
+    VOR_THEN(status, vor_run_rows(run, make->domain->n, BLOCK, normal_row, make, err));
     return status;
 }
 
@@ -224,10 +221,8 @@ vor_status vor_satellites_make(struct vor_graph *out, const struct vor_domain *d
     if (status == VOR_OK)
         status = vor_graph_nearest(&graph, domain->knn, domain->xyz,
                                    most < MARCHED ? most : MARCHED, run, err);
-    if (status == VOR_OK)
-        status = vor_graph_keep_mutual(&graph, run, err);
-    if (status == VOR_OK)
-        status = make_lists(&make, run, err);
+    VOR_THEN(status, vor_graph_keep_mutual(&graph, run, err));
+    VOR_THEN(status, make_lists(&make, run, err));
     VOR_FREE_ALL(run->memory, make.at, make.far, make.member, make.first, make.source,
                  make.component);
     if (status == VOR_OK)

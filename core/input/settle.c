@@ -495,8 +495,7 @@ static vor_status follow(struct vor_domain *domain, const struct vor_domain *som
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     else
         status = vor_run_rows(run, some->n, BLOCK, end_row, &rest, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, domain->n, BLOCK, follow_row, &rest, err);
+    VOR_THEN(status, vor_run_rows(run, domain->n, BLOCK, follow_row, &rest, err));
     vor_free(run->memory, rest.beyond);
     if (status == VOR_OK)
         return vor_domain_move(domain, rest.xyz, run, err);
@@ -520,10 +519,8 @@ vor_status vor_settle(struct vor_domain *domain, int *moved, const struct vor_ru
     domain->known.hidden = noise.hidden;
     if (status == VOR_OK && noise.wide) {
         status = choose_level(&level, &halves, &noise, run, err);
-        if (status == VOR_OK)
-            status = move_some(&some, normal, &halves, level, &noise, run, err);
-        if (status == VOR_OK)
-            status = follow(domain, &some, normal[(STEPS - 1) % 2], &noise, level, run, err);
+        VOR_THEN(status, move_some(&some, normal, &halves, level, &noise, run, err));
+        VOR_THEN(status, follow(domain, &some, normal[(STEPS - 1) % 2], &noise, level, run, err));
     }
     vor_halves_free(&halves);
     vor_free(run->memory, normal[0]);

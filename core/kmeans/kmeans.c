@@ -134,20 +134,16 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
     kmeans.mean = vor_malloc(memory, seeds->n, sizeof *kmeans.mean);
     if (kmeans.nearest == NULL || kmeans.mean == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
-    if (status == VOR_OK)
-        status = vor_stage_of_seeds(&stage, seeds, err);
-    if (status == VOR_OK)
-        status = vor_stage_run(&stage, err);
-    if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err);
+    VOR_THEN(status, vor_stage_of_seeds(&stage, seeds, err));
+    VOR_THEN(status, vor_stage_run(&stage, err));
+    VOR_THEN(status, vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err));
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++) {
         enum vor_surface_kind kind = seeds->last_fit[i].surface.kind;
 
         told->fallback_left += kind == VOR_SURFACE_NONE;
         told->fallback_plane += kind == VOR_SURFACE_PLANE && !seeds->policy.planes;
     }
-    if (status == VOR_OK)
-        status = vor_attach(seeds, &keep_holes, err);
+    VOR_THEN(status, vor_attach(seeds, &keep_holes, err));
     told->seconds[VOR_RUN_STAGE_ITERATE] = vor_run_clock(run) - before;
     VOR_FREE_ALL(memory, kmeans.mean, kmeans.nearest);
     vor_stage_free(&stage);

@@ -79,8 +79,7 @@ vor_status vor_knn_build(struct vor_knn **out, const float *xyz, size_t n,
     if (status != VOR_OK)
         return status;
     status = check(xyz, n, first_bad(xyz, 0, 3 * n), err);
-    if (status == VOR_OK)
-        status = vor_flann_build(&knn->flann, xyz, n, memory, err);
+    VOR_THEN(status, vor_flann_build(&knn->flann, xyz, n, memory, err));
     return finish(out, knn, status);
 }
 
@@ -110,10 +109,8 @@ vor_status vor_knn_build_sorted(struct vor_knn **out, const float *xyz, size_t n
         return status;
     atomic_init(&search.first, 3 * n);
     status = vor_run_for(run, n, BLOCK, check_block, &search, err);
-    if (status == VOR_OK)
-        status = check(xyz, n, atomic_load(&search.first), err);
-    if (status == VOR_OK)
-        status = vor_boxes_build(&knn->boxes, xyz, n, run, err);
+    VOR_THEN(status, check(xyz, n, atomic_load(&search.first), err));
+    VOR_THEN(status, vor_boxes_build(&knn->boxes, xyz, n, run, err));
     return finish(out, knn, status);
 }
 
@@ -132,10 +129,8 @@ vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     else
         status = check(xyz, n, first_bad(xyz, 0, 3 * n), err);
-    if (status == VOR_OK)
-        status = vor_morton_sort(knn->sorted, knn->order, &in, run, err);
-    if (status == VOR_OK)
-        status = vor_boxes_build(&knn->boxes, knn->sorted, n, run, err);
+    VOR_THEN(status, vor_morton_sort(knn->sorted, knn->order, &in, run, err));
+    VOR_THEN(status, vor_boxes_build(&knn->boxes, knn->sorted, n, run, err));
     return finish(out, knn, status);
 }
 

@@ -146,8 +146,7 @@ vor_status vor_point_lists_index(struct vor_point_lists *lists, const float *xyz
     memcpy(lists->anchor, xyz, 3 * lists->n * sizeof *xyz);
     memcpy(lists->place, xyz, 3 * lists->n * sizeof *xyz);
     status = vor_knn_build_along(&lists->knn, lists->anchor, lists->n, run, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, lists->n, BLOCK, index_block, &indexing, err);
+    VOR_THEN(status, vor_run_for(run, lists->n, BLOCK, index_block, &indexing, err));
     if (status != VOR_OK) {
         vor_point_lists_forget(lists); /* they are not whole */
         return status;

@@ -94,8 +94,7 @@ vor_status vor_lop_between(struct vor_lop_samples *samples, size_t n, uint64_t s
         return VOR_OK;
     between.more = n - samples->n;
     status = vor_knn_build(&between.knn, samples->xyz, samples->n, samples->memory, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, between.more, BLOCK, put_row, &between, err);
+    VOR_THEN(status, vor_run_rows(run, between.more, BLOCK, put_row, &between, err));
     vor_knn_free(between.knn);
     if (status == VOR_OK)
         samples->n = n;

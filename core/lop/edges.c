@@ -193,8 +193,7 @@ vor_status vor_lop_edge_put(struct vor_lop_samples *samples, const struct vor_lo
     for (size_t i = 0; i < samples->n && status == VOR_OK; i++)
         if (on[i])
             status = keep_one(&tree, samples, (uint32_t)i, &on[i], (double)spacing[i], err);
-    if (status == VOR_OK)
-        status = list(&candidate, &count, edge, on, spacing, samples, err);
+    VOR_THEN(status, list(&candidate, &count, edge, on, spacing, samples, err));
     for (size_t k = 0; candidate != NULL && status == VOR_OK && k < count; k++) {
         uint32_t i = candidate[k].point;
 

@@ -119,8 +119,7 @@ static vor_status measure(struct even *even, const struct vor_run *run, struct v
     struct apart apart = {.even = even};
     vor_status status = vor_knn_build(&apart.knn, samples->xyz, samples->n, samples->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(run, samples->n, BLOCK, apart_block, &apart, err);
+    VOR_THEN(status, vor_run_for(run, samples->n, BLOCK, apart_block, &apart, err));
     vor_knn_free(apart.knn);
     if (status == VOR_OK)
         note(even);
@@ -222,10 +221,8 @@ static vor_status list_all(struct even *even, struct vor_error *err)
 
     vor_lop_tree_free(&even->tree);
     status = vor_lop_tree_build(&even->tree, samples, even->run, err);
-    if (status == VOR_OK)
-        status = vor_run_for(even->run, samples->n, BLOCK, list_block, even, err);
-    if (status == VOR_OK)
-        status = vor_lop_edge_put(samples, even->edge, even->on, even->spacing, err);
+    VOR_THEN(status, vor_run_for(even->run, samples->n, BLOCK, list_block, even, err));
+    VOR_THEN(status, vor_lop_edge_put(samples, even->edge, even->on, even->spacing, err));
     return status;
 }
 
@@ -356,8 +353,7 @@ static vor_status step_once(struct vor_stage *stage, struct vor_error *err)
         status = vor_lop_beside_put(samples, 0, even->how->beside, even->run, err);
     if (status == VOR_OK && done % LIST_EVERY == 0)
         status = list_all(even, err);
-    if (status == VOR_OK)
-        status = vor_run_for(even->run, samples->n, BLOCK, move_block, even, err);
+    VOR_THEN(status, vor_run_for(even->run, samples->n, BLOCK, move_block, even, err));
     if (status != VOR_OK)
         return status;
     memcpy(samples->xyz, even->next, 3 * samples->n * sizeof *samples->xyz);
@@ -374,15 +370,11 @@ static vor_status move_all(struct even *even, struct vor_error *err)
 
     for (size_t i = 0; i < even->samples->n && status == VOR_OK; i++)
         even->edge[i].distance = INFINITY;
-    if (status == VOR_OK)
-        status = vor_stage_run(&even->stage, err);
+    VOR_THEN(status, vor_stage_run(&even->stage, err));
     if (even->stage.record.step == 0)
         return status;
-    if (status == VOR_OK)
-        status = vor_run_for(&whole, even->samples->n, BLOCK, put_back_block, even, err);
-    if (status == VOR_OK)
-        status = measure(even, &whole, err);
-    return status;
+    VOR_THEN(status, vor_run_for(&whole, even->samples->n, BLOCK, put_back_block, even, err));
+    return status == VOR_OK ? measure(even, &whole, err) : status;
 }
 
 vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_latent *latent,
@@ -409,8 +401,7 @@ vor_status vor_lop_even(struct vor_lop_samples *samples, const struct vor_lop_la
     even.stage.record.step = even.stage.record.ahead = 0;
     even.stage.record.of = how->steps;
     status = alloc_even(&even, err);
-    if (status == VOR_OK)
-        status = move_all(&even, err);
+    VOR_THEN(status, move_all(&even, err));
     free_even(&even);
     return status;
 }

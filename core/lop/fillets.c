@@ -372,14 +372,10 @@ vor_status vor_lop_fillets(struct vor_lop_samples *data, struct vor_lop_samples 
     fillets.slot = vor_malloc(memory, domain->n, sizeof *fillets.slot);
     if (fillets.slot == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, screen_block, &fillets, err);
-    if (status == VOR_OK)
-        status = list(&fillets, memory, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, fillets.count, BLOCK, fit_block, &fillets, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, put_block, &fillets, err);
+    VOR_THEN(status, vor_run_for(run, domain->n, BLOCK, screen_block, &fillets, err));
+    VOR_THEN(status, list(&fillets, memory, err));
+    VOR_THEN(status, vor_run_for(run, fillets.count, BLOCK, fit_block, &fillets, err));
+    VOR_THEN(status, vor_run_for(run, domain->n, BLOCK, put_block, &fillets, err));
     if (status == VOR_OK) {
         float *xyz = data->xyz, *normal = data->normal;
 

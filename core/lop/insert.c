@@ -193,8 +193,8 @@ static vor_status find_reach(struct insertion *insertion, struct vor_error *err)
     vor_status status =
         vor_knn_build(&insertion->knn, samples->xyz, insertion->begun, samples->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(insertion->run, insertion->begun, BLOCK, reach_block, insertion, err);
+    VOR_THEN(status,
+             vor_run_for(insertion->run, insertion->begun, BLOCK, reach_block, insertion, err));
     vor_knn_free(insertion->knn);
     insertion->knn = NULL;
     return status;
@@ -295,8 +295,7 @@ static vor_status insert_one(struct vor_stage *stage, struct vor_error *err)
                               "there is no gap for another point between the %zu existing "
                               "points",
                               insertion->samples->n);
-        if (status == VOR_OK)
-            status = insert_between(insertion, at, clearance2, err);
+        VOR_THEN(status, insert_between(insertion, at, clearance2, err));
     }
     stage->n = insertion->samples->n;
     return status;
@@ -341,16 +340,12 @@ static vor_status insert_all(struct insertion *insertion, struct vor_stage *stag
     size_t begun = insertion->begun;
     vor_status status = alloc_insertion(insertion, begun + stage->record.of, err);
 
-    if (status == VOR_OK)
-        status = vor_lop_tree_build(&insertion->tree, insertion->samples, run, err);
-    if (status == VOR_OK)
-        status = find_reach(insertion, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, begun, BLOCK, find_block, insertion, err);
+    VOR_THEN(status, vor_lop_tree_build(&insertion->tree, insertion->samples, run, err));
+    VOR_THEN(status, find_reach(insertion, err));
+    VOR_THEN(status, vor_run_for(run, begun, BLOCK, find_block, insertion, err));
     for (size_t i = 0; i < begun && status == VOR_OK; i++)
         queue(insertion, (uint32_t)i);
-    if (status == VOR_OK)
-        status = vor_stage_run(stage, err);
+    VOR_THEN(status, vor_stage_run(stage, err));
     VOR_FREE_ALL(insertion->samples->memory, insertion->heap, insertion->reach, insertion->pairs);
     vor_lop_tree_free(&insertion->tree);
     return status;
@@ -397,8 +392,7 @@ vor_status vor_lop_insert(struct vor_lop_samples *samples, size_t n,
             vor_lop_between(samples, n, (uint64_t)how->spec->value[VOR_PARAM_SEED], &whole, err);
     if (n > insertion.begun)
         told->seconds[VOR_RUN_STAGE_INSERT] = vor_run_clock(run) - before;
-    if (status == VOR_OK)
-        status = vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err);
+    VOR_THEN(status, vor_lop_even(samples, &insertion.latent, &even, domain, told, run, err));
     if (status == VOR_OK && (how->rho > 0 || how->polish > 0)) /* else all are polished later */
         status = vor_lop_beside_put(samples, how->polish > 0 ? 0 : insertion.begun, &how->beside,
                                     &whole, err);

@@ -112,8 +112,7 @@ static vor_status first_places(struct vor_seeds *out, const struct lop *lop, siz
     if (!only_inserts(lop) || n > lop->whole->n)
         return vor_start_seeds(out, lop->whole, n, lop->spec, run, err);
     status = vor_area_of_surface(&area, lop->whole, seed, run, err);
-    if (status == VOR_OK)
-        status = vor_seeds_init(out, lop->whole, n, vor_seeds_policy_of(lop->spec), run, err);
+    VOR_THEN(status, vor_seeds_init(out, lop->whole, n, vor_seeds_policy_of(lop->spec), run, err));
     if (status != VOR_OK)
         return status;
     vor_area_draw(out, seed);
@@ -144,8 +143,7 @@ static vor_status start(struct lop *lop, size_t n, struct vor_error *err)
     struct vor_seeds seeds = {.n = 0};
     vor_status status = vor_lop_samples_init(&lop->samples, n, lop->run->memory, err);
 
-    if (status == VOR_OK)
-        status = first_places(&seeds, lop, n, &whole, err);
+    VOR_THEN(status, first_places(&seeds, lop, n, &whole, err));
     if (status != VOR_OK)
         return status;
     lop->samples.n = n;
@@ -270,8 +268,7 @@ static vor_status sort_samples(struct lop *lop, struct vor_error *err)
     status = vor_morton_order(order, samples->xyz, samples->n, &whole, err);
     if (status == VOR_OK && lop->spec->value[VOR_PARAM_GAPS] == VOR_GAPS_FILL)
         status = gaps_last(order, lop, err);
-    if (status == VOR_OK)
-        status = vor_lop_samples_init(&sorted, samples->n, memory, err);
+    VOR_THEN(status, vor_lop_samples_init(&sorted, samples->n, memory, err));
     if (status == VOR_OK) {
         for (size_t i = 0; i < samples->n; i++) {
             memcpy(&sorted.xyz[3 * i], &samples->xyz[3 * (size_t)order[i]], 3 * sizeof(float));
@@ -336,10 +333,8 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && !vor_checkpoint_is(run)) {
         status = project(&lop, vor_spec_polish(spec), err);
     }
-    if (status == VOR_OK)
-        status = hand_over(&seeds, &lop, err);
-    if (status == VOR_OK)
-        status = vor_polish(&seeds, told, spec, run, err);
+    VOR_THEN(status, hand_over(&seeds, &lop, err));
+    VOR_THEN(status, vor_polish(&seeds, told, spec, run, err));
     vor_lop_samples_free(&lop.samples);
     vor_domain_free(&lop.thin);
     if (status != VOR_OK) {
@@ -501,8 +496,7 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     samples = lop->samples.n;
     if (status == VOR_OK)
         warn_of_reach(lop);
-    if (status == VOR_OK)
-        status = find_normals(lop, samples, err);
+    VOR_THEN(status, find_normals(lop, samples, err));
     if (status == VOR_OK && edges.n > 0) {
         how.flag = edges.flag;
         how.put = lop->whole == lop->input; /* noise as wide makes fits as good as the sides */
@@ -510,8 +504,7 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
         lop->smooth = vor_lop_is_smooth(on_edges, edges.n);
     }
     vor_edges_free(&edges);
-    if (status == VOR_OK)
-        status = vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err);
+    VOR_THEN(status, vor_run_for(&whole, samples, VOR_SEEDS_BLOCK, face_block, lop, err));
     if (status != VOR_OK)
         return status;
     lop->told->seconds_start = vor_run_clock(lop->run) - before;
@@ -520,8 +513,7 @@ static vor_status make_points(struct lop *lop, size_t n, struct vor_error *err)
     status = project(lop, (uint32_t)(n - samples) + polish_of(lop), err);
     if (status == VOR_OK && lop->whole == &lop->coarse)
         status = vor_lop_strays_drop(&lop->samples, err);
-    if (status == VOR_OK)
-        status = insert(lop, n, err);
+    VOR_THEN(status, insert(lop, n, err));
     return status == VOR_OK && n > samples ? sort_samples(lop, err) : status;
 }
 
@@ -537,10 +529,8 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     if (!only_inserts(&lop)) /* fewer points of an input whose noise is as wide as the fits */
         status = vor_domain_coarsen(&lop.coarse, domain, &whole, err);
     lop.whole = lop.domain = lop.coarse.n > 0 ? &lop.coarse : domain;
-    if (status == VOR_OK)
-        status = make_points(&lop, n, err);
-    if (status == VOR_OK)
-        status = hand_over(&seeds, &lop, err);
+    VOR_THEN(status, make_points(&lop, n, err));
+    VOR_THEN(status, hand_over(&seeds, &lop, err));
     if (status == VOR_OK)
         status = lop.smooth ? even_out_smooth(&seeds, &lop, err) : keep_to_input(&seeds, &lop, err);
     if (status == VOR_OK)

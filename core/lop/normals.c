@@ -356,8 +356,7 @@ static vor_status choose(struct normals *normals, const struct vor_run *run, str
     size_t n = normals->domain->n;
     vor_status status = vor_orient(normals->how->orientation, normals->domain, &how, run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, choose_block, normals, err);
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, choose_block, normals, err));
     return status == VOR_OK ? vor_run_for(run, n, BLOCK, sign_block, normals, err) : status;
 }
 
@@ -383,15 +382,12 @@ static vor_status find(struct normals *normals, const struct vor_run *run, struc
     size_t n = normals->domain->n;
     vor_status status = vor_run_for(run, n, BLOCK, plane_block, normals, err);
 
-    if (status == VOR_OK)
-        status = choose(normals, run, err);
-    if (status == VOR_OK)
-        status = work(normals, run, err);
+    VOR_THEN(status, choose(normals, run, err));
+    VOR_THEN(status, work(normals, run, err));
     if (status != VOR_OK || normals->how->rounds == 0 || !normals->how->edges)
         return status;
     status = vor_lop_fillets(&normals->now, &normals->next, normals->domain, &lists, run, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, n, BLOCK, land_block, normals, err);
+    VOR_THEN(status, vor_run_for(run, n, BLOCK, land_block, normals, err));
     swap(&normals->now.normal, &normals->next.normal);
     swap(&normals->now.xyz, &normals->next.xyz);
     return status;
@@ -403,8 +399,7 @@ static vor_status alloc_normals(struct normals *normals, struct vor_memory *memo
     size_t n = normals->domain->n;
     vor_status status = vor_lop_samples_init(&normals->now, n, memory, err);
 
-    if (status == VOR_OK)
-        status = vor_lop_samples_init(&normals->next, n, memory, err);
+    VOR_THEN(status, vor_lop_samples_init(&normals->next, n, memory, err));
     if (status != VOR_OK)
         return status;
     normals->now.area = vor_malloc(memory, n, sizeof *normals->now.area);
@@ -430,8 +425,7 @@ vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain 
     most = most < MOST ? most : MOST;
     normals.most = most < domain->n ? most : (unsigned)domain->n;
     status = alloc_normals(&normals, run->memory, err);
-    if (status == VOR_OK)
-        status = find(&normals, run, err);
+    VOR_THEN(status, find(&normals, run, err));
     if (status == VOR_OK) {
         *out = normals.now;
         out->n = domain->n;

@@ -251,8 +251,7 @@ static vor_status index_points(struct vor_stage *stage, const struct vor_run *ru
         if (status == VOR_OK)
             (void)vor_point_lists_look(&project->view, &project->others, xyz, VOR_POINT_LISTS_FAR);
     }
-    if (status == VOR_OK)
-        status = vor_run_for(run, project->samples->n, BLOCK, crowding_block, project, err);
+    VOR_THEN(status, vor_run_for(run, project->samples->n, BLOCK, crowding_block, project, err));
     if (status != VOR_OK)
         return status;
     vor_uniformity_from(&even, project->nearest, project->samples->n);
@@ -357,10 +356,8 @@ vor_status vor_lop_project(struct vor_lop_samples *samples, const struct vor_lop
     status = alloc_project(&project, err);
     if (status == VOR_OK && project.own_area != NULL)
         status = vor_run_for(&whole, domain->n, BLOCK, density_block, &project, err);
-    if (status == VOR_OK)
-        status = index_points(&stage, &whole, err);
-    if (status == VOR_OK)
-        status = vor_stage_run(&stage, err);
+    VOR_THEN(status, index_points(&stage, &whole, err));
+    VOR_THEN(status, vor_stage_run(&stage, err));
     vor_point_lists_free(&project.others);
     vor_input_lists_free(&project.near_data);
     VOR_FREE_ALL(run->memory, project.turned, project.next, project.nearest, project.crowding,

@@ -60,9 +60,8 @@ static vor_status room_for(struct vor_lop_tree *tree, size_t nodes, size_t leave
         grow(&node, &tree->room_nodes, sizeof *tree->node, tree->nodes + nodes, tree->memory, err);
 
     tree->node = node;
-    if (status == VOR_OK)
-        status = grow(&leaf, &tree->room_leaves, sizeof *tree->leaf, tree->leaves + leaves,
-                      tree->memory, err);
+    VOR_THEN(status, grow(&leaf, &tree->room_leaves, sizeof *tree->leaf, tree->leaves + leaves,
+                          tree->memory, err));
     tree->leaf = leaf;
     return status;
 }
@@ -208,9 +207,8 @@ vor_status vor_lop_tree_build(struct vor_lop_tree *out, const struct vor_lop_sam
     for (size_t i = 0; i < samples->n && status == VOR_OK; i++) {
         if (i % VOR_LOP_POLL_EVERY == 0)
             status = vor_run_answered(vor_run_poll(run), err);
-        if (status == VOR_OK)
-            status = vor_lop_tree_add(out, (uint32_t)i, &samples->xyz[3 * i],
-                                      &samples->normal[3 * i], err);
+        VOR_THEN(status, vor_lop_tree_add(out, (uint32_t)i, &samples->xyz[3 * i],
+                                          &samples->normal[3 * i], err));
     }
     return status;
 }

@@ -178,8 +178,7 @@ vor_status vor_close(struct vor_complex *complex, size_t *closed, const struct v
                                         ? rims.start[l + 1] - rims.start[l]
                                         : VOR_CLOSE_MOST + 1);
         status = vor_run_answered(vor_run_poll(run), err);
-        if (status == VOR_OK)
-            status = close_loop(closing, closed, err);
+        VOR_THEN(status, close_loop(closing, closed, err));
     }
     vor_twosided_free(&closing->sides);
     vor_rims_free(&rims);

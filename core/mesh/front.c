@@ -375,8 +375,7 @@ static vor_status add_joined(struct front *front, const uint32_t corner[3], stru
         vor_complex_remove(complex, (uint32_t)--complex->count);
         return VOR_OK;
     }
-    if (status == VOR_OK)
-        status = open_edges(front, err);
+    VOR_THEN(status, open_edges(front, err));
     return status == VOR_OK ? add(front, join, err) : status;
 }
 
@@ -417,8 +416,7 @@ static vor_status advance(struct front *front, const struct vor_run *run, struct
          at++) {
         if (at % POLLED == 0)
             status = vor_run_answered(vor_run_poll(run), err);
-        if (status == VOR_OK)
-            status = step(front, err);
+        VOR_THEN(status, step(front, err));
     }
     front->count = 0;
     return status;
@@ -491,8 +489,7 @@ static vor_status go_on(struct front *front, const struct vor_run *run, struct v
     struct vor_complex *complex = front->complex;
     vor_status status = push_all(front, run, err);
 
-    if (status == VOR_OK)
-        status = advance(front, run, err);
+    VOR_THEN(status, advance(front, run, err));
     for (size_t i = 0; i < complex->n && status == VOR_OK; i++) {
         if (i % POLLED == 0)
             status = vor_run_answered(vor_run_poll(run), err);
@@ -500,8 +497,7 @@ static vor_status go_on(struct front *front, const struct vor_run *run, struct v
             !vor_sheet_has(front->sheet, i))
             continue;
         status = begin_at(front, (uint32_t)i, err);
-        if (status == VOR_OK)
-            status = advance(front, run, err);
+        VOR_THEN(status, advance(front, run, err));
     }
     return status;
 }
@@ -544,8 +540,7 @@ vor_status vor_front_advance(struct vor_complex *complex, struct vor_balls *ball
     }
     for (int round = 0; round < PEELED && status == VOR_OK; round++) {
         status = vor_peel(complex, err);
-        if (status == VOR_OK)
-            status = go_on_all(&front, run, err);
+        VOR_THEN(status, go_on_all(&front, run, err));
     }
     vor_peel_notches(complex, sheet->seeds->xyz);
     VOR_FREE_ALL(complex->memory, front.side, front.open, front.heap, front.edge);

@@ -51,8 +51,7 @@ vor_status vor_join(struct vor_complex *complex, struct vor_sheet *sheet, int ti
                 break;
         }
     }
-    if (status == VOR_OK)
-        status = vor_crowded_find(sheet, complex, &joining.balls, run, err);
+    VOR_THEN(status, vor_crowded_find(sheet, complex, &joining.balls, run, err));
     vor_balls_free(&joining.balls);
     *filled += joining.closed;
     return status;

@@ -65,12 +65,10 @@ static vor_status finish(void *ctx, struct vor_error *err)
     struct vor_facing facing = {0, 0};
     vor_status status = vor_facing_turn(&making->complex, &facing, making->seeds->xyz, err);
 
-    if (status == VOR_OK)
-        status = vor_rims_find(&rims, &making->complex, &making->sheet, err);
-    if (status == VOR_OK)
-        status = vor_mesh_describe(making->report, &making->complex, &rims, &making->sheet, err);
-    if (status == VOR_OK)
-        status = hand_out(making, err);
+    VOR_THEN(status, vor_rims_find(&rims, &making->complex, &making->sheet, err));
+    VOR_THEN(status,
+             vor_mesh_describe(making->report, &making->complex, &rims, &making->sheet, err));
+    VOR_THEN(status, hand_out(making, err));
     making->report->mesh_components = facing.components;
     making->report->mesh_one_sided = facing.one_sided;
     vor_rims_free(&rims);
@@ -127,15 +125,11 @@ static vor_status better(struct making *making, size_t since, int repairs, struc
         if (repairs)
             status = vor_repair(&making->complex, &making->sheet, making->seeds, making->how->fixed,
                                 &recall, err);
-        if (status == VOR_OK)
-            status = vor_run_rows(&making->seeds->run, 1, 1, flip, making, err);
-        if (status == VOR_OK)
-            status = vor_relax(&making->sheet, making->seeds, &making->complex, &how, err);
+        VOR_THEN(status, vor_run_rows(&making->seeds->run, 1, 1, flip, making, err));
+        VOR_THEN(status, vor_relax(&making->sheet, making->seeds, &making->complex, &how, err));
     }
-    if (status == VOR_OK)
-        status = vor_attach_last(making->seeds, err);
-    if (status == VOR_OK)
-        status = attach_hanging(making, repairs, err);
+    VOR_THEN(status, vor_attach_last(making->seeds, err));
+    VOR_THEN(status, attach_hanging(making, repairs, err));
     if (repairs && status == VOR_OK)
         status = vor_worst_improve(&making->complex, &making->sheet, making->seeds,
                                    making->how->fixed, &recall, err);
@@ -161,8 +155,7 @@ static vor_status leave_out(struct making *making, struct vor_error *err)
     size_t before = count(complex);
     vor_status status = vor_meeting_drop(complex, &making->sheet, run, err);
 
-    if (status == VOR_OK)
-        status = vor_crossing_drop(complex, &making->sheet, run, err);
+    VOR_THEN(status, vor_crossing_drop(complex, &making->sheet, run, err));
     making->report->mesh_left_out = before - count(complex);
     return status;
 }
@@ -184,12 +177,10 @@ static vor_status make(struct making *making, struct vor_error *err)
     int moves = making->how->moves;
     vor_status status = moves ? vor_attach_hanging(seeds, NULL, err) : VOR_OK;
 
-    if (status == VOR_OK)
-        status = vor_seeds_index(seeds, run, err);
+    VOR_THEN(status, vor_seeds_index(seeds, run, err));
     if (status == VOR_OK)
         status = vor_sheet_find(&making->sheet, seeds, moves ? &recall : NULL, run, err);
-    if (status == VOR_OK)
-        status = vor_complex_init(&making->complex, seeds->n, run->memory, err);
+    VOR_THEN(status, vor_complex_init(&making->complex, seeds->n, run->memory, err));
     for (size_t k = 0; k < (moves ? sizeof fronts / sizeof *fronts : 1) && status == VOR_OK; k++) {
         size_t since = making->complex.count;
 
@@ -202,8 +193,7 @@ static vor_status make(struct making *making, struct vor_error *err)
     }
     if (status == VOR_OK && moves && may_repair(making))
         status = better(making, 0, 1, err);
-    if (status == VOR_OK)
-        status = leave_out(making, err);
+    VOR_THEN(status, leave_out(making, err));
     return status == VOR_OK ? vor_run_call(run, finish, making, err) : status;
 }
 

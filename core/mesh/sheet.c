@@ -126,8 +126,7 @@ vor_status vor_sheet_find(struct vor_sheet *out, struct vor_seeds *seeds,
     if (out->normal == NULL || out->near == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = take_graph(out, seeds, run, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(run, seeds->n, VOR_SEEDS_BLOCK, find_row, &finding, err);
+    VOR_THEN(status, vor_run_rows(run, seeds->n, VOR_SEEDS_BLOCK, find_row, &finding, err));
     return status;
 }
 

@@ -148,8 +148,7 @@ static vor_status make(struct soup *soup, struct vor_error *err)
     if (soup->corner == NULL || soup->triangle == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     status = vor_seeds_index(seeds, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(&seeds->run, n, VOR_SEEDS_BLOCK, count_row, soup, err);
+    VOR_THEN(status, vor_run_rows(&seeds->run, n, VOR_SEEDS_BLOCK, count_row, soup, err));
     if (status != VOR_OK)
         return status;
     add_up(soup->corner, n);

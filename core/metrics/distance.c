@@ -97,10 +97,8 @@ vor_status vor_distances_measure(struct vor_distances *out, const float *xyz, si
     if (d == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n > m ? n : m);
     status = vor_knn_build(&from.knn, xyz, n, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_knn_build(&to.knn, reference, m, run->memory, err);
-    if (status == VOR_OK)
-        status = measure(&distances, d, &from, &to, run, err);
+    VOR_THEN(status, vor_knn_build(&to.knn, reference, m, run->memory, err));
+    VOR_THEN(status, measure(&distances, d, &from, &to, run, err));
     if (status == VOR_OK)
         *out = distances;
     vor_knn_free(to.knn);

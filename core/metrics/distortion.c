@@ -318,14 +318,10 @@ static vor_status measure(struct vor_distortion *out, struct side *cloud, struct
     struct errors from_cloud = {0, 0}, from_reference = {0, 0};
     vor_status status = find_peak(&out->peak, reference, run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_rows(run, reference->n, BLOCK, normals_row, &normals, err);
-    if (status == VOR_OK)
-        status = map_normals(cloud, reference, run, err);
-    if (status == VOR_OK)
-        status = compare(&from_cloud, cloud, reference, run, err);
-    if (status == VOR_OK)
-        status = compare(&from_reference, reference, cloud, run, err);
+    VOR_THEN(status, vor_run_rows(run, reference->n, BLOCK, normals_row, &normals, err));
+    VOR_THEN(status, map_normals(cloud, reference, run, err));
+    VOR_THEN(status, compare(&from_cloud, cloud, reference, run, err));
+    VOR_THEN(status, compare(&from_reference, reference, cloud, run, err));
     out->d1_mse = fmax(from_cloud.d1, from_reference.d1);
     out->d2_mse = fmax(from_cloud.d2, from_reference.d2);
     return status;
@@ -348,15 +344,13 @@ vor_status vor_distortion_measure(struct vor_distortion *out,
     if (carried != NULL && carried->components < 3)
         carried = NULL;
     status = side_open(&cloud, pair->xyz, pair->n, run, err);
-    if (status == VOR_OK)
-        status = side_open(&reference, pair->reference, pair->m, run, err);
+    VOR_THEN(status, side_open(&reference, pair->reference, pair->m, run, err));
     if (status == VOR_OK && reference.n < 2)
         status =
             vor_fail(err, VOR_E_DEGENERATE,
                      "the reference has %zu points at the same position, want at least 2 positions",
                      pair->m);
-    if (status == VOR_OK)
-        status = measure(&distortion, &cloud, &reference, carried, run, err);
+    VOR_THEN(status, measure(&distortion, &cloud, &reference, carried, run, err));
     if (status == VOR_OK)
         *out = distortion;
     side_close(&reference, run->memory);

@@ -227,13 +227,9 @@ vor_status vor_inspect_domain(struct vor_inspect *out, struct vor_domain *domain
         owns += domain->graph.own[i];
     out->own = (double)owns / (double)domain->n;
     status = measure_spacing(out, domain, run, err);
-    if (status == VOR_OK)
-        status = measure_noise(out, domain, run, err);
-    if (status == VOR_OK)
-        status = find_edges(out, domain, spec->value[VOR_PARAM_VCM] != 0, run, err);
-    if (status == VOR_OK)
-        status = measure_border(out, domain, run, err);
-    if (status == VOR_OK)
-        status = vor_graph_keep_mutual(&domain->graph, run, err);
+    VOR_THEN(status, measure_noise(out, domain, run, err));
+    VOR_THEN(status, find_edges(out, domain, spec->value[VOR_PARAM_VCM] != 0, run, err));
+    VOR_THEN(status, measure_border(out, domain, run, err));
+    VOR_THEN(status, vor_graph_keep_mutual(&domain->graph, run, err));
     return status == VOR_OK ? find_components(out, &domain->graph, run, err) : status;
 }

@@ -19,10 +19,8 @@ static vor_status measure_even(struct vor_measure *out, const float *xyz, size_t
     struct vor_knn *knn = NULL;
     vor_status status = vor_knn_build(&knn, xyz, n, run->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_uniformity_indexed(&even, xyz, n, knn, run, err);
-    if (status == VOR_OK)
-        status = vor_cells_measure(&cells, xyz, n, knn, run, err);
+    VOR_THEN(status, vor_uniformity_indexed(&even, xyz, n, knn, run, err));
+    VOR_THEN(status, vor_cells_measure(&cells, xyz, n, knn, run, err));
     vor_knn_free(knn);
     if (status != VOR_OK)
         return status;
@@ -82,10 +80,8 @@ static vor_status measure_against(struct vor_measure *measure,
     vor_status status =
         vor_distances_measure(&distances, pair->xyz, pair->n, pair->reference, pair->m, run, err);
 
-    if (status == VOR_OK)
-        status = vor_distortion_measure(&distortion, pair, run, err);
-    if (status == VOR_OK)
-        status = measure_error(measure, pair, run, err);
+    VOR_THEN(status, vor_distortion_measure(&distortion, pair, run, err));
+    VOR_THEN(status, measure_error(measure, pair, run, err));
     if (status != VOR_OK)
         return status;
     measure->has_reference = 1;
@@ -120,8 +116,7 @@ vor_status vor_measure_clouds(struct vor_measure *out, const struct vor_cloud *c
     assert(peak == 0 || (isfinite(peak) && peak > 0));
     vor_frame_choose(&frame, cloud, reference);
     status = vor_frame_positions(&xyz, cloud, &frame, run->memory, err);
-    if (status == VOR_OK)
-        status = measure_even(&measure, xyz, cloud->n, frame.unit, run, err);
+    VOR_THEN(status, measure_even(&measure, xyz, cloud->n, frame.unit, run, err));
     if (status == VOR_OK && reference != NULL)
         status = vor_frame_positions(&other, reference, &frame, run->memory, err);
     if (status == VOR_OK && reference != NULL) {

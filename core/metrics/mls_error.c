@@ -165,8 +165,7 @@ static vor_status run_blocks(struct vor_sums *all, struct measure *measure,
 
     for (size_t b = 0; status == VOR_OK && b < vor_blocks_of(n, BLOCK); b++)
         measure->h2 = fmax(measure->h2, measure->sums[b].max);
-    if (status == VOR_OK)
-        status = vor_run_for(run, measure->points, BLOCK, error_block, measure, err);
+    VOR_THEN(status, vor_run_for(run, measure->points, BLOCK, error_block, measure, err));
     for (size_t b = 0; status == VOR_OK && b < vor_blocks_of(measure->points, BLOCK); b++)
         vor_sums_merge(all, &measure->sums[b]);
     return status;
@@ -189,8 +188,7 @@ vor_status vor_mls_error_measure(struct vor_mls_error *out, const struct vor_mls
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", of->n);
     else
         status = run_blocks(&all, &measure, run, err);
-    if (status == VOR_OK)
-        status = vor_bounds(&box, of->input, of->m, run, err);
+    VOR_THEN(status, vor_bounds(&box, of->input, of->m, run, err));
     if (status == VOR_OK) {
         struct vor_stat stat = vor_sums_stat(&all, measure.points);
         double half = 0;

@@ -95,8 +95,7 @@ vor_status vor_uniformity_measure(struct vor_uniformity *out, const float *xyz, 
     struct vor_knn *knn = NULL;
     vor_status status = vor_knn_build(&knn, xyz, n, run->memory, err);
 
-    if (status == VOR_OK)
-        status = vor_uniformity_indexed(out, xyz, n, knn, run, err);
+    VOR_THEN(status, vor_uniformity_indexed(out, xyz, n, knn, run, err));
     vor_knn_free(knn);
     return status;
 }

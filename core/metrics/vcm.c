@@ -228,8 +228,7 @@ vor_status vor_vcm_mark(unsigned char *flag, const struct vor_domain *domain,
     if (mark.moments == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
     status = vor_run_for(run, domain->n, BLOCK, cell_block, &mark, err);
-    if (status == VOR_OK)
-        status = vor_run_for(run, domain->n, BLOCK, mark_block, &mark, err);
+    VOR_THEN(status, vor_run_for(run, domain->n, BLOCK, mark_block, &mark, err));
     vor_free(run->memory, mark.moments);
     return status;
 }

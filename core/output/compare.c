@@ -230,8 +230,7 @@ vor_status vor_compare_ref_to_out(struct vor_compare_apart *out, struct vor_mls_
     if (compare.points > VOR_COMPARE_POINTS)
         compare.points = VOR_COMPARE_POINTS;
     compare.knn = knn;
-    if (status == VOR_OK)
-        status = over_blocks(out, &compare, compare.points, in_block, err);
+    VOR_THEN(status, over_blocks(out, &compare, compare.points, in_block, err));
     if (status == VOR_OK && error != NULL && seeds->n >= VOR_MLS_ERROR_LEAST)
         status = vor_mls_error_measure(
             error,
@@ -251,8 +250,7 @@ vor_status vor_compare(struct vor_comparison *out, struct vor_seeds *seeds, doub
 
     assert(vor_seeds_on_whole(seeds));
     status = over_blocks(&found.out_to_ref, &compare, seeds->n, out_block, err);
-    if (status == VOR_OK)
-        status = vor_compare_ref_to_out(&found.ref_to_out, &found.mls_error, seeds, err);
+    VOR_THEN(status, vor_compare_ref_to_out(&found.ref_to_out, &found.mls_error, seeds, err));
     if (status != VOR_OK)
         return status;
     found.border = atomic_load(&compare.border);

@@ -18,8 +18,7 @@ static vor_status measure(struct vor_report *report, const struct vor_cloud *clo
 
     vor_frame_choose(&frame, cloud, NULL);
     status = vor_frame_positions(&xyz, cloud, &frame, run->memory, err);
-    if (status == VOR_OK)
-        status = vor_uniformity_measure(&even, xyz, cloud->n, run, err);
+    VOR_THEN(status, vor_uniformity_measure(&even, xyz, cloud->n, run, err));
     if (status == VOR_OK)
         vor_output_report_uniformity(report, &even, frame.unit);
     vor_free(run->memory, xyz);
@@ -74,8 +73,7 @@ vor_status vor_convert_cloud(struct vor_cloud *out, struct vor_mesh *mesh,
         return status;
     vor_cloud_init(&cloud, out->memory);
     status = vor_cloud_copy(&cloud, in, err);
-    if (status == VOR_OK)
-        status = copy_faces(mesh, in, err);
+    VOR_THEN(status, copy_faces(mesh, in, err));
     if (status == VOR_OK) {
         vor_output_report_notes(report, in);
         *out = cloud;

@@ -289,8 +289,7 @@ static vor_status reorder(struct vor_cloud *out, struct work *work, double spaci
     if (order == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", work->n);
     status = vor_order_progressive(order, work->was, work->n, spacing, work->run, err);
-    if (status == VOR_OK)
-        status = vor_cloud_reorder(out, order, err);
+    VOR_THEN(status, vor_cloud_reorder(out, order, err));
     vor_free(work->run->memory, order);
     return status;
 }
@@ -301,12 +300,9 @@ static vor_status make(struct vor_cloud *out, struct vor_report *report, struct 
     struct vor_uniformity even;
     vor_status status = find_points(work, err);
 
-    if (status == VOR_OK)
-        status = make_cloud(out, work, err);
-    if (status == VOR_OK)
-        status = find_nearest(work, err);
-    if (status == VOR_OK)
-        status = report_apart(report, work, err);
+    VOR_THEN(status, make_cloud(out, work, err));
+    VOR_THEN(status, find_nearest(work, err));
+    VOR_THEN(status, report_apart(report, work, err));
     if (status != VOR_OK)
         return status;
     vor_uniformity_from(&even, work->nearest, work->n);

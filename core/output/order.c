@@ -344,8 +344,7 @@ static vor_status look_up(struct order *order, struct vor_error *err)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", order->count);
     vor_gather(xyz, order->xyz, order->out, order->count);
     status = vor_knn_build(&order->knn, xyz, order->count, order->run->memory, err);
-    if (status == VOR_OK)
-        status = vor_run_for(order->run, pool_of(order), BLOCK, look_up_block, order, err);
+    VOR_THEN(status, vor_run_for(order->run, pool_of(order), BLOCK, look_up_block, order, err));
     vor_knn_free(order->knn);
     vor_free(order->run->memory, xyz);
     order->knn = NULL;
@@ -435,8 +434,7 @@ vor_status vor_order_progressive(uint32_t *out, const float *xyz, size_t n, doub
     struct order order = {.xyz = xyz, .n = n, .run = run, .out = out, .spacing = spacing};
     vor_status status = begin(&order, err);
 
-    if (status == VOR_OK)
-        status = choose_all(&order, err);
+    VOR_THEN(status, choose_all(&order, err));
     VOR_FREE_ALL(run->memory, order.grid.start, order.grid.item, order.heap.item, order.heap.place,
                  order.cost, order.reach);
     return status;

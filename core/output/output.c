@@ -21,8 +21,7 @@ static vor_status transfer(struct vor_cloud *out, struct vor_report *report,
     vor_status status =
         seeds->normal == NULL ? vor_sides_find(&sides, &of, &seeds->run, err) : VOR_OK;
 
-    if (status == VOR_OK)
-        status = vor_transfer(out, placed->in, seeds, &how, err);
+    VOR_THEN(status, vor_transfer(out, placed->in, seeds, &how, err));
     if (placed->told->oriented) {
         sides.orientation.components = 1;
         sides.orientation.one_sided = placed->told->one_sided;
@@ -50,8 +49,7 @@ static vor_status hand_out(struct vor_cloud *out, struct vor_report *report,
             return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
         status = vor_order_progressive(order, seeds->xyz, seeds->n, even->mean, &seeds->run, err);
     }
-    if (status == VOR_OK)
-        status = transfer(out, report, placed, even->mean * seeds->domain->unit, err);
+    VOR_THEN(status, transfer(out, report, placed, even->mean * seeds->domain->unit, err));
     if (status == VOR_OK && order != NULL) {
         status = vor_cloud_reorder(out, order, err);
         if (status != VOR_OK)
@@ -205,16 +203,13 @@ static vor_status make(struct vor_cloud *out, struct vor_report *report,
     struct vor_cells cells;
     vor_status status = measure(&even, seeds, err);
 
-    if (status == VOR_OK)
-        status = vor_seeds_cells(&cells, seeds, err);
+    VOR_THEN(status, vor_seeds_cells(&cells, seeds, err));
     if (status == VOR_OK) {
         counts = vor_seeds_counts(seeds); /* without those of the comparison */
         status = vor_compare(&found, seeds, even.mean, placed->told->refined, err);
     }
-    if (status == VOR_OK)
-        status = hand_out(out, report, placed, &even, err);
-    if (status == VOR_OK)
-        status = report_metric(report, seeds, err);
+    VOR_THEN(status, hand_out(out, report, placed, &even, err));
+    VOR_THEN(status, report_metric(report, seeds, err));
     if (status != VOR_OK)
         return status;
     report->points_in = placed->in->n;
@@ -267,8 +262,7 @@ vor_status vor_output_make(struct vor_cloud *out, struct vor_report *report,
         status = vor_levels_find(&levels, placed->in, placed->seeds->whole, err);
     if (keeps && status == VOR_OK)
         status = vor_snap_seeds(placed->seeds, &levels, err);
-    if (status == VOR_OK)
-        status = make(out, report, placed, err);
+    VOR_THEN(status, make(out, report, placed, err));
     if (keeps && status == VOR_OK)
         vor_snap_cloud(out, &levels, placed->in);
     return status;

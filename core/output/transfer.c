@@ -252,11 +252,9 @@ vor_status vor_transfer(struct vor_cloud *out, const struct vor_cloud *in, struc
         goto done;
     place(&transfer, how->spacing);
     status = keep_exact(&transfer, err);
-    if (status == VOR_OK)
-        status = add_track(&cloud, seeds, err);
-    if (status == VOR_OK)
-        status =
-            vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal, how->spec, err);
+    VOR_THEN(status, add_track(&cloud, seeds, err));
+    VOR_THEN(status, vor_transfer_attributes(&cloud, in, transfer.nearest, transfer.normal,
+                                             how->spec, err));
     if (status != VOR_OK)
         goto done;
     *out = cloud;

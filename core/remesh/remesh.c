@@ -323,18 +323,15 @@ static vor_status step(struct vor_stage *stage, struct vor_error *err)
     remesh->err = err;
     status = on_one(remesh, trade_on_one);
     vor_free(seeds->run.memory, remesh->edge);
-    if (status == VOR_OK)
-        status = vor_sheet_put(&remesh->sheet, seeds, remesh->moved, &remesh->how, err);
-    if (status == VOR_OK)
-        status = on_one(remesh, flip_on_one);
+    VOR_THEN(status, vor_sheet_put(&remesh->sheet, seeds, remesh->moved, &remesh->how, err));
+    VOR_THEN(status, on_one(remesh, flip_on_one));
     /* At first triangles are far from equilateral, and turn over as edges push their corners. Delta
      * of bunny and igea to 5,000 where edges push after 1 / 3 iterations of 10: 0.0779 / 0.0728 and
      * 0.0721 / 0.0694. */
     if (stage->record.step >= stage->record.of / 3)
         relax.aim = VOR_RELAX_LENGTH;
     relax.length = remesh->l;
-    if (status == VOR_OK)
-        status = vor_relax(&remesh->sheet, seeds, &remesh->complex, &relax, err);
+    VOR_THEN(status, vor_relax(&remesh->sheet, seeds, &remesh->complex, &relax, err));
     for (size_t i = 0; i < seeds->n; i++)
         if (!remesh->moved[i])
             longest2 = fmax(longest2, vor_distance2f(&seeds->xyz[3 * i], &remesh->before[3 * i]));
@@ -352,18 +349,15 @@ static vor_status join(struct remesh *remesh, struct vor_error *err)
     size_t joined = 0;
     vor_status status = vor_attach(seeds, &remesh->how.keep_holes, err);
 
-    if (status == VOR_OK)
-        status = vor_seeds_index(seeds, &seeds->run, err);
+    VOR_THEN(status, vor_seeds_index(seeds, &seeds->run, err));
     remesh->before = vor_malloc(memory, seeds->n, 3 * sizeof *remesh->before);
     remesh->moved = vor_malloc(memory, seeds->n, 1);
     remesh->surrounded = vor_malloc(memory, seeds->n, 1);
     if (status == VOR_OK &&
         (remesh->before == NULL || remesh->moved == NULL || remesh->surrounded == NULL))
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
-    if (status == VOR_OK)
-        status = vor_sheet_find(&remesh->sheet, seeds, &remesh->how, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_complex_init(&remesh->complex, seeds->n, memory, err);
+    VOR_THEN(status, vor_sheet_find(&remesh->sheet, seeds, &remesh->how, &seeds->run, err));
+    VOR_THEN(status, vor_complex_init(&remesh->complex, seeds->n, memory, err));
     if (status == VOR_OK && seeds->n > VOR_AROUND_MOST) /* fewer have hardly an inside */
         status = vor_join(&remesh->complex, &remesh->sheet, 1, &closed, err);
     for (size_t i = 0; status == VOR_OK && i < seeds->n; i++) {
@@ -401,11 +395,9 @@ static vor_status spread(struct vor_seeds *seeds, struct vor_outcome *told,
     vor_status status = join(&remesh, err);
 
     told->seconds_start += vor_run_clock(run) - before;
-    if (status == VOR_OK)
-        status = vor_stage_of_seeds(&remesh.stage, seeds, err);
+    VOR_THEN(status, vor_stage_of_seeds(&remesh.stage, seeds, err));
     vor_mesh_note(&remesh.stage.record, &remesh.complex, seeds->xyz);
-    if (status == VOR_OK)
-        status = vor_stage_run(&remesh.stage, err);
+    VOR_THEN(status, vor_stage_run(&remesh.stage, err));
     vor_stage_free(&remesh.stage);
     vor_complex_free(&remesh.complex);
     vor_sheet_free(&remesh.sheet);
@@ -426,16 +418,14 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
     vor_status status = is_spread ? vor_checkpoint_seeds(&seeds, told, domain, run, err)
                                   : vor_coarse_start(&seeds, domain, n, &how, err);
 
-    if (status == VOR_OK)
-        status = vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err);
+    VOR_THEN(status, vor_domain_thin_for(&thin, domain, n, seeds.area, &seeds.run, err));
     if (status == VOR_OK && thin.n >= seeds.input_lists.wide)
         status = vor_seeds_onto(&seeds, &thin, err);
     told->seconds_start = vor_run_clock(run) - before;
     shorter = vor_coarse_shorten(spec, &seeds);
     if (status == VOR_OK && !is_spread && !(seeds.coherence > 0 && seeds.track == NULL))
         status = spread(&seeds, told, &shorter, run, err);
-    if (status == VOR_OK)
-        status = vor_polish(&seeds, told, &shorter, run, err);
+    VOR_THEN(status, vor_polish(&seeds, told, &shorter, run, err));
     vor_domain_free(&thin);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);

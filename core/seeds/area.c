@@ -84,8 +84,8 @@ vor_status vor_area_cells(double *end, struct vor_seeds *seeds, struct vor_error
     double sum = 0;
     vor_status status = vor_seeds_index(seeds, &seeds->run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_block, &areas, err);
+    VOR_THEN(status,
+             vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_block, &areas, err));
     if (status != VOR_OK)
         return status;
     for (size_t i = 0; i < seeds->n; i++)

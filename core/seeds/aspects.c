@@ -75,8 +75,8 @@ vor_status vor_seeds_aspects(struct vor_aspects *out, struct vor_seeds *seeds,
         status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     else
         status = vor_seeds_index(seeds, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_row, &measure, err);
+    VOR_THEN(status,
+             vor_run_rows(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, measure_row, &measure, err));
     if (status == VOR_OK) {
         vor_sort_floats(measure.aspect, seeds->n);
         vor_sort_floats(measure.off, seeds->n);

@@ -33,8 +33,7 @@ static vor_status even_out(struct vor_seeds *seeds, const struct vor_domain *thi
     struct vor_outcome told = {.stages = 0};
     vor_status status = is_first ? how->spread(seeds, &told, how->spec, how->run, err) : VOR_OK;
 
-    if (status == VOR_OK)
-        status = vor_polish(seeds, &told, how->spec, how->run, err);
+    VOR_THEN(status, vor_polish(seeds, &told, how->spec, how->run, err));
     return status == VOR_OK && thin != NULL ? vor_seeds_onto(seeds, thin, err) : status;
 }
 
@@ -57,10 +56,8 @@ static vor_status subdivide(struct vor_seeds *out, struct vor_seeds *coarse, siz
     struct vor_seeds seeds = {.n = 0};
     vor_status status = vor_seeds_edges_find(&edges, coarse, err);
 
-    if (status == VOR_OK)
-        status = vor_seeds_init(&seeds, coarse->whole, n, coarse->policy, &coarse->run, err);
-    if (status == VOR_OK)
-        status = vor_seeds_subdivide(&seeds, coarse, &edges, err);
+    VOR_THEN(status, vor_seeds_init(&seeds, coarse->whole, n, coarse->policy, &coarse->run, err));
+    VOR_THEN(status, vor_seeds_subdivide(&seeds, coarse, &edges, err));
     vor_seeds_edges_free(&edges, coarse->run.memory);
     if (status != VOR_OK) {
         vor_seeds_free(&seeds);
@@ -108,14 +105,12 @@ static vor_status start(struct vor_seeds *out, const struct vor_domain *domain, 
     if (!applies(domain, n, spec))
         return VOR_OK;
     status = vor_start_seeds(&coarse, domain, (n + 9) / 4, spec, how->run, err);
-    if (status == VOR_OK)
-        status = vor_domain_thin_for(&thin, domain, coarse.n, coarse.area, &coarse.run, err);
+    VOR_THEN(status, vor_domain_thin_for(&thin, domain, coarse.n, coarse.area, &coarse.run, err));
     if (status == VOR_OK && thin.n >= coarse.input_lists.wide) {
         onto = &thin;
         status = vor_seeds_onto(&coarse, onto, err);
     }
-    if (status == VOR_OK)
-        status = look(&shows, &coarse, spec, err);
+    VOR_THEN(status, look(&shows, &coarse, spec, err));
     less.value[VOR_PARAM_POLISH] =
         fmin(spec->value[VOR_PARAM_POLISH], vor_parameter_info(VOR_PARAM_POLISH)->fallback);
     less.value[VOR_PARAM_REPAIR] = VOR_REPAIR_NONE;

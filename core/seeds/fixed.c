@@ -120,12 +120,9 @@ vor_status vor_seeds_add_islands(struct vor_seeds *seeds, double *delta_beside,
         return vor_fail(err, VOR_E_NOMEM, "%zu points", share);
     fixed.xyz = xyz;
     status = measure(delta_beside, seeds, err);
-    if (status == VOR_OK)
-        status = vor_islands_place(xyz, domain, share, &whole, err);
-    if (status == VOR_OK)
-        status = vor_islands_return(domain, &whole, err);
-    if (status == VOR_OK)
-        status = add_fixed(seeds, fixed, domain, policy, run, err);
+    VOR_THEN(status, vor_islands_place(xyz, domain, share, &whole, err));
+    VOR_THEN(status, vor_islands_return(domain, &whole, err));
+    VOR_THEN(status, add_fixed(seeds, fixed, domain, policy, run, err));
     if (status == VOR_OK && sites > 0)
         seeds->fixed = sites + share;
     vor_free(run->memory, xyz);

@@ -75,11 +75,9 @@ static vor_status weigh(struct former *former, struct vor_error *err)
     size_t moving = vor_seeds_moving(seeds);
     vor_status status = vor_seeds_index(seeds, &seeds->run, err);
 
-    if (status == VOR_OK)
-        status = vor_run_rows(&seeds->run, moving, vor_seeds_block(seeds->domain), look_row, former,
-                              err);
-    if (status == VOR_OK)
-        status = vor_run_rows(&seeds->run, moving, VOR_SEEDS_BLOCK, weigh_row, former, err);
+    VOR_THEN(status, vor_run_rows(&seeds->run, moving, vor_seeds_block(seeds->domain), look_row,
+                                  former, err));
+    VOR_THEN(status, vor_run_rows(&seeds->run, moving, VOR_SEEDS_BLOCK, weigh_row, former, err));
     for (size_t j = 0; status == VOR_OK && j < 3 * moving; j++)
         seeds->xyz[j] += former->normal[j];
     return status;

@@ -124,8 +124,7 @@ vor_status vor_seeds_index(struct vor_seeds *seeds, const struct vor_run *run,
                  vor_stretched_longest_of_all(&seeds->stretched);
     vor_status status = vor_wanted_renew(&seeds->wanted, seeds->xyz, run, err);
 
-    if (status == VOR_OK)
-        status = vor_stretched_renew(&seeds->stretched, seeds->xyz, run, err);
+    VOR_THEN(status, vor_stretched_renew(&seeds->stretched, seeds->xyz, run, err));
     if (status != VOR_OK)
         return status;
     if (vor_point_lists_look(&seeds->view, &seeds->point_lists, seeds->xyz, far))

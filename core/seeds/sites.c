@@ -231,8 +231,7 @@ static vor_status line_of(struct line *out, const struct place_on *on,
     double *along = vor_malloc(domain->memory, n, sizeof *along);
     vor_status status = line_through(&raw, domain, &loops->point[loop->first], loop->count, err);
 
-    if (status == VOR_OK)
-        status = line_init(&line, n, 1, domain, err);
+    VOR_THEN(status, line_init(&line, n, 1, domain, err));
     if (along == NULL) {
         (void)vor_fail(err, VOR_E_NOMEM, "%zu points", n);
         status = VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
@@ -372,8 +371,7 @@ static vor_status add_sites(struct place_on *on, const struct walkers *walkers,
     struct work work = {.on = on, .walkers = walkers};
     vor_status status = make_room(on, walkers, err);
 
-    if (status == VOR_OK)
-        status = vor_run_for(on->run, walkers->gaps, BLOCK, place_block, &work, err);
+    VOR_THEN(status, vor_run_for(on->run, walkers->gaps, BLOCK, place_block, &work, err));
     if (status == VOR_OK && !on->is_edge)
         status = vor_run_rows(on->run, walkers->n, BLOCK, put_row, &work, err);
     sites->places += status == VOR_OK ? 2 * walkers->gaps : 0;
@@ -463,8 +461,7 @@ static vor_status put_on_loops(struct place_on *on, const struct vor_loops *loop
         struct line line = {0};
 
         status = line_of(&line, on, loops, l, err);
-        if (status == VOR_OK)
-            status = put_on(on, &line, err);
+        VOR_THEN(status, put_on(on, &line, err));
         line_free(&line);
     }
     on->sites->half = on->sites->n;
@@ -498,10 +495,8 @@ static vor_status on_edges(struct place_on *on, const struct vor_run *run, struc
     vor_status status = vor_edges_find(&edges, on->domain, run, err);
 
     on->is_edge = 1;
-    if (status == VOR_OK)
-        status = vor_ridges_follow(&ridges, on->domain, &edges, run, err);
-    if (status == VOR_OK)
-        status = put_on_ridges(on, &ridges, err);
+    VOR_THEN(status, vor_ridges_follow(&ridges, on->domain, &edges, run, err));
+    VOR_THEN(status, put_on_ridges(on, &ridges, err));
     vor_ridges_free(&ridges);
     vor_edges_free(&edges);
     return status;
@@ -519,10 +514,8 @@ vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain
 
     if (vor_field_is(&domain->field))
         area = VOR_HEXAGON_HEIGHT * (double)wanted->n * even * even;
-    if (status == VOR_OK)
-        status = add_lengths(&on, &loops, area, err);
-    if (status == VOR_OK)
-        status = put_on_loops(&on, &loops, err);
+    VOR_THEN(status, add_lengths(&on, &loops, area, err));
+    VOR_THEN(status, put_on_loops(&on, &loops, err));
     vor_loops_free(&loops);
     if (status == VOR_OK && wanted->edges)
         status = on_edges(&on, run, err);

@@ -161,8 +161,7 @@ static vor_status measure_eta(struct vor_stage *stage, struct vor_error *err)
         stage->seeds->wanted.value != NULL)
         return VOR_OK;
     status = vor_seeds_index(stage->seeds, stage->run, err);
-    if (status == VOR_OK)
-        status = vor_seeds_cells(&cells, stage->seeds, err);
+    VOR_THEN(status, vor_seeds_cells(&cells, stage->seeds, err));
     if (status != VOR_OK)
         return status;
     stage->eta = cells.open < stage->n ? cells.eta : INFINITY;

@@ -476,8 +476,7 @@ vor_status vor_start_between(struct vor_seeds *out, const struct vor_domain *dom
     vor_status status = vor_seeds_init(&to, domain, n, policy, run, err);
 
     policy.widen = 0.5; /* halfway to the neighbours, where the cells of an even input end */
-    if (status == VOR_OK)
-        status = vor_seeds_init(&from, domain, domain->n, policy, &to.run, err);
+    VOR_THEN(status, vor_seeds_init(&from, domain, domain->n, policy, &to.run, err));
     if (status == VOR_OK) {
         memcpy(from.xyz, domain->xyz, 3 * domain->n * sizeof *from.xyz);
         status = sample_cells(&areas, err);

@@ -139,8 +139,7 @@ vor_status vor_seeds_edges_find(struct vor_seeds_edges *out, struct vor_seeds *s
     if (edges.of == NULL)
         return vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
     status = vor_seeds_index(seeds, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, find_block, &find, err);
+    VOR_THEN(status, vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, find_block, &find, err));
     if (status != VOR_OK) {
         vor_seeds_edges_free(&edges, memory);
         return status;

@@ -292,12 +292,9 @@ static vor_status start(struct warm *warm, struct vor_error *err)
         return VOR_OK;
     }
     status = sort(warm->xyz, warm->track, warm->doubt, warm->m, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_knn_build_sorted(&warm->knn, warm->xyz, warm->m, &seeds->run, err);
-    if (status == VOR_OK)
-        status = vor_run_rows(&seeds->run, warm->m, VOR_SEEDS_BLOCK, room_row, warm, err);
-    if (status == VOR_OK)
-        status = vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, gap_block, warm, err);
+    VOR_THEN(status, vor_knn_build_sorted(&warm->knn, warm->xyz, warm->m, &seeds->run, err));
+    VOR_THEN(status, vor_run_rows(&seeds->run, warm->m, VOR_SEEDS_BLOCK, room_row, warm, err));
+    VOR_THEN(status, vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, gap_block, warm, err));
     if (status != VOR_OK)
         return status;
     missing = (int64_t)seeds->n - (int64_t)warm->m - (int64_t)count(warm);
