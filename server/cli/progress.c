@@ -243,6 +243,7 @@ static void summarise(const struct vor_progress *progress, const struct vor_json
 
     for (const struct vor_json *s = vor_json_first(seconds); s != NULL; s = vor_json_next(s))
         sum += vor_json_get_number(s, &number) ? number : 0;
+    sum += number_at(vor_json_get(report, "mesh"), "seconds");
     stages = vor_json_get(report, "stages");
     for (const struct vor_json *s = vor_json_first(stages); s != NULL; s = vor_json_next(s)) {
         const char *name = vor_json_get_string(vor_json_get(s, "stage"));

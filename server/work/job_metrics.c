@@ -30,6 +30,8 @@ void vor_count_ended(const struct vor_job_view *row, const struct vor_report *re
     for (unsigned i = 0; i < report->stages_count; i++)
         count_stage(row, vor_run_stage_info(report->stages[i].stage)->name,
                     report->stages[i].seconds);
+    if (report->has_mesh)
+        count_stage(row, "mesh", report->mesh_seconds);
     count_stage(row, "write", report->seconds_write);
     vor_metric_observe(VOR_METRIC_JOB_POINTS, (double)report->points_out, VOR_LABELS("out"));
     vor_metric_observe(VOR_METRIC_JOB_ITERATIONS, report->iterations, NULL);

@@ -7,7 +7,7 @@ use lib "$FindBin::Bin/../support";
 use Test::More;
 use Vt;
 
-my $daemon = Vt->start;
+my $daemon = Vt->start('admin-listen' => '127.0.0.1:0');
 
 sub job_of { return $_[0]{headers}{location} =~ m{(/v1/jobs/[^/]+)\z} ? $1 : die 'no Location' }
 sub report_of { return json($daemon->get(job_of($_[0]) . '/results/report')) }
@@ -45,6 +45,7 @@ my $mesh = $daemon->post('/v1/mesh?points=300&polish=20&metric=anisotropic', sph
 is $mesh->{status}, 200, 'mesh takes a metric' or diag($mesh->{content});
 cmp_ok abs(report_of($mesh)->{metric}{aspect_median} - 1), '<', 0.1, 'a sphere asks for no direction';
 is report_of($mesh)->{mesh}{closed}, 'yes', 'and its mesh is closed';
+is $daemon->metric('job_duration_seconds_count\{process="mesh",stage="mesh"\}'), 1, 'whose time is counted';
 
 is $daemon->stop, 0, 'the daemon ends with 0';
 done_testing;

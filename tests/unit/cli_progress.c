@@ -199,9 +199,9 @@ VT_TEST(the_summary_names_iterations_and_polish_steps)
         summary("{\"points\":{\"in\":9,\"out\":7},\"delta\":0.03125,\"stages\":["
                 "{\"stage\":\"iterate\",\"steps\":37},{\"stage\":\"polish\",\"steps\":100}],"
                 "\"stopped\":\"plateau\","
-                "\"seconds\":{\"iterate\":1.5,\"polish\":2.25}}"),
+                "\"seconds\":{\"iterate\":1.5,\"polish\":2.25},\"mesh\":{\"seconds\":9}}"),
         "voronoid: out.ply: 7 points, delta 0.0312 after 37 iterations and 100 polish "
-        "steps (plateau), 3.8 s\n");
+        "steps (plateau), 12.8 s\n");
     ck_assert_str_eq(
         summary("{\"points\":{\"out\":7},\"delta\":0.5,\"stages\":["
                 "{\"stage\":\"iterate\",\"steps\":6}],\"stopped\":\"iterations\",\"seconds\":{}}"),
