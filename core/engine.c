@@ -204,8 +204,8 @@ static vor_status run_points(struct vor_artefacts *out, const struct vor_artefac
     if (status == VOR_OK && spec->process == vor_process_find("restore"))
         status = vor_restore_cloud(&cloud, report, spec, &whole, err);
     if (status == VOR_OK && spec->process == vor_process_find("register"))
-        status = vor_align_cloud(&cloud, report, vor_artefacts_cloud(in, "reference"), spec, &whole,
-                                 err);
+        status =
+            vor_align_cloud(&cloud, report, vor_artefacts_cloud(in, "reference"), spec, run, err);
     report->seconds_index = vor_run_seconds(run);
     report->memory_peak_bytes = atomic_load(&run->memory->peak);
     if (status == VOR_OK)

@@ -24,7 +24,8 @@
     X(BASELINES, "baselines", "baseline", "Runs simple methods for comparison")                    \
     X(PROJECT, "project", "projection step",                                                       \
       "Pulls each point towards nearby input points and away from its neighbours")                 \
-    X(INSERT, "insert", "inserted point", "Inserts points in the largest gaps")
+    X(INSERT, "insert", "inserted point", "Inserts points in the largest gaps")                    \
+    X(ALIGN, "align", "alignment step", "Refines the poses that a cloud may have")
 
 enum vor_run_stage {
 #define VOR_RUN_STAGE_ENUM(id, name, step, sentence) VOR_RUN_STAGE_##id,
@@ -47,12 +48,11 @@ enum vor_run_stage vor_run_stage_find(const char *name);
 
 #define VOR_FIELD_RUN_STAGE(field) enum vor_run_stage field;
 
-/** What is known after a step of a run: the same record in SSE, NDJSON, traces and the metrics of a
- *  job. A run begins with a record of 0 steps of its first stage. Members are only ever added, at
- *  the end: traces keep them in this order. */
+/** What is known after a step of a run, for SSE, NDJSON, traces and the metrics of a job. The first
+ *  is of 0 steps. Members are only ever added, at the end: traces keep them in this order. */
 #define VOR_RECORD_TABLE(X)                                                                        \
     X(U32, iteration, "iteration", "",                                                             \
-      "Number of iterations or projection steps so far (0 in the first record)")                   \
+      "Number of iterations, projection steps or alignment steps so far (0 in the first record)")  \
     X(U32, polish, "polish", "",                                                                   \
       "Number of steps so far of the polish, the optimisation that follows the iterations (0 "     \
       "during the iterations)")                                                                    \
@@ -87,7 +87,7 @@ enum vor_run_stage vor_run_stage_find(const char *name);
       "delta of the most even result so far; in the last record, the same as delta in the report") \
     X(REAL, best_sigma, "best.sigma", "unit of the cloud", "sigma of the most even result so far") \
     X(REAL, best_epsilon, "best.epsilon", "", "epsilon of the most even result so far")            \
-    VOR_RECORD_TRIANGLES_TABLE(X)
+    VOR_RECORD_LV2022_TABLE(X)
 
 struct vor_record {
     VOR_RECORD_TABLE(VOR_FIELD)

@@ -12,7 +12,8 @@ enum {
      * poses that all samples refine. */
     MIDDLING = 16,
     LAST = 8,
-    FEWEST = 6
+    FEWEST = 6,
+    STEPS = 4
 };
 
 /* A pose that scores less than this share of the best is not looked at again. */
@@ -64,7 +65,9 @@ struct align {
     struct vor_align_points points[2];
     struct vor_align_grid grid;
     struct vor_align_fit_of of;
-    double within; /* of judging */
+    double within;             /* of judging */
+    const struct vor_run *run; /* whose watch is told of each step */
+    uint32_t steps;
     unsigned count;
     struct vor_align_candidate candidate[VOR_ALIGN_CANDIDATES];
     struct vor_align_fit fit[VOR_ALIGN_CANDIDATES];
@@ -184,11 +187,34 @@ static void keep_best(struct align *align, unsigned most)
     align->count = kept;
 }
 
-static vor_status run_step(struct align *align, vor_row_task task, unsigned every,
+/* Tells the watch of the best pose so far. A stop has nothing to hand back yet. */
+static vor_status tell_step(const struct align *align, struct vor_error *err)
+{
+    struct vor_record record = {.stage = VOR_RUN_STAGE_ALIGN, .of = STEPS};
+
+    record.iteration = record.step = align->steps;
+    record.delta = record.sigma = record.epsilon = record.mse = NAN;
+    vor_record_unknown_best(&record);
+    record.seconds = vor_run_seconds(align->run);
+    if (align->steps > 0 && align->count > 0)
+        record.mse = vor_power(align->fit[0].rms * align->samples[1].unit, 2);
+    return vor_run_tell(align->run, &record) == VOR_CANCEL ? vor_run_answered(VOR_CANCEL, err)
+                                                           : VOR_OK;
+}
+
+/* Refines all poses by one sample of `every`, and keeps so many of the best. */
+static vor_status run_step(struct align *align, vor_row_task task, unsigned every, unsigned most,
                            const struct vor_run *run, struct vor_error *err)
 {
+    vor_status status;
+
     align->of.every = every;
-    return vor_run_rows(run, align->count, 1, task, align, err);
+    status = vor_run_rows(run, align->count, 1, task, align, err);
+    if (status != VOR_OK)
+        return status;
+    keep_best(align, most);
+    align->steps++;
+    return tell_step(align, err);
 }
 
 /* Narrows what counts as lying on the other cloud to what the good poses have. */
@@ -238,22 +264,21 @@ static vor_status find_poses(struct align *align, const struct vor_run *run, str
                                             REACH * fmax(samples[0].apart, samples[1].apart), err);
 
     if (status == VOR_OK)
+        status = tell_step(align, err);
+    if (status == VOR_OK)
         status = vor_align_match(align->candidate, &align->count, &samples[0], &align->grid, both,
                                  run, err);
     align->within = samples[1].gap;
     if (status == VOR_OK)
-        status = run_step(align, refine_few, 4, run, err);
+        status = run_step(align, refine_few, 4, MIDDLING, run, err);
     align->within *= WITHIN_MOST;
-    keep_best(align, MIDDLING);
     if (status == VOR_OK)
-        status = run_step(align, refine, 3, run, err);
-    keep_best(align, LAST);
+        status = run_step(align, refine, 3, LAST, run, err);
     if (status == VOR_OK)
-        status = run_step(align, refine, 1, run, err);
+        status = run_step(align, refine, 1, LAST, run, err);
     narrow(align);
     if (status == VOR_OK)
-        status = run_step(align, settle, 1, run, err);
-    keep_best(align, LAST);
+        status = run_step(align, settle, 1, LAST, run, err);
     choose_runner_up(align);
     return status;
 }
@@ -452,8 +477,10 @@ vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,
                            const struct vor_run *run, struct vor_error *err)
 {
     const struct vor_cloud *const both[2] = {cloud, reference};
+    const struct vor_run whole = vor_run_unstoppable(run);
     int scales = spec->value[VOR_PARAM_SCALE] == VOR_SCALE_FREE;
     double overlap = spec->value[VOR_PARAM_OVERLAP];
+    double before = vor_run_clock(run);
     struct align *align;
     vor_status status = vor_splats_check(cloud, spec, err);
 
@@ -464,18 +491,19 @@ vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,
     align = vor_calloc(run->memory, 1, sizeof *align);
     if (align == NULL)
         return vor_fail(err, VOR_E_NOMEM, "poses");
+    align->run = run;
     align->of = (struct vor_align_fit_of){.cloud = &align->samples[0],
                                           .reference = &align->samples[1],
                                           .grid = &align->grid,
                                           .scales = scales,
                                           .overlap = overlap == VOR_UNSET ? 0 : overlap};
-    status = vor_align_samples_make(align->samples, both, !scales, run, err);
+    status = vor_align_samples_make(align->samples, both, !scales, &whole, err);
     for (int k = 0; status == VOR_OK && k < 2; k++) {
-        status = vor_align_points_make(&align->points[k], both[k], &align->samples[k], run, err);
+        status = vor_align_points_make(&align->points[k], both[k], &align->samples[k], &whole, err);
         align->of.points[k] = &align->points[k];
     }
     if (status == VOR_OK)
-        status = find_poses(align, run, err);
+        status = find_poses(align, &whole, err);
     if (status == VOR_OK && align->count == 0)
         align->fit[align->count++].pose = (struct vor_pose){
             .turn = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .scale = 1}; /* onto the middle */
@@ -486,7 +514,8 @@ vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,
         if (status == VOR_OK)
             tell(report, align, &pose);
         if (status == VOR_OK)
-            status = repeat(report, align, run, err);
+            status = repeat(report, align, &whole, err);
+        vor_report_stage(report, VOR_RUN_STAGE_ALIGN, align->steps, vor_run_clock(run) - before);
     }
     vor_align_grid_free(&align->grid);
     for (int k = 0; k < 2; k++) {

@@ -24,6 +24,8 @@
  *  @retval VOR_E_DEGENERATE  as vor_align_samples_make
  *  @retval VOR_E_NOMEM, VOR_E_CANCELLED
  *
+ *  The run's watch gets a record of each step; a stop changes nothing.
+ *
  *  O(n) and some seconds at most for the rest, on the run's pool. The same bytes for any number of
  *  threads. */
 VOR_NODISCARD vor_status vor_align_cloud(struct vor_cloud *cloud, struct vor_report *report,

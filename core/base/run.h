@@ -46,6 +46,15 @@ static inline enum vor_answer vor_run_poll(const struct vor_run *run)
                                                           : VOR_CONTINUE;
 }
 
+/** Tells the run's watch of a step. Returns what it answers. */
+static inline enum vor_answer vor_run_tell(const struct vor_run *run,
+                                           const struct vor_record *record)
+{
+    return run->watch != NULL && run->watch->progress != NULL
+               ? run->watch->progress(run->watch->ctx, record)
+               : VOR_CONTINUE;
+}
+
 /** Nothing for VOR_CONTINUE, else the failure that an answer means.
  *
  *  @retval VOR_E_CANCELLED, VOR_E_STOPPED */

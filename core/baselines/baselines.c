@@ -166,20 +166,14 @@ static vor_status tell_one(struct vor_report *report, const struct maker *maker,
 static vor_status tell_step(const struct vor_report *report, const struct vor_baselines_of *of,
                             uint32_t done, const struct vor_run *run, struct vor_error *err)
 {
-    const struct vor_watch *watch = run->watch;
     struct vor_record record = vor_last_record(of->told, report);
-    enum vor_answer answer = VOR_CONTINUE;
 
     record.stage = VOR_RUN_STAGE_BASELINES;
     record.step = done;
     record.of = MAKERS;
     record.ahead = 0;
     record.seconds = vor_run_seconds(run);
-    if (watch != NULL && watch->progress != NULL)
-        answer = watch->progress(watch->ctx, &record);
-    if (answer == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    return answer == VOR_STOP ? vor_fail(err, VOR_E_STOPPED, "stopped by the caller") : VOR_OK;
+    return vor_run_answered(vor_run_tell(run, &record), err);
 }
 
 static vor_status tell_all(struct vor_report *report, const struct vor_baselines_of *of,

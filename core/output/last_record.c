@@ -23,17 +23,14 @@ struct vor_record vor_last_record(const struct vor_outcome *told, const struct v
 vor_status vor_last_record_tell(const struct vor_outcome *told, const struct vor_report *report,
                                 const struct vor_run *run, struct vor_error *err)
 {
-    const struct vor_watch *watch = run->watch;
     struct vor_record record;
 
-    if (watch == NULL || watch->progress == NULL || told->stages == 0 ||
+    if (told->stages == 0 ||
         (told->last.iteration == report->iterations && told->last.polish == report->polish_steps &&
          told->last.best_delta == report->delta && told->last.best_sigma == report->sigma &&
          told->last.best_epsilon == report->epsilon))
         return VOR_OK;
     record = vor_last_record(told, report);
     record.seconds = vor_run_seconds(run);
-    if (watch->progress(watch->ctx, &record) == VOR_CANCEL)
-        return vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    return VOR_OK;
+    return vor_run_tell(run, &record) == VOR_CANCEL ? vor_run_answered(VOR_CANCEL, err) : VOR_OK;
 }

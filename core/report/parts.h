@@ -225,15 +225,20 @@ struct vor_hole_told {
     X(REAL, mls_error_max, "mls_error.max", "", "Largest error")                                   \
     X(REAL, mls_error_mean, "mls_error.mean", "", "Mean error")
 
-/** How good the triangles are that join the points, step by step, as in Lv 2022, Fig. 25. */
-#define VOR_RECORD_TRIANGLES_TABLE(X)                                                              \
+/** Step by step, as in Lv 2022: how good the triangles are that join the points (Fig. 25), and how
+ *  far a cloud is from its reference (Fig. 26). */
+#define VOR_RECORD_LV2022_TABLE(X)                                                                 \
     X(REAL, quality, "quality", "",                                                                \
       "Mean quality of the triangles that join the points, computed as mesh.quality_mean in the "  \
       "report. Only the iterations of method=isotropic join them: without iterations, it is 0. "   \
       "During the polish, it keeps its value from the last iteration")                             \
     X(REAL, angle, "angle", "degrees",                                                             \
       "Mean, over these triangles, of the smallest angle: 60 if all edges have the same length "   \
-      "(see quality)")
+      "(see quality)")                                                                             \
+    X(REAL, mse, "mse", "unit of the reference^2",                                                 \
+      "In the stage align, mean squared distance to the reference in the best pose so far, "       \
+      "computed as registration.mse in the report; it may rise in the last step, which moves all " \
+      "points towards planes, not samples. 0 in other stages")
 
 /** Sharp edges of an input, found in another way (metrics/vcm.h). */
 #define VOR_VCM_TABLE(X)                                                                           \

@@ -72,12 +72,10 @@ static enum vor_answer tell_watch(struct vor_stage *stage)
     struct vor_moving moving = {.xyz = stage->xyz, .n = stage->n, .unit = stage->domain->unit};
 
     stage->told->last = *record;
-    if (watch == NULL || watch->progress == NULL)
-        return VOR_CONTINUE;
     memcpy(moving.shift, stage->domain->shift, sizeof moving.shift);
-    if (watch->points != NULL)
+    if (watch != NULL && watch->progress != NULL && watch->points != NULL)
         watch->points(watch->ctx, &moving, record);
-    return watch->progress(watch->ctx, record);
+    return vor_run_tell(stage->run, record);
 }
 
 /* Keeps the positions if they are the best so far, and tells the watch if that is due. */

@@ -99,6 +99,8 @@ void vor_progress_record(struct vor_progress *progress, const struct vor_record 
     vor_text_printf(&line, "%3.0f %%", 100 * fraction);
     if (isfinite(record->delta)) /* not every stage knows it */
         vor_text_printf(&line, "  delta %.4f", record->delta);
+    else if (record->mse > 0)
+        vor_text_printf(&line, "  mse %.3g", record->mse);
     if (left >= 0)
         vor_text_printf(&line, "  %.0f s left", left);
     if (!line.failed)

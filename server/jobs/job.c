@@ -198,8 +198,8 @@ int vor_job_is_over(struct vor_job *job)
     return is_over;
 }
 
-/* A process without a method places no points: all of its work is done before the first record, and
- * a stop changes nothing. */
+/* A process without a method places no points: all of its work but that of `register` is done
+ * before the first record, and a stop changes nothing. */
 void vor_job_describe(struct vor_job_view *view, enum vor_answer asked)
 {
     static const char *const sentences[VOR_STAGES] = {

@@ -11,7 +11,7 @@ import { isOver, watchJob } from './watch.js';
 
 let release = () => {}, shown = null, records = [], frame = 0, fetching = false, tag = '';
 
-const STEPS = { iterate: 'Iteration', polish: 'Polish step', project: 'Projection step', insert: 'Inserted point', baselines: 'Baseline' };
+const STEPS = { iterate: 'Iteration', polish: 'Polish step', project: 'Projection step', insert: 'Inserted point', baselines: 'Baseline', align: 'Alignment step' };
 const WORDS = { successful: 'Done', failed: 'Failed', dismissed: 'Cancelled' };
 
 function stateOf(status) {
@@ -30,7 +30,7 @@ function showStatus(status) {
     $('watch-title').textContent = `${status.voronoid.name || 'Job'}: ${status.processID}`;
     if ($('state').textContent !== words) $('state').textContent = words;
     $('progress').value = status.progress;
-    show($('stop'), status.status === 'running' && status.voronoid.stage === 'optimize');
+    show($('stop'), status.status === 'running' && status.voronoid.stage === 'optimize' && status.processID !== 'register');
     show($('doing'), !over);
     show($('result'), over);
     if (status.exception) $('trouble').textContent = status.exception.detail || status.exception.title;
@@ -38,7 +38,7 @@ function showStatus(status) {
 
 function draw() {
     frame = 0;
-    show($('chart-box'), records.length > 0);
+    show($('chart-box'), records.some((record) => Number.isFinite(record.best?.delta)));
     $('chart-words').textContent = drawChart($('chart'), records, shown?.processID === 'mesh');
 }
 

@@ -67,7 +67,7 @@ subtest 'lines of JSON' => sub {
     my $report = pop @records;
     is "$code$stderr", '0', 'all is well';
     is_deeply [map { $_->{iteration} } @records], [0 .. 6], 'there is a record for each iteration';
-    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best quality angle);
+    my $shape = join ' ', sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best quality angle mse);
     is_deeply [map { $_->{polish} } @records], [(0) x 7], 'none is of a polish that was not asked for';
     is join(' ', sort keys %$_), $shape, "record $_->{iteration} has its shape" for @records;
     cmp_ok $records[-1]{delta}, '<', $records[0]{delta}, 'delta falls';

@@ -46,7 +46,7 @@ my @progress = map { json($_->{data}) } grep { $_->{event} eq 'progress' } @even
 cmp_ok scalar(@progress), '>', 0, 'there is progress';
 is_deeply [sort keys %{ $progress[0] }],
     [sort qw(jobID attempt stage iteration maxIterations polish maxPolish delta sigma epsilon energy
-            max_move held seconds run_stage step of ahead best quality angle progress eta)], 'with every member';
+            max_move held seconds run_stage step of ahead best quality angle mse progress eta)], 'with every member';
 is $progress[-1]{iteration}, 30, 'the last iteration is among them';
 is $progress[0]{maxIterations}, 30, 'it tells how many there may be';
 is $progress[0]{maxPolish}, 0, 'and how many steps of the polish';

@@ -188,7 +188,7 @@ is join(' ', map { $_->{iteration} } @records[9 .. $#records]), @records > 9 ? '
 is_deeply { map { $_ => $records[-1]{best}{$_} } qw(delta sigma epsilon) },
     { map { $_ => json($daemon->get("/v1/jobs/$id/results/report"))->{$_} } qw(delta sigma epsilon) }, 'the last best is the report\'s';
 is_deeply [sort keys %{ $records[0] }],
-    [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best quality angle)],
+    [sort qw(iteration polish delta sigma epsilon energy max_move held seconds run_stage step of ahead best quality angle mse)],
     'with every member';
 is scalar(grep { $_->{polish} != 0 } @records), 0, 'and without a polish none of its steps';
 cmp_ok $records[8]{delta}, '<', $records[0]{delta}, 'delta falls';
@@ -196,7 +196,7 @@ is $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv;q=0, appl
     'the trace is JSON for who refuses CSV';
 my @rows = split /\n/, $daemon->get("/v1/jobs/$id/trace", headers => { Accept => 'text/csv' })->{content};
 is $rows[0], 'iteration,polish,delta,sigma,epsilon,energy,max_move,held,seconds,run_stage,step,of,ahead,'
-    . 'best.iteration,best.polish,best.delta,best.sigma,best.epsilon,quality,angle',
+    . 'best.iteration,best.polish,best.delta,best.sigma,best.epsilon,quality,angle,mse',
     'the table has its head';
 is scalar(@rows), 1 + @records, 'and a row a record';
 is join(',', (split /,/, $rows[9])[0, 1, 9 .. 12]), '8,0,iterate,8,8,0', 'in its order';

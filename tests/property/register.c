@@ -2,7 +2,7 @@
  * no pair of clouds, is told. */
 #include "core/align/pose.h"
 #include "core/base/rng.h"
-#include "tests/support/vt_engine.h"
+#include "tests/support/vt_trace.h"
 
 #include <math.h>
 #include <string.h>
@@ -84,6 +84,8 @@ static struct vor_pose a_pose(uint64_t seed, double scale)
     return pose;
 }
 
+static struct vt_trace trace; /* of the last one */
+
 /* Registers clouds by 1 thread or 3. The cloud and the report are set if it is done. */
 static vor_status put(struct vor_cloud *out, struct vor_report *report,
                       const struct vor_cloud *cloud, const struct vor_cloud *reference,
@@ -94,6 +96,7 @@ static vor_status put(struct vor_cloud *out, struct vor_report *report,
     vor_status status;
 
     vt_engine_open(&engine, threads);
+    vt_trace_attach(&trace, &engine);
     vor_spec_preset(&engine.spec, vor_process_find("register"));
     vt_engine_set(&engine, "scale", scale);
     vt_assert_ok(vor_spec_complete(&engine.spec, &vt_err));
@@ -142,6 +145,9 @@ VT_TEST_FIGURES(a_known_pose_is_found, VT_FEWER(4))
         ck_assert_double_ge(report.pose_trust, 0.5);
         ck_assert_int_eq(report.pose_doubt, VOR_DOUBT_NONE);
         ck_assert_double_gt(report.pose_overlap, 0.95);
+        ck_assert_uint_eq(trace.count, 1 + report.stages[0].steps);
+        ck_assert(isnan(trace.record[0].mse) && trace.record[1].mse > 0);
+        ck_assert_double_eq(trace.record[trace.count - 1].mse, report.pose_mse);
         ck_assert_double_lt(report.runner_up.score, report.pose_score);
         vor_cloud_free(&one);
         vor_cloud_free(&three);

@@ -153,7 +153,7 @@ static void add_event(struct bytes *bytes, enum vor_event_kind kind, enum vor_jo
  */
 static void add_trace_of(struct bytes *bytes, size_t members, size_t more)
 {
-    static const size_t sizes[] = {4, 4, 8, 8, 8, 8, 8, 8, 8, 4, 4, 4, 4, 4, 4, 8, 8, 8, 8, 8};
+    static const size_t sizes[] = {4, 4, 8, 8, 8, 8, 8, 8, 8, 4, 4, 4, 4, 4, 4, 8, 8, 8, 8, 8, 8};
     size_t record = more;
 
     ck_assert_uint_eq(sizeof sizes / sizeof sizes[0], vor_record_members.count);
@@ -199,7 +199,7 @@ VT_TEST(a_stage_that_there_is_not_is_refused)
     size_t stage;
 
     add_trace_of(&bytes, vor_record_members.count, 0);
-    stage = bytes.size - 12 - 64;
+    stage = bytes.size - 12 - 72;
     ck_assert_uint_eq(bytes.data[stage], VOR_RUN_STAGE_POLISH);
     bytes.data[stage] = VOR_RUN_STAGE_COUNT;
     ck_assert_int_eq(unpack(events, 3, bytes.data, bytes.size), -1);

@@ -34,13 +34,15 @@ static const struct vor_record record = {.iteration = 37,
                                          .best_sigma = 0.0002,
                                          .best_epsilon = 0.9968,
                                          .quality = 0.93,
-                                         .angle = 51.5};
+                                         .angle = 51.5,
+                                         .mse = 0.25};
 
 #define RECORD                                                                                     \
     "{\"iteration\":37,\"polish\":30,\"delta\":0.0813,\"sigma\":0.000211,\"epsilon\":0.9967,"      \
     "\"energy\":1.9e-05,\"max_move\":0.5,\"held\":2,\"seconds\":1.25,\"run_stage\":\"polish\","    \
     "\"step\":30,\"of\":100,\"ahead\":5,\"best\":{\"iteration\":36,\"polish\":20,"                 \
-    "\"delta\":0.08,\"sigma\":0.0002,\"epsilon\":0.9968},\"quality\":0.93,\"angle\":51.5}"
+    "\"delta\":0.08,\"sigma\":0.0002,\"epsilon\":0.9968},\"quality\":0.93,\"angle\":51.5,\"mse\":" \
+    "0.25}"
 
 VT_TEST(a_record_has_its_shape)
 {
