@@ -126,3 +126,21 @@ void vor_free_each(struct vor_memory *memory, void *const *p, size_t count)
     for (size_t i = 0; i < count; i++)
         vor_free(memory, p[i]);
 }
+
+vor_status vor_make_each(struct vor_memory *memory, size_t n, const struct vor_array *array,
+                         size_t count, struct vor_error *err)
+{
+    int failed = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        void *p = NULL;
+
+        if (!failed && array[i].zeroed)
+            p = vor_calloc(memory, array[i].count, array[i].size);
+        else if (!failed)
+            p = vor_malloc(memory, array[i].count, array[i].size);
+        failed |= p == NULL;
+        memcpy(array[i].to, &p, sizeof p);
+    }
+    return failed ? vor_fail(err, VOR_E_NOMEM, "%zu points", n) : VOR_OK;
+}

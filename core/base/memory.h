@@ -38,6 +38,30 @@ void vor_free(struct vor_memory *memory, void *p);
                   sizeof((void *const[]){__VA_ARGS__}) / sizeof(void *))
 void vor_free_each(struct vor_memory *memory, void *const *p, size_t count);
 
+/** An array to be: where its pointer is put, how many rows it has, of how many bytes each. */
+struct vor_array {
+    void *to; /**< a pointer to an object */
+    size_t count, size;
+    int zeroed;
+};
+#define VOR_ARRAY(p, rows, width)                                                                  \
+    {                                                                                              \
+        &(p), rows, (width) * sizeof *(p), 0                                                       \
+    }
+#define VOR_ZEROED(p, rows, width)                                                                 \
+    {                                                                                              \
+        &(p), rows, (width) * sizeof *(p), 1                                                       \
+    }
+
+/** Allocates several, as vor_malloc and vor_calloc do. From the first that fails on they are NULL;
+ *  those before are the caller's to free. The error names n points. */
+#define VOR_MAKE_ALL(memory, err, n, ...)                                                          \
+    vor_make_each(memory, n, (const struct vor_array[]){__VA_ARGS__},                              \
+                  sizeof((const struct vor_array[]){__VA_ARGS__}) / sizeof(struct vor_array), err)
+VOR_NODISCARD vor_status vor_make_each(struct vor_memory *memory, size_t n,
+                                       const struct vor_array *array, size_t count,
+                                       struct vor_error *err);
+
 /** Counts bytes that a library allocates by itself against the cap. Returns false, and counts
  *  nothing, when they do not fit. vor_memory_release takes them off the count again. Thread-safe.
  */

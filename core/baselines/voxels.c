@@ -120,11 +120,8 @@ static vor_status alloc_voxels(struct voxels *voxels, size_t count, struct vor_m
     voxels->slots = 2;
     while (voxels->slots < 2 * (voxels->limit + 1))
         voxels->slots *= 2;
-    voxels->number = vor_malloc(memory, voxels->n, sizeof *voxels->number);
-    voxels->cell = vor_malloc(memory, voxels->slots, sizeof *voxels->cell);
-    if (voxels->number == NULL || voxels->cell == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", voxels->n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(memory, err, voxels->n, VOR_ARRAY(voxels->number, voxels->n, 1),
+                        VOR_ARRAY(voxels->cell, voxels->slots, 1));
 }
 
 vor_status vor_voxel_points(float *out, size_t *made, const float *xyz, size_t n, size_t count,

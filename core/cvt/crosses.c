@@ -20,14 +20,10 @@ vor_status vor_crosses_init(struct vor_crosses *out, size_t n, struct vor_memory
 {
     struct vor_crosses crosses = {.memory = memory, .n = n};
 
-    crosses.own = vor_calloc(memory, n, 3 * sizeof *crosses.own);
-    crosses.now = vor_calloc(memory, n, 2 * sizeof *crosses.now);
-    crosses.next = vor_calloc(memory, n, 2 * sizeof *crosses.next);
-    crosses.kept = vor_calloc(memory, n, 3 * sizeof *crosses.kept);
-    if (crosses.own == NULL || crosses.now == NULL || crosses.next == NULL ||
-        crosses.kept == NULL) {
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ZEROED(crosses.own, n, 3), VOR_ZEROED(crosses.now, n, 2),
+                     VOR_ZEROED(crosses.next, n, 2), VOR_ZEROED(crosses.kept, n, 3)) != VOR_OK) {
         vor_crosses_free(&crosses);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+        return VOR_E_NOMEM;
     }
     *out = crosses;
     return VOR_OK;

@@ -288,11 +288,11 @@ static vor_status find_and_turn(struct flip *flip, const struct vor_run *run, st
         return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
     (void)list_bonds(flip->bond, flip);
     gather(flip);
-    flip->region = vor_calloc(memory, flip->regions, sizeof *flip->region);
-    flip->of = vor_malloc(memory, 2 * flip->bonds, sizeof *flip->of);
-    flip->wrong = vor_malloc(memory, flip->regions, sizeof *flip->wrong);
-    if (flip->region == NULL || flip->of == NULL || flip->wrong == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = VOR_MAKE_ALL(memory, err, n, VOR_ZEROED(flip->region, flip->regions, 1),
+                          VOR_ARRAY(flip->of, 2 * flip->bonds, 1),
+                          VOR_ARRAY(flip->wrong, flip->regions, 1));
+    if (status != VOR_OK)
+        return status;
     add_up(flip);
     turn_regions(flip);
     return VOR_OK;
@@ -333,12 +333,9 @@ vor_status vor_flip_regions(struct vor_span *span, const struct vor_graph *graph
     struct flip flip = {.span = span, .graph = graph, .edge = edge, .how = how};
     vor_status status;
 
-    flip.between = vor_malloc(memory, span->n, sizeof *flip.between);
-    flip.at = vor_malloc(memory, span->n, sizeof *flip.at);
-    if (flip.between == NULL || flip.at == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", span->n);
-    else
-        status = find_and_turn(&flip, run, err);
+    status = VOR_MAKE_ALL(memory, err, span->n, VOR_ARRAY(flip.between, span->n, 1),
+                          VOR_ARRAY(flip.at, span->n, 1));
+    VOR_THEN(status, find_and_turn(&flip, run, err));
     if (status == VOR_OK && flip.turned > 0)
         status = apply(&flip, points, run, err);
     VOR_FREE_ALL(memory, flip.wrong, flip.of, flip.region, flip.bond, flip.at, flip.between);

@@ -11,13 +11,10 @@ vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most, struct
     struct vor_graph graph = {.memory = memory, .n = n, .most = most};
 
     assert(most >= 1 && most <= 255);
-    graph.list = vor_malloc(memory, n, most * sizeof *graph.list);
-    graph.count = vor_calloc(memory, n, sizeof *graph.count);
-    graph.own = vor_calloc(memory, n, sizeof *graph.own);
-    graph.normal = vor_calloc(memory, n, 3 * sizeof *graph.normal);
-    if (graph.list == NULL || graph.count == NULL || graph.own == NULL || graph.normal == NULL) {
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(graph.list, n, most), VOR_ZEROED(graph.count, n, 1),
+                     VOR_ZEROED(graph.own, n, 1), VOR_ZEROED(graph.normal, n, 3)) != VOR_OK) {
         vor_graph_free(&graph);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+        return VOR_E_NOMEM;
     }
     *out = graph;
     return VOR_OK;

@@ -150,16 +150,10 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
     struct grow grow = {.span = &span, .graph = graph, .edge = edge, .vote = vote};
     vor_status status;
 
-    span.component = vor_malloc(run->memory, graph->n, sizeof *span.component);
-    span.next = vor_malloc(run->memory, graph->n, sizeof *span.next);
-    span.odd = vor_malloc(run->memory, graph->n, sizeof *span.odd);
-    grow.last = vor_malloc(run->memory, graph->n, sizeof *grow.last);
-    grow.size = vor_malloc(run->memory, graph->n, sizeof *grow.size);
-    if (span.component == NULL || span.next == NULL || span.odd == NULL || grow.last == NULL ||
-        grow.size == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
-    else
-        status = run_levels(&grow, run, err);
+    status = VOR_MAKE_ALL(run->memory, err, graph->n, VOR_ARRAY(span.component, graph->n, 1),
+                          VOR_ARRAY(span.next, graph->n, 1), VOR_ARRAY(span.odd, graph->n, 1),
+                          VOR_ARRAY(grow.last, graph->n, 1), VOR_ARRAY(grow.size, graph->n, 1));
+    VOR_THEN(status, run_levels(&grow, run, err));
     VOR_FREE_ALL(run->memory, grow.size, grow.last);
     if (status == VOR_OK)
         *out = span;

@@ -272,14 +272,11 @@ static vor_status begin(struct winding **out, const struct vor_span *span,
         return vor_fail(err, VOR_E_NOMEM, "%zu points", span->n);
     winding->span = span;
     winding->points = points;
-    winding->point = vor_malloc(memory, span->n, sizeof *winding->point);
-    winding->begins = vor_calloc(memory, span->components + 1, sizeof *winding->begins);
-    winding->piece = vor_malloc(memory, span->n, sizeof *winding->piece);
-    winding->member = vor_malloc(memory, span->n, sizeof *winding->member);
-    winding->block = vor_malloc(memory, span->n / BLOCK + PIECES, sizeof *winding->block);
-    if (winding->point == NULL || winding->begins == NULL || winding->piece == NULL ||
-        winding->member == NULL || winding->block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", span->n);
+    if (VOR_MAKE_ALL(memory, err, span->n, VOR_ARRAY(winding->point, span->n, 1),
+                     VOR_ZEROED(winding->begins, span->components + 1, 1),
+                     VOR_ARRAY(winding->piece, span->n, 1), VOR_ARRAY(winding->member, span->n, 1),
+                     VOR_ARRAY(winding->block, span->n / BLOCK + PIECES, 1)) != VOR_OK)
+        return VOR_E_NOMEM;
     sort_points(winding);
     return VOR_OK;
 }

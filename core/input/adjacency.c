@@ -333,12 +333,9 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
 
     if (status != VOR_OK)
         return status;
-    make.known = vor_malloc(run->memory, domain->n, sizeof *make.known);
-    make.noisy = vor_malloc(run->memory, domain->n, sizeof *make.noisy);
-    if (make.known == NULL || make.noisy == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
-    else
-        status = make_lists(&make, run, err);
+    status = VOR_MAKE_ALL(run->memory, err, domain->n, VOR_ARRAY(make.known, domain->n, 1),
+                          VOR_ARRAY(make.noisy, domain->n, 1));
+    VOR_THEN(status, make_lists(&make, run, err));
     VOR_FREE_ALL(run->memory, make.noisy, make.known);
     if (status != VOR_OK) {
         vor_graph_free(&graph);

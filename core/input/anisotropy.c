@@ -33,15 +33,10 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     size_t n = out->n;
 
     out->memory = memory;
-    out->xyz = vor_malloc(memory, n, 3 * sizeof *out->xyz);
-    out->normal = vor_malloc(memory, n, 3 * sizeof *out->normal);
-    out->tensor = vor_malloc(memory, n, 6 * sizeof *out->tensor);
-    work->swap = vor_malloc(memory, n, 6 * sizeof *work->swap);
-    work->bend = vor_malloc(memory, n, 7 * sizeof *work->bend);
-    work->next = vor_malloc(memory, n, 7 * sizeof *work->next);
-    if (out->xyz == NULL || out->normal == NULL || out->tensor == NULL || work->swap == NULL ||
-        work->bend == NULL || work->next == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(out->xyz, n, 3), VOR_ARRAY(out->normal, n, 3),
+                     VOR_ARRAY(out->tensor, n, 6), VOR_ARRAY(work->swap, n, 6),
+                     VOR_ARRAY(work->bend, n, 7), VOR_ARRAY(work->next, n, 7)) != VOR_OK)
+        return VOR_E_NOMEM;
     memcpy(out->xyz, work->curved->domain->xyz, 3 * n * sizeof *out->xyz);
     return vor_graph_init(&work->graph, n,
                           n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);

@@ -230,10 +230,10 @@ static vor_status unroll(struct lay *lay, const struct vor_run *run, struct vor_
     struct vor_band *band = lay->band;
     vor_status status;
 
-    lay->rim = vor_malloc(band->memory, band->rim, 3 * sizeof *lay->rim);
-    lay->along = vor_malloc(band->memory, band->rim + 1, sizeof *lay->along);
-    if (lay->rim == NULL || lay->along == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", band->rim);
+    status = VOR_MAKE_ALL(band->memory, err, band->rim, VOR_ARRAY(lay->rim, band->rim, 3),
+                          VOR_ARRAY(lay->along, band->rim + 1, 1));
+    if (status != VOR_OK)
+        return status;
     band->unrolled = 1;
     unroll_rim(lay);
     vor_polygon_free(&band->polygon);
@@ -267,12 +267,9 @@ vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
     vor_status status;
 
     band.count = spread(search, domain, loop, of->count, VOR_BAND_WIDTH * of->spacing);
-    band.point = vor_malloc(band.memory, band.count, sizeof *band.point);
-    band.outline = vor_malloc(band.memory, band.rim, 2 * sizeof *band.outline);
-    band.at = vor_malloc(band.memory, band.count, 2 * sizeof *band.at);
-    if (band.point == NULL || band.outline == NULL || band.at == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", of->count);
-    } else {
+    status = VOR_MAKE_ALL(band.memory, err, of->count, VOR_ARRAY(band.point, band.count, 1),
+                          VOR_ARRAY(band.outline, band.rim, 2), VOR_ARRAY(band.at, band.count, 2));
+    if (status == VOR_OK) {
         memcpy(band.point, search->point, band.count * sizeof *band.point);
         status = lay_out(&band, domain, loop, run, err);
     }

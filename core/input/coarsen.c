@@ -65,11 +65,10 @@ static vor_status take(struct vor_domain *out, const struct vor_domain *in,
     vor_status status;
 
     memcpy(domain.shift, in->shift, sizeof domain.shift);
-    domain.xyz = vor_malloc(run->memory, domain.n, 3 * sizeof *domain.xyz);
-    domain.source = vor_malloc(run->memory, domain.n, sizeof *domain.source);
-    if (domain.xyz == NULL || domain.source == NULL) {
+    if (VOR_MAKE_ALL(run->memory, err, in->n, VOR_ARRAY(domain.xyz, domain.n, 3),
+                     VOR_ARRAY(domain.source, domain.n, 1)) != VOR_OK) {
         vor_domain_free(&domain);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
+        return VOR_E_NOMEM;
     }
     for (size_t i = 0; i < domain.n; i++) {
         memcpy(&domain.xyz[3 * i], &in->xyz[6 * i], 3 * sizeof *domain.xyz);

@@ -125,15 +125,10 @@ static vor_status alloc_work(struct work *work, struct vor_memory *memory, struc
     size_t n = field->n;
 
     field->memory = memory;
-    field->xyz = vor_malloc(memory, n, 3 * sizeof *field->xyz);
-    field->value = vor_malloc(memory, n, sizeof *field->value);
-    work->rho = vor_malloc(memory, n, sizeof *work->rho);
-    work->next = vor_malloc(memory, n, sizeof *work->next);
-    work->area = vor_malloc(memory, n, sizeof *work->area);
-    work->given = vor_malloc(memory, n, sizeof *work->given);
-    if (field->xyz == NULL || field->value == NULL || work->rho == NULL || work->next == NULL ||
-        work->area == NULL || work->given == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(field->xyz, n, 3), VOR_ARRAY(field->value, n, 1),
+                     VOR_ARRAY(work->rho, n, 1), VOR_ARRAY(work->next, n, 1),
+                     VOR_ARRAY(work->area, n, 1), VOR_ARRAY(work->given, n, 1)) != VOR_OK)
+        return VOR_E_NOMEM;
     memcpy(field->xyz, work->curved->domain->xyz, 3 * n * sizeof *field->xyz);
     return vor_graph_init(&work->graph, n,
                           n > VOR_CURVED_LISTED ? VOR_CURVED_LISTED : (unsigned)n - 1, memory, err);

@@ -233,17 +233,11 @@ static vor_status make_room(struct find *find, struct vor_memory *memory, struct
 
     edges->memory = memory;
     edges->n = n;
-    edges->flag = vor_calloc(memory, n, sizeof *edges->flag);
-    edges->strength = vor_calloc(memory, n, sizeof *edges->strength);
-    edges->direction = vor_calloc(memory, n, 3 * sizeof *edges->direction);
-    edges->foot = vor_calloc(memory, n, 3 * sizeof *edges->foot);
-    find->normal = vor_malloc(memory, n, 3 * sizeof *find->normal);
-    find->off2 = vor_malloc(memory, find->places, sizeof *find->off2);
-    find->block = vor_malloc(memory, vor_blocks_of(n, BLOCK), sizeof *find->block);
-    if (edges->flag == NULL || edges->strength == NULL || edges->direction == NULL ||
-        edges->foot == NULL || find->normal == NULL || find->off2 == NULL || find->block == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(memory, err, n, VOR_ZEROED(edges->flag, n, 1),
+                        VOR_ZEROED(edges->strength, n, 1), VOR_ZEROED(edges->direction, n, 3),
+                        VOR_ZEROED(edges->foot, n, 3), VOR_ARRAY(find->normal, n, 3),
+                        VOR_ARRAY(find->off2, find->places, 1),
+                        VOR_ARRAY(find->block, vor_blocks_of(n, BLOCK), 1));
 }
 
 static vor_status find_all(struct find *find, const struct vor_run *run, struct vor_error *err)

@@ -137,11 +137,10 @@ static vor_status group_lone(struct lone *lone, const struct vor_run *run, struc
     size_t n = lone->domain->n;
     vor_status status = VOR_OK;
 
-    lone->sixth2 = vor_calloc(run->memory, n, sizeof *lone->sixth2);
-    lone->root = vor_malloc(run->memory, n, sizeof *lone->root);
-    lone->group = vor_malloc(run->memory, lone->least, sizeof *lone->group);
-    if (lone->sixth2 == NULL || lone->root == NULL || lone->group == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = VOR_MAKE_ALL(run->memory, err, n, VOR_ZEROED(lone->sixth2, n, 1),
+                          VOR_ARRAY(lone->root, n, 1), VOR_ARRAY(lone->group, lone->least, 1));
+    if (status != VOR_OK)
+        return status;
     atomic_store(&lone->count, 0);
     for (size_t i = 0; i < n && status == VOR_OK; i++) {
         int held = 0;
@@ -219,11 +218,10 @@ static vor_status find_parts(struct parts *parts, const struct vor_domain *domai
     parts->count = 1;
     if (!vor_islands_can_be_told(domain))
         return VOR_OK;
-    parts->root = vor_malloc(run->memory, domain->n, sizeof *parts->root);
-    lone.is = vor_calloc(run->memory, domain->n, sizeof *lone.is);
-    if (parts->root == NULL || lone.is == NULL) {
+    if (VOR_MAKE_ALL(run->memory, err, domain->n, VOR_ARRAY(parts->root, domain->n, 1),
+                     VOR_ZEROED(lone.is, domain->n, 1)) != VOR_OK) {
         free_lone(&lone, run->memory);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", domain->n);
+        return VOR_E_NOMEM;
     }
     status = vor_knn_join(parts->root, &parts->count, domain->knn, clear, run, err);
     if (status == VOR_OK && gap < INFINITY)

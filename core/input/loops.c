@@ -312,11 +312,12 @@ static vor_status find_corners(struct find *find, size_t *count, const struct vo
         return status;
     for (size_t i = 0; i < n; i++)
         find->candidates += find->flag[i];
-    find->candidate = vor_malloc(run->memory, find->candidates, sizeof *find->candidate);
-    find->corners_of = vor_malloc(run->memory, find->candidates, sizeof *find->corners_of);
-    find->corner = vor_malloc(run->memory, find->candidates, VOR_OPENINGS * sizeof *find->corner);
-    if (find->candidate == NULL || find->corners_of == NULL || find->corner == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", find->candidates);
+    status = VOR_MAKE_ALL(run->memory, err, find->candidates,
+                          VOR_ARRAY(find->candidate, find->candidates, 1),
+                          VOR_ARRAY(find->corners_of, find->candidates, 1),
+                          VOR_ARRAY(find->corner, find->candidates, VOR_OPENINGS));
+    if (status != VOR_OK)
+        return status;
     for (size_t i = 0; i < n; i++)
         if (find->flag[i])
             find->candidate[found++] = (uint32_t)i;
@@ -425,13 +426,10 @@ static vor_status make_loops(struct vor_loops *loops, const struct find *find, s
     struct walk walk = {.domain = find->domain, .corner = find->corner, .n = n, .loops = loops};
     vor_status status;
 
-    walk.mate = vor_malloc(run->memory, n, 2 * sizeof *walk.mate);
-    walk.seen = vor_calloc(run->memory, n, sizeof *walk.seen);
-    loops->point = vor_malloc(run->memory, n, sizeof *loops->point);
-    loops->loop = vor_malloc(run->memory, n / VOR_LOOPS_LEAST, sizeof *loops->loop);
-    if (walk.mate == NULL || walk.seen == NULL || loops->point == NULL || loops->loop == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    } else {
+    status =
+        VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(walk.mate, n, 2), VOR_ZEROED(walk.seen, n, 1),
+                     VOR_ARRAY(loops->point, n, 1), VOR_ARRAY(loops->loop, n / VOR_LOOPS_LEAST, 1));
+    if (status == VOR_OK) {
         status = vor_rows_join(walk.mate, walk.corner, n, VOR_LOOPS_RADIUS, run->memory, err);
         if (status == VOR_OK) {
             /* Marks the rows that stop somewhere, and counts the long ones. */

@@ -57,11 +57,10 @@ vor_status vor_previous_take(struct vor_previous *out, const struct vor_cloud *f
     struct vor_previous taken = {.memory = memory, .n = from->n};
     vor_status status;
 
-    taken.xyz = vor_malloc(memory, taken.n, 3 * sizeof *taken.xyz);
-    taken.track = vor_malloc(memory, taken.n, sizeof *taken.track);
-    if (taken.xyz == NULL || taken.track == NULL) {
+    if (VOR_MAKE_ALL(memory, err, from->n, VOR_ARRAY(taken.xyz, taken.n, 3),
+                     VOR_ARRAY(taken.track, taken.n, 1)) != VOR_OK) {
         vor_previous_free(&taken);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", from->n);
+        return VOR_E_NOMEM;
     }
     status = take_tracks(&taken, vor_cloud_find_name(from, VOR_TRACK), err);
     if (status != VOR_OK) {

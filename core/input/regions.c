@@ -361,19 +361,11 @@ vor_status vor_regions_make(struct vor_graph *graph, const struct vor_domain *do
 
     if (n < AROUND)
         return VOR_OK;
-    regions.leaf = vor_malloc(memory, n, sizeof *regions.leaf);
-    regions.bond = vor_malloc(memory, n, BONDS * sizeof *regions.bond);
-    regions.bonds = vor_malloc(memory, n, 1);
-    regions.mixed = vor_malloc(memory, n, 1);
-    regions.before = vor_malloc(memory, n, sizeof *regions.before);
-    regions.region = vor_malloc(memory, n, sizeof *regions.region);
-    regions.next = vor_malloc(memory, n, sizeof *regions.next);
-    if (regions.leaf == NULL || regions.bond == NULL || regions.bonds == NULL ||
-        regions.mixed == NULL || regions.before == NULL || regions.region == NULL ||
-        regions.next == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    else
-        status = make(&regions, run, err);
+    status = VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(regions.leaf, n, 1),
+                          VOR_ARRAY(regions.bond, n, BONDS), VOR_ARRAY(regions.bonds, n, 1),
+                          VOR_ARRAY(regions.mixed, n, 1), VOR_ARRAY(regions.before, n, 1),
+                          VOR_ARRAY(regions.region, n, 1), VOR_ARRAY(regions.next, n, 1));
+    VOR_THEN(status, make(&regions, run, err));
     VOR_FREE_ALL(memory, regions.next, regions.region, regions.before, regions.mixed, regions.bonds,
                  regions.bond, regions.leaf);
     return status;

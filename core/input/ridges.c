@@ -251,14 +251,11 @@ static vor_status take_feet(struct follow *follow, const struct vor_edges *edges
 {
     size_t m = edges->flagged;
 
-    follow->foot = vor_malloc(follow->memory, m, 3 * sizeof *follow->foot);
-    follow->way = vor_malloc(follow->memory, m, 3 * sizeof *follow->way);
-    follow->used = vor_calloc(follow->memory, m, sizeof *follow->used);
-    follow->pass = vor_calloc(follow->memory, m, sizeof *follow->pass);
-    follow->ridges->ridge = vor_malloc(follow->memory, m, sizeof *follow->ridges->ridge);
-    if (follow->foot == NULL || follow->way == NULL || follow->used == NULL ||
-        follow->pass == NULL || follow->ridges->ridge == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", m);
+    if (VOR_MAKE_ALL(follow->memory, err, m, VOR_ARRAY(follow->foot, m, 3),
+                     VOR_ARRAY(follow->way, m, 3), VOR_ZEROED(follow->used, m, 1),
+                     VOR_ZEROED(follow->pass, m, 1),
+                     VOR_ARRAY(follow->ridges->ridge, m, 1)) != VOR_OK)
+        return VOR_E_NOMEM;
     for (size_t i = 0; i < edges->n; i++) {
         if (!edges->flag[i])
             continue;

@@ -164,15 +164,10 @@ static vor_status allocate(struct make *make, const struct vor_run *run, struct 
 {
     size_t n = make->domain->n;
 
-    make->source = vor_malloc(run->memory, make->components, sizeof *make->source);
-    make->first = vor_calloc(run->memory, make->components + 1, sizeof *make->first);
-    make->member = vor_malloc(run->memory, n, sizeof *make->member);
-    make->far = vor_malloc(run->memory, n, SATELLITES * sizeof *make->far);
-    make->at = vor_malloc(run->memory, n, SATELLITES * sizeof *make->at);
-    if (make->source == NULL || make->first == NULL || make->member == NULL || make->far == NULL ||
-        make->at == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(make->source, make->components, 1),
+                        VOR_ZEROED(make->first, make->components + 1, 1),
+                        VOR_ARRAY(make->member, n, 1), VOR_ARRAY(make->far, n, SATELLITES),
+                        VOR_ARRAY(make->at, n, SATELLITES));
 }
 
 /* Makes the lists of the nearest points into those that are near both ways. */

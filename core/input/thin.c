@@ -79,10 +79,10 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
     size_t n = thinning->in->n;
     vor_status status;
 
-    thinning->kept = vor_malloc(run->memory, n, sizeof *thinning->kept);
-    thinning->first = vor_malloc(run->memory, vor_blocks_of(n, BLOCK), sizeof *thinning->first);
-    if (thinning->kept == NULL || thinning->first == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(thinning->kept, n, 1),
+                          VOR_ARRAY(thinning->first, vor_blocks_of(n, BLOCK), 1));
+    if (status != VOR_OK)
+        return status;
     status = vor_run_for(run, n, BLOCK, choose_block, thinning, err);
     if (status != VOR_OK)
         return status;
@@ -91,10 +91,10 @@ static vor_status thin_points(struct thinning *thinning, const struct vor_run *r
         out->n = 0;
         return VOR_OK;
     }
-    out->xyz = vor_malloc(out->memory, out->n, 3 * sizeof *out->xyz);
-    out->source = vor_malloc(out->memory, out->n, sizeof *out->source);
-    if (out->xyz == NULL || out->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = VOR_MAKE_ALL(out->memory, err, n, VOR_ARRAY(out->xyz, out->n, 3),
+                          VOR_ARRAY(out->source, out->n, 1));
+    if (status != VOR_OK)
+        return status;
     return vor_run_for(run, n, BLOCK, thin_block, thinning, err);
 }
 
@@ -126,11 +126,9 @@ static vor_status take_means(struct vor_domain *domain, const struct vor_domain 
 
     if (status != VOR_OK)
         return status;
-    means.nearest = vor_malloc(run->memory, in->n, sizeof *means.nearest);
-    means.sum = vor_calloc(run->memory, domain->n, 4 * sizeof *means.sum);
-    if (means.nearest == NULL || means.sum == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", in->n);
-    } else {
+    status = VOR_MAKE_ALL(run->memory, err, in->n, VOR_ARRAY(means.nearest, in->n, 1),
+                          VOR_ZEROED(means.sum, domain->n, 4));
+    if (status == VOR_OK) {
         status = vor_run_for(run, in->n, MEANS_BLOCK, nearest_block, &means, err);
         if (status == VOR_OK) {
             /* Moves each kept point to the mean of the points nearest to it. */

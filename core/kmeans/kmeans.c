@@ -130,10 +130,8 @@ static vor_status cluster(struct vor_seeds *seeds, struct vor_outcome *told,
                               .saves = 1};
     vor_status status = VOR_OK;
 
-    kmeans.nearest = vor_malloc(memory, seeds->domain->n, sizeof *kmeans.nearest);
-    kmeans.mean = vor_malloc(memory, seeds->n, sizeof *kmeans.mean);
-    if (kmeans.nearest == NULL || kmeans.mean == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
+    status = VOR_MAKE_ALL(memory, err, seeds->n, VOR_ARRAY(kmeans.nearest, seeds->domain->n, 1),
+                          VOR_ARRAY(kmeans.mean, seeds->n, 1));
     VOR_THEN(status, vor_stage_of_seeds(&stage, seeds, err));
     VOR_THEN(status, vor_stage_run(&stage, err));
     VOR_THEN(status, vor_run_for(&seeds->run, seeds->n, VOR_SEEDS_BLOCK, put_block, seeds, err));

@@ -123,12 +123,9 @@ vor_status vor_knn_build_along(struct vor_knn **out, const float *xyz, size_t n,
 
     if (status != VOR_OK || knn == NULL)
         return status;
-    knn->order = vor_malloc(run->memory, n, sizeof *knn->order);
-    knn->sorted = vor_malloc(run->memory, n, 3 * sizeof *knn->sorted);
-    if (knn->order == NULL || knn->sorted == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    else
-        status = check(xyz, n, first_bad(xyz, 0, 3 * n), err);
+    status = VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(knn->order, n, 1),
+                          VOR_ARRAY(knn->sorted, n, 3));
+    VOR_THEN(status, check(xyz, n, first_bad(xyz, 0, 3 * n), err));
     VOR_THEN(status, vor_morton_sort(knn->sorted, knn->order, &in, run, err));
     VOR_THEN(status, vor_boxes_build(&knn->boxes, knn->sorted, n, run, err));
     return finish(out, knn, status);

@@ -281,11 +281,10 @@ vor_status vor_boxes_build(struct vor_boxes **out, const float *xyz, size_t n,
     struct build build = {.run = run, .xyz = xyz, .n = n};
     vor_status status;
 
-    build.boxes = vor_calloc(run->memory, 1, sizeof *build.boxes);
-    build.code = vor_malloc(run->memory, n, sizeof *build.code);
-    if (build.boxes == NULL || build.code == NULL) {
+    if (VOR_MAKE_ALL(run->memory, err, n, VOR_ZEROED(build.boxes, 1, 1),
+                     VOR_ARRAY(build.code, n, 1)) != VOR_OK) {
         VOR_FREE_ALL(run->memory, build.boxes, build.code);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+        return VOR_E_NOMEM;
     }
     build.boxes->memory = run->memory;
     build.boxes->n = n;

@@ -70,11 +70,9 @@ static vor_status list(struct vor_places *out, const struct table *table, const 
 {
     size_t places = table->places;
 
-    out->xyz = vor_malloc(out->memory, places, 3 * sizeof *out->xyz);
-    out->first = vor_calloc(out->memory, places + 2, sizeof *out->first);
-    out->point = vor_malloc(out->memory, n, sizeof *out->point);
-    if (out->xyz == NULL || out->first == NULL || out->point == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    if (VOR_MAKE_ALL(out->memory, err, n, VOR_ARRAY(out->xyz, places, 3),
+                     VOR_ZEROED(out->first, places + 2, 1), VOR_ARRAY(out->point, n, 1)) != VOR_OK)
+        return VOR_E_NOMEM;
     out->n = places;
     vor_gather(out->xyz, table->xyz, table->first, places);
     for (size_t i = 0; i < n; i++)

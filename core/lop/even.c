@@ -61,18 +61,10 @@ static vor_status alloc_even(struct even *even, struct vor_error *err)
     struct vor_memory *memory = even->samples->memory;
     size_t n = even->samples->n;
 
-    even->edge = vor_malloc(memory, n, sizeof *even->edge);
-    even->on = vor_calloc(memory, n, sizeof *even->on);
-    even->listed = vor_malloc(memory, n, sizeof *even->listed);
-    even->list = vor_malloc(memory, n, VOR_SEEDS_LISTED * sizeof *even->list);
-    even->spacing = vor_malloc(memory, n, sizeof *even->spacing);
-    even->next = vor_malloc(memory, n, 3 * sizeof *even->next);
-    even->step = vor_calloc(memory, n, 3 * sizeof *even->step);
-    even->nearest = vor_malloc(memory, n, sizeof *even->nearest);
-    if (even->edge == NULL || even->on == NULL || even->listed == NULL || even->list == NULL ||
-        even->spacing == NULL || even->next == NULL || even->step == NULL || even->nearest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(even->edge, n, 1), VOR_ZEROED(even->on, n, 1),
+                        VOR_ARRAY(even->listed, n, 1), VOR_ARRAY(even->list, n, VOR_SEEDS_LISTED),
+                        VOR_ARRAY(even->spacing, n, 1), VOR_ARRAY(even->next, n, 3),
+                        VOR_ZEROED(even->step, n, 3), VOR_ARRAY(even->nearest, n, 1));
 }
 
 /* Distances of the points to their nearest, and the spacing of each place. */

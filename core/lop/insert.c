@@ -324,12 +324,8 @@ static vor_status alloc_insertion(struct insertion *insertion, size_t n, struct 
 {
     struct vor_memory *memory = insertion->samples->memory;
 
-    insertion->pairs = vor_malloc(memory, n, sizeof *insertion->pairs);
-    insertion->reach = vor_malloc(memory, n, sizeof *insertion->reach);
-    insertion->heap = vor_malloc(memory, n, sizeof *insertion->heap);
-    if (insertion->pairs == NULL || insertion->reach == NULL || insertion->heap == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(insertion->pairs, n, 1),
+                        VOR_ARRAY(insertion->reach, n, 1), VOR_ARRAY(insertion->heap, n, 1));
 }
 
 /* Inserts until there are n points, or the run is stopped. */

@@ -402,15 +402,10 @@ static vor_status alloc_normals(struct normals *normals, struct vor_memory *memo
     VOR_THEN(status, vor_lop_samples_init(&normals->next, n, memory, err));
     if (status != VOR_OK)
         return status;
-    normals->now.area = vor_malloc(memory, n, sizeof *normals->now.area);
-    normals->plane = vor_malloc(memory, n, sizeof *normals->plane);
-    normals->off = vor_malloc(memory, n, sizeof *normals->off);
-    normals->count = vor_malloc(memory, n, sizeof *normals->count);
-    normals->list = vor_malloc(memory, n, normals->most * sizeof *normals->list);
-    if (normals->now.area == NULL || normals->plane == NULL || normals->off == NULL ||
-        normals->count == NULL || normals->list == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-    return VOR_OK;
+    return VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(normals->now.area, n, 1),
+                        VOR_ARRAY(normals->plane, n, 1), VOR_ARRAY(normals->off, n, 1),
+                        VOR_ARRAY(normals->count, n, 1),
+                        VOR_ARRAY(normals->list, n, normals->most));
 }
 
 vor_status vor_lop_normals(struct vor_lop_samples *out, const struct vor_domain *domain,

@@ -7,12 +7,11 @@ vor_status vor_complex_init(struct vor_complex *out, size_t n, struct vor_memory
 {
     struct vor_complex complex = {.memory = memory, .n = n, .room = 2 * n};
 
-    complex.triangle = vor_malloc(memory, complex.room, 3 * sizeof *complex.triangle);
-    complex.around = vor_malloc(memory, n, VOR_AROUND_MOST * sizeof *complex.around);
-    complex.degree = vor_calloc(memory, n, 1);
-    if (complex.triangle == NULL || complex.around == NULL || complex.degree == NULL) {
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(complex.triangle, complex.room, 3),
+                     VOR_ARRAY(complex.around, n, VOR_AROUND_MOST),
+                     VOR_ZEROED(complex.degree, n, 1)) != VOR_OK) {
         vor_complex_free(&complex);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+        return VOR_E_NOMEM;
     }
     *out = complex;
     return VOR_OK;

@@ -313,12 +313,9 @@ vor_status vor_relax(struct vor_sheet *sheet, struct vor_seeds *seeds,
         .length = how->length};
     vor_status status;
 
-    relax.next = vor_malloc(memory, seeds->n, 3 * sizeof *relax.next);
-    relax.moves = vor_malloc(memory, seeds->n, 1);
-    if (relax.next == NULL || relax.moves == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", seeds->n);
-    else
-        status = steps(&relax, how, err);
+    status = VOR_MAKE_ALL(memory, err, seeds->n, VOR_ARRAY(relax.next, seeds->n, 3),
+                          VOR_ARRAY(relax.moves, seeds->n, 1));
+    VOR_THEN(status, steps(&relax, how, err));
     VOR_FREE_ALL(memory, relax.moves, relax.next);
     return status;
 }

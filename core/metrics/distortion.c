@@ -45,14 +45,11 @@ static vor_status side_open(struct side *side, const float *xyz, size_t n,
 {
     vor_status status;
 
-    side->xyz = vor_malloc(run->memory, n, 3 * sizeof *side->xyz);
-    side->normal = vor_calloc(run->memory, n, 3 * sizeof *side->normal);
-    side->fitted = vor_calloc(run->memory, n, sizeof *side->fitted);
-    side->mapped = vor_calloc(run->memory, n, sizeof *side->mapped);
-    side->source = vor_malloc(run->memory, n, sizeof *side->source);
-    if (side->xyz == NULL || side->normal == NULL || side->fitted == NULL || side->mapped == NULL ||
-        side->source == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    status = VOR_MAKE_ALL(run->memory, err, n, VOR_ARRAY(side->xyz, n, 3),
+                          VOR_ZEROED(side->normal, n, 3), VOR_ZEROED(side->fitted, n, 1),
+                          VOR_ZEROED(side->mapped, n, 1), VOR_ARRAY(side->source, n, 1));
+    if (status != VOR_OK)
+        return status;
     status = vor_morton_order(side->source, xyz, n, run, err);
     if (status != VOR_OK)
         return status;

@@ -180,14 +180,11 @@ vor_status vor_mls_error_measure(struct vor_mls_error *out, const struct vor_mls
     struct vor_box box;
     vor_status status;
 
-    measure.normal = vor_malloc(memory, of->n, 3 * sizeof *measure.normal);
-    measure.sums =
-        vor_malloc(memory, vor_blocks_of(of->n > measure.points ? of->n : measure.points, BLOCK),
-                   sizeof *measure.sums);
-    if (measure.normal == NULL || measure.sums == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", of->n);
-    else
-        status = run_blocks(&all, &measure, run, err);
+    status = VOR_MAKE_ALL(
+        memory, err, of->n, VOR_ARRAY(measure.normal, of->n, 3),
+        VOR_ARRAY(measure.sums,
+                  vor_blocks_of(of->n > measure.points ? of->n : measure.points, BLOCK), 1));
+    VOR_THEN(status, run_blocks(&all, &measure, run, err));
     VOR_THEN(status, vor_bounds(&box, of->input, of->m, run, err));
     if (status == VOR_OK) {
         struct vor_stat stat = vor_sums_stat(&all, measure.points);

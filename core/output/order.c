@@ -410,15 +410,11 @@ static vor_status begin(struct order *order, struct vor_error *err)
     order->grid.buckets = 64;
     while (order->grid.buckets < n)
         order->grid.buckets *= 2;
-    order->reach = vor_malloc(memory, n, sizeof *order->reach);
-    order->cost = vor_malloc(memory, n, sizeof *order->cost);
-    order->heap.place = vor_malloc(memory, n, sizeof *order->heap.place);
-    order->heap.item = vor_malloc(memory, n, sizeof *order->heap.item);
-    order->grid.item = vor_malloc(memory, n, sizeof *order->grid.item);
-    order->grid.start = vor_malloc(memory, order->grid.buckets + 1, sizeof *order->grid.start);
-    if (order->reach == NULL || order->cost == NULL || order->heap.place == NULL ||
-        order->heap.item == NULL || order->grid.item == NULL || order->grid.start == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(order->reach, n, 1), VOR_ARRAY(order->cost, n, 1),
+                     VOR_ARRAY(order->heap.place, n, 1), VOR_ARRAY(order->heap.item, n, 1),
+                     VOR_ARRAY(order->grid.item, n, 1),
+                     VOR_ARRAY(order->grid.start, order->grid.buckets + 1, 1)) != VOR_OK)
+        return VOR_E_NOMEM;
     order->stride = 1;
     while (n / order->stride >= GROWS * POOL_LEAST)
         order->stride *= GROWS;

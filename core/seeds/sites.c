@@ -49,13 +49,10 @@ static vor_status line_init(struct line *out, size_t n, int closed, const struct
     struct line line = {
         .memory = memory, .field = &domain->field, .n = n, .parts = closed ? n : n - 1};
 
-    line.at = vor_malloc(memory, n, 3 * sizeof *line.at);
-    line.next = vor_malloc(memory, n, 3 * sizeof *line.next);
-    line.sum = vor_malloc(memory, n + 1, sizeof *line.sum);
-    if (line.at == NULL || line.next == NULL || line.sum == NULL) {
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ARRAY(line.at, n, 3), VOR_ARRAY(line.next, n, 3),
+                     VOR_ARRAY(line.sum, n + 1, 1)) != VOR_OK) {
         line_free(&line);
-        (void)vor_fail(err, VOR_E_NOMEM, "%zu points", n);
-        return VOR_E_NOMEM; /* clang-analyzer cannot see that vor_fail returns it */
+        return VOR_E_NOMEM;
     }
     *out = line;
     return VOR_OK;
@@ -402,12 +399,10 @@ static vor_status put_on(struct place_on *on, const struct line *line, struct vo
     gaps = gaps < most ? gaps : most;
     if (status != VOR_OK || gaps < least || (!closed && gaps == most))
         return status;
-    walkers.xyz = vor_malloc(memory, gaps + 1, 3 * sizeof *walkers.xyz);
-    walkers.along = vor_malloc(memory, gaps + 1, sizeof *walkers.along);
-    walkers.apart = vor_malloc(memory, gaps + 1, sizeof *walkers.apart);
-    if (walkers.xyz == NULL || walkers.along == NULL || walkers.apart == NULL) {
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", gaps);
-    } else {
+    status =
+        VOR_MAKE_ALL(memory, err, gaps, VOR_ARRAY(walkers.xyz, gaps + 1, 3),
+                     VOR_ARRAY(walkers.along, gaps + 1, 1), VOR_ARRAY(walkers.apart, gaps + 1, 1));
+    if (status == VOR_OK) {
         /* Straight ways are shorter than the line between their ends. */
         size_t fewer = (size_t)rint((double)gaps * even_out(&walkers, line, gaps) / on->h);
 

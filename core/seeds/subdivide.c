@@ -256,11 +256,10 @@ vor_status vor_seeds_subdivide(struct vor_seeds *fine, const struct vor_seeds *c
 
     for (size_t i = 0; i < coarse->n; i++)
         places.most += edges->of[i].count + (size_t)1;
-    places.xyz = vor_malloc(memory, places.most, 3 * sizeof *places.xyz);
-    places.length = vor_malloc(memory, places.most, sizeof *places.length);
-    if (places.xyz == NULL || places.length == NULL) {
+    if (VOR_MAKE_ALL(memory, err, places.most, VOR_ARRAY(places.xyz, places.most, 3),
+                     VOR_ARRAY(places.length, places.most, 1)) != VOR_OK) {
         VOR_FREE_ALL(memory, places.length, places.xyz);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", places.most);
+        return VOR_E_NOMEM;
     }
     add_middles(&places, coarse, edges);
     if (places.n > wanted)

@@ -9,12 +9,10 @@ vor_status vor_wanted_init(struct vor_wanted *out, const struct vor_field *field
 
     if (!vor_field_is(field))
         return VOR_OK;
-    wanted.near = vor_calloc(memory, n, sizeof *wanted.near);
-    wanted.value = vor_malloc(memory, n, sizeof *wanted.value);
-    wanted.scratch = vor_malloc(memory, n, sizeof *wanted.scratch);
-    if (wanted.near == NULL || wanted.value == NULL || wanted.scratch == NULL) {
+    if (VOR_MAKE_ALL(memory, err, n, VOR_ZEROED(wanted.near, n, 1), VOR_ARRAY(wanted.value, n, 1),
+                     VOR_ARRAY(wanted.scratch, n, 1)) != VOR_OK) {
         vor_wanted_free(&wanted, memory);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", n);
+        return VOR_E_NOMEM;
     }
     *out = wanted;
     return VOR_OK;

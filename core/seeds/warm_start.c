@@ -325,22 +325,12 @@ vor_status vor_warm_start(struct vor_seeds *seeds, double coherence, struct vor_
         vor_warm_start_number(seeds, 0);
         return VOR_OK;
     }
-    warm.xyz = vor_malloc(memory, m, 3 * sizeof *warm.xyz);
-    warm.track = vor_malloc(memory, m, sizeof *warm.track);
-    warm.room = vor_malloc(memory, m, sizeof *warm.room);
-    warm.doubt = vor_malloc(memory, m, sizeof *warm.doubt);
-    warm.count = vor_calloc(memory, m, sizeof *warm.count);
-    warm.emptiest = vor_malloc(memory, m, sizeof *warm.emptiest);
-    warm.dead = vor_calloc(memory, m, 1);
-    warm.nearest = vor_malloc(memory, n, sizeof *warm.nearest);
-    warm.gap = vor_malloc(memory, n, sizeof *warm.gap);
-    warm.birth = vor_calloc(memory, n, 1);
-    if (warm.xyz == NULL || warm.track == NULL || warm.room == NULL || warm.doubt == NULL ||
-        warm.count == NULL || warm.emptiest == NULL || warm.dead == NULL || warm.nearest == NULL ||
-        warm.gap == NULL || warm.birth == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "%zu points", n + m);
-    else
-        status = start(&warm, err);
+    status = VOR_MAKE_ALL(
+        memory, err, n + m, VOR_ARRAY(warm.xyz, m, 3), VOR_ARRAY(warm.track, m, 1),
+        VOR_ARRAY(warm.room, m, 1), VOR_ARRAY(warm.doubt, m, 1), VOR_ZEROED(warm.count, m, 1),
+        VOR_ARRAY(warm.emptiest, m, 1), VOR_ZEROED(warm.dead, m, 1), VOR_ARRAY(warm.nearest, n, 1),
+        VOR_ARRAY(warm.gap, n, 1), VOR_ZEROED(warm.birth, n, 1));
+    VOR_THEN(status, start(&warm, err));
     vor_knn_free(warm.knn);
     VOR_FREE_ALL(memory, warm.birth, warm.gap, warm.nearest, warm.dead, warm.emptiest, warm.count,
                  warm.doubt, warm.room, warm.track, warm.xyz);
