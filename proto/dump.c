@@ -99,10 +99,8 @@ static vor_status put_tail(const struct vor_sink *sink, const struct vor_notes *
     struct tail tail = {notes->invalid, notes->remarks_size, notes->format, notes->dropped_count};
     vor_status status = put(sink, &tail, sizeof tail, err);
 
-    if (status == VOR_OK)
-        status = put(sink, notes->dropped, notes->dropped_count * sizeof *notes->dropped, err);
-    if (status == VOR_OK)
-        status = put(sink, notes->remarks, notes->remarks_size, err);
+    VOR_THEN(status, put(sink, notes->dropped, notes->dropped_count * sizeof *notes->dropped, err));
+    VOR_THEN(status, put(sink, notes->remarks, notes->remarks_size, err));
     return status;
 }
 
@@ -120,8 +118,7 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
                strnlen(cloud->attributes[i].name, sizeof row.name - 1));
         status = put(sink, &row, sizeof row, err);
     }
-    if (status == VOR_OK)
-        status = put(sink, cloud->xyz, cloud->n * 3 * sizeof *cloud->xyz, err);
+    VOR_THEN(status, put(sink, cloud->xyz, cloud->n * 3 * sizeof *cloud->xyz, err));
     for (size_t i = 0; status == VOR_OK && i < cloud->attribute_count; i++) {
         const struct vor_attribute *attribute = &cloud->attributes[i];
 
@@ -134,8 +131,7 @@ vor_status vor_dump_write(const struct vor_sink *sink, const struct vor_cloud *c
         struct faces faces = {cloud->notes.faces, cloud->triangle_count, cloud->polygons != 0};
 
         status = put(sink, &faces, sizeof faces, err);
-        if (status == VOR_OK)
-            status = put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err);
+        VOR_THEN(status, put(sink, cloud->triangles, cloud->triangle_count * TRIANGLE, err));
     }
     if (status == VOR_OK && cloud->exact != NULL)
         status = put(sink, cloud->exact, cloud->n * 3 * sizeof *cloud->exact, err);

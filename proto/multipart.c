@@ -390,8 +390,7 @@ static vor_status take_data(struct vor_multipart *scanner, const char *at, size_
         }
     }
     *used = i;
-    if (status == VOR_OK)
-        status = tell_data(scanner, at, i - (scanner->matched - before), err);
+    VOR_THEN(status, tell_data(scanner, at, i - (scanner->matched - before), err));
     if (status != VOR_OK || scanner->matched < scanner->delimiter_size)
         return status;
     scanner->state = VOR_MULTIPART_MARK;

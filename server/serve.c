@@ -127,14 +127,11 @@ static vor_status open_storage(struct daemon *daemon, struct vor_error *err)
     vor_status status = vor_store_open(&daemon->app.store, config->text[VOR_SET_STORE],
                                        config->is_shared, &daemon->holder, err);
 
-    if (status == VOR_OK)
-        status = vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,
-                                &daemon->holder, err);
-    if (status == VOR_OK)
-        status = vor_store_daemons(daemon->app.store, &daemons, err);
-    if (status == VOR_OK)
-        status = vor_blobs_claim(daemon->app.blobs, vor_store_secret(daemon->app.store),
-                                 config->is_shared && daemons > 0, err);
+    VOR_THEN(status, vor_blobs_open(&daemon->app.blobs, config->text[VOR_SET_BLOBS], &cache,
+                                    &daemon->holder, err));
+    VOR_THEN(status, vor_store_daemons(daemon->app.store, &daemons, err));
+    VOR_THEN(status, vor_blobs_claim(daemon->app.blobs, vor_store_secret(daemon->app.store),
+                                     config->is_shared && daemons > 0, err));
     if (status != VOR_OK)
         return status;
     vor_tickets_share(daemon->app.tickets, vor_store_secret(daemon->app.store));
@@ -208,11 +205,9 @@ static vor_status start_jobs(struct daemon *daemon, struct vor_error *err)
         service.executor = vor_supervisor_executor(daemon->supervisor);
         status = vor_job_service_create(&daemon->app.service, &service, err);
     }
-    if (status == VOR_OK)
-        status = vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers,
-                                  ADMIT_WAITING_MAX, err);
-    if (status == VOR_OK)
-        status = vor_verify_create(&daemon->app.verify, daemon->app.blobs, err);
+    VOR_THEN(status, vor_admit_create(&daemon->app.admit, daemon->app.blobs, &limits, readers,
+                                      ADMIT_WAITING_MAX, err));
+    VOR_THEN(status, vor_verify_create(&daemon->app.verify, daemon->app.blobs, err));
     if (status == VOR_OK) { /* results are converted where uploads are decoded */
         const struct vor_conversions_config conversions = {
             .store = daemon->app.store,
@@ -294,20 +289,15 @@ static vor_status start(struct daemon *daemon, struct vor_error *err)
     vor_status status = vor_descriptors_raise(&daemon->config, err);
 
     daemon->app.rates = vor_rates_create();
-    if (status == VOR_OK)
-        status = vor_tickets_create(&daemon->app.tickets, err);
+    VOR_THEN(status, vor_tickets_create(&daemon->app.tickets, err));
     if (status == VOR_OK && daemon->app.rates == NULL)
         status = vor_fail(err, VOR_E_NOMEM, "the request rates of keys");
     if (status == VOR_OK && keys[0] != '\0')
         status = vor_keys_open(&daemon->app.keys, keys, err);
-    if (status == VOR_OK)
-        status = open_storage(daemon, err);
-    if (status == VOR_OK)
-        status = open_http(daemon, err);
-    if (status == VOR_OK)
-        status = start_jobs(daemon, err);
-    if (status == VOR_OK)
-        status = vor_http_start(daemon->app.http, err);
+    VOR_THEN(status, open_storage(daemon, err));
+    VOR_THEN(status, open_http(daemon, err));
+    VOR_THEN(status, start_jobs(daemon, err));
+    VOR_THEN(status, vor_http_start(daemon->app.http, err));
     if (status == VOR_OK && daemon->admin != NULL)
         status = vor_http_start(daemon->admin, err);
     return status;

@@ -129,8 +129,7 @@ static vor_status load_wide_positions(const struct load *load, enum vor_type typ
     status = vor_cloud_sift(load->cloud, xyz, load->limits->drop_invalid, load->err);
     for (size_t i = 0; status == VOR_OK && load->has_origin && i < 3 * load->cloud->n; i++)
         xyz[i] += load->origin[i % 3];
-    if (status == VOR_OK)
-        status = vor_cloud_set_double(load->cloud, xyz, load->err);
+    VOR_THEN(status, vor_cloud_set_double(load->cloud, xyz, load->err));
     if (status == VOR_OK && load->limits->keep_doubles)
         vor_cloud_keep_double(load->cloud, &xyz);
 done:
@@ -150,8 +149,7 @@ static vor_status load_positions(const struct load *load)
     if (info.scalar != VOR_DRACO_FLOAT32)
         return load_wide_positions(load, (enum vor_type)info.scalar);
     status = copy_values(load, load->position, load->cloud->xyz);
-    if (status == VOR_OK)
-        status = vor_cloud_sift(load->cloud, NULL, load->limits->drop_invalid, load->err);
+    VOR_THEN(status, vor_cloud_sift(load->cloud, NULL, load->limits->drop_invalid, load->err));
     if (status == VOR_OK && load->has_origin) {
         memcpy(load->cloud->origin, load->origin, sizeof load->origin);
         load->cloud->position_type =
@@ -281,10 +279,8 @@ static vor_status load_cloud(struct load *load)
             status = load_attribute(load, i);
     vor_dropped_add(load->cloud->notes.dropped, &load->cloud->notes.dropped_count, "metadata",
                     vor_draco_metadata(load->decoded));
-    if (status == VOR_OK)
-        status = load_faces(load);
-    if (status == VOR_OK)
-        status = load_positions(load);
+    VOR_THEN(status, load_faces(load));
+    VOR_THEN(status, load_positions(load));
     return status == VOR_OK ? vor_cloud_check(load->cloud, load->err) : status;
 }
 
@@ -301,8 +297,7 @@ vor_status vor_draco_read(struct vor_cloud *out, const uint8_t *bytes, size_t si
     budget.most += MEMORY_PER_POINT * vor_draco_points_max(size, limits);
     status = decode(&decoded, &budget, bytes, size, err);
     load.decoded = decoded;
-    if (status == VOR_OK)
-        status = load_cloud(&load);
+    VOR_THEN(status, load_cloud(&load));
     vor_draco_free(decoded);
     if (status != VOR_OK)
         vor_cloud_free(out);

@@ -325,16 +325,14 @@ static vor_status encode_readably(struct plan *plan, const struct vor_sink *sink
 
     if (!plan->reorders || plan->mesh != NULL)
         status = leave_kd_tree(plan, err);
-    if (status == VOR_OK)
-        status = encode(plan, &taker, compression, err);
+    VOR_THEN(status, encode(plan, &taker, compression, err));
     if (taker.loses) {
         /* A mesh with points that are no face's, or edges of more than two faces, that edgebreaker
          * cannot hold. */
         plan->reorders = 0;
         taker.loses = 0;
         status = leave_kd_tree(plan, err);
-        if (status == VOR_OK)
-            status = encode(plan, &taker, compression, err);
+        VOR_THEN(status, encode(plan, &taker, compression, err));
     }
     if (!taker.absurd)
         return status;
@@ -376,8 +374,7 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
 
     assert(options->quantization_bits >= -1 && options->quantization_bits <= 30);
     assert(options->compression >= 0 && options->compression <= 10);
-    if (status == VOR_OK)
-        status = check_size(cloud, options->mesh, err);
+    VOR_THEN(status, check_size(cloud, options->mesh, err));
     if (status != VOR_OK)
         return status;
     plan = vor_calloc(cloud->memory, 1, sizeof *plan);
@@ -385,8 +382,7 @@ vor_status vor_draco_write(const struct vor_sink *sink, const struct vor_cloud *
         return vor_fail(err, VOR_E_NOMEM, "%zu attributes", cloud->attribute_count);
     plan->cloud = cloud;
     status = choose_faces(plan, options->mesh, err);
-    if (status == VOR_OK)
-        status = choose_frame(plan, options, err);
+    VOR_THEN(status, choose_frame(plan, options, err));
     if (status != VOR_OK)
         goto done;
     add_columns(plan);

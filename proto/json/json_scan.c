@@ -233,8 +233,7 @@ static vor_status scan_nested(struct scan *s, int object)
         for (;;) {
             if (object)
                 status = scan_key(s);
-            if (status == VOR_OK)
-                status = scan_value(s);
+            VOR_THEN(status, scan_value(s));
             if (status != VOR_OK)
                 return status;
             skip_blanks(s);

@@ -190,8 +190,7 @@ vor_status vor_ply_ascii_rows(struct vor_ply_body *body, const struct vor_ply_ro
             status = column->property->list ? skip_list(body, column, i, err)
                                             : read_scalar(body, column, i, err);
         }
-        if (status == VOR_OK)
-            status = end_row(body, i, rows->column_count, err);
+        VOR_THEN(status, end_row(body, i, rows->column_count, err));
         if (status != VOR_OK)
             return status;
     }

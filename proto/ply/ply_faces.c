@@ -151,8 +151,7 @@ vor_status vor_ply_faces_read(struct vor_ply_faces *faces, struct vor_ply_body *
 
     if (status == VOR_OK && element->count > faces->most)
         return vor_fail_at(err, too_many(faces, "faces", element->count, err), element->offset);
-    if (status == VOR_OK)
-        status = vor_ply_rows_fit(body, element, err);
+    VOR_THEN(status, vor_ply_rows_fit(body, element, err));
     faces->is_strip = is_strips(element);
     if (status == VOR_OK && !faces->is_strip)
         status = reserve(faces, faces->count + (size_t)element->count, err);

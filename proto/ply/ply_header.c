@@ -322,8 +322,7 @@ vor_status vor_ply_header_read(struct vor_ply_header *out, const uint8_t *bytes,
         return bad_line(&line, "ply", err);
     while (status == VOR_OK && !end) {
         status = next_line(&scan, &line, err);
-        if (status == VOR_OK)
-            status = read_line(&scan, out, &line, &end, err);
+        VOR_THEN(status, read_line(&scan, out, &line, &end, err));
     }
     if (status != VOR_OK)
         return status;

@@ -103,10 +103,8 @@ static vor_status plan_coordinates(struct reader *reader, struct vor_error *err)
     unsigned at[3] = {0};
     vor_status status = find_coordinates(reader, at, err);
 
-    if (status == VOR_OK)
-        status = vor_ply_rows_fit(&reader->body, reader->vertex, err);
-    if (status == VOR_OK)
-        status = vor_cloud_resize(&reader->cloud, n, err);
+    VOR_THEN(status, vor_ply_rows_fit(&reader->body, reader->vertex, err));
+    VOR_THEN(status, vor_cloud_resize(&reader->cloud, n, err));
     if (status != VOR_OK)
         return status;
     for (int c = 0; c < 3; c++)
@@ -300,9 +298,8 @@ static vor_status read_file(struct reader *reader, const struct vor_limits *limi
         status = vor_cloud_set_double(&reader->cloud, reader->wide, err);
     if (status == VOR_OK && reader->wide != NULL && limits->keep_doubles)
         vor_cloud_keep_double(&reader->cloud, &reader->wide);
-    if (status == VOR_OK)
-        status = vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex,
-                              limits->keep_faces, err);
+    VOR_THEN(status, vor_ply_note(&reader->cloud, body->bytes, &reader->header, reader->vertex,
+                                  limits->keep_faces, err));
     return status;
 }
 

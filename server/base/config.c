@@ -335,8 +335,7 @@ static vor_status check_urls(struct vor_config *config, struct vor_error *err)
 {
     vor_status status = check_url(config, VOR_SET_PUBLIC_URL, err);
 
-    if (status == VOR_OK)
-        status = check_url(config, VOR_SET_BLOBS_PUBLIC_URL, err);
+    VOR_THEN(status, check_url(config, VOR_SET_BLOBS_PUBLIC_URL, err));
     if (status == VOR_OK && config->text[VOR_SET_BLOBS_PUBLIC_URL][0] != '\0' &&
         strncmp(config->text[VOR_SET_BLOBS], "s3:", 3) != 0)
         status = vor_fail_param(err, VOR_E_PARAM, "blobs-public-url",

@@ -174,10 +174,8 @@ static vor_status read_line(struct key_line *out, const char *line, struct vor_e
                               "the line has fewer than two colons, want NAME:SCOPES:SHA256, or "
                               "NAME:SCOPES:SHA256:QUOTAS");
     status = read_name(&read.principal, line, name, err);
-    if (status == VOR_OK)
-        status = read_scopes(&read.principal, scopes, scopes_length, err);
-    if (status == VOR_OK)
-        status = read_digest(read.digest, digest, digest_length, err);
+    VOR_THEN(status, read_scopes(&read.principal, scopes, scopes_length, err));
+    VOR_THEN(status, read_digest(read.digest, digest, digest_length, err));
     if (status == VOR_OK && digest[digest_length] == ':')
         for (quota = digest + digest_length + 1; *quota != '\0' && status == VOR_OK;
              quota += word + (quota[word] == ',')) {

@@ -391,8 +391,7 @@ vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid
     vor_status status = vor_blob_failure(writer, &failure);
 
     assert(is_name(name));
-    if (status == VOR_OK)
-        status = writer->blobs->driver->commit(writer, file_of(id, name, file), &failure);
+    VOR_THEN(status, writer->blobs->driver->commit(writer, file_of(id, name, file), &failure));
     if (status == VOR_E_IO && failure.got == EIO)
         atomic_store(&writer->blobs->is_broken, 1);
     if (status != VOR_OK && err != NULL)

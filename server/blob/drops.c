@@ -41,8 +41,7 @@ static void delete_first(struct vor_drops *drops)
     pthread_mutex_unlock(&drops->mutex);
     if (drop->before[0] != '\0')
         status = drops->objects->kind->remove(drops->objects, drop->before, &err);
-    if (status == VOR_OK)
-        status = drops->objects->kind->remove(drops->objects, drop->key, &err);
+    VOR_THEN(status, drops->objects->kind->remove(drops->objects, drop->key, &err));
     if (status != VOR_OK)
         vor_log(VOR_LOG_WARN, "file not deleted", VOR_TEXT("key", drop->key),
                 VOR_TEXT("error", err.message));

@@ -53,8 +53,7 @@ vor_status vor_pieces_write(struct vor_text *out, int fd, uint64_t size, const c
         vor_digest_of(piece, piece_size(at, size), found);
         vor_text_add(out, found, sizeof found);
     }
-    if (status == VOR_OK)
-        status = vor_text_status(out, err);
+    VOR_THEN(status, vor_text_status(out, err));
     if (status == VOR_OK) {
         vor_digest_hex(whole, read_sha256);
         vor_digest_of(out->data, out->size, found);

@@ -441,8 +441,7 @@ static vor_status open_database(struct vor_objects **out, const char *place, str
     vor_objects_init(&db->base, &vor_postgres_objects);
     db->where = vor_pg_where(place);
     status = db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "%s", what);
-    if (status == VOR_OK)
-        status = finish(&call, prepare, err);
+    VOR_THEN(status, finish(&call, prepare, err));
     if (status != VOR_OK) {
         close_database(&db->base);
         return status;

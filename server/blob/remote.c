@@ -61,12 +61,9 @@ static vor_status open_parts(struct remote *remote, const struct vor_objects_kin
     vor_status status = kind->open(&remote->objects, place, err);
 
     (void)snprintf(folder, sizeof folder, "%s/cache", cache->data);
-    if (status == VOR_OK)
-        status = vor_blob_directory_open(&remote->copies, folder, holder, err);
-    if (status == VOR_OK)
-        status = vor_blob_dir.list(&remote->copies.base, drop_copy, remote, err);
-    if (status == VOR_OK)
-        status = kind->probe(remote->objects, err);
+    VOR_THEN(status, vor_blob_directory_open(&remote->copies, folder, holder, err));
+    VOR_THEN(status, vor_blob_dir.list(&remote->copies.base, drop_copy, remote, err));
+    VOR_THEN(status, kind->probe(remote->objects, err));
     return status == VOR_OK ? vor_drops_create(&remote->drops, remote->objects, err) : status;
 }
 
@@ -235,9 +232,8 @@ static vor_status receive(struct remote *remote, const char *file, struct vor_ar
         reader.to = arrival->end;
     }
     (void)key_of(arrival->name, KEEP, file);
-    if (status == VOR_OK)
-        status =
-            remote->objects->kind->get(remote->objects, arrival->name, &reader, size, found, err);
+    VOR_THEN(status,
+             remote->objects->kind->get(remote->objects, arrival->name, &reader, size, found, err));
     if (arrival->failure.status != VOR_OK ||
         (status == VOR_OK && *found && vor_arrival_end(arrival) != VOR_OK)) {
         status = arrival->failure.status;
@@ -335,8 +331,7 @@ static vor_status commit(struct vor_blob_writer *writer, const char *file, struc
     if (has_pieces)
         status = vor_pieces_write(&list, writer->fd, writer->size, sha256, err);
     vor_drop_not(remote->drops, key_of(key, KEEP, file));
-    if (status == VOR_OK)
-        status = put(remote, key, &bytes, err);
+    VOR_THEN(status, put(remote, key, &bytes, err));
     if (status == VOR_OK && has_pieces)
         status = put_pieces(remote, key_of(key, PIECES, file), &list, &writer->patience, err);
     vor_text_free(&list);

@@ -147,8 +147,7 @@ static vor_status open_s3(struct vor_objects **out, const char *url, struct vor_
                                   "?style=host or ?style=path, without user or password; BUCKET "
                                   "and PREFIX may contain letters, digits, '.', '_' and '-'",
                                   strchr(url, '@') == NULL ? url : "...");
-    if (status == VOR_OK)
-        status = vor_curl_load(&s3->curl, err);
+    VOR_THEN(status, vor_curl_load(&s3->curl, err));
     if (status != VOR_OK) {
         close_s3(&s3->base);
         return status;

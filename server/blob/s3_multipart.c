@@ -155,8 +155,7 @@ vor_status vor_s3_put_parts(struct vor_s3 *s3, const char *url,
     status = begin(&upload, err);
     if (status == VOR_OK) {
         status = put_all(&upload, err);
-        if (status == VOR_OK)
-            status = complete(&upload, err);
+        VOR_THEN(status, complete(&upload, err));
         if (status != VOR_OK)
             abort_parts(&upload);
     }

@@ -196,8 +196,7 @@ int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cl
         return vor_cli_fail(cli->command->name, &err);
     }
     status = name_results(batch.results, cli, &err);
-    if (status == VOR_OK)
-        status = check_names(batch.results, cli->operand_count, &err);
+    VOR_THEN(status, check_names(batch.results, cli->operand_count, &err));
     /* What may not be written is told before any work; what may is not asked about again. */
     for (int i = 0; i < cli->operand_count && status == VOR_OK; i++) {
         struct result *result = &batch.results[i];
@@ -206,8 +205,7 @@ int vor_cli_batch(const struct vor_cli *cli, int (*run)(const struct vor_cli *cl
         if (vor_overwrite_check(cli, result->output, &result->replace, &why) != VOR_OK)
             status = vor_fail(&err, why.status, "%.300s: %.300s", result->output, why.message);
     }
-    if (status == VOR_OK)
-        status = vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err);
+    VOR_THEN(status, vor_folder_make(cli->option[VOR_OPTION_OUTPUT], &err));
     if (status == VOR_OK && (cli->command->does & VOR_COMMAND_FRAMES) != 0 &&
         cli->option[VOR_OPTION_SERVER] == NULL)
         status = vor_sequence_common(&batch.common, cli, &err);

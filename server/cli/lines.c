@@ -162,8 +162,7 @@ vor_status vor_lines_from_json(struct vor_text *text, const struct vor_cli *cli,
         if (value != NULL && members->rows[i].kind != VOR_MEMBER_OPTIONAL)
             add_member(&lines, &members->rows[i], value);
     }
-    if (status == VOR_OK)
-        status = vor_text_status(&lines, err);
+    VOR_THEN(status, vor_text_status(&lines, err));
     if (status == VOR_OK) {
         struct vor_text whole = *text;
 

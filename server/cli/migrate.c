@@ -95,14 +95,13 @@ static vor_status copy_file(struct migration *move, const struct file *file, str
 
     if (status == VOR_OK && !found)
         status = vor_fail(err, VOR_E_IO, "%s.%s has gone from DATA", file->id.text, file->name);
-    if (status == VOR_OK)
-        status = vor_blob_get(move->blobs, &file->id, file->name, NULL, &there, &is_there, err);
+    VOR_THEN(status,
+             vor_blob_get(move->blobs, &file->id, file->name, NULL, &there, &is_there, err));
     if (status == VOR_OK && is_there && there == size) {
         move->files_were_there++;
     } else if (status == VOR_OK) {
         status = vor_blob_create(move->blobs, &writer, err);
-        if (status == VOR_OK)
-            status = copy_bytes(writer, fd, err);
+        VOR_THEN(status, copy_bytes(writer, fd, err));
         if (status == VOR_OK)
             status = vor_blob_commit(writer, &file->id, file->name, err);
         else
@@ -121,8 +120,7 @@ static vor_status copy_files(struct migration *move, struct vor_error *err)
 
     for (size_t i = 0; status == VOR_OK && i < files.count; i++)
         status = copy_file(move, &files.item[i], err);
-    if (status == VOR_OK)
-        status = list(move->blobs, &copies, err);
+    VOR_THEN(status, list(move->blobs, &copies, err));
     if (status == VOR_OK && copies.count != files.count)
         status = vor_fail(
             err, VOR_E_IO,
@@ -148,10 +146,9 @@ static vor_status open_all(struct migration *move, const struct vor_cli *cli, st
     }
     status = vor_store_open(&move->from_store, where, 0, &move->holder, err);
     (void)snprintf(where, sizeof where, "dir:%.4000s/blobs", move->data);
-    if (status == VOR_OK)
-        status = vor_blobs_open(&move->from_blobs, where, &cache, &move->holder, err);
-    if (status == VOR_OK)
-        status = vor_store_open(&move->store, cli->option[VOR_OPTION_STORE], 0, &move->holder, err);
+    VOR_THEN(status, vor_blobs_open(&move->from_blobs, where, &cache, &move->holder, err));
+    VOR_THEN(status,
+             vor_store_open(&move->store, cli->option[VOR_OPTION_STORE], 0, &move->holder, err));
     return status == VOR_OK ? vor_blobs_open(&move->blobs, cli->option[VOR_OPTION_BLOBS], &cache,
                                              &move->holder, err)
                             : status;
@@ -175,8 +172,7 @@ int vor_cli_migrate(const struct vor_cli *cli)
         return VOR_EXIT_USAGE;
     }
     status = open_all(&move, cli, &err);
-    if (status == VOR_OK)
-        status = copy_files(&move, &err);
+    VOR_THEN(status, copy_files(&move, &err));
     if (status == VOR_OK) /* a job's files are there before it */
         status = vor_store_copy(move.store, move.from_store, &move.jobs, &err);
     if (status == VOR_OK) {

@@ -476,14 +476,12 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
         status = add_operand(&r, argv[optind++]);
     if (out->option[VOR_OPTION_HELP] != NULL)
         return VOR_OK;
-    if (status == VOR_OK)
-        status = take_values(out, err);
+    VOR_THEN(status, take_values(out, err));
     if (status == VOR_OK && command->process != NULL) {
         status = check_files(out, err);
         if (status == VOR_OK && (command->does & VOR_COMMAND_RUNS) != 0)
             status = resolve_output(out, err);
-        if (status == VOR_OK)
-            status = take_preset(out, err);
+        VOR_THEN(status, take_preset(out, err));
         if (status == VOR_OK && (command->does & VOR_COMMAND_FRAMES) != 0) {
             /* What the process asks for, or takes for a cloud that is alone. */
             static const enum vor_parameter of_frames[] = {VOR_PARAM_RATIO, VOR_PARAM_COHERENCE};
@@ -495,10 +493,8 @@ vor_status vor_cli_read(struct vor_cli *out, const struct vor_command *command, 
                 out->spec.value[of_frames[i]] = 1;
             }
         }
-        if (status == VOR_OK)
-            status = vor_spec_complete(&out->spec, err);
-        if (status == VOR_OK)
-            status = check_inputs(out, err);
+        VOR_THEN(status, vor_spec_complete(&out->spec, err));
+        VOR_THEN(status, check_inputs(out, err));
     }
     if (status == VOR_OK && (command->does & VOR_COMMAND_JOBS) != 0)
         status = check_jobs(out, err);

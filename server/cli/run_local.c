@@ -73,8 +73,7 @@ static vor_status work_load(struct work *work, struct vor_cloud *cloud,
 
     vor_cloud_init(cloud, &work->memory);
     status = vor_input_read(&input, path, err);
-    if (status == VOR_OK)
-        status = vor_codec_read(cloud, format, input.bytes, input.size, &work->limits, err);
+    VOR_THEN(status, vor_codec_read(cloud, format, input.bytes, input.size, &work->limits, err));
     vor_input_free(&input);
     return status;
 }
@@ -276,8 +275,7 @@ static vor_status finish(struct local_run *r, struct vor_error *err)
     vor_text_init(&text, 0);
     vor_json_document(&text, &vor_artefacts_find(&r->out, "report")->document);
     status = vor_text_status(&text, err);
-    if (status == VOR_OK)
-        status = vor_progress_finish(&r->progress, text.data, text.size, err);
+    VOR_THEN(status, vor_progress_finish(&r->progress, text.data, text.size, err));
     vor_text_free(&text);
     return status;
 }
@@ -292,8 +290,7 @@ static vor_status work(struct local_run *r, struct vor_error *err)
 
     r->subject = r->cli->option[VOR_OPTION_OUTPUT];
     status = vor_overwrite_check(r->cli, r->subject, &r->replace, err);
-    if (status == VOR_OK)
-        status = load(r, err);
+    VOR_THEN(status, load(r, err));
     if (status != VOR_OK)
         return status;
     if (vor_spec_given(&r->cli->spec, VOR_PARAM_FORMAT))
@@ -328,8 +325,7 @@ static vor_status work(struct local_run *r, struct vor_error *err)
                                                 : save_document(r, &result->document, err);
     if (status == VOR_E_IO)
         status = vor_output_fail(&r->output, err);
-    if (status == VOR_OK)
-        status = vor_output_commit(&r->output, err);
+    VOR_THEN(status, vor_output_commit(&r->output, err));
     r->seconds_write = vor_clock_seconds() - began;
     return status == VOR_OK ? finish(r, err) : status;
 }
@@ -348,8 +344,7 @@ int vor_cli_run_local(const struct vor_cli *cli)
     status = work_start(&r.work, cli, &r.progress, &err);
     vor_artefacts_init(&r.in, &r.work.memory);
     vor_artefacts_init(&r.out, &r.work.memory);
-    if (status == VOR_OK)
-        status = work(&r, &err);
+    VOR_THEN(status, work(&r, &err));
     vor_progress_clear(&r.progress);
     vor_output_abandon(&r.output);
     vor_artefacts_free(&r.in);

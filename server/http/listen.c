@@ -211,10 +211,8 @@ vor_status vor_http_open(struct vor_http **out, const struct vor_http_options *o
     http->options.limits.grace_seconds = grace_seconds;
     http->fd = -1;
     status = vor_mhd_load(err);
-    if (status == VOR_OK)
-        status = open_socket(&http->fd, options, err);
-    if (status == VOR_OK)
-        status = vor_conn_guard_start(&http->guard, &http->options.limits, err);
+    VOR_THEN(status, open_socket(&http->fd, options, err));
+    VOR_THEN(status, vor_conn_guard_start(&http->guard, &http->options.limits, err));
     if (status != VOR_OK) {
         vor_http_stop(http);
         return status;

@@ -367,8 +367,7 @@ vor_status vor_zygote_spawn(struct vor_child *out, struct vor_zygote *zygote, un
     }
     child = (struct vor_child){.channel = channel[0], .watch = watch[0]};
     status = ask(zygote, kind, fds, fd_count, channel[1], watch[1], err);
-    if (status == VOR_OK)
-        status = wait_started(&child, err);
+    VOR_THEN(status, wait_started(&child, err));
     if (status != VOR_OK) {
         vor_child_free(&child);
         return status;

@@ -294,8 +294,7 @@ static vor_status begin(struct vor_sql *sql_db, enum vor_sql_how how, struct vor
     pthread_mutex_lock(&db->base.writing);
     for (int k = 0; k < 2; k++) { /* again where it has broken since the last one */
         status = connect_to(db, &db->writer, &why);
-        if (status == VOR_OK)
-            status = run(db, &db->writer, sql, &why);
+        VOR_THEN(status, run(db, &db->writer, sql, &why));
         if (status == VOR_OK || why.got == ETIMEDOUT || db->writer.handle == NULL ||
             db->pg->status(db->writer.handle) == VOR_PG_OK)
             break;
@@ -398,15 +397,13 @@ static vor_status query(struct vor_sql *sql_db, unsigned index,
     struct answer answer = {.db = db};
     vor_status status = connect_to(db, reader, err);
 
-    if (status == VOR_OK)
-        status = ask(&answer, db, reader, sql, values, err);
+    VOR_THEN(status, ask(&answer, db, reader, sql, values, err));
     if (status != VOR_OK && answer.result != NULL &&
         db->pg->status(reader->handle) != VOR_PG_OK) { /* it has broken since the last question */
         end_answer(&answer);
         answer.result = NULL;
         status = connect_to(db, reader, err);
-        if (status == VOR_OK)
-            status = ask(&answer, db, reader, sql, values, err);
+        VOR_THEN(status, ask(&answer, db, reader, sql, values, err));
     }
     if (status == VOR_OK)
         give_rows(&answer, each, ctx);
@@ -487,8 +484,7 @@ static vor_status hold(struct postgres *db, int *held, struct vor_error *err)
     if (!db->is_locked || status != VOR_OK) {
         db->is_locked = 0;
         status = connect_to(db, &db->lock, err);
-        if (status == VOR_OK)
-            status = take_lock(db, err);
+        VOR_THEN(status, take_lock(db, err));
     }
     *held = db->is_locked;
     pthread_mutex_unlock(&db->locking);
@@ -554,16 +550,13 @@ static vor_status open_store(struct vor_store **out, const char *place, int may_
     db->where = vor_pg_where(place);
     status =
         db->where != NULL ? vor_pg_load(&db->pg, err) : vor_fail(err, VOR_E_NOMEM, "the job store");
-    if (status == VOR_OK)
-        status = connect_to(db, &db->writer, err);
-    if (status == VOR_OK)
-        status = hold(db, &held, err);
+    VOR_THEN(status, connect_to(db, &db->writer, err));
+    VOR_THEN(status, hold(db, &held, err));
     if (status == VOR_OK && !held) {
         *holder = -1;
         status = fail_held(err);
     }
-    if (status == VOR_OK)
-        status = vor_postgres_prepare_schema(&db->base.base, err);
+    VOR_THEN(status, vor_postgres_prepare_schema(&db->base.base, err));
     if (status == VOR_OK)
         status = vor_sql_query(&db->base.base, take_secret, db->base.base.secret, err,
                                "SELECT secret FROM voronoid_schema", "");

@@ -168,8 +168,7 @@ vor_status vor_postgres_hints_open(struct vor_postgres_hints **out, const char *
         strncmp(where, scheme, sizeof scheme - 1) == 0 ? where + sizeof scheme - 1 : where);
     status = hints->where != NULL && hints->wake >= 0 ? vor_pg_load(&hints->pg, err)
                                                       : vor_fail(err, VOR_E_NOMEM, what);
-    if (status == VOR_OK)
-        status = connect_and_listen(hints, err);
+    VOR_THEN(status, connect_and_listen(hints, err));
     if (status == VOR_OK) {
         hints->is_started = vor_machine_thread(&hints->thread, "vor-hints", main_of, hints) == 0;
         if (!hints->is_started)

@@ -160,8 +160,7 @@ vor_status vor_postgres_prepare_schema(struct vor_store *store, struct vor_error
             "choose an empty schema or database");
     if (status == VOR_OK && found == 0)
         made = vor_sql_run(store, first, &failure);
-    if (status == VOR_OK)
-        status = read_version(store, &version, err);
+    VOR_THEN(status, read_version(store, &version, err));
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == VOR_OK; i++) {
         if (version != steps[i].from)
             continue;

@@ -157,17 +157,14 @@ vor_status vor_store_copy(struct vor_store *into, struct vor_store *from,
     vor_status status = find_rest(from, into, &copying.from_seq, &there, err);
 
     out->were_there = (uint64_t)there;
-    if (status == VOR_OK)
-        status = count(from, &wanted, err);
+    VOR_THEN(status, count(from, &wanted, err));
     for (int64_t left = wanted - there; left > 0 && status == VOR_OK; left--)
         status = copy_next(from, &copying, err);
     if (status == VOR_OK)
         status =
             vor_sql_query(from, copy_turn, &copying, err, "SELECT principal, turn FROM ledger", "");
-    if (status == VOR_OK)
-        status = copying.status;
-    if (status == VOR_OK)
-        status = count(into, &there, err);
+    VOR_THEN(status, copying.status);
+    VOR_THEN(status, count(into, &there, err));
     out->jobs = (uint64_t)there;
     if (status == VOR_OK && there != wanted)
         return vor_fail(err, VOR_E_IO, "%lld of %lld jobs are in the database", (long long)there,

@@ -65,8 +65,7 @@ vor_status vor_store_insert(struct vor_store *store, struct vor_job_view *row,
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
-    if (status == VOR_OK)
-        status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
+    VOR_THEN(status, vor_sql_begin(store, VOR_SQL_DURABLE, err));
     if (status != VOR_OK)
         goto done;
     if (ledger != NULL) {
@@ -106,8 +105,7 @@ vor_status vor_store_append_events(struct vor_store *store, const struct vor_job
     vor_status status = vor_row_write(&text, row, err);
 
     *changed = 0;
-    if (status == VOR_OK)
-        status = vor_sql_begin(store, VOR_SQL_LAZY, err);
+    VOR_THEN(status, vor_sql_begin(store, VOR_SQL_LAZY, err));
     if (status == VOR_OK) {
         status = vor_sql_change_each(
             store, vor_sql_take_number, &seq, err,

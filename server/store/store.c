@@ -54,8 +54,7 @@ static vor_status open_with(const struct vor_store_driver *driver, struct vor_st
         status = open_reserve(&reserve, place, "reserve", err);
     if (driver->is_file && status == VOR_OK)
         status = open_reserve(&opening, place, "opening", err);
-    if (status == VOR_OK)
-        status = driver->open(out, place, may_share, holder, err);
+    VOR_THEN(status, driver->open(out, place, may_share, holder, err));
     if (vor_reserve_made_room(reserve, status, err) || vor_reserve_made_room(opening, status, err))
         status = driver->open(out, place, may_share, holder, err);
     if (status != VOR_OK) {

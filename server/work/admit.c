@@ -87,8 +87,7 @@ static vor_status decode(struct vor_admitted_input *input, const struct vor_uuid
     if (vor_blob_size(upload) == 0)
         return vor_fail(err, VOR_E_EMPTY, "the body is empty: 0 bytes, want a cloud");
     status = vor_blob_recheck(upload, err);
-    if (status == VOR_OK)
-        status = vor_blob_create(blobs, &writer, err);
+    VOR_THEN(status, vor_blob_create(blobs, &writer, err));
     if (status != VOR_OK)
         return status;
     status = decode_to(writer, &facts, upload, limits, err);
@@ -118,8 +117,7 @@ vor_status vor_admit_file(struct vor_admitted *admitted, const char *name, struc
     assert(admitted->count < VOR_INPUTS_MAX);
     if (admitted->count == 0)
         status = vor_uuid_make(&id, err);
-    if (status == VOR_OK)
-        status = decode(&input, &id, blobs, upload, limits, err);
+    VOR_THEN(status, decode(&input, &id, blobs, upload, limits, err));
     if (status != VOR_OK)
         return status;
     admitted->id = id;
@@ -182,12 +180,10 @@ static vor_status admit_all(struct vor_admission *admission)
         struct vor_upload *upload = &uploads->item[i];
 
         status = vor_upload_cut(upload, admit->blobs, &admission->error);
-        if (status == VOR_OK)
-            status =
-                vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error);
-        if (status == VOR_OK)
-            status = vor_admit_file(&admission->admitted, upload->name, admit->blobs, upload->bytes,
-                                    &limits, &admission->error);
+        VOR_THEN(status,
+                 vor_upload_inflate(upload, admit->blobs, &limits.place, &most, &admission->error));
+        VOR_THEN(status, vor_admit_file(&admission->admitted, upload->name, admit->blobs,
+                                        upload->bytes, &limits, &admission->error));
         if (status == VOR_OK) {
             vor_admit_keep(&admission->admitted, upload->bytes, &limits);
             upload->bytes = NULL;

@@ -28,8 +28,7 @@ static vor_status load_cloud(struct vor_cloud *cloud, const char *name, int fd,
         return vor_fail(err, VOR_E_IO, "the job's %s cannot be read: %s", name,
                         size > 0 ? strerror(errno) : "it is empty");
     status = vor_blob_unseal(bytes, &sealed, name, err);
-    if (status == VOR_OK)
-        status = vor_dump_read(cloud, bytes, sealed, err);
+    VOR_THEN(status, vor_dump_read(cloud, bytes, sealed, err));
     (void)munmap(bytes, size);
     return status;
 }
@@ -178,8 +177,7 @@ static vor_status write_document(struct vor_blob_writer *writer,
     vor_text_init(&text, 0);
     vor_json_document(&text, document);
     status = vor_text_status(&text, err);
-    if (status == VOR_OK)
-        status = vor_blob_append(writer, text.data, text.size, err);
+    VOR_THEN(status, vor_blob_append(writer, text.data, text.size, err));
     vor_text_free(&text);
     return status;
 }

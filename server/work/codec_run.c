@@ -254,8 +254,7 @@ static vor_status run_in_child(struct run *run, struct vor_codec_facts *facts, i
     }
     (void)close(fds[0]);
     run->ring = ring;
-    if (status == VOR_OK)
-        status = converse(run, facts, err);
+    VOR_THEN(status, converse(run, facts, err));
     (void)munmap(ring, VOR_RING_SIZE);
     return status;
 }

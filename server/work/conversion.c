@@ -111,10 +111,8 @@ static vor_status fill_blob(struct vor_blob_writer *writer, const struct convers
     vor_status status = vor_blob_compare(
         fd, size, conversion->row.output[conversion->output].sha256, output_name(conversion), err);
 
-    if (status == VOR_OK)
-        status = vor_blob_promise(writer, 0, err);
-    if (status == VOR_OK)
-        status = vor_codec_run(&facts, &config->place, &order, fd, &sink, err);
+    VOR_THEN(status, vor_blob_promise(writer, 0, err));
+    VOR_THEN(status, vor_codec_run(&facts, &config->place, &order, fd, &sink, err));
     if (status == VOR_E_IO)
         (void)vor_blob_failure(writer, err);
     if (status != VOR_OK)

@@ -311,8 +311,7 @@ vor_status vor_execute(struct vor_run_result *result, struct vor_text *kept,
     status = compute(&run, &out, err);
     if (status == VOR_OK && asked(&run) == VOR_CANCEL)
         status = vor_fail(err, VOR_E_CANCELLED, "cancelled by the caller");
-    if (status == VOR_OK)
-        status = save(&run, &out, err);
+    VOR_THEN(status, save(&run, &out, err));
     vor_artefacts_free(&out);
     return status;
 }

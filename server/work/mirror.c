@@ -92,8 +92,7 @@ static void look(struct vor_job_service *service, struct vor_job *job)
         if (status == VOR_OK)
             vor_preview_look_elsewhere(preview, vor_clock_seconds() + told_seconds);
     }
-    if (status == VOR_OK)
-        status = vor_job_service_mirror_preview(service, job, &err);
+    VOR_THEN(status, vor_job_service_mirror_preview(service, job, &err));
     if (status != VOR_OK)
         vor_log(VOR_LOG_DEBUG, "no preview of a job that another daemon runs",
                 VOR_TEXT("job", vor_job_id(job)->text), VOR_TEXT("error", err.message));

@@ -52,10 +52,8 @@ static vor_status run_engine(struct vor_artefacts *out, struct vor_artefacts *in
         status = vor_spec_set_number(&spec, "iterations", ITERATIONS, err);
     if (status == VOR_OK)
         status = vor_spec_set_number(&spec, "polish", ITERATIONS, err);
-    if (status == VOR_OK)
-        status = vor_spec_check(&spec, err);
-    if (status == VOR_OK)
-        status = vor_cloud_resize(&sphere, VOR_SELF_TEST_INPUT, err);
+    VOR_THEN(status, vor_spec_check(&spec, err));
+    VOR_THEN(status, vor_cloud_resize(&sphere, VOR_SELF_TEST_INPUT, err));
     if (status != VOR_OK)
         return status;
     at = sphere.xyz;

@@ -198,19 +198,15 @@ vor_status vor_job_service_create(struct vor_job_service **out,
     if (config->budget == 0)
         service->config.budget = UINT64_MAX;
     status = vor_uuid_make(&service->owner, err);
-    if (status == VOR_OK)
-        status = vor_job_service_recover(service, err);
+    VOR_THEN(status, vor_job_service_recover(service, err));
     if (status == VOR_OK)
         vor_job_service_renew(service); /* before any job is claimed */
-    if (status == VOR_OK)
-        status = vor_thread_pool_create(&service->pool, POOL_THREADS, SIZE_MAX, err);
-    if (status == VOR_OK)
-        status = vor_thread_pool_create(&service->readers, POOL_THREADS, SIZE_MAX, err);
+    VOR_THEN(status, vor_thread_pool_create(&service->pool, POOL_THREADS, SIZE_MAX, err));
+    VOR_THEN(status, vor_thread_pool_create(&service->readers, POOL_THREADS, SIZE_MAX, err));
     if (status == VOR_OK && listens(service))
         status =
             vor_store_listen(service->config.store, service->config.listen, hear, service, err);
-    if (status == VOR_OK)
-        status = start_threads(service, err);
+    VOR_THEN(status, start_threads(service, err));
     if (status != VOR_OK) {
         vor_job_service_destroy(service);
         return status;

@@ -315,8 +315,7 @@ static vor_status try_to_sit(struct run *run, struct vor_error *err)
     if (status == VOR_OK && request.slot == VOR_RUN_SLOTS)
         status = vor_fail(err, VOR_E_IO, "more than %d jobs are running at the same time",
                           VOR_RUN_SLOTS);
-    if (status == VOR_OK)
-        status = vor_channel_pair(ends, err);
+    VOR_THEN(status, vor_channel_pair(ends, err));
     if (status != VOR_OK)
         return status;
     worker->slot[request.slot] = (struct slot){.taken = 1, .life = worker->life};

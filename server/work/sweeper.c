@@ -99,14 +99,12 @@ vor_status vor_job_service_ready(struct vor_job_service *service, struct vor_err
 
     if (status == VOR_OK && atomic_load(&service->is_late))
         status = vor_fail_errno(&why, ENOSPC, "recovering earlier jobs");
-    if (status == VOR_OK)
-        status = vor_store_check_reserve(service->config.store, &why);
+    VOR_THEN(status, vor_store_check_reserve(service->config.store, &why));
     if (status == VOR_OK) {
         part = "--blobs";
         status = vor_blobs_reach(service->config.blobs, &why);
     }
-    if (status == VOR_OK)
-        status = vor_blobs_room(service->config.blobs, 1, &why);
+    VOR_THEN(status, vor_blobs_room(service->config.blobs, 1, &why));
     if (status == VOR_OK)
         return VOR_OK;
     (void)vor_fail(err, status, "%s: %.900s", part, why.message);
@@ -393,8 +391,7 @@ static vor_status recover_rows(struct vor_job_service *service, struct vor_error
         status = vor_store_reap(service->config.store, service->owner.text, 1, vor_clock_wall_ms(),
                                 &requeued, err);
     pthread_mutex_lock(&service->claim); /* nothing that waits is dismissed meanwhile */
-    if (status == VOR_OK)
-        status = vor_store_waiting(service->config.store, &waiting, err);
+    VOR_THEN(status, vor_store_waiting(service->config.store, &waiting, err));
     if (status == VOR_OK)
         vor_capacity_begin(service, &waiting);
     pthread_mutex_unlock(&service->claim);
@@ -410,8 +407,7 @@ vor_status vor_job_service_recover(struct vor_job_service *service, struct vor_e
 {
     vor_status status = begin_expiry_clock(service, err);
 
-    if (status == VOR_OK)
-        status = recover_rows(service, err);
+    VOR_THEN(status, recover_rows(service, err));
     if (status == VOR_E_IO && vor_error_storage_full(err)) {
         vor_log(VOR_LOG_ERROR,
                 "the disk is full: running and waiting jobs continue once there is room",

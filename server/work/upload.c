@@ -84,8 +84,7 @@ vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs, st
     if (upload->whole == NULL)
         return VOR_OK;
     status = create_file(&upload->bytes, blobs, err);
-    if (status == VOR_OK)
-        status = copy_piece(upload->bytes, upload, err);
+    VOR_THEN(status, copy_piece(upload->bytes, upload, err));
     upload->whole = NULL;
     return status;
 }

@@ -130,8 +130,7 @@ static void *serve_run(void *arg)
     struct vor_error err;
     vor_status status = vor_order_receive(&order, run->channel, order_seconds, &err);
 
-    if (status == VOR_OK)
-        status = run_order(run, &order, &err);
+    VOR_THEN(status, run_order(run, &order, &err));
     vor_order_close(&order);
     if (status != VOR_OK)
         say(run, VOR_SAID_FAILED, &err, sizeof err);

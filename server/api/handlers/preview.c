@@ -36,10 +36,8 @@ static enum vor_next reply_cloud(struct vor_request *request, const struct vor_f
     vor_cloud_init(&cloud, &memory);
     vor_text_init(&text, FILE_BYTES);
     status = vor_job_service_mirror_preview(request->app->service, followed->job, &err);
-    if (status == VOR_OK)
-        status = vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err);
-    if (status == VOR_OK)
-        status = ply->write(&sink, &cloud, &options, &err);
+    VOR_THEN(status, vor_preview_cloud(vor_job_preview(followed->job), most, &cloud, &info, &err));
+    VOR_THEN(status, ply->write(&sink, &cloud, &options, &err));
     vor_cloud_free(&cloud);
     if (status == VOR_OK) {
         char etag[96];

@@ -310,8 +310,7 @@ static enum vor_next begin(struct vor_request *request)
     vor_deferred_begin(&sequence->deferred, request, free_sequence);
     status =
         vor_uploads_begin(&sequence->body, head.spec.process->inputs[0].name, 0, app->blobs, &err);
-    if (status == VOR_OK)
-        status = vor_sequence_begin_body(sequence, &err);
+    VOR_THEN(status, vor_sequence_begin_body(sequence, &err));
     if (status != VOR_OK)
         return vor_problem_error(request, &err, NULL);
     sink = (struct vor_body_sink){sequence, take_piece};
@@ -325,8 +324,7 @@ static enum vor_next reply(struct vor_request *request, struct vor_sequence *seq
     struct vor_error *err = &sequence->error;
     vor_status status = err->status;
 
-    if (status == VOR_OK)
-        status = vor_sequence_finish(sequence, err);
+    VOR_THEN(status, vor_sequence_finish(sequence, err));
     if (status != VOR_OK)
         return vor_problem_error(request, err, NULL);
     sequence->is_stream = true;

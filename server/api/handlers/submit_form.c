@@ -244,8 +244,7 @@ bool vor_submit_form_end(struct vor_submit_form *form)
     vor_status status = err->status;
     unsigned inputs = 0;
 
-    if (status == VOR_OK)
-        status = vor_multipart_finish(&form->scanner, err);
+    VOR_THEN(status, vor_multipart_finish(&form->scanner, err));
     for (unsigned i = 0; i < form->uploads->count; i++)
         for (unsigned k = 0; spec->process->inputs[k].name != NULL; k++)
             if (spec->process->inputs[k].name == form->uploads->item[i].name)
