@@ -8,57 +8,25 @@
 /* Points that are done between two looks at whether to go on: some ms. */
 enum { POLL_EVERY = 4096 };
 
-/* Writes the edges; place[i] is how many of point i are written. */
-static void fill_edges(struct vor_march *march, const struct vor_graph *graph)
-{
-    uint32_t *filled = march->front.place;
-
-    memset(filled, 0, graph->n * sizeof *filled);
-    for (size_t i = 0; i < graph->n; i++)
-        for (unsigned a = 0; a < graph->count[i]; a++) {
-            uint32_t j = graph->list[i * graph->most + a];
-
-            march->edge[march->first[i] + filled[i]++] = j;
-            if (!vor_graph_has(graph, j, (uint32_t)i))
-                march->edge[march->first[j] + filled[j]++] = (uint32_t)i;
-        }
-}
-
 vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph, const float *xyz,
                           struct vor_error *err)
 {
-    struct vor_march march = {.memory = graph->memory, .xyz = xyz, .n = graph->n};
+    struct vor_march march = {.graph = graph, .xyz = xyz};
 
-    march.first = vor_calloc(march.memory, march.n + 1, sizeof *march.first);
-    march.front.item = vor_malloc(march.memory, march.n, sizeof *march.front.item);
-    march.front.place = vor_malloc(march.memory, march.n, sizeof *march.front.place);
-    if (march.first != NULL && march.front.item != NULL && march.front.place != NULL) {
-        /* A pair that has each other in its lists is two edges, else one each way. */
-        for (size_t i = 0; i < graph->n; i++)
-            for (unsigned a = 0; a < graph->count[i]; a++) {
-                uint32_t j = graph->list[i * graph->most + a];
-
-                march.first[i + 1]++;
-                march.first[j + 1] += !vor_graph_has(graph, j, (uint32_t)i);
-            }
-        for (size_t i = 0; i < graph->n; i++)
-            march.first[i + 1] += march.first[i];
-        march.edge = vor_malloc(march.memory, march.first[march.n] + 1, sizeof *march.edge);
-    }
-    if (march.edge == NULL) {
+    if (VOR_MAKE_ALL(graph->memory, err, graph->n, VOR_ARRAY(march.front.item, graph->n, 1),
+                     VOR_ARRAY(march.front.place, graph->n, 1)) != VOR_OK) {
         vor_march_free(&march);
-        return vor_fail(err, VOR_E_NOMEM, "%zu points", graph->n);
+        return VOR_E_NOMEM;
     }
-    fill_edges(&march, graph);
     *out = march;
     return VOR_OK;
 }
 
 void vor_march_free(struct vor_march *march)
 {
-    if (march->memory == NULL)
+    if (march->graph == NULL)
         return;
-    VOR_FREE_ALL(march->memory, march->edge, march->front.place, march->front.item, march->first);
+    VOR_FREE_ALL(march->graph->memory, march->front.place, march->front.item);
     memset(march, 0, sizeof *march);
 }
 
@@ -85,12 +53,13 @@ static double through(const struct vor_march *march, uint32_t u, uint32_t w, uin
 /* Takes the shortest way to v past u, which is done, if it is shorter than the one known. */
 static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 {
+    const struct vor_graph *graph = march->graph;
     double uv[3], best;
 
     vor_way(uv, &march->xyz[3 * (size_t)u], &march->xyz[3 * (size_t)v]);
     best = (double)march->far[u] + sqrt(vor_dot(uv, uv));
-    for (size_t e = march->first[v]; e < march->first[v + 1]; e++) {
-        uint32_t w = march->edge[e];
+    for (unsigned a = 0; a < graph->count[v]; a++) {
+        uint32_t w = graph->list[(size_t)v * graph->most + a];
 
         if (march->front.place[w] == VOR_HEAP_DONE && w != u)
             best = fmin(best, through(march, u, w, v));
@@ -104,13 +73,15 @@ static void reach(struct vor_march *march, uint32_t u, uint32_t v)
 static void march_on(void *ctx, VOR_UNUSED size_t row, VOR_UNUSED unsigned worker)
 {
     struct vor_march *march = ctx;
+    const struct vor_graph *graph = march->graph;
 
     for (int step = 0; step < POLL_EVERY && march->front.count > 0; step++) {
         uint32_t u = vor_heap_take(&march->front);
+        const uint32_t *list = &graph->list[(size_t)u * graph->most];
 
-        for (size_t e = march->first[u]; e < march->first[u + 1]; e++)
-            if (march->front.place[march->edge[e]] != VOR_HEAP_DONE)
-                reach(march, u, march->edge[e]);
+        for (unsigned a = 0; a < graph->count[u]; a++)
+            if (march->front.place[list[a]] != VOR_HEAP_DONE)
+                reach(march, u, list[a]);
     }
 }
 
@@ -122,7 +93,7 @@ vor_status vor_march_from(struct vor_march *march, float *far, const uint32_t *s
     march->far = far;
     march->front.key = far;
     march->front.count = 0;
-    for (size_t i = 0; i < march->n; i++) {
+    for (size_t i = 0; i < march->graph->n; i++) {
         far[i] = INFINITY;
         march->front.place[i] = VOR_HEAP_WAITS;
     }

@@ -11,26 +11,23 @@
 #include "core/base/heap.h"
 #include "core/geom/graph.h"
 
-/** The edges of a graph in both directions, and the front of a march. */
+/** A graph, and the front of a march over it. */
 struct vor_march {
-    struct vor_memory *memory;
-    const float *xyz; /**< n x 3; borrowed */
-    size_t n;
-    size_t *first; /**< n + 1: edges of point i are edge[first[i]] .. edge[first[i + 1] - 1] */
-    uint32_t *edge;
-    struct vor_heap front; /**< points that were reached, but not gone on from */
-    float *far;            /**< of the march that goes on; borrowed */
+    const struct vor_graph *graph; /**< borrowed */
+    const float *xyz;              /**< n x 3; borrowed */
+    struct vor_heap front;         /**< points that were reached, but not gone on from */
+    float *far;                    /**< of the march that goes on; borrowed */
 };
 
-/** Makes ready to march over a graph. Two points are neighbours if either has the other in its
- *  list. The graph is not needed afterwards.
+/** Makes ready to march over a graph of which each point is in the lists of those in its own
+ *  (vor_graph_keep_mutual).
  *
- *  @param[out] out  free with vor_march_free; untouched on failure
- *  @param[in]  xyz  n x 3; must stay as it is while *out lives
+ *  @param[out] out         free with vor_march_free; untouched on failure
+ *  @param[in]  graph, xyz  must stay as they are while *out lives; xyz is n x 3
  *
- *  @retval VOR_E_NOMEM 16 bytes a point and up to 8 an entry of a list do not fit
+ *  @retval VOR_E_NOMEM 8 bytes a point do not fit
  *
- *  O(n most), one thread. */
+ *  O(1). */
 VOR_NODISCARD vor_status vor_march_init(struct vor_march *out, const struct vor_graph *graph,
                                         const float *xyz, struct vor_error *err);
 

@@ -35,6 +35,7 @@ static void start(struct bed *bed, unsigned threads, unsigned most)
         memcpy(&bed->graph.list[i * most], &index[1], most * sizeof *index);
         bed->graph.count[i] = (unsigned char)most;
     }
+    vt_assert_ok(vor_graph_keep_mutual(&bed->graph, &bed->engine.run, &vt_err));
     vt_assert_ok(vor_march_init(&bed->march, &bed->graph, bed->domain.xyz, &vt_err));
     bed->far = vor_malloc(&vt_memory, bed->domain.n, sizeof *bed->far);
 }
