@@ -31,8 +31,6 @@ vor_status vor_crosses_init(struct vor_crosses *out, size_t n, struct vor_memory
 
 void vor_crosses_free(struct vor_crosses *crosses)
 {
-    if (crosses->memory == NULL)
-        return;
     VOR_FREE_ALL(crosses->memory, crosses->kept, crosses->next, crosses->now, crosses->own);
     memset(crosses, 0, sizeof *crosses);
 }

@@ -83,10 +83,9 @@ vor_status vor_cvt_run(struct vor_seeds *out, struct vor_outcome *told,
     if (status == VOR_OK && !inserts)
         status = vor_polish(&seeds, told, &shorter, run, err);
     vor_domain_free(&thin);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = seeds;
+    else
         vor_seeds_free(&seeds);
-        return status;
-    }
-    *out = seeds;
-    return VOR_OK;
+    return status;
 }

@@ -22,8 +22,6 @@ vor_status vor_graph_init(struct vor_graph *out, size_t n, unsigned most, struct
 
 void vor_graph_free(struct vor_graph *graph)
 {
-    if (graph->memory == NULL)
-        return;
     VOR_FREE_ALL(graph->memory, graph->normal, graph->own, graph->count, graph->list);
     memset(graph, 0, sizeof *graph);
 }

@@ -176,8 +176,6 @@ void vor_polygon_nearest(struct vor_polygon_near *out, const struct vor_polygon 
 
 void vor_polygon_free(struct vor_polygon *polygon)
 {
-    if (polygon->memory == NULL)
-        return;
     vor_free(polygon->memory, polygon->box);
     memset(polygon, 0, sizeof *polygon);
 }

@@ -164,8 +164,6 @@ vor_status vor_span_make(struct vor_span *out, const struct vor_graph *graph,
 
 void vor_span_free(struct vor_span *span)
 {
-    if (span->memory == NULL)
-        return;
     VOR_FREE_ALL(span->memory, span->odd, span->next, span->component);
     memset(span, 0, sizeof *span);
 }

@@ -104,8 +104,6 @@ void vor_spline_at(const struct vor_spline *spline, const double u[2], double ou
 
 void vor_spline_free(struct vor_spline *spline)
 {
-    if (spline->memory == NULL)
-        return;
     VOR_FREE_ALL(spline->memory, spline->at, spline->weight);
     memset(spline, 0, sizeof *spline);
 }

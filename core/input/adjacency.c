@@ -337,12 +337,11 @@ vor_status vor_adjacency_make(struct vor_graph *out, const struct vor_domain *do
                           VOR_ARRAY(make.noisy, domain->n, 1));
     VOR_THEN(status, make_lists(&make, run, err));
     VOR_FREE_ALL(run->memory, make.noisy, make.known);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = graph;
+    else
         vor_graph_free(&graph);
-        return status;
-    }
-    *out = graph;
-    return VOR_OK;
+    return status;
 }
 
 /* --- the probe ------------------------------------------------------------------------------- */

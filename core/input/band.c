@@ -282,8 +282,6 @@ vor_status vor_band_find(struct vor_band *out, struct vor_band_search *search,
 
 void vor_band_free(struct vor_band *band)
 {
-    if (band->memory == NULL)
-        return;
     vor_polygon_free(&band->polygon);
     VOR_FREE_ALL(band->memory, band->at, band->outline, band->point);
     memset(band, 0, sizeof *band);

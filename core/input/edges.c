@@ -275,8 +275,6 @@ vor_status vor_edges_find(struct vor_edges *out, const struct vor_domain *domain
 
 void vor_edges_free(struct vor_edges *edges)
 {
-    if (edges->memory == NULL)
-        return;
     VOR_FREE_ALL(edges->memory, edges->foot, edges->direction, edges->strength, edges->flag);
     memset(edges, 0, sizeof *edges);
 }

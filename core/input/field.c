@@ -78,8 +78,6 @@ void vor_field_find(struct vor_field_near *out, const struct vor_field *field, c
 
 void vor_field_free(struct vor_field *field)
 {
-    if (field->memory == NULL)
-        return;
     vor_knn_free(field->knn);
     VOR_FREE_ALL(field->memory, field->value, field->xyz);
     memset(field, 0, sizeof *field);

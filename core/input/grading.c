@@ -44,8 +44,6 @@ vor_status vor_grading_init(struct vor_grading *out, const struct vor_graph *gra
 
 void vor_grading_free(struct vor_grading *grading)
 {
-    if (grading->memory == NULL)
-        return;
     VOR_FREE_ALL(grading->memory, grading->to, grading->queue, grading->first);
     memset(grading, 0, sizeof *grading);
 }

@@ -476,8 +476,6 @@ vor_status vor_loops_find(struct vor_loops *out, const struct vor_domain *domain
 
 void vor_loops_free(struct vor_loops *loops)
 {
-    if (loops->memory == NULL)
-        return;
     VOR_FREE_ALL(loops->memory, loops->point, loops->loop);
     memset(loops, 0, sizeof *loops);
 }

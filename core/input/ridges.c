@@ -288,8 +288,6 @@ vor_status vor_ridges_follow(struct vor_ridges *out, const struct vor_domain *do
 
 void vor_ridges_free(struct vor_ridges *ridges)
 {
-    if (ridges->memory == NULL)
-        return;
     VOR_FREE_ALL(ridges->memory, ridges->ridge, ridges->xyz);
     memset(ridges, 0, sizeof *ridges);
 }

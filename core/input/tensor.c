@@ -62,8 +62,6 @@ void vor_tensor_find(struct vor_tensor_near *out, const struct vor_tensors *tens
 
 void vor_tensors_free(struct vor_tensors *tensors)
 {
-    if (tensors->memory == NULL)
-        return;
     vor_knn_free(tensors->knn);
     VOR_FREE_ALL(tensors->memory, tensors->tensor, tensors->normal, tensors->xyz);
     memset(tensors, 0, sizeof *tensors);

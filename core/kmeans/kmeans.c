@@ -194,10 +194,9 @@ vor_status vor_kmeans_run(struct vor_seeds *out, struct vor_outcome *told,
             memcpy(&seeds.xyz[3 * taken++], &seeds.domain->xyz[3 * i], 3 * sizeof *seeds.xyz);
     told->seconds_start = vor_run_clock(run) - before;
     status = cluster(&seeds, told, spec, run, err);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = seeds;
+    else
         vor_seeds_free(&seeds);
-        return status;
-    }
-    *out = seeds;
-    return VOR_OK;
+    return status;
 }

@@ -66,8 +66,6 @@ void vor_input_lists_onto(struct vor_input_lists *lists, const struct vor_knn *k
 
 void vor_input_lists_free(struct vor_input_lists *lists)
 {
-    if (lists->memory == NULL)
-        return;
     VOR_FREE_ALL(lists->memory, lists->reach, lists->anchor, lists->list, lists->has, lists->k);
     memset(lists, 0, sizeof *lists);
 }

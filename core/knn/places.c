@@ -118,8 +118,6 @@ vor_status vor_places_find(struct vor_places *out, const float *xyz, size_t n, s
 
 void vor_places_free(struct vor_places *places)
 {
-    if (places->memory == NULL)
-        return;
     VOR_FREE_ALL(places->memory, places->point, places->first, places->xyz);
     *places = (struct vor_places){.memory = NULL};
 }

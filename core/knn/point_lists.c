@@ -47,8 +47,6 @@ vor_status vor_point_lists_init(struct vor_point_lists *out, size_t n, unsigned 
 
 void vor_point_lists_free(struct vor_point_lists *lists)
 {
-    if (lists->memory == NULL)
-        return;
     vor_knn_free(lists->knn);
     VOR_FREE_ALL(lists->memory, lists->list, lists->reach, lists->place, lists->anchor);
     memset(lists, 0, sizeof *lists);

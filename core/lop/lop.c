@@ -337,12 +337,11 @@ vor_status vor_wlop_run(struct vor_seeds *out, struct vor_outcome *told,
     VOR_THEN(status, vor_polish(&seeds, told, spec, run, err));
     vor_lop_samples_free(&lop.samples);
     vor_domain_free(&lop.thin);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = seeds;
+    else
         vor_seeds_free(&seeds);
-        return status;
-    }
-    *out = seeds;
-    return VOR_OK;
+    return status;
 }
 
 /* The input with its normals. */
@@ -540,10 +539,9 @@ vor_status vor_ear_run(struct vor_seeds *out, struct vor_outcome *told,
     vor_orientation_free(&lop.sides, run->memory);
     vor_domain_free(&lop.thin);
     vor_domain_free(&lop.coarse);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = seeds;
+    else
         vor_seeds_free(&seeds);
-        return status;
-    }
-    *out = seeds;
-    return VOR_OK;
+    return status;
 }

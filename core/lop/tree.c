@@ -82,8 +82,6 @@ vor_status vor_lop_tree_init(struct vor_lop_tree *out, struct vor_memory *memory
 
 void vor_lop_tree_free(struct vor_lop_tree *tree)
 {
-    if (tree->memory == NULL)
-        return;
     VOR_FREE_ALL(tree->memory, tree->leaf, tree->node);
     *tree = (struct vor_lop_tree){0};
 }

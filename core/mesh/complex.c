@@ -19,8 +19,6 @@ vor_status vor_complex_init(struct vor_complex *out, size_t n, struct vor_memory
 
 void vor_complex_free(struct vor_complex *complex)
 {
-    if (complex->memory == NULL)
-        return;
     VOR_FREE_ALL(complex->memory, complex->degree, complex->around, complex->triangle);
     memset(complex, 0, sizeof *complex);
 }

@@ -207,8 +207,6 @@ vor_status vor_rims_find(struct vor_rims *out, const struct vor_complex *complex
 
 void vor_rims_free(struct vor_rims *rims)
 {
-    if (rims->memory == NULL)
-        return;
     VOR_FREE_ALL(rims->memory, rims->point, rims->start);
     memset(rims, 0, sizeof *rims);
 }

@@ -129,8 +129,6 @@ vor_status vor_twosided_make(struct vor_twosided *out, const struct vor_complex 
 
 void vor_twosided_free(struct vor_twosided *sides)
 {
-    if (sides->memory == NULL)
-        return;
     VOR_FREE_ALL(sides->memory, sides->one, sides->contrary, sides->parent);
     memset(sides, 0, sizeof *sides);
 }

@@ -427,10 +427,9 @@ vor_status vor_remesh_run(struct vor_seeds *out, struct vor_outcome *told,
         status = spread(&seeds, told, &shorter, run, err);
     VOR_THEN(status, vor_polish(&seeds, told, &shorter, run, err));
     vor_domain_free(&thin);
-    if (status != VOR_OK) {
+    if (status == VOR_OK)
+        *out = seeds;
+    else
         vor_seeds_free(&seeds);
-        return status;
-    }
-    *out = seeds;
-    return VOR_OK;
+    return status;
 }

@@ -36,8 +36,6 @@ struct line {
 
 static void line_free(struct line *line)
 {
-    if (line->memory == NULL)
-        return;
     VOR_FREE_ALL(line->memory, line->sum, line->next, line->at);
     memset(line, 0, sizeof *line);
 }
@@ -526,8 +524,6 @@ vor_status vor_sites_find(struct vor_sites *out, const struct vor_domain *domain
 
 void vor_sites_free(struct vor_sites *sites)
 {
-    if (sites->memory == NULL)
-        return;
     VOR_FREE_ALL(sites->memory, sites->outward, sites->place, sites->xyz);
     memset(sites, 0, sizeof *sites);
 }
