@@ -13,7 +13,7 @@ enum {
     MIDDLING = 16,
     LAST = 8,
     FEWEST = 6,
-    STEPS = 4
+    STEPS_TOLD = 4
 };
 
 /* A pose that scores less than this share of the best is not looked at again. */
@@ -190,7 +190,7 @@ static void keep_best(struct align *align, unsigned most)
 /* Tells the watch of the best pose so far. A stop has nothing to hand back yet. */
 static vor_status tell_step(const struct align *align, struct vor_error *err)
 {
-    struct vor_record record = {.stage = VOR_RUN_STAGE_ALIGN, .of = STEPS};
+    struct vor_record record = {.stage = VOR_RUN_STAGE_ALIGN, .of = STEPS_TOLD};
 
     record.iteration = record.step = align->steps;
     record.delta = record.sigma = record.epsilon = record.mse = NAN;
