@@ -119,16 +119,15 @@ static void sample_triangle(double out[3], const double *a, const double *b, con
         out[d] = a[d] + s * (b[d] - a[d]) + t * (c[d] - a[d]);
 }
 
-void vor_cell_sample(const struct vor_cell *cell, const double unit[3], double local[3])
+void vor_cell_sample(const struct vor_cell *cell, double area, const double unit[3],
+                     double local[3])
 {
-    struct vor_moments moments;
-    double left;
+    double left = unit[0] * area;
 
-    if (!vor_cell_moments(&moments, cell)) {
+    if (!(area > 0)) {
         memcpy(local, cell->seed, sizeof cell->seed);
         return;
     }
-    left = unit[0] * moments.area;
     for (unsigned i = 0; i < cell->count; i++) {
         const struct vor_polygon *polygon = &cell->piece[i];
         const double *a = polygon->vertex[0];

@@ -186,6 +186,8 @@ static void place_sample(const struct areas *areas, struct vor_scratch *scratch,
 static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, size_t first,
                         size_t n)
 {
+    struct vor_moments moments;
+    double area = vor_cell_moments(&moments, &scratch->cell) ? moments.area : 0;
     struct spread spread;
     size_t drawn;
     double unit[3];
@@ -199,7 +201,7 @@ static void sample_cell(const struct areas *areas, struct vor_scratch *scratch, 
     for (size_t j = 0; j < drawn; j++) {
         for (size_t c = 0; c < 3; c++)
             unit[c] = vor_rng_unit(areas->seed, STREAM_SAMPLE, 3 * (first * RANDOM + j) + c);
-        vor_cell_sample(&scratch->cell, unit, spread.pool[j]);
+        vor_cell_sample(&scratch->cell, area, unit, spread.pool[j]);
     }
     start_apart(&spread);
     for (int round = 0; round < ROUNDS; round++)
