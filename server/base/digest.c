@@ -9,49 +9,43 @@
 #include <string.h>
 #include <unistd.h>
 
-struct vor_digest {
-    struct sha256_ctx state;
-};
+_Static_assert(sizeof(struct sha256_ctx) <= sizeof(struct vor_digest), "its state has room");
 
-static void write_hex(struct sha256_ctx *state, char out[VOR_DIGEST_SIZE])
+#define OF(digest) ((struct sha256_ctx *)(digest)->state)
+
+void vor_digest_begin(struct vor_digest *digest)
 {
-    uint8_t bytes[SHA256_DIGEST_SIZE];
-
-    sha256_digest(state, sizeof bytes, bytes);
-    base16_encode_update(out, sizeof bytes, bytes);
-    out[VOR_DIGEST_SIZE - 1] = '\0';
-}
-
-struct vor_digest *vor_digest_create(void)
-{
-    struct vor_digest *digest = malloc(sizeof *digest);
-
-    if (digest != NULL)
-        sha256_init(&digest->state);
-    return digest;
+    sha256_init(OF(digest));
 }
 
 void vor_digest_update(struct vor_digest *digest, const void *bytes, size_t size)
 {
-    sha256_update(&digest->state, size, bytes);
+    sha256_update(OF(digest), size, bytes);
 }
 
 void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE])
 {
-    struct sha256_ctx state = digest->state; /* reading the digest would reset it */
+    struct vor_digest copy = *digest; /* reading the digest resets it */
+    uint8_t bytes[SHA256_DIGEST_SIZE];
 
-    write_hex(&state, out);
+    sha256_digest(OF(&copy), sizeof bytes, bytes);
+    base16_encode_update(out, sizeof bytes, bytes);
+    out[VOR_DIGEST_SIZE - 1] = '\0';
+}
+
+void vor_digest_text(const void *bytes, size_t size, char out[VOR_DIGEST_SIZE])
+{
+    struct vor_digest digest;
+
+    vor_digest_begin(&digest);
+    vor_digest_update(&digest, bytes, size);
+    vor_digest_hex(&digest, out);
 }
 
 void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE])
 {
-    struct sha256_ctx state;
-
-    sha256_init(&state);
-    sha256_update(&state, size, bytes);
-    out[0] = '"';
-    write_hex(&state, out + 1);
-    out[VOR_ETAG_SIZE - 2] = '"';
+    vor_digest_text(bytes, size, out + 1);
+    out[0] = out[VOR_ETAG_SIZE - 2] = '"';
     out[VOR_ETAG_SIZE - 1] = '\0';
 }
 
@@ -68,10 +62,10 @@ int vor_digest_file(int fd, uint64_t from, uint64_t size, char out[VOR_DIGEST_SI
 {
     enum { BLOCK = 1 << 18 }; /* bytes */
     const uint64_t end = from + size;
-    struct sha256_ctx state;
+    struct vor_digest digest;
     uint8_t *block = malloc(BLOCK);
 
-    sha256_init(&state);
+    vor_digest_begin(&digest);
     while (block != NULL && from < end) {
         ssize_t got =
             pread(fd, block, end - from < BLOCK ? (size_t)(end - from) : BLOCK, (off_t)from);
@@ -80,11 +74,11 @@ int vor_digest_file(int fd, uint64_t from, uint64_t size, char out[VOR_DIGEST_SI
             break;
         if (got < 0)
             continue;
-        sha256_update(&state, (size_t)got, block);
+        vor_digest_update(&digest, block, (size_t)got);
         from += (uint64_t)got;
     }
     free(block);
-    write_hex(&state, out);
+    vor_digest_hex(&digest, out);
     return block != NULL && from == end;
 }
 
@@ -107,9 +101,4 @@ int vor_digest_is_one(const char *text)
 {
     return strlen(text) == VOR_DIGEST_SIZE - 1 &&
            strspn(text, "0123456789abcdef") == VOR_DIGEST_SIZE - 1;
-}
-
-void vor_digest_destroy(struct vor_digest *digest)
-{
-    free(digest);
 }

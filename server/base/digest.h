@@ -9,16 +9,19 @@
 /** 64 lower-case hexadecimal digits and their NUL. */
 #define VOR_DIGEST_SIZE 65
 
-struct vor_digest;
+/** A digest under way: the library's state. A copy goes on by itself. */
+struct vor_digest {
+    uint64_t state[14];
+};
 
-/** A fresh digest, NULL when memory is out. */
-struct vor_digest *vor_digest_create(void);
+void vor_digest_begin(struct vor_digest *digest);
 void vor_digest_update(struct vor_digest *digest, const void *bytes, size_t size);
 
 /** Writes the digest of everything so far; updating may go on. */
 void vor_digest_hex(const struct vor_digest *digest, char out[VOR_DIGEST_SIZE]);
 
-/** The digest of bytes that are all there, as a strong entity tag: 64 digits in quotes. */
+/** The digest of bytes that are all there; and as a strong entity tag: 64 digits in quotes. */
+void vor_digest_text(const void *bytes, size_t size, char out[VOR_DIGEST_SIZE]);
 #define VOR_ETAG_SIZE (VOR_DIGEST_SIZE + 2)
 void vor_digest_etag(const void *bytes, size_t size, char out[VOR_ETAG_SIZE]);
 
@@ -40,8 +43,5 @@ int vor_digest_same(const uint8_t a[VOR_DIGEST_BYTES], const uint8_t b[VOR_DIGES
 
 /** True for 64 such digits. */
 int vor_digest_is_one(const char *text);
-
-/** digest may be NULL. */
-void vor_digest_destroy(struct vor_digest *digest);
 
 #endif

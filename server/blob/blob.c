@@ -2,6 +2,7 @@
 
 #include "server/base/disk.h"
 #include "server/blob/dir.h"
+#include "server/blob/pieces.h"
 #include "server/blob/remote.h"
 
 #include <assert.h>
@@ -90,42 +91,28 @@ static vor_status refuse(const char *where, struct vor_error *err)
                           forms);
 }
 
-/* The index of the driver of a place, and what stands behind its scheme; DRIVERS for none. */
-static unsigned driver_of(const char *where, const char **place)
+vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
+                          const struct vor_blob_cache *cache, long *holder, struct vor_error *err)
 {
-    unsigned i = 0;
+    const char *place = where;
+    unsigned i = POSTGRES;
+    vor_status status;
 
-    *place = where;
-    if (strncmp(where, "postgresql://", 13) == 0) /* the other form of its URIs */
-        return POSTGRES;
-    while (i < DRIVERS && (*place = vor_storage_place(where, drivers[i]->scheme)) == NULL)
-        i++;
-    return i;
-}
-
-static vor_status open_with(const struct vor_blob_driver *driver, struct vor_blobs **out,
-                            const char *place, const struct vor_blob_cache *cache, long *holder,
-                            struct vor_error *err)
-{
-    vor_status status = driver->open(out, place, cache, holder, err);
-
+    *holder = 0;
+    if (strncmp(where, "postgresql://", 13) != 0) /* the other form of its URIs */
+        for (i = 0; i < DRIVERS; i++)
+            if ((place = vor_storage_place(where, drivers[i]->scheme)) != NULL)
+                break;
+    if (i == DRIVERS)
+        return refuse(where, err);
+    status = drivers[i]->open(out, place, cache, holder, err);
     if (status != VOR_OK)
         return status;
-    (*out)->driver = driver;
+    (*out)->driver = drivers[i];
     (*out)->reserve = VOR_BLOBS_RESERVE;
     atomic_init(&(*out)->is_broken, 0);
     atomic_init(&(*out)->promised, 0);
     return VOR_OK;
-}
-
-vor_status vor_blobs_open(struct vor_blobs **out, const char *where,
-                          const struct vor_blob_cache *cache, long *holder, struct vor_error *err)
-{
-    const char *place;
-    unsigned i = driver_of(where, &place);
-
-    *holder = 0;
-    return i < DRIVERS ? open_with(drivers[i], out, place, cache, holder, err) : refuse(where, err);
 }
 
 void vor_blobs_close(struct vor_blobs *blobs)
@@ -208,11 +195,7 @@ vor_status vor_blob_create(struct vor_blobs *blobs, struct vor_blob_writer **out
     if (status != VOR_OK)
         return status;
     writer->blobs = blobs;
-    writer->digest = vor_digest_create();
-    if (writer->digest == NULL) {
-        vor_blob_discard(writer);
-        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
-    }
+    vor_digest_begin(&writer->digest);
     *out = writer;
     return VOR_OK;
 }
@@ -229,6 +212,7 @@ vor_status vor_blob_reopen(struct vor_blobs *blobs, const struct vor_blob_source
     if (status != VOR_OK || !*found)
         return status;
     (*out)->blobs = blobs;
+    (*out)->is_whole = 1;
     memcpy((*out)->sha256, from->sha256, sizeof from->sha256);
     return VOR_OK;
 }
@@ -287,7 +271,7 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     const char *at = bytes;
     size_t left = size;
 
-    assert(writer->digest != NULL);
+    assert(!writer->is_whole);
     if (writer->is_promised && size > writer->promised && writer->failure.status == VOR_OK)
         extend_promise(writer, size);
     while (writer->failure.status == VOR_OK && left > 0) {
@@ -302,10 +286,24 @@ vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes, si
     }
     if (writer->failure.status != VOR_OK)
         return vor_blob_failure(writer, err);
-    vor_digest_update(writer->digest, bytes, size);
+    vor_digest_update(&writer->digest, bytes, size);
     writer->size += size;
     redeem(writer, size);
     return VOR_OK;
+}
+
+vor_status vor_blob_append_file(struct vor_blob_writer *writer, int fd, uint64_t from,
+                                uint64_t size, struct vor_error *err)
+{
+    char bytes[1 << 16];
+    vor_status status = VOR_OK;
+
+    for (uint64_t at = 0, now; status == VOR_OK && at < size; at += now) {
+        now = size - at < sizeof bytes ? size - at : sizeof bytes;
+        status = vor_piece_read(fd, from + at, bytes, (size_t)now, err);
+        VOR_THEN(status, vor_blob_append(writer, bytes, (size_t)now, err));
+    }
+    return status;
 }
 
 static int sink_write(void *ctx, const void *bytes, size_t size)
@@ -332,10 +330,10 @@ uint64_t vor_blob_size(const struct vor_blob_writer *writer)
 
 void vor_blob_sha256(const struct vor_blob_writer *writer, char out[VOR_DIGEST_SIZE])
 {
-    if (writer->digest != NULL)
-        vor_digest_hex(writer->digest, out);
-    else
+    if (writer->is_whole)
         memcpy(out, writer->sha256, VOR_DIGEST_SIZE);
+    else
+        vor_digest_hex(&writer->digest, out);
 }
 
 int vor_blob_fd(const struct vor_blob_writer *writer)
@@ -350,11 +348,7 @@ struct vor_blob_writer *vor_blob_borrow(int fd)
     if (writer == NULL)
         return NULL;
     writer->fd = fd;
-    writer->digest = vor_digest_create();
-    if (writer->digest == NULL) {
-        free(writer);
-        return NULL;
-    }
+    vor_digest_begin(&writer->digest);
     return writer;
 }
 
@@ -368,8 +362,7 @@ vor_status vor_blob_adopt(struct vor_blob_writer *writer, uint64_t size,
     if (info.st_size < 0 || (uint64_t)info.st_size != size)
         return vor_fail(err, VOR_E_INTERNAL, "a result has %lld bytes instead of %llu",
                         (long long)info.st_size, (unsigned long long)size);
-    vor_digest_destroy(writer->digest);
-    writer->digest = NULL;
+    writer->is_whole = 1;
     writer->size = size;
     memcpy(writer->sha256, sha256, VOR_DIGEST_SIZE);
     return VOR_OK;
@@ -387,7 +380,7 @@ vor_status vor_blob_commit(struct vor_blob_writer *writer, const struct vor_uuid
                            const char *name, struct vor_error *err)
 {
     char file[VOR_BLOB_FILE_SIZE];
-    struct vor_error failure;
+    struct vor_error failure = {.status = VOR_OK};
     vor_status status = vor_blob_failure(writer, &failure);
 
     assert(is_name(name));
@@ -404,7 +397,6 @@ void vor_blob_discard(struct vor_blob_writer *writer)
 {
     if (writer == NULL)
         return;
-    vor_digest_destroy(writer->digest);
     if (writer->blobs == NULL) {
         free(writer); /* a borrowed file */
         return;

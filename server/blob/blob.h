@@ -148,6 +148,12 @@ VOR_NODISCARD vor_status vor_blob_reopen(struct vor_blobs *blobs,
 VOR_NODISCARD vor_status vor_blob_append(struct vor_blob_writer *writer, const void *bytes,
                                          size_t size, struct vor_error *err);
 
+/** Appends bytes of a file, from a place on.
+ *
+ *  @retval VOR_E_IO also when the file has not so many */
+VOR_NODISCARD vor_status vor_blob_append_file(struct vor_blob_writer *writer, int fd, uint64_t from,
+                                              uint64_t size, struct vor_error *err);
+
 /** The same as a sink for codecs. When a codec fails with VOR_E_IO, vor_blob_failure has the
  *  reason. */
 struct vor_sink vor_blob_sink(struct vor_blob_writer *writer);

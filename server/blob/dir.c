@@ -48,11 +48,6 @@ static int open_directory(const char *path, const char *name, struct vor_error *
     return fd;
 }
 
-static int is_dots(const char *name)
-{
-    return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
-}
-
 /* Calls visit for every name in a directory. */
 static vor_status each_name(int directory, void (*visit)(void *ctx, const char *name), void *ctx,
                             struct vor_error *err)
@@ -70,7 +65,7 @@ static vor_status each_name(int directory, void (*visit)(void *ctx, const char *
         return vor_fail_errno(err, number, "the folder of stored files");
     }
     while ((errno = 0, entry = readdir(stream)) != NULL)
-        if (!is_dots(entry->d_name))
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
             visit(ctx, entry->d_name);
     status = errno == 0 ? VOR_OK : vor_fail_errno(err, errno, "the folder of stored files");
     closedir(stream);

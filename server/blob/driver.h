@@ -55,7 +55,8 @@ struct vor_blob_writer {
     int is_lazy;                  /**< the commit need not be durable */
     int is_promised;              /**< every byte needs a promise (vor_blob_promise) */
     uint64_t promised;            /**< bytes that are still to come */
-    struct vor_digest *digest;    /**< NULL when the bytes are those of another blob */
+    int is_whole;                 /**< the bytes are those of another blob, or all there */
+    struct vor_digest digest;     /**< else */
     char sha256[VOR_DIGEST_SIZE]; /**< then */
     struct vor_blob_patience patience;
     struct vor_error failure; /**< of the first append that failed; else its status is VOR_OK */

@@ -37,25 +37,25 @@ static size_t piece_size(uint64_t at, uint64_t end)
 vor_status vor_pieces_write(struct vor_text *out, int fd, uint64_t size, const char *sha256,
                             struct vor_error *err)
 {
-    struct vor_digest *whole = vor_digest_create();
+    struct vor_digest whole;
     uint8_t *piece = malloc(VOR_BLOB_PIECE), found[VOR_DIGEST_BYTES];
     char read_sha256[VOR_DIGEST_SIZE] = "";
-    vor_status status = whole != NULL && piece != NULL
-                            ? VOR_OK
-                            : vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
+    vor_status status =
+        piece != NULL ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
 
+    vor_digest_begin(&whole);
     vor_text_add(out, sha256, WHOLE);
     for (uint64_t at = 0; status == VOR_OK && at < size; at += VOR_BLOB_PIECE) {
         status = vor_piece_read(fd, at, piece, piece_size(at, size), err);
         if (status != VOR_OK)
             break;
-        vor_digest_update(whole, piece, piece_size(at, size));
+        vor_digest_update(&whole, piece, piece_size(at, size));
         vor_digest_of(piece, piece_size(at, size), found);
         vor_text_add(out, found, sizeof found);
     }
     VOR_THEN(status, vor_text_status(out, err));
     if (status == VOR_OK) {
-        vor_digest_hex(whole, read_sha256);
+        vor_digest_hex(&whole, read_sha256);
         vor_digest_of(out->data, out->size, found);
         vor_text_add(out, found, sizeof found);
         status = strcmp(read_sha256, sha256) == 0
@@ -63,7 +63,6 @@ vor_status vor_pieces_write(struct vor_text *out, int fd, uint64_t size, const c
                      : vor_fail(err, VOR_E_DAMAGED,
                                 "a temporary file does not contain what was written to it");
     }
-    vor_digest_destroy(whole);
     free(piece);
     return status;
 }

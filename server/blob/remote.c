@@ -292,8 +292,8 @@ static vor_status put(struct remote *remote, const char *key, const struct vor_o
 static vor_status put_pieces(struct remote *remote, const char *key, const struct vor_text *list,
                              const struct vor_blob_patience *patience, struct vor_error *err)
 {
-    char etag[VOR_ETAG_SIZE];
-    struct vor_object_bytes bytes = {-1, list->size, etag + 1, patience};
+    char sha256[VOR_DIGEST_SIZE];
+    struct vor_object_bytes bytes = {-1, list->size, sha256, patience};
     struct vor_arrival file = {.fd = -1};
     struct vor_blob_writer *writer = NULL;
     vor_status status = vor_blob_dir.create(&remote->copies.base, &writer, err);
@@ -302,8 +302,7 @@ static vor_status put_pieces(struct remote *remote, const char *key, const struc
         return status;
     writer->blobs = &remote->copies.base;
     bytes.fd = file.fd = writer->fd;
-    vor_digest_etag(list->data, list->size, etag);
-    etag[VOR_ETAG_SIZE - 2] = '\0'; /* without its quotes */
+    vor_digest_text(list->data, list->size, sha256);
     if (vor_arrival_take(&file, 0, list->data, list->size))
         status = put(remote, key, &bytes, err);
     else
@@ -323,10 +322,10 @@ static vor_status commit(struct vor_blob_writer *writer, const char *file, struc
     struct vor_text list;
     vor_status status = VOR_OK;
 
-    if (writer->digest != NULL)
-        vor_digest_hex(writer->digest, sha256);
-    else
+    if (writer->is_whole)
         memcpy(sha256, writer->sha256, sizeof sha256);
+    else
+        vor_digest_hex(&writer->digest, sha256);
     vor_text_init(&list, 0);
     if (has_pieces)
         status = vor_pieces_write(&list, writer->fd, writer->size, sha256, err);

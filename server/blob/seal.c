@@ -36,18 +36,12 @@ vor_status vor_blob_unseal(const uint8_t *bytes, size_t *size, const char *name,
                            struct vor_error *err)
 {
     char found[VOR_DIGEST_SIZE];
-    struct vor_digest *digest;
     struct seal seal;
 
     if (*size < sizeof seal || memcmp(bytes + *size - sizeof seal, mark, sizeof mark) != 0)
         return VOR_OK;
-    digest = vor_digest_create();
-    if (digest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
     memcpy(&seal, bytes + *size - sizeof seal, sizeof seal);
-    vor_digest_update(digest, bytes, *size - sizeof seal);
-    vor_digest_hex(digest, found);
-    vor_digest_destroy(digest);
+    vor_digest_text(bytes, *size - sizeof seal, found);
     if (memcmp(found, seal.sha256, sizeof seal.sha256) != 0)
         return damaged(name, err);
     *size -= sizeof seal;
@@ -68,7 +62,7 @@ vor_status vor_blob_compare(int fd, uint64_t size, const char *sha256, const cha
 
 vor_status vor_blob_recheck(const struct vor_blob_writer *writer, struct vor_error *err)
 {
-    if (writer->digest != NULL)
+    if (!writer->is_whole)
         return VOR_OK;
     return vor_blob_compare(writer->fd, writer->size, writer->sha256, "of the other job", err);
 }

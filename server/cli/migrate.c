@@ -12,8 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { CHUNK = 1 << 20 };
-
 struct file {
     struct vor_uuid id;
     char name[VOR_BLOB_NAME_MAX + 1];
@@ -62,28 +60,6 @@ static vor_status list(struct vor_blobs *blobs, struct files *out, struct vor_er
                                              : status;
 }
 
-static vor_status copy_bytes(struct vor_blob_writer *writer, int fd, struct vor_error *err)
-{
-    char *buffer = malloc(CHUNK);
-    vor_status status = buffer != NULL ? VOR_OK : vor_fail(err, VOR_E_NOMEM, "a copy of a file");
-    off_t at = 0;
-
-    while (status == VOR_OK) {
-        ssize_t got = pread(fd, buffer, CHUNK, at);
-
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got < 0)
-            status = vor_fail_errno(err, errno, "a file of DATA");
-        if (got <= 0)
-            break;
-        status = vor_blob_append(writer, buffer, (size_t)got, err);
-        at += got;
-    }
-    free(buffer);
-    return status;
-}
-
 /* One that is there with its size was copied whole. */
 static vor_status copy_file(struct migration *move, const struct file *file, struct vor_error *err)
 {
@@ -101,7 +77,7 @@ static vor_status copy_file(struct migration *move, const struct file *file, str
         move->files_were_there++;
     } else if (status == VOR_OK) {
         status = vor_blob_create(move->blobs, &writer, err);
-        VOR_THEN(status, copy_bytes(writer, fd, err));
+        VOR_THEN(status, vor_blob_append_file(writer, fd, 0, size, err));
         if (status == VOR_OK)
             status = vor_blob_commit(writer, &file->id, file->name, err);
         else

@@ -25,7 +25,8 @@ struct exchange {
     struct vor_remote_call *call;
     const char *url;
     char link[VOR_REMOTE_URL_MAX]; /* to where a file comes from, if that is elsewhere */
-    struct vor_digest *digest;     /* of that file; else NULL */
+    int is_there;                  /* the call goes there */
+    struct vor_digest digest;      /* of that file */
 };
 
 /* A command speaks to one daemon: "" for one that its URL names. */
@@ -108,18 +109,6 @@ vor_status vor_remote_authorize(struct vor_remote *remote, const char *url, cons
     return VOR_OK;
 }
 
-/* The header with the key, NULL for a call that goes elsewhere. */
-static const char *authorization_for(const struct vor_remote *remote, const char *url)
-{
-    char origin[VOR_REMOTE_URL_MAX];
-
-    if (remote->authorization == NULL)
-        return NULL;
-    write_origin(origin, url);
-    return origin[0] != '\0' && strcasecmp(origin, remote->origin) == 0 ? remote->authorization
-                                                                        : NULL;
-}
-
 static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
 {
     struct exchange *exchange = ctx;
@@ -128,8 +117,8 @@ static size_t on_bytes(char *bytes, size_t unit, size_t count, void *ctx)
     long http = 0;
 
     (void)curl->easy_getinfo(exchange->remote->handle, CURLINFO_RESPONSE_CODE, &http);
-    if (exchange->digest != NULL)
-        vor_digest_update(exchange->digest, bytes, size);
+    if (exchange->is_there)
+        vor_digest_update(&exchange->digest, bytes, size);
     if (call->take != NULL && http >= 200 && http < 300) {
         call->was_stopped = call->take(call->ctx, bytes, size) != 0;
         return call->was_stopped ? CURL_WRITEFUNC_ERROR : size;
@@ -186,7 +175,7 @@ static void set_up(CURL *handle, struct exchange *exchange)
     const struct vor_remote_call *call = exchange->call;
 
     vor_curl_begin(handle, exchange->url, exchange->remote->why);
-    if (socket_path[0] != '\0' && exchange->digest == NULL)
+    if (socket_path[0] != '\0' && !exchange->is_there)
         curl->easy_setopt(handle, CURLOPT_UNIX_SOCKET_PATH, socket_path);
     curl->easy_setopt(handle, CURLOPT_TCP_KEEPALIVE, 1L);
     curl->easy_setopt(handle, CURLOPT_TIMEOUT, (long)call->timeout_seconds);
@@ -199,17 +188,6 @@ static void set_up(CURL *handle, struct exchange *exchange)
     curl->easy_setopt(handle, CURLOPT_XFERINFOFUNCTION, on_tick);
     curl->easy_setopt(handle, CURLOPT_XFERINFODATA, exchange);
     curl->easy_setopt(handle, CURLOPT_CUSTOMREQUEST, call->method);
-}
-
-/* A part that curl takes for a file, by its name. */
-static int add_part(curl_mime *form, struct vor_remote_file *file)
-{
-    curl_mimepart *part = curl->mime_addpart(form);
-
-    return part != NULL && curl->mime_name(part, file->name) == CURLE_OK &&
-           curl->mime_filename(part, file->name) == CURLE_OK &&
-           curl->mime_data_cb(part, (curl_off_t)file->size, on_file, on_rewind, NULL, file) ==
-               CURLE_OK;
 }
 
 /* What the call sends. *form is freed after the call. */
@@ -227,9 +205,17 @@ static int send_files(CURL *handle, struct vor_remote_call *call, curl_mime **fo
     if (call->files < 2)
         return 1;
     *form = curl->mime_init(handle);
-    for (unsigned i = 0; i < call->files; i++)
-        if (*form == NULL || !add_part(*form, &call->file[i]))
+    for (unsigned i = 0; i < call->files; i++) {
+        struct vor_remote_file *file = &call->file[i];
+        curl_mimepart *part = *form != NULL ? curl->mime_addpart(*form) : NULL;
+
+        /* A part that curl takes for a file, by its name. */
+        if (part == NULL || curl->mime_name(part, file->name) != CURLE_OK ||
+            curl->mime_filename(part, file->name) != CURLE_OK ||
+            curl->mime_data_cb(part, (curl_off_t)file->size, on_file, on_rewind, NULL, file) !=
+                CURLE_OK)
             return 0;
+    }
     return curl->easy_setopt(handle, CURLOPT_MIMEPOST, *form) == CURLE_OK;
 }
 
@@ -253,14 +239,17 @@ static int send_headers(const struct exchange *exchange, struct curl_slist **out
 {
     const struct vor_remote *remote = exchange->remote;
     const struct vor_remote_call *call = exchange->call;
-    const char *authorization = /* a link is signed itself, even at the origin of the daemon */
-        exchange->digest == NULL ? authorization_for(remote, exchange->url) : NULL;
+    char origin[VOR_REMOTE_URL_MAX] = "";
 
     *out = NULL;
+    /* The key goes nowhere else; a link is signed itself, even at the origin of the daemon. */
+    if (!exchange->is_there && remote->authorization != NULL)
+        write_origin(origin, exchange->url);
     for (size_t i = 0; call->headers != NULL && call->headers[i] != NULL; i++)
         if (!vor_curl_add(out, call->headers[i]))
             return 0;
-    if (authorization != NULL && !vor_curl_add(out, authorization))
+    if (origin[0] != '\0' && strcasecmp(origin, remote->origin) == 0 &&
+        !vor_curl_add(out, remote->authorization))
         return 0;
     return curl->easy_setopt(remote->handle, CURLOPT_HTTPHEADER, *out) == CURLE_OK;
 }
@@ -296,13 +285,11 @@ static vor_status go_there(struct exchange *exchange, struct vor_error *err)
 
     memcpy(exchange->link, call->location, sizeof exchange->link);
     exchange->url = exchange->link;
-    exchange->digest = vor_digest_create();
-    if (exchange->digest == NULL)
-        return vor_fail(err, VOR_E_NOMEM, "the checksum of a file");
+    exchange->is_there = 1;
+    vor_digest_begin(&exchange->digest);
     vor_text_free(&call->text);
     status = perform_once(exchange, err);
-    vor_digest_hex(exchange->digest, sha256);
-    vor_digest_destroy(exchange->digest);
+    vor_digest_hex(&exchange->digest, sha256);
     if (status == VOR_OK && call->http == 200 && !call->was_stopped &&
         strcmp(sha256, call->etag) != 0)
         status = vor_fail(err, VOR_E_DAMAGED,

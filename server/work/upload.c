@@ -1,11 +1,8 @@
 #include "server/work/upload.h"
 
-#include "server/base/disk.h"
 #include "server/base/metrics.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <unistd.h>
 
 void vor_uploads_add(struct vor_uploads *uploads, const struct vor_upload *upload)
 {
@@ -54,29 +51,6 @@ void vor_uploads_discard(struct vor_uploads *uploads)
         vor_uploads_drop_last(uploads);
 }
 
-static vor_status copy_piece(struct vor_blob_writer *out, const struct vor_upload *upload,
-                             struct vor_error *err)
-{
-    char buffer[1 << 16];
-    uint64_t at = 0;
-    vor_status status = VOR_OK;
-
-    while (at < upload->size && status == VOR_OK) {
-        uint64_t left = upload->size - at;
-        ssize_t got = pread(vor_blob_fd(upload->whole), buffer,
-                            left < sizeof buffer ? (size_t)left : sizeof buffer,
-                            (off_t)(upload->offset + at));
-
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return vor_fail_errno(err, got < 0 ? errno : EIO, "a temporary file");
-        status = vor_blob_append(out, buffer, (size_t)got, err);
-        at += (uint64_t)got;
-    }
-    return status;
-}
-
 vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs, struct vor_error *err)
 {
     vor_status status;
@@ -84,7 +58,8 @@ vor_status vor_upload_cut(struct vor_upload *upload, struct vor_blobs *blobs, st
     if (upload->whole == NULL)
         return VOR_OK;
     status = create_file(&upload->bytes, blobs, err);
-    VOR_THEN(status, copy_piece(upload->bytes, upload, err));
+    VOR_THEN(status, vor_blob_append_file(upload->bytes, vor_blob_fd(upload->whole), upload->offset,
+                                          upload->size, err));
     upload->whole = NULL;
     return status;
 }

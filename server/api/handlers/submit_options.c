@@ -182,10 +182,11 @@ void vor_submit_inputs_of_admitted(struct vor_submit_inputs *out,
     }
 }
 
-static vor_status print(struct vor_submit_options *options, const struct vor_spec *spec,
-                        const struct vor_submit_inputs *inputs, struct vor_error *err)
+enum vor_job_outcome vor_submit_options_find(struct vor_submit_options *options,
+                                             const struct vor_app *app, const struct vor_spec *spec,
+                                             const struct vor_submit_inputs *inputs,
+                                             struct vor_job_view *out, struct vor_error *err)
 {
-    struct vor_digest *digest = vor_digest_create();
     struct vor_text text;
     vor_status status;
 
@@ -200,23 +201,9 @@ static vor_status print(struct vor_submit_options *options, const struct vor_spe
                 vor_text_printf(&text, "%s %s\n", info->name, inputs->item[i].sha256);
     vor_text_puts(&text, "\n");
     status = vor_text_status(&text, err);
-    if (status == VOR_OK && digest == NULL)
-        status = vor_fail(err, VOR_E_NOMEM, "the digest of a request");
-    if (status == VOR_OK) {
-        vor_digest_update(digest, text.data, text.size);
-        vor_digest_hex(digest, options->key.fingerprint);
-    }
-    vor_digest_destroy(digest);
+    if (status == VOR_OK)
+        vor_digest_text(text.data, text.size, options->key.fingerprint);
     vor_text_free(&text);
-    return status;
-}
-
-enum vor_job_outcome vor_submit_options_find(struct vor_submit_options *options,
-                                             const struct vor_app *app, const struct vor_spec *spec,
-                                             const struct vor_submit_inputs *inputs,
-                                             struct vor_job_view *out, struct vor_error *err)
-{
-    if (print(options, spec, inputs, err) != VOR_OK)
-        return VOR_FAILED;
-    return vor_job_service_find_key(app->service, &options->key, out, err);
+    return status == VOR_OK ? vor_job_service_find_key(app->service, &options->key, out, err)
+                            : VOR_FAILED;
 }
