@@ -88,37 +88,29 @@ vor_status vor_store_evict(struct vor_store *store, enum vor_evict why, int64_t 
 vor_status vor_store_forget_uploads(struct vor_store *store, const struct vor_uuid *id,
                                     struct vor_error *err)
 {
-    int changed;
-
-    return vor_sql_change(store, &changed, err, "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0",
+    return vor_sql_change(store, NULL, err, "UPDATE job SET kept = 0 WHERE id = ? AND kept > 0",
                           "t", id->text);
-}
-
-static vor_status shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
-{
-    int64_t last = 0;
-    int changed;
-    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
-
-    if (status != VOR_OK)
-        return status;
-    status = vor_sql_change_each(store, vor_sql_take_number, &last, err,
-                                 "SELECT coalesce(max(seq), 0) FROM job", "");
-    for (int64_t from = 0; status == VOR_OK && from < last; from += PORTION)
-        status = vor_sql_change(store, &changed, err,
-                                "UPDATE job SET expires = max(1, expires + ?1)"
-                                " WHERE seq > ?2 AND seq <= ?3 AND expires > 0",
-                                "iii", by_ms, from, from + PORTION);
-    return vor_sql_end(store, status, err);
 }
 
 vor_status vor_store_shift(struct vor_store *store, int64_t by_ms, struct vor_error *err)
 {
     vor_status status;
 
-    do
-        status = shift(store, by_ms, err);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    do {
+        int64_t last = 0;
+
+        status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
+        if (status != VOR_OK)
+            continue;
+        status = vor_sql_change_each(store, vor_sql_take_number, &last, err,
+                                     "SELECT coalesce(max(seq), 0) FROM job", "");
+        for (int64_t from = 0; status == VOR_OK && from < last; from += PORTION)
+            status = vor_sql_change(store, NULL, err,
+                                    "UPDATE job SET expires = max(1, expires + ?1)"
+                                    " WHERE seq > ?2 AND seq <= ?3 AND expires > 0",
+                                    "iii", by_ms, from, from + PORTION);
+        status = vor_sql_end(store, status, err);
+    } while (vor_reserve_made_room(store->reserve, status, err));
     return status;
 }
 
@@ -271,40 +263,29 @@ vor_status vor_store_daemons(struct vor_store *store, int64_t *count, struct vor
                          "SELECT count(*) FROM daemon WHERE lease > clock_ms()", "");
 }
 
-/* The row of an owner stays for an hour, should it come back. */
-static vor_status reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
-                       uint64_t *reaped, struct vor_error *err)
-{
-    int changed = 0, gone;
-    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
-
-    *reaped = 0;
-    if (status != VOR_OK)
-        return status;
-    status = vor_sql_change(store, &changed, err,
-                            "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
-                            " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
-                            " AND (?3 <> 0 OR owner NOT IN"
-                            " (SELECT owner FROM daemon WHERE lease > clock_ms()))",
-                            "tii", owner, now_ms, (int64_t)is_alone);
-    if (status == VOR_OK)
-        status = vor_sql_change(store, &gone, err,
-                                "DELETE FROM daemon WHERE owner <> ?1"
-                                " AND (?2 <> 0 OR lease < clock_ms() - 3600000)",
-                                "ti", owner, (int64_t)is_alone);
-    status = vor_sql_end(store, status, err);
-    if (status == VOR_OK)
-        *reaped = (uint64_t)changed;
-    return status;
-}
-
 vor_status vor_store_reap(struct vor_store *store, const char *owner, int is_alone, int64_t now_ms,
                           uint64_t *reaped, struct vor_error *err)
 {
+    int changed = 0;
     vor_status status;
 
-    do
-        status = reap(store, owner, is_alone, now_ms, reaped, err);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    do {
+        status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
+        if (status != VOR_OK)
+            continue;
+        status = vor_sql_change(store, &changed, err,
+                                "UPDATE job SET status = 'accepted', updated = ?2, alone = 1"
+                                " WHERE status = 'running' AND expired = 0 AND owner <> ?1"
+                                " AND (?3 <> 0 OR owner NOT IN"
+                                " (SELECT owner FROM daemon WHERE lease > clock_ms()))",
+                                "tii", owner, now_ms, (int64_t)is_alone);
+        if (status == VOR_OK) /* the row of an owner stays for an hour, should it come back */
+            status = vor_sql_change(store, NULL, err,
+                                    "DELETE FROM daemon WHERE owner <> ?1"
+                                    " AND (?2 <> 0 OR lease < clock_ms() - 3600000)",
+                                    "ti", owner, (int64_t)is_alone);
+        status = vor_sql_end(store, status, err);
+    } while (vor_reserve_made_room(store->reserve, status, err));
+    *reaped = status == VOR_OK ? (uint64_t)changed : 0;
     return status;
 }

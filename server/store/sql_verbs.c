@@ -45,15 +45,15 @@ static vor_status insert_row(struct vor_store *store, struct vor_job_view *row,
         "ttitttii", row->id.text, row->process, row->created, row->name, row->key.principal,
         row->key.text[0] != '\0' ? row->key.text : NULL, (int64_t)row->kept, (int64_t)row->decoded);
 
-    if (status == VOR_OK)
-        status = vor_sql_change(store, NULL, err,
-                                "INSERT INTO job_text (" VOR_SQL_TEXT
-                                ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                                "iiiiirttttttti", (int64_t)input->format, (int64_t)input->points,
-                                (int64_t)input->bytes, (int64_t)row->memory, row->build.release,
-                                input->seconds, input->sha256, row->key.fingerprint,
-                                vor_span_text(&row->span, traceparent), row->build.engine,
-                                row->message, text->request.data, text->inputs.data, seq);
+    VOR_THEN(status,
+             vor_sql_change(store, NULL, err,
+                            "INSERT INTO job_text (" VOR_SQL_TEXT
+                            ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                            "iiiiirttttttti", (int64_t)input->format, (int64_t)input->points,
+                            (int64_t)input->bytes, (int64_t)row->memory, row->build.release,
+                            input->seconds, input->sha256, row->key.fingerprint,
+                            vor_span_text(&row->span, traceparent), row->build.engine, row->message,
+                            text->request.data, text->inputs.data, seq));
     if (status == VOR_OK)
         row->seq = seq;
     return status;
@@ -184,44 +184,15 @@ static vor_status add_end(struct vor_store *store, int64_t seq, const struct vor
     struct vor_row_text text;
     vor_status status = vor_row_write(&text, row, err);
 
-    if (status == VOR_OK)
-        status = vor_sql_change(store, NULL, err,
-                                "INSERT INTO job_end (" VOR_SQL_END
-                                ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-                                "iiiiitttttti", (int64_t)row->progress, (int64_t)output->format,
-                                (int64_t)output->points, (int64_t)output->bytes,
-                                (int64_t)(report != NULL ? strlen(report) : 0), output->sha256,
-                                row->message, text.metrics.data, text.problem.data,
-                                text.outputs.data, report, seq);
+    VOR_THEN(status, vor_sql_change(store, NULL, err,
+                                    "INSERT INTO job_end (" VOR_SQL_END
+                                    ", seq) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                                    "iiiiitttttti", (int64_t)row->progress, (int64_t)output->format,
+                                    (int64_t)output->points, (int64_t)output->bytes,
+                                    (int64_t)(report != NULL ? strlen(report) : 0), output->sha256,
+                                    row->message, text.metrics.data, text.problem.data,
+                                    text.outputs.data, report, seq));
     vor_row_text_free(&text);
-    return status;
-}
-
-static vor_status finish(struct vor_store *store, const struct vor_job_view *row,
-                         const struct vor_lease *lease, const struct vor_store_ending *ending,
-                         int *changed, struct vor_error *err)
-{
-    int64_t seq = 0;
-    vor_status status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
-
-    *changed = 0;
-    if (status != VOR_OK)
-        return status;
-    status = vor_sql_change_each(
-        store, vor_sql_take_number, &seq, err,
-        "UPDATE job SET status = ?3, updated = ?4, finished = ?4, expires = ?5, attempt = ?6,"
-        " kept = min(kept, ?7), held = ?8"
-        " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
-        " ELSE status = 'running' AND attempt = ?2 AND owner = ?9 END RETURNING seq",
-        "titiiiiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
-        vor_job_status_word(row->status), row->finished, row->expires, (int64_t)row->attempt,
-        (int64_t)row->kept, (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
-    if (status == VOR_OK && seq != 0)
-        status = add_events(store, seq, row->attempt, &ending->events, err);
-    if (status == VOR_OK && seq != 0)
-        status = add_end(store, seq, row, ending->report, err);
-    status = vor_sql_end(store, status, err);
-    *changed = status == VOR_OK && seq != 0;
     return status;
 }
 
@@ -230,13 +201,32 @@ vor_status vor_store_finish(struct vor_store *store, const struct vor_job_view *
                             int *changed, struct vor_error *err)
 {
     static const struct vor_store_ending nothing;
+    int64_t seq;
     vor_status status;
 
     assert(vor_job_status_over(row->status));
     ending = ending != NULL ? ending : &nothing;
-    do
-        status = finish(store, row, lease, ending, changed, err);
-    while (vor_reserve_made_room(store->reserve, status, err));
+    do {
+        seq = 0;
+        status = vor_sql_begin(store, VOR_SQL_DURABLE, err);
+        if (status != VOR_OK)
+            continue;
+        status = vor_sql_change_each(
+            store, vor_sql_take_number, &seq, err,
+            "UPDATE job SET status = ?3, updated = ?4, finished = ?4, expires = ?5, attempt = ?6,"
+            " kept = min(kept, ?7), held = ?8"
+            " WHERE id = ?1 AND CASE ?2 WHEN 0 THEN status IN ('accepted', 'running')"
+            " ELSE status = 'running' AND attempt = ?2 AND owner = ?9 END RETURNING seq",
+            "titiiiiit", row->id.text, (int64_t)(lease != NULL ? lease->attempt : 0),
+            vor_job_status_word(row->status), row->finished, row->expires, (int64_t)row->attempt,
+            (int64_t)row->kept, (int64_t)held_bytes(row), lease != NULL ? lease->owner : NULL);
+        if (status == VOR_OK && seq != 0)
+            status = add_events(store, seq, row->attempt, &ending->events, err);
+        if (status == VOR_OK && seq != 0)
+            status = add_end(store, seq, row, ending->report, err);
+        status = vor_sql_end(store, status, err);
+    } while (vor_reserve_made_room(store->reserve, status, err));
+    *changed = status == VOR_OK && seq != 0;
     if (status == VOR_OK && *changed)
         vor_metric_add(VOR_METRIC_JOBS_ENDED, 1,
                        VOR_LABELS(row->process, vor_job_status_word(row->status)));
