@@ -43,6 +43,10 @@ int vor_text_take(void *text, const void *bytes, size_t size);
 /** @retval VOR_E_NOMEM something was dropped: no memory, or beyond the cap */
 VOR_NODISCARD vor_status vor_text_status(const struct vor_text *text, struct vor_error *err);
 
+/** The control characters of ASCII but the tab and NUL, for strpbrk and its like. */
+#define VOR_CONTROLS                                                                               \
+    "\1\2\3\4\5\6\7\10\12\13\14\15\16\17\20\21\22\23\24\25\26\27\30\31\32\33\34\35\36\37\177"
+
 /** Bytes up to the first CR or LF. */
 size_t vor_line_length(const char *text, size_t size);
 

@@ -1,6 +1,7 @@
 #include "server/base/config.h"
 
 #include "core/base/nearest.h"
+#include "proto/text.h"
 #include "server/base/option.h"
 
 #include <errno.h>
@@ -41,15 +42,6 @@ static vor_status set(struct vor_config *config, int setting, const char *text,
     return VOR_OK;
 }
 
-/* A control byte besides blanks, where an editor shows none. */
-static int has_control(const char *text)
-{
-    for (; *text != '\0'; text++)
-        if (((unsigned char)*text < ' ' && *text != '\t') || *text == 0x7f)
-            return 1;
-    return 0;
-}
-
 /* Reads a file that is a value, but for a newline at its end. variable names the file, for
  * messages.
  */
@@ -79,7 +71,7 @@ static vor_status read_value(char *out, size_t size, const char *variable, const
         out[--got] = '\0';
     if (got > 0 && out[got - 1] == '\r')
         out[--got] = '\0';
-    if (strlen(out) != got || has_control(out))
+    if (strlen(out) != got || strpbrk(out, VOR_CONTROLS) != NULL)
         return vor_fail(err, VOR_E_PARAM,
                         "%.60s: %.200s holds a control byte (such as a line break), want a single "
                         "line without control bytes",
@@ -196,7 +188,7 @@ static vor_status take_line(char *line, unsigned number, struct vor_config *conf
 
     if (name[0] == '\0' || name[0] == '#' || name[0] == ';')
         return VOR_OK;
-    if (has_control(name))
+    if (strpbrk(name, VOR_CONTROLS) != NULL)
         return vor_fail(err, VOR_E_PARAM, "the line has a control character, want name = value");
     if (equals == NULL || equals == name)
         return vor_fail(err, VOR_E_PARAM, "\"%.60s\" is not of the form name = value", name);

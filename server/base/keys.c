@@ -345,7 +345,7 @@ bool vor_keys_find(struct vor_keys *keys, const char *key, struct vor_principal 
 vor_status vor_key_make(const char *name, const char *scopes, const char *quotas,
                         char key[VOR_KEY_SIZE], char line[VOR_KEY_LINE_SIZE], struct vor_error *err)
 {
-    char text[VOR_KEY_SIZE], digest[VOR_ETAG_SIZE];
+    char text[VOR_KEY_SIZE], digest[VOR_DIGEST_SIZE];
     struct key_line read;
     uint8_t bytes[RANDOM_BYTES];
     vor_status status = vor_random_fill(bytes, sizeof bytes, err);
@@ -355,9 +355,9 @@ vor_status vor_key_make(const char *name, const char *scopes, const char *quotas
         return status;
     memcpy(text, VOR_KEY_PREFIX, sizeof VOR_KEY_PREFIX - 1);
     vor_base64_write(bytes, sizeof bytes, text + sizeof VOR_KEY_PREFIX - 1);
-    vor_digest_etag(text, strlen(text), digest);
-    length = snprintf(line, VOR_KEY_LINE_SIZE, "%s:%s:%.*s%s%s", name, scopes, VOR_DIGEST_SIZE - 1,
-                      digest + 1, quotas != NULL ? ":" : "", quotas != NULL ? quotas : "");
+    vor_digest_text(text, strlen(text), digest);
+    length = snprintf(line, VOR_KEY_LINE_SIZE, "%s:%s:%s%s%s", name, scopes, digest,
+                      quotas != NULL ? ":" : "", quotas != NULL ? quotas : "");
     if (length < 0 || length >= VOR_KEY_LINE_SIZE - 1)
         return vor_fail_param(
             err, VOR_E_PARAM, "line",

@@ -1,5 +1,6 @@
 #include "server/http/state.h"
 
+#include "proto/text.h"
 #include "server/base/clock.h"
 
 #include <assert.h>
@@ -9,20 +10,13 @@
 #include <string.h>
 #include <unistd.h>
 
-static bool is_printable(const char *value)
-{
-    for (; *value != '\0'; value++)
-        if ((unsigned char)*value < 0x20 || *value == 0x7f)
-            return false;
-    return true;
-}
-
 void vor_reply_header(struct vor_request *request, const char *name, const char *value)
 {
     struct vor_reply *reply = &request->reply;
     char *copy;
 
-    if (value == NULL || !is_printable(value) || reply->field_count == VOR_REPLY_FIELDS_MAX)
+    if (value == NULL || strpbrk(value, VOR_CONTROLS "\t") != NULL ||
+        reply->field_count == VOR_REPLY_FIELDS_MAX)
         return;
     copy = strdup(value);
     if (copy != NULL) {

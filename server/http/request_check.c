@@ -1,5 +1,6 @@
 #include "server/http/request_check.h"
 
+#include "proto/text.h"
 #include "server/base/uuid.h"
 
 #include <stdbool.h>
@@ -38,14 +39,6 @@ static bool is_token(const char *text)
             return false;
     }
     return true;
-}
-
-static bool has_control(const char *text)
-{
-    for (; *text != '\0'; text++)
-        if (((unsigned char)*text < 0x20 && *text != '\t') || *text == 0x7f)
-            return true;
-    return false;
 }
 
 /* An escape that would change how the path is cut into segments, or end it early. */
@@ -141,7 +134,7 @@ const char *vor_head_check(const struct vor_head *head, const char **detail)
     for (size_t i = 0; i < head->field_count && *detail == NULL; i++) {
         if (!is_token(head->fields[i].name))
             *detail = "a header name holds a byte that is not allowed in names";
-        else if (has_control(head->fields[i].value))
+        else if (strpbrk(head->fields[i].value, VOR_CONTROLS) != NULL)
             *detail = "a header value holds a control byte";
     }
     if (*detail != NULL || (*detail = check_framing(head)) != NULL)

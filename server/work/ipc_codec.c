@@ -208,19 +208,10 @@ static int check_result(struct vor_run_result *result)
     return report->stopped < VOR_STOPPED_COUNT;
 }
 
-static int is_text(const char *text, size_t size)
-{
-    const char *end = memchr(text, '\0', size);
-
-    for (; end != NULL && text < end; text++)
-        if ((unsigned char)*text < ' ' || *text == 0x7f)
-            return 0;
-    return end != NULL;
-}
-
 /* Whether what was said makes sense, `size` bytes of it. */
 static int check_said(struct vor_message_said *said, size_t size)
 {
+    static const char controls[] = VOR_CONTROLS "\t";
     const struct vor_error *error = &said->of.error;
 
     if ((unsigned)said->what >= VOR_SAID_KINDS ||
@@ -242,8 +233,10 @@ static int check_said(struct vor_message_said *said, size_t size)
     case VOR_SAID_WAITS:
     case VOR_SAID_FAILED:
         return error->status > VOR_OK && error->status < VOR_STATUS_COUNT &&
-               is_text(error->message, sizeof error->message) &&
-               is_text(error->parameter, sizeof error->parameter);
+               memchr(error->message, '\0', sizeof error->message) != NULL &&
+               memchr(error->parameter, '\0', sizeof error->parameter) != NULL &&
+               strpbrk(error->message, controls) == NULL &&
+               strpbrk(error->parameter, controls) == NULL;
     default:
         return 1;
     }
